@@ -9,8 +9,7 @@ from starlette.middleware import Middleware
 from ui.access.login import login
 from ui.serving.gate import Gate, OwnPages
 from ui.serving.headers import KnownPages, SecureHeaders
-from ui.serving.life import lifespan
-from ui.serving.starting import check_start
+from ui.serving.life import check_start, lifespan
 from ui.serving.styles import OwnStyles
 from ui.serving.visitors import VisitorLimits
 from ui.session.routes import routes_below

@@ -5,7 +5,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.driver.comparison.said import counts, no_claim, view_facts
 from nvcore.driver.comparison.steps import driver_in
-from ui.driver import course, listed, missing, regions, run, threshold
+from ui.driver import course, listed, regions, run
 from ui.session import state
 from ui.shell.messages import draw_operating_point, draw_warnings, needs_comparison
 from ui.widgets.text import docs_link, plain
@@ -23,9 +23,9 @@ def draw(result: Result) -> None:
     )
     if not driver_in(result).has_any:
         run.draw_notes()
-        missing.draw()
+        run.draw_missing()
         run.draw(is_known=False)
-        missing.draw_commands()
+        run.draw_commands()
         return
     draw_warnings(result)
     draw_operating_point(result)
@@ -39,7 +39,7 @@ def draw(result: Result) -> None:
         st.caption(state.say(counts(result)))
     run.draw_notes()
     run.draw(is_known=True)
-    threshold.draw(result)
+    regions.draw_over_threshold(result)
     encounter = listed.draw(result, region)
     if encounter is not None:
         course.draw(result, encounter)

@@ -9,10 +9,9 @@ from nvcore.comparison import Result
 from nvcore.tables.result import encounters_table
 from ui.encounters import address, classes, details, figures, filters, selection, table
 from ui.encounters.order import Order
-from ui.session import state
+from ui.session import state, store
 from ui.session.chosen import choose_named, encounter_of, name_of
 from ui.shell.messages import draw_operating_point, draw_warnings, needs_comparison
-from ui.shell.tab import back
 from ui.widgets.text import docs_link, plain
 
 
@@ -48,7 +47,7 @@ def draw_filtered(result: Result) -> None:
 
 def follow_link(result: Result, classes: Sequence[str]) -> None:
     """Take filters, order and selection from the address that led here, or from another page."""
-    link = back.page_link()
+    link = store.PAGE_LINK.pop()  # once: what is chosen on the page afterwards holds
     if link is None:
         return
     choice, wrong = address.from_address(
@@ -57,7 +56,7 @@ def follow_link(result: Result, classes: Sequence[str]) -> None:
     filters.take(choice.filters)
     table.take_order(choice.order)
     if choice.has_all_columns:
-        st.session_state[table.ALL_COLUMNS] = True
+        store.ALL_COLUMNS.set(True)
     name = choice.encounter
     if name is not None and encounter_of(result, name) is None:
         name, wrong = None, (*wrong, "there is no such encounter")
@@ -75,12 +74,7 @@ def write_address(
     """Keep the address in step with what is listed and selected."""
     encounter = selection.selected(result, matching)
     name = None if encounter is None else name_of(result, encounter)
-    choice = address.Choice(
-        chosen,
-        order,
-        bool(st.session_state.get(table.ALL_COLUMNS, False)),
-        name,
-    )
+    choice = address.Choice(chosen, order, store.ALL_COLUMNS.get(), name)
     state.write_address(address.to_address(choice), address.NAMES)
 
 

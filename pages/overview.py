@@ -5,8 +5,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from ui.jobs import companions
 from ui.overview import more, plan, scorecard, strip, venn, verdict
-from ui.session.results.evidence import known_evidence, measure_evidence
-from ui.session.results.findings import input_findings
+from ui.session.results import input_findings, known_evidence, measure_evidence
 from ui.shell.messages import draw_operating_point, needs_comparison
 
 

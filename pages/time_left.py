@@ -4,10 +4,10 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.time_left.steps import time_left_in
-from ui.session import state
+from ui.session import state, store
 from ui.shell.messages import draw_operating_point, draw_warnings, needs_comparison
-from ui.time_left import approaches, classes, listed, numbers, speeds
-from ui.time_left.opening import open_encounter
+from ui.time_left import approaches, listed, numbers, speeds
+from ui.time_left.listed import open_encounter
 from ui.widgets.text import docs_link
 
 
@@ -20,7 +20,7 @@ def draw(result: Result) -> None:
             f"A car passes {objects.plural} and does not brake for them: no time is left to judge."
         )
         return
-    if (opened := listed.take_opened()) is not None:
+    if (opened := store.URGENT_ENCOUNTER.pop()) is not None:
         open_encounter(result, *opened)
     st.caption(
         state.say(
@@ -37,7 +37,7 @@ def draw(result: Result) -> None:
         urgent = approaches.urgent_of(result)
         approaches.draw(result, urgent)
     speeds.draw(result)
-    classes.draw(result)
+    numbers.draw_by_class(result)
     if time_left_in(result).is_urgent.any():
         st.header("One by one")
         approaches.draw_margins(result, urgent)

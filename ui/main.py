@@ -6,24 +6,23 @@ import streamlit as st
 
 from nvcore.errors import NvcoreError
 from ui.people.studies import is_participant, leave_screen
-from ui.serving.preparing import settle_memory
-from ui.session import state
+from ui.serving.life import settle_memory
+from ui.session import settings, state, store
 from ui.shell import (
     account,
     live,
     live_params,
     sidebar,
     systems,
+    tab,
     title,
     way_out,
 )
 from ui.shell.messages import error_banner
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import all_pages, draw_bar, draw_tabs, is_folded_on, own_of, shown_on
-from ui.shell.tab import back, narrow, restore, theme
 from ui.subjects import contributed
 from ui.widgets import figure_menu
-from ui.widgets.clicks import forget_clicks
 
 # pages with more in their address, which they write by themselves, or leave as it is
 # (Streamlit would print a string below it on every page)
@@ -48,11 +47,11 @@ bar = st.container(key="navigation_place")
 wrong_params = failure = None
 try:
     follow_wish()
-    state.begin_run()
+    settings.begin_run()
     if not is_participant():
         with bar:
             draw_bar(pages, page)
-    back.follow()
+    tab.follow_history()
     leave_screen(state.workspace(), page.url_path if is_participant() else "")
     if not is_participant():
         with st.sidebar:  # before the page, so that its room is kept from the start
@@ -64,16 +63,16 @@ try:
         state.write_address()
     if not is_participant():
         title.draw(page.title, page.url_path)
-    if wrong := state.bad_link():
+    if wrong := store.BAD_LINK.pop():
         st.warning(f"The link could not be followed in all: {wrong}.", icon=":material/link_off:")
     if not is_participant():
         draw_tabs(pages, page)
     page.run()
-    back.page_link()  # it was for this page
+    store.PAGE_LINK.pop()  # it was for this page
 except Exception as error:  # noqa: BLE001  # the sidebar is drawn, or its widgets lose their values
     error_banner(error)
     failure = error
-forget_clicks()
+store.CLICKED.pop()  # it is no longer there
 if wrong_params is not None and not is_participant():  # something is open
     try:
         shown = shown_on(page)
@@ -83,13 +82,11 @@ if wrong_params is not None and not is_participant():  # something is open
             error_banner(error)
             failure = error
     with st.sidebar:
-        restore.draw()
-        back.draw()
+        tab.draw_memory()
         account.draw()
         live.draw(can_compare=failure is None)
         figure_menu.draw()
-        narrow.draw()
-        theme.draw()
+        tab.draw_window()
 if failure is None and not is_participant():
     try:
         for aside in contributed("ASIDE"):

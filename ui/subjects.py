@@ -85,9 +85,9 @@ def contributed(kind: str) -> tuple[Any, ...]:
     kind
         Name of what `nvcore.subjects.Subject.ui` has, or of a reference ``"module:name"`` to it:
         ``"PAGES"`` (`Page`), ``"DOCUMENTS"`` (`Document`), ``"ASIDE"`` (`ui.jobs.runs.Aside`),
-        ``"ROUTES"`` (`ui.session.requests.Place`), ``"STUDIES"`` (`ui.people.studies.Studies`),
+        ``"ROUTES"`` (`ui.session.routes.Place`), ``"STUDIES"`` (`ui.people.studies.Studies`),
         ``"PRELOADED"`` (modules that `ui.confined.nursery` loads before it forks: none that loads
-        Streamlit), ``"SIGHT"`` (`ui.session.look.Sight`) or ``"MADE_FILES"`` (function of the
+        Streamlit), ``"SIGHT"`` (`ui.widgets.drawing.Sight`) or ``"MADE_FILES"`` (function of the
         session and of the one to be written: each `MadeFile` by its name in the latter).
     """
     rooms = [subject.ui for _, subject in subjects().values() if subject.ui]

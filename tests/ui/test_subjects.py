@@ -19,8 +19,8 @@ from nvcore.stages import SALIENCY
 from nvcore.subjects import Subject
 from ui.documentation import page as documentation
 from ui.people.studies import Studies
-from ui.serving.starting import check_start
-from ui.session.requests import Place
+from ui.serving.life import check_start
+from ui.session.routes import Place
 from ui.shell import pages
 from ui.subjects import Document, Page, contributed
 

@@ -26,15 +26,14 @@ from typing import Any, Final
 from urllib.parse import urlsplit
 
 import streamlit as st
-from streamlit.auth_util import get_secrets_auth_section, is_authlib_installed
 
 from nvcore.errors import InputError
 from nvcore.extras import needs
 from ui.settings.start import argument, base_path
+from ui.streamlit_inside.login import CALLBACK, has_authlib, section_of_secrets
 
 FLAG: Final = "--login"
 VARIABLE: Final = "NVCORE_LOGIN"
-CALLBACK: Final = "/oauth2callback"
 HOURS: Final = 12.0
 MAX_HOURS: Final = 24.0 * 30
 """As long as Streamlit's cookie."""
@@ -113,7 +112,7 @@ def login() -> Login | None:
     with needs("login", "log-in needs"):
         import authlib  # noqa: F401
         import httpx  # noqa: F401
-    if not is_authlib_installed():
+    if not has_authlib():
         raise InputError("log-in needs a newer Authlib: pip install --upgrade 'nvcore[login]'")
     settings = read_login(section, file=path or "secrets.toml", base=base_path())
     if settings.allow is None:
@@ -223,8 +222,7 @@ def _section_of_secrets() -> Mapping[str, Any] | None:
     for name in st.get_option("secrets.files"):
         if Path(name).is_file():
             _read(Path(name))  # Streamlit takes one that it cannot read for none
-    section = get_secrets_auth_section()
-    return section.to_dict() if section else None
+    return section_of_secrets()
 
 
 def _read(path: Path) -> dict[str, Any]:

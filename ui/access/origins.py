@@ -13,16 +13,15 @@ from ipaddress import ip_address
 from urllib.parse import urlsplit
 
 import streamlit as st
-from streamlit.web.server.server_util import allowlisted_origins
-from streamlit.web.server.starlette.starlette_websocket import is_host_allowed
 
 from ui.access.login import login
+from ui.streamlit_inside.server import allowed_origins, is_allowed_host
 
 
 def is_own_host(host: str | None) -> bool:
     """Whether a request to this host, as its header says, is meant for this server."""
     if st.get_option("server.allowedHosts"):
-        return is_host_allowed(host)
+        return is_allowed_host(host)
     name = _hostname(host)
     return name is not None and (
         _is_number(name) or "." not in name or name.endswith(".localhost") or name in own_names()
@@ -37,7 +36,7 @@ def is_own_origin(origin: str | None, host: str | None) -> bool:
     """
     if not is_own_host(host):
         return False
-    return origin is None or _netloc(origin) == host or origin in allowlisted_origins()
+    return origin is None or _netloc(origin) == host or origin in allowed_origins()
 
 
 def _netloc(origin: str) -> str | None:
@@ -67,7 +66,7 @@ def _is_number(name: str) -> bool:
 def own_names() -> frozenset[str]:
     """Names of this server; the first call asks the network, which may take seconds."""
     settings = login()
-    addresses = [*allowlisted_origins(), *([] if settings is None else [settings.origin])]
+    addresses = [*allowed_origins(), *([] if settings is None else [settings.origin])]
     names = [urlsplit(address).hostname for address in addresses]
     names += [st.get_option("browser.serverAddress"), socket.gethostname(), socket.getfqdn()]
     return frozenset(name.lower().rstrip(".") for name in names if name)

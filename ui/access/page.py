@@ -10,10 +10,9 @@ from typing import Final
 from urllib.parse import urlencode
 
 from ui.access.login import DEFAULT
+from ui.streamlit_inside.login import LOG_OUT
 
 LOG_IN: Final = "/log-in"
-LOG_OUT: Final = "/auth/logout"
-"""Streamlit's."""
 NEXT: Final = "next"
 PROVIDER: Final = "provider"
 MAX_ADDRESS: Final = 2000

@@ -14,16 +14,13 @@ import threading
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, Final
 
 import streamlit as st
-from streamlit.auth_util import get_cookie_with_chunks
-from streamlit.web.server.starlette.starlette_app_utils import decode_signed_value
-from streamlit.web.server.starlette.starlette_server_config import USER_COOKIE_NAME
 
 from nvcore.errors import NvcoreError
 from ui.access.login import Login, login
+from ui.streamlit_inside.login import signed_user
 
 NOBODY: Final = ""
 """Who everybody is where there is no log-in."""
@@ -58,7 +55,7 @@ _lock = threading.Lock()
 
 def person_of(cookies: Mapping[str, str], settings: Login) -> Person | None:
     """Who has logged in with the browser that has these cookies; None: nobody."""
-    signed = get_cookie_with_chunks(partial(_decoded, cookies, settings), USER_COOKIE_NAME)
+    signed = signed_user(cookies, settings.cookie_secret, hours=settings.hours)
     if signed is None:
         return None
     log_in = hashlib.sha256(signed).hexdigest()
@@ -129,19 +126,6 @@ def end_log_in(cookies: Mapping[str, str]) -> None:
                 break
             del _ended[log_in]
         _ended[person.log_in] = now
-
-
-def _decoded(cookies: Mapping[str, str], settings: Login, name: str) -> bytes | None:
-    value = cookies.get(name)
-    if value is None:
-        return None
-    try:
-        signed = value.encode("latin-1")
-    except UnicodeEncodeError:
-        return None
-    return decode_signed_value(
-        settings.cookie_secret, name, signed, max_age_days=settings.hours / 24
-    )
 
 
 def _verified_email(claims: Mapping[str, Any]) -> str:

@@ -7,18 +7,19 @@ from functools import partial
 from typing import Final
 
 import streamlit as st
+from streamlit.typing import UploadedFile
 
 from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.session import Session
+from ui.access.files import LocalRoot, local_root
 from ui.data import local, upload
 from ui.data.form import forget_outcome
 from ui.data.inputs import sent_pictures
 from ui.data.missing_inputs import MissingInputs, ask_for_missing
-from ui.data.opening import WAYS, WAYS_OPEN, draw_trouble, has_trouble, try_to_open
-from ui.session import state
-from ui.session.local_files import LocalRoot, local_root
+from ui.data.opening import WAYS, draw_trouble, has_trouble, try_to_open
+from ui.session import state, store
 from ui.session.opening import uploaded_session
-from ui.session.uploads import SentFile, new_upload, store_annotations
+from ui.session.uploads import new_upload, store_annotations
 from ui.session.workspace import PICTURES
 from ui.settings.start import start_file
 from ui.widgets.buttons import button
@@ -33,9 +34,9 @@ SAMPLE_TEXT = (
 
 def draw() -> None:
     """The ways, folded but where something is left to do there."""
-    if WAYS_OPEN not in st.session_state:  # the page is new
-        st.session_state[WAYS_OPEN] = has_trouble() or upload.has_lost(state.workspace())
-    with st.expander(WAYS, key=WAYS_OPEN, on_change="rerun"):
+    if not store.WAYS_OPEN.is_set:  # the page is new
+        store.WAYS_OPEN.set(has_trouble() or upload.has_lost(state.workspace()))
+    with st.expander(WAYS, key=store.WAYS_OPEN.key, on_change="rerun"):
         _draw_tabs()
 
 
@@ -101,7 +102,9 @@ def draw_session_form() -> None:
         try_to_open(lambda: _session(file, others, facts), label=label, place=PLACE)
 
 
-def _session(file: SentFile | None, others: Sequence[SentFile], facts: MissingInputs) -> Session:
+def _session(
+    file: UploadedFile | None, others: Sequence[UploadedFile], facts: MissingInputs
+) -> Session:
     if file is None:
         raise InputError("Choose the session file first.")
     space = state.workspace()

@@ -25,7 +25,7 @@ from nvcore.params import Params
 from nvcore.report.words import at_best, sampling_note
 from nvcore.stages import MATCH
 from nvcore.wording import capitalised
-from ui.session import state
+from ui.session import state, store
 from ui.shell import operating_point, systems
 from ui.widgets.charts import draw_chart
 from ui.widgets.text import docs_link, number, plain
@@ -77,7 +77,7 @@ def _draw_choice(x: str, y: str) -> None:
     names = list(state.opened().dataset.systems)
     left, middle, right, last = st.columns([4, 2, 4, 5], vertical_alignment="bottom")
     # the widgets show what is open, however it was changed
-    st.session_state["choice_x"], st.session_state["choice_y"] = x, y
+    store.set_widgets(choice_x=x, choice_y=y)
     left.selectbox("System X", names, key="choice_x", on_change=_choose, args=("x",))
     middle.button(
         "Swap",
@@ -88,7 +88,7 @@ def _draw_choice(x: str, y: str) -> None:
     )
     right.selectbox("System Y", names, key="choice_y", on_change=_choose, args=("y",))
     primary = primary_of(state.opened().dataset)
-    st.session_state["choice_primary"] = primary.key
+    store.CHOICE.of("primary").set(primary.key)
     last.selectbox(
         "Decide by",
         list(CLAIMABLE.values()),
@@ -112,16 +112,16 @@ def _choose_primary() -> None:
     """Another measure was chosen; the session knows whether a verdict on the data was shown."""
     session, fingerprint = state.opened().session, state.opened().dataset.fingerprint
     primary = session.primary.of_data(fingerprint)
-    if state.has_shown_verdict():
+    if store.SHOWN_VERDICT.get() == fingerprint:
         primary = replace(primary, fingerprint=fingerprint)
-    chosen = choose_primary(primary, st.session_state["choice_primary"])
+    chosen = choose_primary(primary, store.CHOICE.of("primary").get())
     state.compare_as(replace(session, primary=chosen))
 
 
 def _choose(letter: str) -> None:
     """X or Y was chosen; the system of the other letter changes places with it."""
     x, y = state.systems()
-    chosen = st.session_state[f"choice_{letter}"]
+    chosen = store.CHOICE.of(letter).get()
     if letter == "x":
         systems.compare(chosen, x if chosen == y else y)
     else:
@@ -138,11 +138,11 @@ def _draw_exact(named: Sequence[tuple[str, str]]) -> None:
         return
     with place:
         for letter in scored:
-            key = f"data_threshold_{letter}"
-            st.session_state[key] = state.threshold_of(letter)
+            field = store.EXACT_THRESHOLD.of(letter)
+            field.set(state.threshold_of(letter))
             st.number_input(
                 f"Score threshold of {letter.upper()}",
-                key=key,
+                key=field.key,
                 value=None,
                 step=0.01,
                 format="%.4g",
@@ -156,9 +156,9 @@ def _draw_exact(named: Sequence[tuple[str, str]]) -> None:
 
 def _draw_lowest(letter: str) -> None:
     """Why the field is empty, if what was just typed leaves no detection out."""
-    typed_letter, threshold = st.session_state.get(LOWEST, ("", 0.0))
+    typed_letter, threshold = store.LOWEST_THRESHOLD.get()
     if typed_letter == letter:
-        del st.session_state[LOWEST]
+        store.LOWEST_THRESHOLD.pop()
         st.caption(
             f"No detection of {letter.upper()} has a score below {threshold:g}: every detection "
             "counts, which an empty field stands for."
@@ -214,12 +214,12 @@ def _plots(letter: str, name: str, threshold: float | None) -> tuple[go.Figure, 
 
 
 def _take_threshold(letter: str) -> None:
-    threshold: float | None = st.session_state[f"data_threshold_{letter}"]
+    threshold = store.EXACT_THRESHOLD.of(letter).get()
     state.set_threshold(letter, threshold)
     name = state.systems()["xy".index(letter)]
     span = None if name is None else state.score_span(name)
     if threshold is not None and span is not None and threshold <= span[0]:
-        st.session_state[LOWEST] = letter, threshold
+        store.LOWEST_THRESHOLD.set((letter, threshold))
 
 
 def _draw_same_point(x: str, y: str) -> None:

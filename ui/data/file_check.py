@@ -20,13 +20,11 @@ from nvcore.inputs.session import Source
 from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.schema import NO_TRACK
 from ui.confined.reading import find_confined, read_confined
-from ui.session import state
-from ui.session.cache import Caching
+from ui.session import state, store
 from ui.shell.messages import error_text
 from ui.widgets.text import plain
 
 USUAL_IN_KITTI: Final = ("kitti-tracking", "kitti-object")
-_CHECKS: Final = "file_checks"
 MOST_KEPT: Final = 40
 """Sources that are remembered, so that files are not read again at every click."""
 
@@ -113,11 +111,10 @@ def check_files(
     Paths of the source that `source` makes start from `folder`; its errors are the check's trouble.
     Detections are read with the check of the ground truth.
     """
-    checks: Caching = st.session_state.setdefault(_CHECKS, Caching())
     known = None if truth is None else truth.reading
     # without a reading the truth makes no difference
     of_both = (key, objects, None if known is None else truth)
-    return checks.cached(
+    return store.FILE_CHECKS.get().cached(
         "files", of_both, lambda: _check(source, role, folder, known, objects), most=MOST_KEPT
     )
 

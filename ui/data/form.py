@@ -14,13 +14,14 @@ from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.wording import listed
 from ui.data.file_check import FileCheck, unusable
 from ui.data.frames import FrameList
-from ui.data.missing_inputs import MissingInputs, ask_for_missing, forget_missing
+from ui.data.missing_inputs import MissingInputs, ask_for_missing
 from ui.data.names import with_recording_name
-from ui.data.opening import draw_trouble, forget_trouble
+from ui.data.opening import draw_trouble
 from ui.data.pictures import ChosenPictures
 from ui.data.recordings import before
 from ui.data.recordings.before import TypedRecordings
 from ui.data.recordings_table import RecordingsTable
+from ui.session import store
 from ui.session.opening import (
     guess_pictures,
     recording_entry,
@@ -31,8 +32,8 @@ from ui.session.opening import (
 
 def forget_outcome(place: str) -> None:
     """To be called when a choice in this part of the page has changed."""
-    forget_trouble(place)
-    forget_missing(place)
+    store.TROUBLES.of(place).pop()
+    store.ASKED_FACTS.of(place).pop()
 
 
 @dataclass(frozen=True)
@@ -73,9 +74,9 @@ class Form:
 
     def _ask_for_names(self) -> None:
         """Ask once for names that the files do not tell; who opens again keeps the numbers."""
-        asked = f"asked_names_{self.place}"
-        if self.unnamed and st.session_state.get(asked) != self.unnamed:
-            st.session_state[asked] = self.unnamed
+        asked = store.ASKED_NAMES.of(self.place)
+        if self.unnamed and asked.get() != self.unnamed:
+            asked.set(self.unnamed)
             raise InputError(
                 f"The files' names do not tell what {listed(self.unnamed)} "
                 f"{'is' if len(self.unnamed) == 1 else 'are'}: type the names of the systems. "

@@ -14,6 +14,7 @@ from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.objects import Objects
 from nvcore.wording import count_text
+from ui.access.files import Entry, LocalRoot, check_confined
 from ui.confined.reading import find_confined, session_confined, with_recordings_confined
 from ui.data.file_check import FileCheck, check_files, draw_file_check
 from ui.data.form import Form, finish_form, forget_outcome
@@ -30,8 +31,7 @@ from ui.data.recordings_table import (
     check_recordings,
     draw_recordings,
 )
-from ui.session.local_files import Entry, LocalRoot
-from ui.session.opening import check_confined
+from ui.session import store
 from ui.shell.messages import error_text
 from ui.widgets.buttons import button
 from ui.widgets.text import plain
@@ -57,13 +57,13 @@ _session_changed = partial(forget_outcome, SESSION)
 
 def draw(root: LocalRoot) -> None:
     """A folder to look into, and what to take from it."""
-    path = st.session_state.setdefault("local_folder", "")
+    path = store.LOCAL_FOLDER.get()
     try:
         entries = root.entries(path)
     except InputError as error:
         st.warning(plain(str(error)), icon=":material/warning:")
         path, entries = "", root.entries()
-        st.session_state["local_folder"] = path
+        store.LOCAL_FOLDER.set(path)
     _draw_folder(path, entries)
     _draw_session(root, entries)
     st.markdown("**Or choose files and folders**, here and in other folders:")
@@ -92,7 +92,7 @@ def _draw_form(root: LocalRoot, entries: list[Entry]) -> tuple[dict[str, list[st
         name_fields.append(left)
         checks.append(check)
     recordings = [] if checks[0] is None else checks[0].recordings
-    frames_are_listed = bool(st.session_state.get("local_frames"))
+    frames_are_listed = bool(store.widget("local_frames").get())
     table = _draw_table(root, entries, [] if frames_are_listed else recordings)
     frames = _draw_frame_list(root, entries, recordings)
     paths_of["local_pictures"] = _draw_role("local_pictures", entries)
@@ -212,11 +212,11 @@ def _draw_folder(current: str, entries: list[Entry]) -> None:
 
 
 def _go() -> None:
-    path, entry = st.session_state["local_folder"], st.session_state["local_next"]
+    path, entry = store.LOCAL_FOLDER.get(), store.LOCAL_NEXT.get()
     if entry is not None:
-        st.session_state["local_folder"] = path.rpartition("/")[0] if entry == UP else entry
+        store.LOCAL_FOLDER.set(path.rpartition("/")[0] if entry == UP else entry)
         _session_changed()
-    st.session_state["local_next"] = None
+    store.LOCAL_NEXT.set(None)
 
 
 def _draw_session(root: LocalRoot, entries: list[Entry]) -> None:
@@ -238,7 +238,7 @@ def _draw_role(
     key: str, entries: list[Entry], *, most: int | None = None, help_text: str | None = None
 ) -> list[str]:
     """Files and folders of one role; what was chosen in other folders stays chosen."""
-    before: list[str] = st.session_state.get(key, [])
+    before: list[str] = store.widget(key, []).get()
     options = [*before, *(entry.path for entry in entries if entry.path not in before)]
     return st.multiselect(
         ROLES[key], options, key=key, on_change=_changed, max_selections=most, help=help_text

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -20,12 +20,11 @@ from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session
 from nvcore.settings import MAX_FPS, MIN_FPS
 from nvcore.wording import capitalised
-from ui.data.opening import MISSING_WORDS, trouble_of
-from ui.session import state
+from ui.data.opening import MISSING_WORDS
+from ui.session import state, store
 from ui.session.opening import checked_frames
 from ui.widgets.text import plain
 
-_CHECKS: Final = "picture_checks"
 MOST_CHECKS: Final = 256
 """Pictures that are remembered: a long video takes time to open."""
 MAX_SIZE_PX: Final = 100_000
@@ -99,10 +98,10 @@ def ask_for_missing(
     Size and frame rate of the pictures are proposed, else the `sizes` that boxes point to by
     recording, else those that are usual for the format of the ground truth.
     """
-    trouble = trouble_of(place)
-    asked = st.session_state.setdefault(f"asked_{place}", set())
-    asked |= set(() if trouble is None else trouble.facts)
-    asked = asked | set(unknown)
+    trouble = store.TROUBLES.of(place).get()
+    lacking = store.ASKED_FACTS.of(place)
+    lacking.set(lacking.get().union(() if trouble is None else trouble.facts))
+    asked = lacking.get() | set(unknown)
     pictures, usual = list(pictures), USUAL_INPUTS.get(format_name)
     if sizes and usual is not None:
         usual = _by_the_edges(usual, sizes)
@@ -175,7 +174,7 @@ def _draw_size(
 
 def _is_typed(name: str, proposed: float | None) -> bool:
     """Whether a person changed the proposal: what was typed outlasts later proposals."""
-    return st.session_state.get(f"{name}_{proposed}") not in (None, proposed)
+    return store.widget(f"{name}_{proposed}").get() not in (None, proposed)
 
 
 def _draw_rate(place: str, of_pictures: float | None, usual: UsualInputs | None) -> float | None:
@@ -208,11 +207,6 @@ def _draw_rate(place: str, of_pictures: float | None, usual: UsualInputs | None)
             "another one. Times, lead times and rates per minute depend on it."
         )
     return None if rate is None else float(rate)
-
-
-def forget_missing(place: str) -> None:
-    """Ask for nothing until files turn out to be incomplete again."""
-    st.session_state.pop(f"asked_{place}", None)
 
 
 def draw_reading(role: Role, key: str, changed: Callable[[], None]) -> dict[str, Any]:
@@ -282,7 +276,7 @@ def check_pictures(path: Path) -> PictureCheck:
         status = path.stat()
     except OSError as error:
         return PictureCheck(trouble=f"cannot be opened ({error.strerror})")
-    checks: dict[Hashable, PictureCheck] = st.session_state.setdefault(_CHECKS, {})
+    checks = store.PICTURE_CHECKS.get()
     key = (path, status.st_mtime_ns, status.st_size)
     check = checks.pop(key, None) or _check_pictures(path)
     if not (check.trouble and path.is_dir()):

@@ -12,6 +12,7 @@ from nvcore.file_kinds import unpacked_name
 from nvcore.inputs.files import system_names
 from nvcore.inputs.readers.meaning.names import NEUTRAL
 from nvcore.inputs.session import RecordingEntry, Session, Source
+from ui.session import store
 
 
 def proposed_names(
@@ -40,10 +41,10 @@ def proposed_names(
 
 def draw_name(label: str, proposed: str, *, key: str, changed: Callable[[], None]) -> str:
     """A field that shows the proposed name until a person types another."""
-    last_proposal = f"told_{key}"
-    if st.session_state.get(key, "") in ("", st.session_state.get(last_proposal, "")):
-        st.session_state[key] = proposed
-    st.session_state[last_proposal] = proposed
+    field, last_proposal = store.widget(key, ""), store.PROPOSED_NAMES.of(key)
+    if field.get() in ("", last_proposal.get()):
+        field.set(proposed)
+    last_proposal.set(proposed)
     typed = st.text_input(label, key=key, on_change=changed, placeholder="told by the files")
     return (typed or "").strip() or proposed
 

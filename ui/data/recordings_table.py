@@ -12,9 +12,9 @@ import streamlit as st
 from nvcore.inputs.recordings import no_such_recording
 from nvcore.inputs.session import RecordingEntry, RecordingsFile
 from nvcore.wording import MOST_NAMED, count_text, listed
+from ui.access.files import safe_name
 from ui.confined.reading import recordings_confined
 from ui.data.file_check import read_unless_known
-from ui.session.uploads import safe_name
 from ui.widgets.text import plain
 
 RECORDINGS_LABEL: Final = "Recordings (table, one line each)"

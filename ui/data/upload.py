@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import streamlit as st
-from streamlit.delta_generator import DeltaGenerator
-from streamlit.runtime.uploaded_file_manager import UploadedFile
+from streamlit.typing import UploadedFile
 
 from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.readers.base import Role
@@ -34,7 +33,7 @@ from ui.data.recordings_table import (
     check_recordings,
     draw_recordings,
 )
-from ui.session import state
+from ui.session import state, store
 from ui.session.opening import relative_path, with_uploaded_recordings
 from ui.session.uploads import (
     ANNOTATION_FOLDERS,
@@ -45,6 +44,7 @@ from ui.session.uploads import (
 )
 from ui.session.workspace import PICTURES, Workspace
 from ui.shell.messages import error_text
+from ui.streamlit_inside.types import DeltaGenerator
 from ui.widgets.buttons import button
 from ui.widgets.text import plain
 from ui.widgets.upload import upload_pictures
@@ -52,7 +52,6 @@ from ui.widgets.upload import upload_pictures
 PLACE: Final = "upload"
 LABEL: Final = "Uploaded files"
 MOST_SYSTEMS: Final = 20
-_STORED: Final = "upload_stored"
 _CHOSEN: Final = "upload_chosen"
 _OPENED: Final = "upload_opened"
 FILES_HELP: Final = (
@@ -81,7 +80,7 @@ class _Field:
 
 
 @dataclass(frozen=True)
-class _Stored:
+class StoredForm:
     """The files of the form on disk: paths relative to their folder, or what is wrong, by slot."""
 
     ids: tuple[tuple[str, ...], ...]
@@ -151,7 +150,7 @@ def draw() -> None:
 
 def has_lost(space: Workspace) -> bool:
     """Whether files were chosen and not opened before the page was loaded again."""
-    return _CHOSEN in space.notes and not st.session_state.get(_CHOSEN, False)
+    return _CHOSEN in space.notes and not store.UPLOAD_CHOSEN.get()
 
 
 def _key(name: str) -> str:
@@ -164,7 +163,7 @@ def _empty(space: Workspace) -> None:
     begin_form(space)
     for name in (_OPENED, _CHOSEN):
         space.notes.pop(name, None)
-    st.session_state.pop(_CHOSEN, None)
+    store.UPLOAD_CHOSEN.pop()
     _changed()
 
 
@@ -176,12 +175,12 @@ def _tell_lost(space: Workspace, fields: Sequence[_Field]) -> None:
     names = [file.name for field in fields for file in field.files]
     ids = tuple(field.ids for field in fields)
     if names:
-        st.session_state[_CHOSEN] = True
+        store.UPLOAD_CHOSEN.set(True)
         if space.notes.get(_OPENED) != ids:
             space.notes[_CHOSEN] = names
     elif space.notes.pop(_OPENED, None) is not None:  # what was sent then has been opened
         begin_form(space)
-    elif st.session_state.get(_CHOSEN, False):
+    elif store.UPLOAD_CHOSEN.get():
         space.notes.pop(_CHOSEN, None)
     elif lost := space.notes.get(_CHOSEN):
         st.info(
@@ -211,7 +210,7 @@ def _ask(
 
 
 def _draw_systems() -> list[_Field]:
-    n_systems = st.session_state.setdefault("upload_systems", 2)
+    n_systems = store.UPLOAD_SYSTEMS.get()
     systems = []
     for number in range(n_systems):
         left, right = st.columns([1, 3])
@@ -240,7 +239,7 @@ def _draw_single(title: str, slot: str, label: str, help_text: str) -> _Field:
 
 
 def _check_table(
-    space: Workspace, stored: _Stored, table: _Field, recordings: Sequence[str]
+    space: Workspace, stored: StoredForm, table: _Field, recordings: Sequence[str]
 ) -> RecordingsTable:
     if not table.files:
         return RecordingsTable()
@@ -251,7 +250,7 @@ def _check_table(
     return draw_recordings(check_recordings(path, stored.folder), recordings, sent)
 
 
-def _check_list(stored: _Stored, frame_list: _Field, recordings: Sequence[str]) -> FrameList:
+def _check_list(stored: StoredForm, frame_list: _Field, recordings: Sequence[str]) -> FrameList:
     if not frame_list.files:
         return FrameList()
     if frame_list.slot in stored.troubles:
@@ -265,7 +264,7 @@ def _numbered(number: int) -> str:
 
 
 def _draw_names(
-    stored: _Stored, truth: _Field, systems: Sequence[_Field], recordings: Sequence[str]
+    stored: StoredForm, truth: _Field, systems: Sequence[_Field], recordings: Sequence[str]
 ) -> list[str]:
     proposed = proposed_names(
         [stored.known_paths(system) for system in systems], stored.known_paths(truth), recordings
@@ -281,7 +280,7 @@ def _draw_names(
 
 
 def _add_system() -> None:
-    st.session_state["upload_systems"] += 1
+    store.UPLOAD_SYSTEMS.set(store.UPLOAD_SYSTEMS.get() + 1)
 
 
 def _draw_pictures(space: Workspace, recordings: Sequence[str]) -> ChosenPictures:
@@ -305,15 +304,15 @@ def _remove_all(space: Workspace) -> None:
     remove_pictures(space, [file.name for file in space.stored.values() if file.form == space.form])
 
 
-def _store(space: Workspace, fields: Sequence[_Field]) -> _Stored:
+def _store(space: Workspace, fields: Sequence[_Field]) -> StoredForm:
     """The files on disk; written again only where other files were chosen."""
     ids = tuple(field.ids for field in fields)
-    before: _Stored | None = st.session_state.get(_STORED)
+    before = store.UPLOAD_STORED.get()
     is_same = before is not None and before.ids == ids and before.folder.is_dir()
     if before is not None and is_same and not before.troubles:  # there may be room by now
         return before
     if not any(ids):
-        return _Stored(ids, space.folder, {}, {})
+        return StoredForm(ids, space.folder, {}, {})
     folder = new_upload(space)
     paths, troubles = {}, {}
     with st.spinner("Storing the files"):
@@ -325,7 +324,8 @@ def _store(space: Workspace, fields: Sequence[_Field]) -> _Stored:
                 paths[field.slot] = store_annotations(space, folder, field.slot, field.files)
             except NvcoreError as error:
                 troubles[field.slot] = error_text(error)
-    stored = st.session_state[_STORED] = _Stored(ids, folder, paths, troubles)
+    stored = StoredForm(ids, folder, paths, troubles)
+    store.UPLOAD_STORED.set(stored)
     return stored
 
 
@@ -342,7 +342,7 @@ def _refuse_equal_names(files: Sequence[UploadedFile]) -> None:
 
 
 def _check(
-    stored: _Stored, field: _Field, truth: FileCheck | None, objects: Objects
+    stored: StoredForm, field: _Field, truth: FileCheck | None, objects: Objects
 ) -> FileCheck | None:
     if not field.files:
         return None
@@ -358,7 +358,7 @@ def _check(
     )
 
 
-def _session(truth: _Field, systems: Sequence[_Field], stored: _Stored, form: Form) -> Session:
+def _session(truth: _Field, systems: Sequence[_Field], stored: StoredForm, form: Form) -> Session:
     sent = [pair for pair in zip(systems, form.names, strict=True) if pair[0].files]
     form.check(has_truth=bool(truth.files), has_systems=bool(sent))
     notes = state.workspace().notes

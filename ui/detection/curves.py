@@ -20,7 +20,7 @@ from nvcore.tables.scorecard import curve_rows
 from nvcore.wording import capitalised, count_text, minus
 from ui.detection.protocol import filtered
 from ui.session import state
-from ui.session.results.evidence import miss_rate_evidence
+from ui.session.results import miss_rate_evidence
 from ui.widgets.charts import clicked_chart
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.html import measures_html, score_row

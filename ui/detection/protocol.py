@@ -13,8 +13,7 @@ from nvcore.detection.filtered_truth import FilteredTruth, filter_truth, known_t
 from nvcore.detection.miss_rate import explain_few
 from nvcore.protocols import OCCLUSION_WORDS, OWN, PROTOCOLS, Protocol, protocol_from
 from nvcore.wording import capitalised, count_text
-from ui.session import state
-from ui.session.chosen import PROTOCOL_RECORDINGS
+from ui.session import state, store
 from ui.widgets.text import plain
 
 OF_SESSION: Final = "filters of the session"
@@ -53,14 +52,14 @@ def choose(dataset: Dataset) -> Protocol:
         chosen = (right if tags else middle).multiselect(
             "Recordings",
             names,
-            key=PROTOCOL_RECORDINGS,
+            key=store.PROTOCOL_RECORDINGS.key,
             placeholder="all recordings",
             persist_state="session",
             help="Only these count, such as those at night.",
         )
-    if name == OWN and st.session_state.get("protocol_shown") != OWN:
+    if name == OWN and store.PROTOCOL_SHOWN.get() != OWN:
         _start_own(state.protocol())
-    st.session_state["protocol_shown"] = name
+    store.PROTOCOL_SHOWN.set(name)
     if name == OF_SESSION:
         filters = start
     else:
@@ -86,13 +85,13 @@ def _start() -> Protocol:
         known = space.notes["protocol_start"] = space.n_opened, state.protocol()
     start = known[1]
     shown_of = space.token, space.n_opened
-    if st.session_state.get("protocol_shown_of") == shown_of:
+    if store.PROTOCOL_SHOWN_OF.get() == shown_of:
         return start
     live = state.protocol()
     is_start = replace(live, tags=start.tags, recordings=start.recordings) == start
-    st.session_state.update(
-        protocol_shown_of=shown_of,
-        protocol_shown=None,
+    store.PROTOCOL_SHOWN_OF.set(shown_of)
+    store.PROTOCOL_SHOWN.set(None)
+    store.set_widgets(
         protocol=OF_SESSION if live.name == OWN and is_start else live.name,
         protocol_tags=list(live.tags),
         protocol_recordings=list(live.recordings),
@@ -108,7 +107,7 @@ def filtered(dataset: Dataset, protocol: Protocol) -> FilteredTruth:
 def _start_own(before: Protocol) -> None:
     """Let the fields of the own filters begin with those of another protocol."""
     margins = before.border_px or (None,) * 4
-    st.session_state.update(
+    store.set_widgets(
         own_low=before.height_px[0] or None,
         own_high=_limit(before.height_px[1]),
         own_occlusion=list(before.occlusion),
@@ -182,7 +181,7 @@ def _own_filters(dataset: Dataset) -> Protocol:
 def _margins(place: Any) -> tuple[float, float, float, float] | None:
     """One margin for all sides, or four where the protocol before has different ones."""
     help_text = "The whole box must lie so far inside the picture; with 0, up to its edge. Empty: "
-    if not st.session_state.get("own_has_sides", False):
+    if not store.HAS_SIDES.get():
         margin = _number(
             place,
             "Margin at the border (px)",

@@ -14,12 +14,11 @@ from nvcore.errors import NvcoreError
 from nvcore.wording import count_text, listed, shortened
 from ui.detectors.asking import described, trained_recordings
 from ui.detectors.confined import DetectorFacts, DetectorSpec
-from ui.session import state
+from ui.session import state, store
 from ui.shell.messages import error_text, shown_error
 from ui.widgets.models import ModelKind, draw_field, is_sent, model_files
 from ui.widgets.text import docs_link, plain
 
-USUAL: Final = "detector_usual"
 ONLY_LOCAL: Final = (
     "is a network in ONNX. Such a file is a program, and those of visitors do not run here: put it "
     "below the folder that the app is started with (nvcore app --local-root DIR), or run it by "
@@ -73,10 +72,10 @@ def _usual() -> str:
     """
     is_sample = state.opened().session.folder == state.SAMPLE.parent
     usual = "icf:sample" if is_sample else "hog"
-    before = st.session_state.get(USUAL, usual)
-    if before != usual and st.session_state.get("detector") == before:
-        st.session_state["detector"] = usual
-    st.session_state[USUAL] = usual
+    before = store.USUAL_DETECTOR.get()
+    if before not in (None, usual) and store.DETECTOR.get() == before:
+        store.DETECTOR.set(usual)
+    store.USUAL_DETECTOR.set(usual)
     return usual
 
 

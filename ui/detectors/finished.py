@@ -17,12 +17,12 @@ from nvcore.errors import NvcoreError
 from nvcore.inputs.session import Session
 from nvcore.progress import Progress
 from nvcore.wording import MOST_NAMED, listed, minus
+from ui.access.files import safe_name
 from ui.detectors.confined import DetectorSpec
 from ui.detectors.trial import Levels
 from ui.jobs.runs import FolderJob, is_uploaded, open_written
-from ui.session import state
+from ui.session import state, store
 from ui.session.opening import live_session, relative_path
-from ui.session.uploads import safe_name
 from ui.session.workspace import Workspace
 from ui.shell.messages import shown_error
 from ui.shell.navigate import ask_for_page
@@ -176,7 +176,7 @@ def _open(job: RunJob, written: WrittenRun) -> None:
         named = f"{label}, with {written.name}"
         open_written(space, job, lambda: state.open_session(session, label=named))
     except NvcoreError as error:
-        st.session_state.pop("wanted_page", None)
+        store.NEXT_PAGE.pop()
         space.notes.pop(BEFORE, None)
         st.error(shown_error(error), icon=":material/error:")
 

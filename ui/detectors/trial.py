@@ -20,12 +20,10 @@ from nvcore.wording import count_text, minus
 from ui.detectors import asking
 from ui.detectors.confined import DetectorFacts, DetectorSpec
 from ui.detectors.outcome import Outcome, outcome_of
-from ui.session import state
+from ui.session import state, store
 from ui.widgets.charts import clicked_chart
 from ui.widgets.text import plain as as_text
 
-CHOSEN: Final = "detector_box"
-LEVELS: Final = "detector_levels"
 """Threshold and overlap of each detector, by its name or path."""
 LEAST_SPAN: Final = 0.1
 STEPS: Final = 200
@@ -44,15 +42,15 @@ class Levels:
 
 def levels_of(spec: DetectorSpec, what: DetectorFacts) -> Levels:
     """Threshold and overlap as they are set; at first the detector's own."""
-    levels: dict[str, Levels] = st.session_state.setdefault(LEVELS, {})
     overlap = what.about.settings["overlap"]
     assert isinstance(overlap, int | float)
-    return levels.get(spec.text) or Levels(usual_threshold(what.about), float(overlap))
+    usual = Levels(usual_threshold(what.about), float(overlap))
+    return store.DETECTOR_LEVELS.get().get(spec.text, usual)
 
 
 def chosen_box(spec: DetectorSpec, boxes: Detections) -> int | None:
     """Row of the box that was clicked, else of the most confident one; None: there is none."""
-    where, row = st.session_state.get(CHOSEN, (None, 0))
+    where, row = store.DETECTOR_BOX.get()
     if where == (spec, asking.place()) and row < len(boxes):
         return int(row)
     return 0 if len(boxes) else None
@@ -88,7 +86,7 @@ def draw(
         clicked = _draw_boxes(what, picture, boxes, is_counting, levels, outcome, chosen)
     if clicked is not None:
         row = clicked[0] if isinstance(clicked, list) else clicked
-        st.session_state[CHOSEN] = ((spec, asking.place()), int(row))
+        store.DETECTOR_BOX.set(((spec, asking.place()), int(row)))
         st.rerun()
 
 
@@ -121,7 +119,7 @@ def _draw_levels(spec: DetectorSpec, what: DetectorFacts, boxes: Detections) -> 
         help=plain(facts.meaning),
     )
     levels = Levels(threshold, overlap)
-    st.session_state[LEVELS][spec.text] = levels
+    store.DETECTOR_LEVELS.get()[spec.text] = levels
     return levels
 
 
@@ -181,7 +179,7 @@ def _draw_chosen(
 
 def _clicked_box(spec: DetectorSpec, boxes: Detections, levels: Levels) -> int | None:
     """Row of the box of this frame that was clicked, unless it is below the threshold by now."""
-    where, row = st.session_state.get(CHOSEN, (None, 0))
+    where, row = store.DETECTOR_BOX.get()
     is_here = where == (spec, asking.place()) and row < len(boxes)
     return int(row) if is_here and boxes.score[row] >= levels.threshold else None
 

@@ -22,12 +22,11 @@ from ui.driver.known import (
     opened_run,
     part_of,
 )
-from ui.session import state
+from ui.session import state, store
 from ui.session.chosen import chosen_encounter, name_of
-from ui.session.drawing import visible_of
-from ui.session.look import Look, VisiblePictures, look
 from ui.widgets import compared_viewer
 from ui.widgets.charts import clicked_chart
+from ui.widgets.drawing import Look, VisiblePictures, look, visible_of
 from ui.widgets.text import docs_link, plain
 
 KEY: Final = "driver_viewer"
@@ -42,19 +41,17 @@ BAND: Final = (
     "on, one number for each adaptation period. Estimates and band are cut to 0 to 1."
 )
 NOT_KNOWN: Final = "In no frame is it known how detectable this {one} is"
-SHOWN: Final = "driver_shown"
-"""Whom the page showed last, and who was chosen then."""
 
 
 def draw(result: Result, encounter: int) -> None:
     """The pedestrian, beginning at the frame by which the driver has to see him."""
     course = detectability_course(result, encounter)
     name = state.workspace().n_opened, name_of(result, encounter)
-    is_new = st.session_state.get(SHOWN, (None,))[0] != name
-    st.session_state[SHOWN] = name, chosen_encounter(result)
+    is_new = store.DRIVER_SHOWN.get()[0] != name
+    store.DRIVER_SHOWN.set((name, chosen_encounter(result)))
     recording = int(result.encounters.recording[encounter])
     if is_new:
-        tunnel.forget()
+        store.TUNNEL.set(False)
     is_there = state.recording() == recording and not (
         is_new and state.row_in_all() not in course["row"].to_numpy()
     )
@@ -74,7 +71,7 @@ def first_shown(course: pd.DataFrame) -> int:
 @st.fragment
 def _draw_moving(result: Result, encounter: int, course: pd.DataFrame) -> None:
     """What shows the current frame; a click in one part moves all."""
-    if chosen_encounter(result) != st.session_state[SHOWN][1]:  # another was chosen in the picture
+    if chosen_encounter(result) != store.DRIVER_SHOWN.get()[1]:  # another was chosen in the picture
         st.rerun()
     settled = compared_viewer.settled(KEY)
     if settled != state.row():

@@ -17,9 +17,9 @@ from nvcore.errors import NvcoreError, ParameterError
 from nvcore.inputs.session import Session
 from ui.driver.confined import EstimatorSpec, clock_by_meter
 from ui.session import state
-from ui.session.look import Sight, VisiblePictures
 from ui.session.opening import public_text, recording_entry
 from ui.subjects import MadeFile
+from ui.widgets.drawing import Sight, VisiblePictures
 
 ESTIMATES: Final = (
     "What was estimated on the page Driver: in each frame, how detectable each {one} is",

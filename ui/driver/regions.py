@@ -7,16 +7,20 @@ from typing import Final
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.driver.comparison.encounters import REGION_NAMES, driver_venn_table
+from nvcore.driver.comparison.encounters import (
+    REGION_NAMES,
+    driver_venn_table,
+    over_driver_threshold,
+)
+from nvcore.driver.comparison.figures.over_threshold import driver_threshold_plot
 from nvcore.driver.comparison.figures.venn import driver_venn_plot
 from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
-from ui.session import state
-from ui.widgets.charts import clicked_chart
+from ui.session import state, store
+from ui.widgets.charts import clicked_chart, draw_chart
 from ui.widgets.table import TableColumn, draw_table
+from ui.widgets.text import docs_link
 
-REGION: Final = "driver_region"
-"""Key of the choice of a region; None: all."""
 USEFUL: Final = (DriverRegion.X, DriverRegion.Y)
 """Where one of the systems is worth most: their meaning is told unless another is chosen."""
 COLUMNS: Final = {
@@ -37,7 +41,7 @@ def draw(result: Result) -> DriverRegion | None:
         )
         clicked = clicked_chart(figure, "driver_venn")
     if clicked in [*DriverRegion]:
-        st.session_state[REGION] = DriverRegion(clicked)
+        store.DRIVER_REGION.set(DriverRegion(clicked))
     table = driver_venn_table(result)
     has_unknown = driver_in(result).venn.counts[DriverRegion.UNKNOWN] > 0
     table = table if has_unknown else table[table["region"] != DriverRegion.UNKNOWN]
@@ -49,7 +53,7 @@ def draw(result: Result) -> DriverRegion | None:
             index=None,
             format_func=REGION_NAMES.__getitem__,
             placeholder="any or none of them: all",
-            key=REGION,
+            key=store.DRIVER_REGION.key,
             persist_state="session",
         )
         told = USEFUL if chosen is None else (chosen,)
@@ -61,3 +65,25 @@ def draw(result: Result) -> DriverRegion | None:
 
 def _sentence(name: str) -> str:
     return f"{name[0].upper()}{name[1:]}"
+
+
+def draw_over_threshold(result: Result) -> None:
+    """Whom the driver sees and what that leaves to X and Y over the threshold, folded away."""
+    with st.expander("Over the threshold"):
+        figure = driver_threshold_plot(
+            over_driver_threshold(result),
+            (result.x.name, result.y.name),
+            threshold=result.params.driver_threshold,
+            theme=state.theme(),
+            objects=result.objects,
+        )
+        draw_chart(
+            figure,
+            "driver_over_threshold",
+            help=state.say(
+                "The driver sees the {one} where detectability reaches the threshold in a "
+                "frame up to the first that counts. How many encounters that leaves for X and Y to "
+                "warn of depends on the threshold, not on the systems ({link}).",
+                link=docs_link(state.say("{what} the driver sees"), "whom-he-sees", doc="driver"),
+            ),
+        )

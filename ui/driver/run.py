@@ -37,6 +37,9 @@ HOW_LONG: Final = (
     "comparison is then updated, whichever page is open. Opening something else, or changing "
     "what is compared, ends it."
 )
+COMMANDS: Final = """nvcore driver train trials.csv --features study.csv --out driver.npz
+nvcore driver estimate session.toml --model driver.npz --out seen
+nvcore app seen/session.toml"""
 
 
 def draw(*, is_known: bool) -> None:
@@ -216,3 +219,19 @@ def start_job(
         return write_estimates(run, dataset, folder / ANNOTATION_FOLDERS)
 
     return EstimateJob(space, folder, spec, work)
+
+
+def draw_missing() -> None:
+    """What is missing."""
+    text = state.say(
+        "Whether the driver sees the {many} is not known yet. Press *Estimate* below: an "
+        "estimator tells it from pictures of visible light. The supplied one was trained on "
+        "simulated subjects, not on people."
+    )
+    st.info(text, icon=":material/visibility_off:")
+
+
+def draw_commands() -> None:
+    """The same by commands."""
+    with st.expander("By the command line"):
+        st.code(COMMANDS, language="console")

@@ -14,11 +14,9 @@ from nvcore.errors import NvcoreError
 from nvcore.figures.over_time.similarity import end_of
 from ui.driver.confined import simulate
 from ui.driver.known import OpenedRun, caution_of, clock_of, opened_run
-from ui.session import state
+from ui.session import state, store
 from ui.shell.messages import shown_error
 
-TUNNEL: Final = "driver_tunnel"
-TIME: Final = "driver_tunnel_s"
 MOST_KEPT: Final = 64
 
 
@@ -27,11 +25,6 @@ class Change(NamedTuple):
 
     time_s: float
     estimates: pd.DataFrame
-
-
-def forget() -> None:
-    """End the simulation: somebody else is shown."""
-    st.session_state[TUNNEL] = False
 
 
 def draw(
@@ -51,7 +44,7 @@ def draw(
     left, right = st.columns([1, 2], vertical_alignment="center")
     is_on = left.toggle(
         "A tunnel ends here",
-        key=TUNNEL,
+        key=store.TUNNEL.key,
         disabled=bool(missing),
         on_change=_begin_here,
         help="Simulates that it becomes dark at the frame that is shown, as where a lit tunnel "
@@ -74,7 +67,7 @@ def draw(
             end_of(result, state.recording()),
             step=1 / fps,
             format="%.2f",
-            key=TIME,
+            key=store.TUNNEL_S.key,
         )
     try:
         estimates = _estimates(known, course, features, fps, change_s)
@@ -97,7 +90,7 @@ def draw(
 def _begin_here() -> None:
     """The change is at the frame that is shown, until the slider says another time."""
     time_s = state.opened().dataset.frames["time_s"].to_numpy()[state.row_in_all()]
-    st.session_state[TIME] = float(time_s)
+    store.TUNNEL_S.set(float(time_s))
 
 
 def _missing(known: OpenedRun | None, features: pd.DataFrame | None, *, is_estimated: bool) -> str:

@@ -24,7 +24,7 @@ from nvcore.schema import Category
 from nvcore.tables.encounters.miss_classes import class_counts
 from nvcore.wording import UNDEFINED, Footnotes, capitalised, difference, minus, number
 from ui.session import state
-from ui.session.results.evidence import comparison_key
+from ui.session.results import comparison_key
 from ui.widgets.html import MeasureRow, measures_html
 from ui.widgets.text import docs_link, plain
 

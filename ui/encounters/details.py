@@ -9,15 +9,18 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.metrics.encounter_classes import shown_class
+from nvcore.pictures import jpeg, picture_address
 from nvcore.schema import CATEGORY_TEXT, CLASS_SEPARATOR, Category
-from nvcore.tables.moments import NEVER, encounter_time
+from nvcore.tables.moments import NEVER, encounter_box, encounter_time
 from nvcore.wording import listed as listed_words
 from nvcore.wording import minus, percent
-from ui.encounters import picture, selection, weightings
-from ui.session import state
+from ui.encounters import selection, weightings
+from ui.session import state, store
 from ui.shell.navigate import open_row
 from ui.subjects import contributed
+from ui.widgets import drawing
 from ui.widgets.buttons import button
+from ui.widgets.drawing import keep_look, look
 from ui.widgets.table_columns import class_words
 from ui.widgets.text import UNDEFINED, docs_link, number, plain
 
@@ -26,6 +29,8 @@ MEANINGS: Final = (
     "to count it was first matched. Longest gap: between two matches. Tail: after the last match, "
     "until it no longer counts."
 )
+OF_VISIBLE: Final = ("visible", "blended")
+"""Ways to see the pictures in which the cut-out is of visible light."""
 
 
 def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
@@ -41,7 +46,7 @@ def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
     if names := [shown_class(name) for name in str(row["classes"]).split(CLASS_SEPARATOR) if name]:
         classes = plain(listed_words(names))
         st.caption(f"{docs_link('Classes', 'classes-of-encounters')}: {classes}.")
-    picture.draw(result, encounter, int(moments["shown_row"]))
+    _draw_picture(result, encounter, int(moments["shown_row"]))
     _draw_ways(result, row, moments)
     for draw_text in contributed("ENCOUNTER_TEXT"):
         draw_text(result, encounter)
@@ -138,3 +143,37 @@ def _why(result: Result, row: pd.Series[Any], shown_row: int, is_missed: bool) -
     one = result.objects.singular
     while_seen = "" if is_peak else f" while {other.upper()} detects the {one}"
     return f"where {what} costs most{while_seen}"
+
+
+def _draw_picture(result: Result, encounter: int, row: int) -> None:
+    """The part of a frame around the pedestrian; without pictures, the boxes on a blank.
+
+    Of the recording's own pictures or those of visible light, as chosen here or in a viewer.
+    """
+    has_visible = drawing.has_visible(row)
+    is_visible = has_visible and look().picture in OF_VISIBLE
+    key = (state.workspace().version, drawing.stretch(), row, encounter, is_visible)
+    content = state.cached(
+        "encounter_picture",
+        key,
+        lambda: _picture(result, encounter, row, is_visible=is_visible),
+        most=drawing.MOST_THUMBNAILS,
+    )
+    st.image(
+        picture_address(content),
+        width="stretch",
+        alt=state.say("The {one} with the boxes of truth, X and Y"),
+    )
+    if has_visible:
+        store.ENCOUNTER_IS_VISIBLE.set(is_visible)
+        st.toggle("Visible light", key=store.ENCOUNTER_IS_VISIBLE.key, on_change=_choose)
+
+
+def _choose() -> None:
+    is_visible = store.ENCOUNTER_IS_VISIBLE.get()
+    keep_look(look()._replace(picture="visible" if is_visible else "own"))
+
+
+def _picture(result: Result, encounter: int, row: int, *, is_visible: bool) -> bytes:
+    xywh = encounter_box(result, encounter, row)
+    return jpeg(drawing.part_of_frame(result, row, xywh, labels=True, is_visible=is_visible))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -15,8 +15,9 @@ from nvcore.comparison import Result
 from nvcore.metrics.encounter_classes import shown_class
 from nvcore.schema import CATEGORY_TEXT, CLASS_SEPARATOR, MISS_CLASS_TEXT, Category, MissClass
 from nvcore.wording import shortened
-from ui.session import state
-from ui.session.chosen import recordings_key
+from ui.session import state, store
+from ui.session.store import Entry
+from ui.streamlit_inside.types import DeltaGenerator
 from ui.subjects import EncounterFilter, contributed
 from ui.widgets.table_columns import MISS_WORDS, category_words, class_words
 from ui.widgets.text import plain
@@ -104,11 +105,14 @@ def class_names(encounters: pd.DataFrame) -> list[str]:
     return sorted({name for text in texts for name in str(text).split(CLASS_SEPARATOR) if name})
 
 
-def key(name: str) -> str:
-    """Key of a filter's widget; other data have other recordings and ranges."""
-    if name == "recording":
-        return recordings_key("encounters")
-    return f"encounters_{name}_{state.workspace().n_opened}"
+def _filter(name: str) -> Entry[Any]:
+    """What a filter's widget has; other data have other recordings and ranges."""
+    return store.ENCOUNTER_FILTER.of(f"{name}_{state.workspace().n_opened}")
+
+
+def _wish(name: str) -> Entry[Any]:
+    """What a filter was set to, but may be outside of what is listed."""
+    return store.FILTER_WISH.of(f"{name}_{state.workspace().n_opened}")
 
 
 def possible(result: Result) -> dict[str, tuple[str, ...]]:
@@ -186,30 +190,30 @@ def take(filters: Filters) -> None:
         **filters.of_subjects,
     }
     for name, chosen in lists.items():
-        st.session_state[key(name)] = list(chosen)
+        _filter(name).set(list(chosen))
     for name, span in zip(
         RANGES, (filters.position, filters.height_px, filters.pose_z), strict=True
     ):
         if span is not None:
-            st.session_state[_set_key(name)] = span
+            _wish(name).set(span)
     if filters.least_severity_s > 0:
-        st.session_state[_set_key("severity")] = (filters.least_severity_s,)
+        _wish("severity").set((filters.least_severity_s,))
 
 
 def set_classes(x: str | None, y: str | None) -> None:
     """List the encounters of these miss classes only; None: of all. For callbacks."""
     clear_filters()
     for name, classes in (("class_x", x), ("class_y", y)):
-        st.session_state[key(name)] = [] if classes is None else [classes]
+        _filter(name).set([] if classes is None else [classes])
     st.toast("The table above lists the encounters that you clicked.", icon=":material/filter_alt:")
 
 
 def clear_filters() -> None:
     """List all encounters. For callbacks."""
     for name in LISTS:
-        st.session_state[key(name)] = []
+        _filter(name).set([])
     for name in (*LISTS, *RANGES, "severity"):
-        st.session_state.pop(_set_key(name), None)
+        _wish(name).pop()
 
 
 def _draw_widgets(encounters: pd.DataFrame, of_subjects: Mapping[str, Sequence[str]]) -> Filters:
@@ -219,7 +223,7 @@ def _draw_widgets(encounters: pd.DataFrame, of_subjects: Mapping[str, Sequence[s
             CATEGORIES,
             selection_mode="multi",
             format_func=category_words,
-            key=key("category"),
+            key=_filter("category").key,
             persist_state="session",
             width="content",
             help=state.say(
@@ -240,7 +244,7 @@ def _draw_widgets(encounters: pd.DataFrame, of_subjects: Mapping[str, Sequence[s
             CLASSES,
             format_func=MISS_WORDS.__getitem__,
             placeholder="any",
-            key=key(f"class_{letter}"),
+            key=_filter(f"class_{letter}").key,
             persist_state="session",
             help=state.say(meaning),
         )
@@ -252,7 +256,7 @@ def _draw_widgets(encounters: pd.DataFrame, of_subjects: Mapping[str, Sequence[s
         "Recording",
         names,
         placeholder="all",
-        key=key("recording"),
+        key=_filter("recording").key,
         persist_state="session",
     )
     position = _range(
@@ -294,7 +298,7 @@ def _draw_widgets(encounters: pd.DataFrame, of_subjects: Mapping[str, Sequence[s
         names,
         format_func=shown_class,
         placeholder="any",
-        key=key("class"),
+        key=_filter("class").key,
         persist_state="session",
         help=f"Any of these: classes of the truth's column *attributes*{from_boxes}.",
     )
@@ -319,7 +323,7 @@ def _choose(known: EncounterFilter, choices: Sequence[str]) -> Sequence[str]:
         choices,
         selection_mode="multi",
         format_func=known.choices.__getitem__,
-        key=key(known.name),
+        key=_filter(known.name).key,
         persist_state="session",
         width="content",
         help=state.say(known.help),
@@ -327,7 +331,7 @@ def _choose(known: EncounterFilter, choices: Sequence[str]) -> Sequence[str]:
     return chosen
 
 
-def _least_severity(place: st.delta_generator.DeltaGenerator, encounters: pd.DataFrame) -> float:
+def _least_severity(place: DeltaGenerator, encounters: pd.DataFrame) -> float:
     """A slider from 0, which lists all encounters, to the largest severity."""
     largest = np.nanmax(
         encounters[["severity_s_x", "severity_s_y"]].to_numpy(dtype=float), initial=0.0
@@ -342,7 +346,7 @@ def _least_severity(place: st.delta_generator.DeltaGenerator, encounters: pd.Dat
             start,
             SEVERITY_STEP_S,
             "%.2f",
-            key=key("severity"),
+            key=_filter("severity").key,
             on_change=_set,
             args=("severity", (start,), (0.0,), (0.0,)),
             persist_state="session",
@@ -351,12 +355,12 @@ def _least_severity(place: st.delta_generator.DeltaGenerator, encounters: pd.Dat
                 "seconds of {a_one} missed straight ahead and near. 0 lists all."
             ),
         )
-    (severity_s,) = st.session_state.get(_set_key("severity"), (0.0,))
+    (severity_s,) = _wish("severity").get() or (0.0,)
     return float(severity_s)
 
 
 def _range(
-    place: st.delta_generator.DeltaGenerator,
+    place: DeltaGenerator,
     label: str,
     name: str,
     values: np.ndarray,
@@ -378,30 +382,26 @@ def _range(
         list(start),
         step,
         form,
-        key=key(name),
+        key=_filter(name).key,
         on_change=_set,
         args=(name, start, (low, high), OPEN),
         help=text,
         persist_state="session",
     )
-    least, most = st.session_state.get(_set_key(name), OPEN)
+    least, most = _wish(name).get() or OPEN
     span = (least if least > low else -math.inf, most if most < high else math.inf)
     return None if span == OPEN else span
-
-
-def _set_key(name: str) -> str:
-    """Where that of a filter is kept which was set, but may be outside of what is listed."""
-    return f"{key(name)}_set"
 
 
 def _give(name: str, unset: tuple[float, ...], limits: tuple[float, float]) -> tuple[float, ...]:
     """Give a slider what was set, within its limits: these follow tags and other settings."""
     low, high = limits
-    wanted = st.session_state.get(_set_key(name), unset)
+    wanted = _wish(name).get() or unset
     inside = tuple(min(max(end, low), high) for end in wanted)
     value = inside if len(inside) > 1 else inside[0]
-    if st.session_state.get(key(name), value) != value:
-        st.session_state[key(name)] = value
+    slider = _filter(name)
+    if slider.is_set and slider.get() != value:
+        slider.set(value)
     return inside
 
 
@@ -417,20 +417,22 @@ def _set(
     ends
         Where they set nothing.
     """
-    value = st.session_state[key(name)]
+    value = _filter(name).get()
     handles = value if isinstance(value, tuple) else (value,)
-    wanted = st.session_state.get(_set_key(name), unset)
-    st.session_state[_set_key(name)] = tuple(
+    wish = _wish(name)
+    set_before = wish.get() or unset
+    value = tuple(
         old if now == was else (free if now == end else now)
-        for old, now, was, end, free in zip(wanted, handles, before, ends, unset, strict=True)
+        for old, now, was, end, free in zip(set_before, handles, before, ends, unset, strict=True)
     )
+    wish.set(value)
 
 
 def _choose_among(name: str, names: Sequence[str]) -> None:
     """Keep the choices that the list still has; others are set aside until it has them again."""
-    chosen = st.session_state.get(key(name), [])
-    waiting = st.session_state.get(_set_key(name), [])
+    choice, wish = _filter(name), _wish(name)
+    chosen, waiting = choice.get() or [], wish.get() or []
     if not {*chosen} <= {*names} or not {*waiting}.isdisjoint(names):
         wanted = [*chosen, *waiting]
-        st.session_state[key(name)] = [one for one in names if one in wanted]
-        st.session_state[_set_key(name)] = [one for one in wanted if one not in names]
+        choice.set([one for one in names if one in wanted])
+        wish.set([one for one in wanted if one not in names])

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Final
 
 import numpy as np
 import pandas as pd
-import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.stages import SEVERITY, THRESHOLD
 from nvcore.tables.moments import encounter_moments
-from ui.session import state
+from ui.session import state, store
 from ui.session.chosen import choose_encounter, chosen_encounter
-from ui.widgets import steps
-
-_IS_NEW: Final = "encounters_just_chosen"
-_HAS_STEPPED: Final = "encounters_stepped"
+from ui.widgets.choices import draw_steps as draw_way
 
 
 def choose(encounter: int) -> None:
@@ -25,12 +20,12 @@ def choose(encounter: int) -> None:
     result = state.result()
     if result is not None:
         choose_encounter(result, encounter)
-        st.session_state[_IS_NEW] = True
+        store.ENCOUNTER_IS_NEW.set(True)
 
 
 def choose_clicked(encounter: int) -> None:
     """As `choose`, unless a button chose in the same run: the table then still has the last one."""
-    if not st.session_state.get(_HAS_STEPPED, False):
+    if not store.HAS_STEPPED.get():
         choose(encounter)
 
 
@@ -64,19 +59,19 @@ def moments_of(result: Result) -> pd.DataFrame:
 def go_along(result: Result) -> None:
     """Let the current frame be that of an encounter that was selected just now."""
     encounter = chosen_encounter(result)
-    if st.session_state.pop(_IS_NEW, False) and encounter is not None:
+    if store.ENCOUNTER_IS_NEW.pop() and encounter is not None:
         row = int(moments_of(result)["shown_row"].iloc[encounter])
         state.go_to(*state.place_of(row), writes=False)
 
 
 def draw_steps(listed: pd.DataFrame, encounter: int) -> None:
     """The way through the list as it is filtered and sorted."""
-    st.session_state[_HAS_STEPPED] = False
-    steps.draw_steps(
+    store.HAS_STEPPED.set(False)
+    draw_way(
         place_of(listed, encounter), len(listed), partial(_step, listed.index), key="encounters"
     )
 
 
 def _step(index: pd.Index, at: int) -> None:
     choose(int(index[at]))
-    st.session_state[_HAS_STEPPED] = True
+    store.HAS_STEPPED.set(True)

@@ -12,7 +12,7 @@ import streamlit as st
 from nvcore.figures.encounters import position_map
 from ui.encounters import selection
 from ui.encounters.order import COLUMNS, SEVERITY, Order
-from ui.session import state
+from ui.session import state, store
 from ui.subjects import contributed
 from ui.widgets.charts import Clicked, draw_chart
 from ui.widgets.table import SortedBy, draw_table
@@ -37,9 +37,6 @@ FIRST_COLUMNS: Final = (
     "peak_cost_y",
 )
 """What most people look for; the first five stand beside the encounter in a small window."""
-ORDER: Final = "encounters_order"
-IS_DESCENDING: Final = "encounters_descending"
-ALL_COLUMNS: Final = "encounters_columns"
 BY_SEVERITY: Final = "Severity, the larger of both"
 NOTE: Final = (
     "Click a row to see the encounter, a heading to sort by it. By severity, distant {many}, "
@@ -49,12 +46,13 @@ NOTE: Final = (
 
 def order() -> Order:
     """The order that is chosen."""
-    return Order(st.session_state.get(ORDER, SEVERITY), st.session_state.get(IS_DESCENDING, True))
+    return Order(store.ENCOUNTER_ORDER.get() or SEVERITY, store.IS_DESCENDING.get())
 
 
 def take_order(chosen: Order) -> None:
     """Sort in this order from now on."""
-    st.session_state[ORDER], st.session_state[IS_DESCENDING] = chosen.by, chosen.is_descending
+    store.ENCOUNTER_ORDER.set(chosen.by)
+    store.IS_DESCENDING.set(chosen.is_descending)
 
 
 def draw_order() -> Order:
@@ -64,7 +62,7 @@ def draw_order() -> Order:
             "Sort by",
             (SEVERITY, *COLUMNS),
             format_func=lambda name: BY_SEVERITY if name == SEVERITY else heading(name),
-            key=ORDER,
+            key=store.ENCOUNTER_ORDER.key,
             persist_state="session",
             label_visibility="collapsed",
             width=230,
@@ -85,7 +83,7 @@ def draw_switch() -> None:
     """Whether all columns are shown; not right above the table, where its own tools come up."""
     st.toggle(
         "All columns",
-        key=ALL_COLUMNS,
+        key=store.ALL_COLUMNS.key,
         persist_state="session",
         help="Also coverage, lag, gap, tail, lead time, pose and more, to the right.",
     )
@@ -100,7 +98,7 @@ def draw(listed: pd.DataFrame, encounter: int) -> None:
     table = as_shown(listed.head(MOST_ROWS))
     if len(state.recording_names()) == 1:  # its name says nothing there, and takes room
         first.remove("recording")
-    shown = [*first, *others] if st.session_state[ALL_COLUMNS] else first
+    shown = [*first, *others] if store.ALL_COLUMNS.get() else first
     at, by = selection.place_of(listed, encounter), order()
     draw_table(
         table,

@@ -9,7 +9,8 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.overlay.annotate import annotate, frame_png
-from ui.session import drawing, state
+from ui.session import state
+from ui.widgets import drawing
 from ui.widgets.recording import choose_recording_and_frame
 
 LAYERS: Final = {"truth": "Truth", "x": "X", "y": "Y"}

@@ -23,10 +23,11 @@ from nvcore.report.html.settings_sections import AT_ONCE
 from ui.export.session import public_findings, with_public_names
 from ui.jobs.background import FileJob, JobState, new_path, while_open
 from ui.jobs.progress import draw_file, draw_job, start_as_made
-from ui.session import drawing, state
-from ui.session.results.findings import input_findings
+from ui.session import state, store
+from ui.session.results import input_findings
 from ui.session.workspace import Workspace
 from ui.shell.messages import path_remover
+from ui.widgets import drawing
 from ui.widgets.buttons import button
 from ui.widgets.text import plain
 
@@ -108,7 +109,7 @@ def _ask_for_map(result: Result) -> bool | None:
 
 def _ask_for_first_page() -> Inscription:
     """What its author writes on the first page."""
-    st.session_state.setdefault("html_date", date.today().isoformat())  # a default
+    store.HTML_DATE.setdefault(date.today().isoformat())
     with st.expander("Title, author, question and date on its first page"):
         texts = {
             name: st.text_input(

@@ -27,7 +27,7 @@ from ui.export.session import (
 )
 from ui.session import state
 from ui.session.opening import live_session
-from ui.session.results.findings import input_findings
+from ui.session.results import input_findings
 from ui.shell.messages import path_remover, shown_root
 from ui.subjects import MadeFile, contributed
 from ui.widgets.text import UNDEFINED, docs_link, plain

@@ -15,8 +15,9 @@ from nvcore.progress import Progress
 from ui.export.frame import file_stem
 from ui.jobs.background import FileJob, JobState, new_path, while_open
 from ui.jobs.progress import draw_file, draw_job
-from ui.session import drawing, state
+from ui.session import state
 from ui.session.workspace import Workspace
+from ui.widgets import drawing
 from ui.widgets.buttons import button
 from ui.widgets.text import plain
 

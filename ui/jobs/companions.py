@@ -11,7 +11,7 @@ from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.units import find_units
 from ui.jobs.computed import Computation
 from ui.session import state
-from ui.session.results.evidence import comparison_key, miss_rate_kept_by
+from ui.session.results import comparison_key, miss_rate_kept_by
 
 KIND: Final = "companions"
 MOST: Final = 4

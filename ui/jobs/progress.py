@@ -9,6 +9,7 @@ import streamlit as st
 
 from nvcore.wording import percent
 from ui.jobs.background import BackgroundJob, FileJob, JobState
+from ui.session import store
 from ui.widgets.text import plain
 
 POLL_S: Final = 0.4
@@ -24,10 +25,10 @@ def start_as_made(job: BackgroundJob[Any], kind: str, **choices: object) -> None
     Only when the session sees the job for the first time: after a reload of the page the session
     is new, its widgets have lost their values, and the job goes on.
     """
-    if st.session_state.get(f"{kind}_job_seen") != job.key:
-        st.session_state[f"{kind}_job_seen"] = job.key
-        for key, value in choices.items():
-            st.session_state[key] = value
+    seen = store.JOB_SEEN.of(kind)
+    if seen.get() != job.key:
+        seen.set(job.key)
+        store.set_widgets(**choices)
 
 
 def draw_job(

@@ -20,7 +20,7 @@ from nvcore.report.words import effect_text
 from nvcore.sentences.texts import AS_SET
 from nvcore.wording import Footnotes, capitalised, difference, interval_text, minus, number
 from ui.session import state
-from ui.session.results.evidence import comparison_key
+from ui.session.results import comparison_key
 from ui.widgets.charts import draw_chart, kept_figure
 from ui.widgets.html import MeasureRow, measures_html, with_arrow
 from ui.widgets.text import UNDEFINED, docs_link, plain

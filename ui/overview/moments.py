@@ -15,8 +15,9 @@ from nvcore.comparison import Result
 from nvcore.pictures import jpeg, picture_address
 from nvcore.tables.moments import encounter_box, worst_moments
 from nvcore.tables.windows import windows_table, worst_windows_text
-from ui.session import drawing, state
+from ui.session import state, store
 from ui.shell.navigate import open_row
+from ui.widgets import drawing
 from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.table import TableColumn, draw_table
@@ -52,7 +53,6 @@ WINDOW_COLUMNS: Final = {
     "recording": ("", "", ""),
     **{f"{name}_{letter}": words for letter in "xy" for name, words in _OF_WINDOW.items()},
 }
-WINDOW: Final = "clicked_window"
 THUMBNAIL_PX: Final = 640
 N_MOMENTS: Final = 4
 
@@ -101,14 +101,14 @@ def worst_windows(result: Result) -> None:
         "name for that of the worse system "
         f"({docs_link('Metrics', 'similarity')})."
     )
-    row = st.session_state.pop(WINDOW, None)
+    row = store.WINDOW_ROW.pop()
     if row is not None:
         open_row(row)
 
 
 def _ask_for_window(table: pd.DataFrame, row: int, column: str) -> None:
     """Remember the frame that was clicked: pages are opened only while one is drawn."""
-    st.session_state[WINDOW] = window_row(table, row, column)
+    store.WINDOW_ROW.set(window_row(table, row, column))
 
 
 def window_row(table: pd.DataFrame, row: int, column: str) -> int:

@@ -10,6 +10,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
 from ui.overview import evidence, moments, plan, scorecard
+from ui.session import store
 
 PARTS: Final = {
     "moments": "Moments to look at",
@@ -19,7 +20,6 @@ PARTS: Final = {
     "groups": "By group",
     "plan": "How much more would it take?",
 }
-KEY: Final = "overview_more"
 
 
 def draw(result: Result, measured: pd.DataFrame, companions: Companions | None) -> None:
@@ -28,7 +28,7 @@ def draw(result: Result, measured: pd.DataFrame, companions: Companions | None) 
         "Look closer",
         list(PARTS),
         format_func=PARTS.__getitem__,
-        key=KEY,
+        key=store.OVERVIEW_PART.key,
         persist_state="session",
         on_change=_note_question,
     )
@@ -48,4 +48,4 @@ def draw(result: Result, measured: pd.DataFrame, companions: Companions | None) 
 
 
 def _note_question() -> None:
-    st.session_state[plan.ASKED] = st.session_state[KEY] == "plan"
+    store.PLAN_ASKED.set(store.OVERVIEW_PART.get() == "plan")

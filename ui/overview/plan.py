@@ -25,15 +25,13 @@ from nvcore.report.plan import verdict_plan
 from nvcore.sentences.facts import Fact
 from nvcore.wording import capitalised, count_text
 from ui.jobs.computed import Computation
-from ui.session import state
-from ui.session.results.evidence import comparison_key
+from ui.session import state, store
+from ui.session.results import comparison_key
 from ui.widgets.charts import draw_chart
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import docs_link, plain
 
 JOB: Final = "study_plan"
-ASKED: Final = "plan_asked"
-"""Whoever opens this part asks its first question; later ones, of settings moved, cost a click."""
 MOST: Final = 8
 DIFFERENCE: Final = "difference"
 QUESTIONS: Final = {
@@ -80,14 +78,14 @@ def _ask(result: Result, evidence: pd.DataFrame) -> PlanArguments | None:
     left, right = st.columns(2, vertical_alignment="bottom")
     names = [name for name, key in PLAN_KEYS.items() if key in labels]
     keys, primary = [PLAN_KEYS[name] for name in names], primary_of(result.dataset).key
-    if st.session_state.get("plan_measure") not in names:  # of data that had another one
-        st.session_state.pop("plan_measure", None)
+    if store.PLAN_MEASURE.get() not in names:  # of data that had another one
+        store.PLAN_MEASURE.pop()
     measure = left.selectbox(
         "Measure",
         names,
         index=keys.index(primary) if primary in keys else 0,
         format_func=lambda name: capitalised(labels[PLAN_KEYS[name]]),
-        key="plan_measure",
+        key=store.PLAN_MEASURE.key,
         persist_state="session",
     )
     scale = inference_of(PLAN_KEYS[measure]).scale
@@ -133,7 +131,7 @@ def _draw_answer(
         doing="Simulating studies",
         most=MOST,
     )
-    if st.session_state.pop(ASKED, False) and state.known(JOB, work.key) is None:
+    if store.PLAN_ASKED.pop() and state.known(JOB, work.key) is None:
         work.start()
     answer, is_to_start = work.draw(is_quick=False)
     if is_to_start:

@@ -14,7 +14,7 @@ from nvcore.comparison import Result
 from nvcore.figures.venn import MOST_MARKS, venn_figure
 from nvcore.stages import ENCOUNTERS, SALIENT, SEVERITY
 from nvcore.tables.encounters.severity import weighed_encounters
-from ui.session import state
+from ui.session import state, store
 from ui.shell.navigate import open_encounters, open_row
 from ui.widgets.buttons import button
 from ui.widgets.charts import clicked_chart, kept_figure
@@ -32,8 +32,6 @@ N_WORST: Final = 5
 WORST_COLUMNS: Final = ("recording", "track", "severity_s_x", "severity_s_y")
 SEVERITIES: Final = {"severity_s_x": "X (s)", "severity_s_y": "Y (s)"}
 """Headings where the table's title says what is listed."""
-OPEN: Final = "overview_open"
-"""Frame row of the encounter that was clicked in the list."""
 
 
 def draw(result: Result) -> None:
@@ -87,7 +85,7 @@ def _weighed(result: Result) -> tuple[pd.DataFrame, tuple[Hashable, ...]]:
 
 def draw_worst(result: Result) -> None:
     """The encounters whose failures weigh most; a click opens the frame."""
-    row = st.session_state.pop(OPEN, None)
+    row = store.WORST_ROW.pop()
     if row is not None:
         open_row(row)
     encounters, _ = _weighed(result)
@@ -119,7 +117,7 @@ def draw_worst(result: Result) -> None:
 
 
 def _ask_for_row(rows: list[int], row: int, _column: str) -> None:
-    st.session_state[OPEN] = rows[row]
+    store.WORST_ROW.set(rows[row])
 
 
 def _in_words(result: Result) -> str:

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
-from typing import Final
 
 import pandas as pd
 import streamlit as st
-from streamlit.delta_generator import DeltaGenerator
 
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
@@ -20,12 +18,11 @@ from nvcore.sentences.facts import Fact
 from nvcore.tables.influence import lead_text, other_leads_text
 from nvcore.wording import count_text, percent
 from ui.overview.tiles import tiles_html
-from ui.session import state
+from ui.session import state, store
 from ui.shell.navigate import open_page
+from ui.streamlit_inside.types import DeltaGenerator
 from ui.widgets.buttons import button
 from ui.widgets.text import docs_link, plain
-
-LAST: Final = "last_verdict"
 
 
 class Room:
@@ -47,7 +44,7 @@ class Room:
 
     def holds_last(self) -> bool:
         """Whether it shows a verdict about these systems, of other settings perhaps."""
-        return bool(st.session_state.get(LAST) == self._opening())
+        return store.LAST_VERDICT.get() == self._opening()
 
     def draw_known(self, evidence: pd.DataFrame | None) -> None:
         """The tiles with what is known so far."""
@@ -69,8 +66,8 @@ class Room:
         reasons = " ".join([conclusion.reason, lead_text(result), other_leads_text(result)])
         words = plain(conclusion.in_short), plain(reasons)
         self._words().markdown("## {}\n\n{}".format(*words))
-        state.note_shown_verdict()
-        st.session_state[LAST] = self._opening()
+        store.SHOWN_VERDICT.set(state.opened().dataset.fingerprint)
+        store.LAST_VERDICT.set(self._opening())
         four = tiles(result, evidence, companions, is_being_tested=True)
         self._tiles().html(tiles_html(four, self._result.objects))
         with self._basis().container():

@@ -10,6 +10,7 @@ import streamlit as st
 
 from nvcore.errors import InputError
 from nvcore.people.participants import MOST_NAME
+from ui.session import store
 from ui.widgets.text import plain
 
 
@@ -52,7 +53,7 @@ def draw_one_participant(
         except InputError as error:
             st.error(plain(str(error)))
             return
-        st.session_state[f"{key}_code"] = ""
+        store.widget(f"{key}_code").set("")
         st.toast("The data of this participant are deleted.")
 
     with st.container(horizontal=True):

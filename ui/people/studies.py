@@ -17,6 +17,7 @@ import click
 import streamlit as st
 
 from nvcore.errors import InputError
+from ui.session.store import CONDUCTED, OWN_STUDIES, Entry
 from ui.session.workspace import Workspace
 
 STUDY: Final = "study"
@@ -97,7 +98,7 @@ class Studies(Generic[StudyKind, StoreKind]):
     what
         What a study is called.
     prefix
-        Of the names in ``st.session_state``.
+        Tells its entries of the session's store from those of others.
     variable, file_name
         Where answers are kept: the file that this variable of the environment names, else the one
         of this name in the user's own folder.
@@ -113,12 +114,8 @@ class Studies(Generic[StudyKind, StoreKind]):
     open: Callable[[Path], StoreKind]
 
     @property
-    def _own(self) -> str:
-        return f"{self.prefix}_studies"
-
-    @property
-    def _open(self) -> str:
-        return f"{self.prefix}_open"
+    def _conducted(self) -> Entry[str | None]:
+        return CONDUCTED.of(self.prefix)
 
     def file(self) -> Path:
         """The file of all answers."""
@@ -144,12 +141,12 @@ class Studies(Generic[StudyKind, StoreKind]):
             If the address names none that there is.
         """
         key = st.query_params.get(CONDUCT)
-        secret: str | None = key or st.session_state.get(self._open)
+        secret = key or self._conducted.get()
         if secret is None:
             return None
         study: StudyKind | None = self.store().study_of_conductor(secret)
         if study is None:
-            st.session_state.pop(self._open, None)
+            self._conducted.pop()
             st.query_params.pop(CONDUCT, None)
             raise InputError(f"there is no {self.what} of the name in the address")
         self.conduct(study)
@@ -157,18 +154,19 @@ class Studies(Generic[StudyKind, StoreKind]):
 
     def conduct(self, study: StudyKind) -> None:
         """Make this the study that is conducted, in the address as well."""
-        st.session_state.setdefault(self._own, set()).add(study.token)
-        st.session_state[self._open] = study.conductor
+        own = OWN_STUDIES.of(self.prefix)
+        own.set(own.get() | {study.token})
+        self._conducted.set(study.conductor)
         if st.query_params.get(CONDUCT) != study.conductor:
             st.query_params[CONDUCT] = study.conductor
 
     def is_own(self, study: StudyKind) -> bool:
         """Whether this browser session conducts it."""
-        return study.token in st.session_state.get(self._own, set())
+        return study.token in OWN_STUDIES.of(self.prefix).get()
 
     def close(self) -> None:
         """Conduct none; the link of the one that was open opens it again."""
-        st.session_state.pop(self._open, None)
+        self._conducted.pop()
         st.query_params.pop(CONDUCT, None)
 
     def addresses(self, study: StudyKind) -> tuple[str, str]:

@@ -10,13 +10,13 @@ from nvcore.comparison import Result
 from nvcore.errors import InputError
 from nvcore.ratings.store import CONSENT, Study
 from nvcore.wording import count_text
-from ui.people.addresses import draw_addresses
 from ui.people.one_participant import draw_one_participant
 from ui.people.studies import CONDUCT, enter
-from ui.people.terms import ask_consent, ask_days
+from ui.people.terms import ask_consent, ask_days, draw_addresses
 from ui.ratings.participant import ENDS
 from ui.ratings.sessions import SESSIONS, shown_thresholds
 from ui.session import state
+from ui.session.store import RATINGS_PART
 from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side, download_csv
 from ui.widgets.table import TableColumn, draw_table
@@ -24,15 +24,16 @@ from ui.widgets.text import plain
 
 RESULTS: Final = "Results"
 SESSION: Final = "Rating session"
-PART: Final = "ratings_part"
 NEWS_S: Final = 5.0
 """Interval at which the progress is updated, seconds."""
 
 
 def choose_part() -> str:
     """The part of the page; a conductor's link opens the rating session."""
-    st.session_state.setdefault(PART, SESSION if CONDUCT in st.query_params else RESULTS)
-    return choose_side_by_side("Part", [RESULTS, SESSION], PART, label_visibility="collapsed")
+    RATINGS_PART.setdefault(SESSION if CONDUCT in st.query_params else RESULTS)
+    return choose_side_by_side(
+        "Part", [RESULTS, SESSION], RATINGS_PART.key, label_visibility="collapsed"
+    )
 
 
 def draw(result: Result) -> None:

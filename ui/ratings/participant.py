@@ -16,20 +16,16 @@ from ui.people.studies import PARTICIPANT, STUDY, enter
 from ui.people.terms import draw_consent
 from ui.ratings.sessions import SESSIONS, set_thresholds, thresholds_apart
 from ui.session import state
-from ui.session.drawing import viewer_arguments
+from ui.session.store import RATING_CHANGES, RATING_NAME, RATING_THRESHOLDS, RATING_WAITING
 from ui.shell.navigate import open_page
 from ui.widgets.buttons import button, submit_button
+from ui.widgets.drawing import viewer_arguments
 from ui.widgets.text import plain
 from ui.widgets.viewer import n_plays_in, viewer
 
 ENDS: Final = ("not annoying at all", "very annoying")
 """Words at the ends of the scale; they are ours, the paper gives none."""
 HEIGHT_PX: Final = 640
-WAITING: Final = "rating_waiting"
-KNOWN_NAME: Final = "rating_known_name"
-CHANGING: Final = "rating_changing"
-BEFORE: Final = "rating_thresholds_before"
-"""Thresholds of who conducts, while somebody rates on that screen."""
 Letter = Literal["x", "y"]
 
 
@@ -44,10 +40,10 @@ def draw() -> None:
         return
     result = state.result()
     if result is None or not _is_open(study):
-        st.session_state[WAITING] = token, st.query_params.get(PARTICIPANT)
+        RATING_WAITING.set((token, st.query_params.get(PARTICIPANT)))
         st.query_params.clear()
         st.rerun()
-    st.session_state.pop(WAITING, None)
+    RATING_WAITING.pop()
     _show_its_boxes(study)
     name = st.query_params.get(PARTICIPANT, "")
     is_name = 0 < len(name.strip()) <= MOST_NAME
@@ -58,7 +54,7 @@ def draw() -> None:
     rated = store.ratings_of(study, name)
     left = [clip for clip in order if clip not in rated]
     rated_clips = [clip for clip in order if clip in rated]
-    if rated_clips and st.session_state.get(CHANGING, False):
+    if rated_clips and RATING_CHANGES.get():
         _change(result, study, store, name, rated_clips[-1])
     elif left:
         _clip(result, study, store, name, left)
@@ -68,12 +64,13 @@ def draw() -> None:
 
 def draw_waiting() -> None:
     """The page for a participant's link that was opened while another comparison is open."""
-    if WAITING not in st.session_state:
+    waiting = RATING_WAITING.get()
+    if waiting is None:
         return
-    token, name = st.session_state[WAITING]
+    token, name = waiting
     study = SESSIONS.store().study(token)
     if study is None:
-        del st.session_state[WAITING]
+        RATING_WAITING.pop()
         return
     if not _is_open(study):
         st.warning(
@@ -104,9 +101,8 @@ def _show_its_boxes(study: Study) -> None:
     if not apart:
         return
     if SESSIONS.is_own(study):
-        mine = st.session_state.setdefault(BEFORE, {})
-        for name, (_, live) in apart.items():
-            mine.setdefault(name, live)
+        live = {name: of_page for name, (_, of_page) in apart.items()}
+        RATING_THRESHOLDS.set(live | RATING_THRESHOLDS.get())
     set_thresholds({name: of_clips for name, (of_clips, _) in apart.items()})
     st.rerun()
 
@@ -144,19 +140,19 @@ def _welcome(study: Study, store: RatingStore) -> None:
     if is_sent and not agrees and not store.may_rate(study, name or ""):
         st.warning("Without your agreement nothing is kept, and there is nothing to rate.")
     elif is_sent:
-        st.session_state[KNOWN_NAME] = ""
+        RATING_NAME.set("")
         typed_name = (name or "").strip()
         if store.ratings_of(study, typed_name):
-            st.session_state[KNOWN_NAME] = typed_name
+            RATING_NAME.set(typed_name)
         else:
             _join(study, store, typed_name)
-    if known := st.session_state.get(KNOWN_NAME, ""):
+    if known := RATING_NAME.get():
         st.info(
             f"{plain(known)} has rated {len(store.ratings_of(study, known))} of {n} clips already. "
             "If that was somebody else, choose another name."
         )
         if button(f"I am {plain(known)}: go on", key="rating_known"):
-            st.session_state[KNOWN_NAME] = ""
+            RATING_NAME.set("")
             _join(study, store, known)
     _back(study)
 
@@ -190,7 +186,7 @@ def _offer_change() -> None:
     if button(
         "Change my last rating", key="rating_change", type="tertiary", icon=":material/undo:"
     ):
-        st.session_state[CHANGING] = True
+        RATING_CHANGES.set(True)
         st.rerun()
 
 
@@ -202,7 +198,7 @@ def _change(result: Result, study: Study, store: RatingStore, name: str, clip: i
     _played(result, study, clip, key)
     _ask(study, store, name, clip, key)
     if button(f"Keep {rating}", key="rating_keep", icon=":material/arrow_forward:"):
-        st.session_state[CHANGING] = False
+        RATING_CHANGES.set(False)
         st.rerun()
 
 
@@ -212,7 +208,7 @@ def _ask(study: Study, store: RatingStore, name: str, clip: int, key: str) -> No
         rating = _scale(study, clip)
     if rating is not None:
         store.rate(study, name, clip, rating, n_plays=n_plays_in(key))
-        st.session_state[CHANGING] = False
+        RATING_CHANGES.set(False)
         st.rerun()
 
 
@@ -271,5 +267,5 @@ def _back(study: Study) -> None:
     ):
         st.query_params.clear()
         SESSIONS.conduct(study)
-        set_thresholds(st.session_state.pop(BEFORE, {}))
+        set_thresholds(RATING_THRESHOLDS.pop())
         st.rerun()

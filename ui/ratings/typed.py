@@ -11,16 +11,12 @@ from nvcore.comparison import Result
 from nvcore.people.participants import MOST_NAME, fold_name
 from nvcore.ratings.reading import check_ratings
 from nvcore.wording import count_text
-from ui.session import state
+from ui.session import state, store
 from ui.widgets.buttons import submit_button
 from ui.widgets.text import plain
 
 COLUMNS: Final = ("participant", "clip", "system", "rating")
-EDITOR: Final = "ratings_typed"
-START: Final = "ratings_typed_start"
 LAST: Final = "ratings_typed_last"
-EDITOR_NUMBER: Final = "ratings_typed_drawn"
-DRAWN_OF: Final = "ratings_typed_drawn_of"
 MOST_TOLD: Final = 5
 
 
@@ -34,17 +30,17 @@ def typed(result: Result) -> pd.DataFrame | None:
     """
     _ask_for_rows(result)
     token = state.workspace().token
-    if st.session_state.setdefault(DRAWN_OF, token) != token:  # restored after a reload
-        st.session_state[DRAWN_OF] = token
+    if store.RATINGS_EDITOR_OF.setdefault(token) != token:  # restored after a reload
+        store.RATINGS_EDITOR_OF.set(token)
         _draw_anew()
-    key = f"{EDITOR}_{st.session_state.setdefault(EDITOR_NUMBER, 0)}"
-    if key not in st.session_state:  # drawn anew: with what was typed before
-        st.session_state[START] = _before()
+    editor = store.RATINGS_EDITOR.of(store.N_RATINGS_EDITORS.get())
+    if not editor.is_set:  # drawn anew: with what was typed before
+        store.RATINGS_START.set(_before())
     table = st.data_editor(
-        st.session_state[START],
+        store.RATINGS_START.get(),
         num_rows="dynamic",
         hide_index=True,
-        key=key,
+        key=editor.key,
         height=280,
         column_config={
             "participant": st.column_config.TextColumn("Participant", max_chars=MOST_NAME),
@@ -69,7 +65,7 @@ def _before() -> pd.DataFrame:
 
 def _draw_anew() -> None:
     """Let there be a table of its own, in which nothing is typed yet."""
-    st.session_state[EDITOR_NUMBER] = st.session_state.get(EDITOR_NUMBER, 0) + 1
+    store.N_RATINGS_EDITORS.set(store.N_RATINGS_EDITORS.get() + 1)
 
 
 def _ask_for_rows(result: Result) -> None:

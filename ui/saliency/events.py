@@ -12,8 +12,7 @@ from nvcore.comparison import Result
 from nvcore.params import Params
 from nvcore.tables.columns import column_names
 from nvcore.tables.result import located_events
-from ui.saliency.figures import CLICKED_RECORDING, OPEN
-from ui.session import state
+from ui.session import state, store
 from ui.session.chosen import recordings_key
 from ui.shell.navigate import open_row
 from ui.widgets import table
@@ -25,7 +24,7 @@ BOTH: Final = "both"
 
 def open_asked() -> None:
     """Open the frame of the latest click in a figure or the table, if there was one."""
-    row = st.session_state.pop(OPEN, None)
+    row = store.SALIENCY_ROW.pop()
     if row is not None:
         open_row(row)
 
@@ -35,17 +34,17 @@ def choose_recording() -> int | None:
     names = state.recording_names()
     if len(names) == 1:
         return None
-    key = recordings_key("saliency")
-    clicked_row = st.session_state.pop(CLICKED_RECORDING, None)
+    chosen = store.widget(recordings_key("saliency"))
+    clicked_row = store.SALIENCY_RECORDING.pop()
     if clicked_row is not None:
-        st.session_state[key] = names[clicked_row]
-    if st.session_state.get(key) not in (None, *names):  # tags leave other recordings
-        st.session_state[key] = None
+        chosen.set(names[clicked_row])
+    if chosen.get() not in (None, *names):  # tags leave other recordings
+        chosen.set(None)
     name: str | None = st.selectbox(
         "Recording",
         names,
         index=None,
-        key=key,
+        key=chosen.key,
         placeholder="all recordings",
         persist_state="session",
         width=360,
@@ -97,4 +96,4 @@ def _events(
 
 
 def _ask_for_row(first_row: list[int], row: int, _column: str) -> None:
-    st.session_state[OPEN] = first_row[row]
+    store.SALIENCY_ROW.set(first_row[row])

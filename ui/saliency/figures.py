@@ -14,17 +14,11 @@ from nvcore.measures.table import has_several_recordings
 from nvcore.params import Params
 from nvcore.report.words import saliencies, saliency_caveat
 from nvcore.tables.result import recordings_table, worst_events
-from ui.session import state
+from ui.session import state, store
 from ui.shell.navigate import open_row
 from ui.widgets.buttons import button
 from ui.widgets.charts import Clicked, draw_chart
 from ui.widgets.text import docs_link, plain
-
-OPEN: Final = "saliency_open"
-"""Frame row that was clicked."""
-CLICKED_RECORDING: Final = "saliency_wanted"
-"""Recording that was clicked."""
-
 
 HALF: Final = 0.5
 """Recency from which a miss is called late."""
@@ -123,8 +117,8 @@ def _chart(figure: go.Figure, key: str, help_text: str | None = None) -> None:
 
 
 def _ask_for_row(clicked: Clicked) -> None:
-    st.session_state[OPEN] = int(clicked.value)
+    store.SALIENCY_ROW.set(int(clicked.value))
 
 
 def _choose_recording(clicked: Clicked) -> None:
-    st.session_state[CLICKED_RECORDING] = int(clicked.value)
+    store.SALIENCY_RECORDING.set(int(clicked.value))

@@ -15,14 +15,11 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import HTTPConnection
 from starlette.responses import HTMLResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
-from streamlit.proto.ForwardMsg_pb2 import ForwardMsg
-from streamlit.user_info import generate_login_redirect_url
 
-from ui.access.login import CALLBACK, Login, login
+from ui.access.login import Login, login
 from ui.access.origins import is_own_host, is_own_origin, own_names
 from ui.access.page import (
     LOG_IN,
-    LOG_OUT,
     NEXT,
     PROVIDER,
     is_own_address,
@@ -31,13 +28,11 @@ from ui.access.page import (
 )
 from ui.access.people import Person, end_log_in, is_same, key_of, person_of
 from ui.answers import PRIVATE, text_answer
-from ui.serving.visitors import METRICS, STREAM, UPLOAD
 from ui.session.workspace import workspace_of_session
 from ui.settings.start import base_path
+from ui.streamlit_inside import login as inside_login
+from ui.streamlit_inside import server
 
-HEALTH: Final = "/_stcore/health"
-HOST_CONFIG: Final = "/_stcore/host-config"
-"""Needed by a page that reconnects after a broken connection."""
 WANTED: Final = "nvcore_wanted"
 """Cookie with the address requested before the log-in."""
 WANTED_S: Final = 600
@@ -50,7 +45,7 @@ class OwnPages:
     """Refuses requests for other hosts, and requests sent by other sites' pages."""
 
     def __init__(self, app: ASGIApp):
-        self.app, self._health = app, f"{base_path()}{HEALTH}"
+        self.app, self._health = app, f"{base_path()}{server.HEALTH}"
         own_names()  # cached now, so that no request has to wait for it
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -84,7 +79,8 @@ class Gate:
 
     def __init__(self, app: ASGIApp):
         self.app, self._login, self._base = app, login(), base_path()
-        paths = (CALLBACK, "/auth/login", LOG_OUT, HEALTH, HOST_CONFIG, METRICS)
+        of_log_in = (inside_login.CALLBACK, inside_login.LOG_IN, inside_login.LOG_OUT)
+        paths = (*of_log_in, server.HEALTH, server.HOST_CONFIG, server.METRICS)
         self._public = {f"{self._base}{path}" for path in paths}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -99,7 +95,7 @@ class Gate:
             return
         send = _with_private_cookies(send, settings)
         path: str = scope["path"]
-        if path == f"{self._base}{LOG_OUT}":
+        if path == f"{self._base}{inside_login.LOG_OUT}":
             end_log_in(cookies)
         answer = (
             None
@@ -115,7 +111,7 @@ class Gate:
             return self._redirect_to_provider(connection, settings)
         if person is None or not person.may_enter:
             return self._refusal(connection, scope["method"], person, settings)
-        upload = UPLOAD.search(path)
+        upload = server.UPLOAD.search(path)
         if upload is not None and not _may_upload(upload["session"], person.key):
             return text_answer(HTTPStatus.FORBIDDEN, "this session belongs to someone else")
         wanted = unquote(connection.cookies.get(WANTED, ""))
@@ -145,7 +141,7 @@ class Gate:
         provider = query.get(PROVIDER, settings.providers[0])
         if provider not in settings.providers:
             return text_answer(HTTPStatus.NOT_FOUND, "there is no such provider")
-        answer = RedirectResponse(generate_login_redirect_url(provider), 302, PRIVATE)
+        answer = RedirectResponse(inside_login.address_of(provider), 302, PRIVATE)
         wanted = query.get(NEXT, "")
         if is_own_address(wanted, self._base):
             answer.set_cookie(
@@ -161,18 +157,14 @@ class Gate:
     async def _connect(
         self, cookies: dict[str, str], scope: Scope, receive: Receive, send: Send
     ) -> None:
-        protocols = [
-            text.strip()
-            for text in Headers(scope=scope).get("sec-websocket-protocol", "").split(",")
-        ]
-        session = protocols[2] if len(protocols) > 2 else ""
+        protocol, session = server.protocol_and_session(Headers(scope=scope))
         key = key_of(cookies)
         if key is None or not _may_reconnect(session, key):
-            if not scope["path"].endswith(STREAM) or not protocols[0]:
+            if not scope["path"].endswith(server.STREAM) or not protocol:
                 await _refuse(receive, send)
                 return
             await receive()
-            await send({"type": "websocket.accept", "subprotocol": protocols[0]})
+            await send({"type": "websocket.accept", "subprotocol": protocol})
             await _reload_page(send)
             return
         is_logged_out = False
@@ -207,9 +199,7 @@ def _may_reconnect(session: str, key: str) -> bool:
 
 async def _reload_page(send: Send) -> None:
     """Make the browser reload the page, which then shows the log-in."""
-    message = ForwardMsg()
-    message.auth_redirect.url = ""  # the current address
-    await send({"type": "websocket.send", "bytes": message.SerializeToString()})
+    await send({"type": "websocket.send", "bytes": inside_login.reload_message()})
     await send({"type": "websocket.close", "code": POLICY_VIOLATION})
 
 

@@ -5,17 +5,15 @@ from __future__ import annotations
 import base64
 import hashlib
 import os
-import re
 from collections.abc import Collection
 from http import HTTPStatus
-from pathlib import Path
 from typing import Final
 
-import streamlit
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from ui.settings.start import base_path
+from ui.streamlit_inside.server import FILES, inline_scripts
 
 HTML: Final = "text/html"
 FRAMED_BY: Final = "NVCORE_FRAME_ANCESTORS"
@@ -47,9 +45,7 @@ def content_policy(framed_by: str = "'self'") -> str:
 
 def _inline_script_hashes() -> list[str]:
     """Hashes of the inline scripts in Streamlit's index.html, as a policy lists them."""
-    page = (Path(streamlit.__file__).parent / "static" / "index.html").read_text(encoding="utf-8")
-    scripts = re.findall(r"<script>(.*?)</script>", page, re.DOTALL)
-    hashes = (hashlib.sha256(script.encode()).digest() for script in scripts)
+    hashes = (hashlib.sha256(script.encode()).digest() for script in inline_scripts())
     return [f"'sha256-{base64.b64encode(digest).decode()}'" for digest in hashes]
 
 
@@ -91,16 +87,13 @@ class KnownPages:
         Page names as they appear in addresses.
     """
 
-    OTHERS: Final = ("_stcore", "app", "auth", "component", "media", "static")
-    """First parts of addresses that hold files and endpoints, not pages."""
-
     def __init__(self, app: ASGIApp, pages: Collection[str]):
         self.app, self._pages, self._base = app, {"", "index.html", *pages}, base_path()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """ASGI."""
         name = str(scope.get("path", "")).removeprefix(self._base).strip("/")
-        is_known = name in self._pages or name.partition("/")[0] in self.OTHERS
+        is_known = name in self._pages or name.partition("/")[0] in FILES
 
         async def send_with_status(message: Message) -> None:
             if message["type"] == "http.response.start" and message["status"] == HTTPStatus.OK:

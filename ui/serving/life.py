@@ -1,21 +1,45 @@
-"""Startup and shutdown of the server."""
+"""Startup and shutdown of the server: what it checks, computes and deletes beside its visitors.
+
+A configuration that cannot work stops the start: otherwise visitors would be the first to find out.
+What the first of them would otherwise wait for is computed meanwhile.
+"""
 
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import gc
+import logging
+import os
 import signal
 import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from functools import cache
 from types import FrameType
-from typing import Any
+from typing import Any, Final
 
-from ui.serving.answers import keep_deleting_ended
+from nvcore.comparison import compare
+from nvcore.errors import InputError, NvcoreError
+from nvcore.evidence.companions import find_companions
+from nvcore.evidence.units import find_units
+from nvcore.inputs.files import find_all
+from nvcore.inputs.session_toml import read_session
+from ui.access.files import local_root
+from ui.confined import process
+from ui.jobs import companions
 from ui.serving.connections import guard_connections
-from ui.serving.preparing import start_preparing
-from ui.session import ending, folders
+from ui.session import lifetime
+from ui.session.results import comparison_key, evidence_kept_by, findings_kept_by, miss_rate_kept_by
+from ui.session.state import kept_result, shared_start
+from ui.settings.limits import limits_of_environment
+from ui.settings.start import start_file
+from ui.subjects import contributed
 
 _shutdown = threading.Event()
+EVERY_S: Final = 3600.0
+"""Often enough that a study is deleted on the day it ends."""
+_LOG = logging.getLogger("nvcore.ui")
 
 
 def is_shutting_down() -> bool:
@@ -47,7 +71,7 @@ def _noting_shutdown(handler: Any) -> Callable[[int, FrameType | None], Any]:
 @asynccontextmanager
 async def lifespan(_app: Any) -> AsyncIterator[None]:
     """Start the server's background work; stop it and remove all uploads at shutdown."""
-    ending.close_sessions_on(asyncio.get_running_loop())
+    lifetime.close_sessions_on(asyncio.get_running_loop())
     watch_for_shutdown()
     guard_connections()
     start_preparing()
@@ -56,4 +80,97 @@ async def lifespan(_app: Any) -> AsyncIterator[None]:
         yield
     finally:
         deleting.cancel()
-        folders.remove_own()
+        lifetime.remove_own()
+
+
+def check_start() -> None:
+    """Check limits, session, local folder, and the folders for uploads and answers.
+
+    Also removes uploads left behind by servers that were killed.
+
+    Raises
+    ------
+    InputError
+        If one of them cannot be used.
+    """
+    limits_of_environment()
+    local_root()
+    session = start_file()
+    if session is not None:
+        find_all(read_session(session))
+    for studies in contributed("STUDIES"):
+        if os.environ.get(studies.variable):
+            studies.store()
+    try:
+        lifetime.process_folder(lifetime.base_folder())
+    except OSError as error:
+        raise InputError(
+            f"uploads cannot be kept there ({error.strerror}); name a folder that the server may "
+            f"write to: {lifetime.UPLOAD_FOLDER}",
+            file=error.filename,
+        ) from error
+
+
+@cache
+def settle_memory() -> None:
+    """After the first page, once: what it has loaded stays, and is not looked through any more.
+
+    Streamlit collects garbage after every run, which then takes a third of the time.
+    """
+    gc.collect()
+    gc.freeze()
+
+
+def start_preparing() -> None:
+    """Prepare in a background thread; early visitors wait for whatever is not ready yet."""
+    threading.Thread(target=_prepare, name="prepare", daemon=True).start()
+
+
+def _prepare() -> None:
+    with contextlib.suppress(NvcoreError, OSError):  # reported when a visitor needs it
+        prepare_start()
+        process.warm_up()
+
+
+def prepare_start() -> None:
+    """Compare and audit what every visitor starts with, which also compiles the kernels."""
+    shared = shared_start()
+    shared.new_pictures()
+    opened, cached = shared.opened, shared.cached
+    dataset, protocol, settings = opened.dataset, opened.session.protocol, opened.params
+    x, y = dataset.compared()
+    if x is None or y is None:
+        return
+    result = kept_result(cached, settings, x, y, lambda: compare(dataset, settings, x=x, y=y))
+    evidence = evidence_kept_by(cached, result, protocol)
+    if companions.is_quick(result):
+        cached(
+            companions.KIND,
+            comparison_key(result, protocol),
+            lambda: find_companions(
+                result,
+                evidence,
+                protocol,
+                miss_rate=miss_rate_kept_by(cached, result, find_units(result), protocol),
+            ),
+            most=companions.MOST,
+        )
+    findings_kept_by(cached, dataset, settings, x, y)
+
+
+async def keep_deleting_ended() -> None:
+    """Delete finished studies now and every hour, until cancelled."""
+    while True:
+        await asyncio.to_thread(delete_ended)
+        await asyncio.sleep(EVERY_S)
+
+
+def delete_ended() -> None:
+    """Delete finished studies with all their answers."""
+    for studies in contributed("STUDIES"):
+        if not studies.file().is_file():
+            continue
+        try:
+            studies.store()  # opening it deletes them
+        except InputError as error:
+            _LOG.warning("Could not delete the answers of finished studies: %s", error)

@@ -11,10 +11,9 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from ui.session.state import ROOT
+from ui.streamlit_inside.server import with_styles
 
 SHEETS: Final = ("style", "measures")
-PAGE_END: Final = b"</body>"
-"""Our styles go before it: after Streamlit's own in the head, so that ours win."""
 CONDITIONS: Final = ("accept-encoding", "if-none-match", "if-modified-since")
 """Request headers that would bring the page compressed, or a 304 for Streamlit's unchanged file."""
 VALIDATORS: Final = ("etag", "last-modified")
@@ -64,7 +63,7 @@ class OwnStyles:
         await self.app({**scope, "headers": asked.raw}, receive, send_with_styles)
 
     async def _send_page(self, start: Message, page: bytes, send: Send) -> None:
-        styled = page.replace(PAGE_END, self._styles + PAGE_END)
+        styled = with_styles(page, self._styles)
         headers = MutableHeaders(raw=list(start["headers"]))
         headers["content-length"] = str(len(styled))
         for name in VALIDATORS:

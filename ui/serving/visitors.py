@@ -9,7 +9,6 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
-import re
 import secrets
 import time
 from collections import Counter
@@ -20,11 +19,12 @@ from typing import Final
 from starlette.datastructures import Headers
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
-from streamlit import runtime
 
 from ui.answers import text_answer
 from ui.serving.life import is_shutting_down
 from ui.settings.limits import MEBI, Limits
+from ui.streamlit_inside.server import METRICS, STREAM, UPLOAD
+from ui.streamlit_inside.sessions import held_bytes
 
 METRICS_TOKEN: Final = "NVCORE_METRICS_TOKEN"  # noqa: S105  # its name
 """Token that grants access to the metrics (``Authorization: Bearer``); unset: nobody may."""
@@ -36,9 +36,6 @@ POLL_S: Final = 0.5
 """Poll interval of a waiting upload for the server's shutdown."""
 TRY_AGAIN_LATER: Final = 1013
 """Close code of a WebSocket."""
-STREAM: Final = "/_stcore/stream"
-METRICS: Final = "/_stcore/metrics"
-UPLOAD: Final = re.compile(r"/_stcore/upload_file/(?P<session>[^/]+)/[^/]+$")
 NETWORK_BITS: Final = 64
 """Leading bits of an IPv6 address that identify a client: it owns all addresses below them."""
 _LOG = logging.getLogger("nvcore.ui")
@@ -120,8 +117,8 @@ class VisitorLimits:
             await answer(scope, receive, send)
             return
         n_bytes, limits = int(stated), self.limits
-        of_session = _held_bytes(session) + self._pending_bytes[session] + n_bytes
-        of_all = _held_bytes() + self._pending_bytes.total() + n_bytes
+        of_session = held_bytes(session) + self._pending_bytes[session] + n_bytes
+        of_all = held_bytes() + self._pending_bytes.total() + n_bytes
         if of_session > limits.max_upload_mb * MEBI or of_all > limits.max_uploads_mb * MEBI:
             text = (
                 f"a visitor may upload {limits.max_upload_mb} MB of annotation files at a time"
@@ -187,15 +184,6 @@ def _with_timeout(receive: Receive) -> Receive:
         return message
 
     return receive_in_time
-
-
-def _held_bytes(session: str | None = None) -> int:
-    """Bytes of annotation files that Streamlit holds for one session, or for all."""
-    if not runtime.exists():
-        return 0
-    held = runtime.get_instance().uploaded_file_mgr.file_storage  # type: ignore[attr-defined]
-    sessions = list(held.values()) if session is None else [held.get(session, {})]
-    return sum(len(file.data) for files in sessions for file in list(files.values()))
 
 
 def _may_read_metrics(headers: Headers) -> bool:

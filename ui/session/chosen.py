@@ -5,19 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-import streamlit as st
-
 from nvcore.comparison import Result
-from ui.session import state
+from ui.session import state, store
 from ui.session.address import is_whole_number
 
-CHOSEN: Final = "encounters_chosen"
-"""Where the chosen encounter is kept: number of the opening, and the encounter's name in an
-address, "recording:track"."""
 CHOOSING_PAGES: Final = ("encounters", "saliency")
 """Pages with a `recordings_key`."""
-PROTOCOL_RECORDINGS: Final = "protocol_recordings"
-"""Key of the widget that chooses the recordings that count in the detection measures."""
 
 
 def choose_encounter(result: Result, encounter: int) -> None:
@@ -29,9 +22,9 @@ def choose_encounter(result: Result, encounter: int) -> None:
 def choose_named(name: str | None) -> None:
     """Select the encounter of that name on all pages; None clears the selection."""
     if name is None:
-        st.session_state.pop(CHOSEN, None)
+        store.ENCOUNTER.pop()
     else:
-        st.session_state[CHOSEN] = (state.workspace().n_opened, name)
+        store.ENCOUNTER.set((state.workspace().n_opened, name))
 
 
 def chosen_encounter(result: Result) -> int | None:
@@ -67,14 +60,15 @@ def rename_chosen(titles: Mapping[str, str]) -> None:
     recording, colon, track = _chosen_name().rpartition(":")
     if recording in titles:
         choose_named(f"{titles[recording]}{colon}{track}")
-    for key in (*map(recordings_key, CHOOSING_PAGES), PROTOCOL_RECORDINGS):
-        chosen: str | list[str] | None = st.session_state.get(key)
+    for key in (*map(recordings_key, CHOOSING_PAGES), store.PROTOCOL_RECORDINGS.key):
+        choice = store.widget(key)
+        chosen: str | list[str] | None = choice.get()
         if isinstance(chosen, str):
-            st.session_state[key] = titles.get(chosen, chosen)
+            choice.set(titles.get(chosen, chosen))
         elif chosen:
-            st.session_state[key] = [titles.get(name, name) for name in chosen]
+            choice.set([titles.get(name, name) for name in chosen])
 
 
 def _chosen_name() -> str:
-    opening, name = st.session_state.get(CHOSEN, (None, ""))
+    opening, name = store.ENCOUNTER.get()
     return name if opening == state.workspace().n_opened else ""

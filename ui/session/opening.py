@@ -18,11 +18,10 @@ from typing import Final, TypeVar
 
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, SessionError
-from nvcore.file_kinds import as_stored, composed
+from nvcore.file_kinds import composed
 from nvcore.findings import Finding
 from nvcore.inputs.facts import FRAME_RANGE, is_frame_range, with_paths_in
 from nvcore.inputs.files import NAME_PARTS
-from nvcore.inputs.patterns import matching
 from nvcore.inputs.session import (
     TABLES_OF_SUBJECTS,
     RecordingEntry,
@@ -32,14 +31,14 @@ from nvcore.inputs.session import (
     SystemSource,
 )
 from nvcore.params import Params
-from nvcore.pictures.open import is_below
+from ui.access.files import safe_name
 from ui.confined.reading import (
     load_confined,
     read_confined,
     session_confined,
     with_recordings_confined,
 )
-from ui.session.uploads import ANNOTATION_FOLDERS, safe_name
+from ui.session.uploads import ANNOTATION_FOLDERS
 from ui.session.workspace import Workspace, opened_by_others
 from ui.settings.limits import limits_of_environment
 
@@ -233,50 +232,6 @@ def _uploaded_pictures(text: str | None, pictures: Path, folder: Path) -> str | 
 def relative_path(path: Path, folder: Path) -> str:
     """The path, relative to the folder of a session."""
     return Path(os.path.relpath(path, folder)).as_posix()
-
-
-def check_confined(session: Session, root: Path) -> None:
-    """Refuse a session that would read outside a folder, even through links.
-
-    Raises
-    ------
-    SessionError
-        If one of its paths leaves the folder.
-    """
-    real_root = os.path.realpath(root)
-    for text in session.paths():
-        path = as_stored(session.folder / text)
-        # os.path: Path.exists raises for names that are too long; they are refused when opened
-        if glob.has_magic(text) and not os.path.exists(path):  # noqa: PTH110
-            start = as_stored(Path(*_before_magic(path.parts)))
-            # checked first: matching a pattern outside would already reveal files
-            is_inside = Path(os.path.realpath(start)).is_relative_to(real_root) and all(
-                is_below(session.folder / name, root) for name in matching(text, session.folder)
-            )
-            if is_inside and start == path.parent and start.is_dir():
-                # of pictures, also what matches with its accents as they are stored
-                is_inside = all(
-                    is_below(file, root)
-                    for file in start.iterdir()
-                    if fnmatchcase(composed(file.name), composed(path.name))
-                )
-        else:
-            is_inside = is_below(path, root)
-        if not is_inside:
-            raise SessionError(
-                f"names {PurePosixPath(text).name!r}, which lies outside the folder that the app "
-                "may read; put it there, or start the app with a folder that holds all files"
-            )
-
-
-def _before_magic(parts: Sequence[str]) -> list[str]:
-    """The parts of a path before its first pattern."""
-    lines: list[str] = []
-    for part in parts:
-        if glob.has_magic(part):
-            break
-        lines.append(part)
-    return lines
 
 
 def guess_pictures(names: Sequence[str], sources: Iterable[str]) -> dict[str, str]:

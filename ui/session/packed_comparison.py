@@ -1,12 +1,4 @@
-"""Binary encoding of what the browser needs to compare X and Y itself while a slider moves.
-
-`shell/live/comparison.js` reads it. Little endian: uint32 length of a JSON header, the header,
-zeros up to a multiple of 8 bytes, then the columns, each again padded to 8 bytes. The header gives
-each column's name, kind, first byte after the header, and length.
-
-Nothing in it depends on the settings of `LIVE`. Detections are matched without a threshold: they
-take pedestrians in descending score, so a threshold changes nothing for those above it.
-"""
+"""Binary encodings of a comparison: its boxes for the viewer, its columns for sliders in motion."""
 
 from __future__ import annotations
 
@@ -24,10 +16,33 @@ from nvcore.comparison import Result
 from nvcore.metrics.matching import match_system
 from nvcore.metrics.proximity import in_use
 from nvcore.params import Params
-from nvcore.schema import DetectionState
+from nvcore.schema import DetectionState, TruthState
 from nvcore.scoring import weigh_misses
 from nvcore.stages import DISTANCES, ENCOUNTERS, SEVERITY
+from nvcore.tables.boxes.states import TruthBoxes, gather_boxes
 
+SOURCE_TRUTH: Final = 0
+SOURCE_X: Final = 1
+SOURCE_Y: Final = 2
+
+# bits of the state of a truth box; detections have their `DetectionState`
+BIT_IGNORE: Final = 1
+BIT_MATCHED_X: Final = 2
+BIT_MATCHED_Y: Final = 4
+BIT_RELEVANT: Final = 8
+BIT_SALIENT_X: Final = 16
+BIT_SALIENT_Y: Final = 32
+
+COLUMNS: Final = {
+    "x": "<f4",  # px
+    "y": "<f4",
+    "w": "<f4",
+    "h": "<f4",
+    "score": "<f4",  # NaN: none
+    "track": "<i4",  # as in `nvcore.tables.boxes.states.TruthBoxes`
+    "source": "|u1",  # SOURCE_TRUTH, SOURCE_X or SOURCE_Y
+    "state": "|u1",  # truth: the BIT_ constants, added; detections: their `DetectionState`
+}
 LIVE: Final = (
     *("alpha", "midpoint", "spread", "midpoint_m", "spread_m"),
     *("edge_weight", "low", "threshold_x", "threshold_y"),
@@ -37,6 +52,52 @@ MOST_BYTES: Final = 100_000_000
 """More is not sent: the server alone computes then."""
 KINDS: Final = {"f": "<f8", "i": "<i4"}
 """Columns are float64 or int32."""
+
+
+def pack_boxes(result: Result, row_start: int, row_stop: int) -> bytes:
+    """Boxes of frames ``row_start:row_stop`` (rows of the frames table) with their states.
+
+    `widgets/viewer/data/boxes.js` reads them. Little endian: uint32 number of frames, uint32 number
+    of boxes, uint32 offsets (those of the i-th and the next one are the first and the last + 1 of
+    the i-th frame's boxes; one more than there are frames), then a column after the other, each
+    padded with zeros to a multiple of 4 bytes. In a frame the truth comes first, then X, then Y.
+    """
+    gathered = gather_boxes(result, row_start, row_stop)
+    sources = (gathered.truth, gathered.x, gathered.y)
+    states = (_truth_bits(gathered.truth), gathered.x.state, gathered.y.state)
+    frame = np.concatenate([boxes.frame for boxes in sources])
+    xywh = np.concatenate([boxes.xywh for boxes in sources])
+    columns = {
+        **{name: xywh[:, i] for i, name in enumerate("xywh")},
+        "score": np.concatenate([boxes.score for boxes in sources]),
+        "track": np.concatenate([boxes.track for boxes in sources]),
+        "source": np.repeat(
+            [SOURCE_TRUTH, SOURCE_X, SOURCE_Y], [len(boxes.frame) for boxes in sources]
+        ),
+        "state": np.concatenate(states),
+    }
+    n_frames = row_stop - row_start
+    offsets = np.concatenate([[0], np.cumsum(np.bincount(frame, minlength=n_frames))])
+    by_frame = np.argsort(frame, kind="stable")
+    parts = [struct.pack("<II", n_frames, len(frame)), offsets.astype("<u4").tobytes()]
+    for name, dtype in COLUMNS.items():
+        content = columns[name][by_frame].astype(dtype).tobytes()
+        parts += [content, bytes(-len(content) % 4)]
+    return b"".join(parts)
+
+
+def _truth_bits(truth: TruthBoxes) -> np.ndarray:
+    bits = np.zeros(len(truth.frame), np.uint8)
+    for is_set, bit in (
+        (truth.state_x == TruthState.NOT_JUDGED, BIT_IGNORE),
+        (truth.state_x == TruthState.MATCHED, BIT_MATCHED_X),
+        (truth.state_y == TruthState.MATCHED, BIT_MATCHED_Y),
+        (truth.is_relevant, BIT_RELEVANT),
+        (truth.is_salient_x, BIT_SALIENT_X),
+        (truth.is_salient_y, BIT_SALIENT_Y),
+    ):
+        bits[is_set] |= bit
+    return bits
 
 
 def version_of(result: Result) -> str:
@@ -68,7 +129,13 @@ def has_mixed_scores(result: Result) -> bool:
 def pack_comparison(result: Result) -> bytes:
     """Recordings, frames, pedestrians and the detections of X and Y, as columns.
 
-    Boxes of the truth that are ignored, and detections that these absorb, are left out.
+    Boxes of the truth that are ignored, and detections that these absorb, are left out. Nothing
+    depends on the settings of `LIVE`: detections are matched without a threshold, in descending
+    score, so a threshold changes nothing for those above it.
+
+    `shell/live/comparison.js` reads it. Little endian: uint32 length of a JSON header, the header,
+    zeros up to a multiple of 8 bytes, then the columns, each again padded to 8 bytes. The header
+    gives each column's name, kind, first byte after the header, and length.
     """
     dataset, params, frames = result.dataset, result.params, result.dataset.frame_columns
     unset = replace(params, midpoint=None, spread=None, edge_weight=None)

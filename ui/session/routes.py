@@ -8,7 +8,7 @@ has one.
     GET /overview                                    the page that the app opens on
     GET /nv/TOKEN/frame/RECORDING/ROW.jpg?lo=&hi=    picture of a row of a recording
     GET /nv/TOKEN/visible/RECORDING/ROW.jpg?seen_s=  of visible light, as eyes that adapt see it
-    GET /nv/TOKEN/boxes/RECORDING/CHUNK?v=           boxes of 1024 rows (`packed_boxes`)
+    GET /nv/TOKEN/boxes/RECORDING/CHUNK?v=           boxes of 1024 rows (`pack_boxes`)
     GET /nv/TOKEN/comparison?v=                      what the browser compares X and Y with itself
     GET /nv/TOKEN/reasons/RECORDING/ROW              what each box of a row counts and costs, why
     PUT /nv/TOKEN/upload/SLOT?name=                  one file of pictures, or a video
@@ -19,8 +19,9 @@ and those of the subjects, in their rooms of the dashboard.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import asdict
+from collections.abc import Awaitable, Callable
+from dataclasses import asdict, dataclass
+from functools import wraps
 from http import HTTPStatus
 from itertools import chain
 from pathlib import Path
@@ -38,26 +39,98 @@ from nvcore.errors import MediaError
 from nvcore.overlay.explain import explain_boxes
 from nvcore.pictures.base import Picture, Pictures
 from nvcore.pictures.stretch import jpeg, stretch
-from ui.session.packed_boxes import pack_boxes
-from ui.session.packed_comparison import can_pack, pack_comparison, version_of
-from ui.session.requests import (
-    CACHED,
-    NOT_CACHED,
-    Place,
-    for_owner,
-    index_in,
-    not_found,
-    say,
-)
+from ui.access.origins import is_own_origin
+from ui.access.people import is_same, key_of
+from ui.answers import PRIVATE, text_answer
+from ui.session.packed_comparison import can_pack, pack_boxes, pack_comparison, version_of
 from ui.session.uploads import SLOTS, UploadError, receive
-from ui.session.workspace import Workspace
+from ui.session.workspace import Workspace, workspace_of
 from ui.settings.start import base_path
 from ui.subjects import contributed
 
+Answer = Callable[[Request], Awaitable[Response]]
+Handler = Callable[[Request, Workspace | None], Awaitable[Response]]
+MOST_DIGITS: Final = 12
+_GUARDS: Final = {
+    "X-Content-Type-Options": "nosniff",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Referrer-Policy": "no-referrer",
+}
+CACHED: Final = {"Cache-Control": "private, max-age=3600", **_GUARDS}
+NOT_CACHED: Final = {**PRIVATE, **_GUARDS}
 ROWS_PER_CHUNK: Final = 1024
 QUALITY: Final = 85
 PLOTLY: Final = f"/nv/plotly-{plotly.__version__}.js"
 """Address of the library that draws the figures."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A route below the address of a session, and its handler.
+
+    Attributes
+    ----------
+    path
+        As Starlette writes it: ``"frame/{recording}/{row}.jpg"``.
+    """
+
+    path: str
+    answer: Answer
+    method: str = "GET"
+
+
+def index_in(request: Request, name: str) -> int:
+    """A path parameter that is an index from 0; anything else becomes an index out of range."""
+    text = request.path_params[name]
+    is_index = text.isascii() and text.isdigit() and len(text) < MOST_DIGITS
+    return int(text) if is_index else 10**MOST_DIGITS
+
+
+def for_owner(*, sent: str = "") -> Callable[[Handler], Answer]:
+    """Decorator of routes for a workspace's owner; they receive it, None if the session has ended.
+
+    Parameters
+    ----------
+    sent
+        What is sent, in the plural: only our own page may; empty: nothing is.
+    """
+
+    def guard(handle: Handler) -> Answer:
+        @wraps(handle)
+        async def route(request: Request) -> Response:
+            if sent and not is_own_page(request):
+                return say(HTTPStatus.FORBIDDEN, f"{sent} come from the app's own page only")
+            space = workspace_of(request.path_params["token"])
+            if not is_owner(request, space):
+                return say(HTTPStatus.FORBIDDEN, "log in as the one whose session this is")
+            return await handle(request, space)
+
+        return route
+
+    return guard
+
+
+def is_owner(request: Request, space: Workspace | None) -> bool:
+    """Whether the sender may use the workspace; true if there is none."""
+    key = key_of(request.cookies)
+    return key is not None and (space is None or is_same(space.owner, key))
+
+
+def is_own_page(request: Request) -> bool:
+    """Whether the request comes from our own page; other programs send no origin."""
+    if request.headers.get("sec-fetch-site", "same-origin") not in ("same-origin", "none"):
+        return False
+    return is_own_origin(request.headers.get("origin"), request.headers.get("host"))
+
+
+def say(status: int, text: str) -> Response:
+    """A plain-text answer."""
+    return text_answer(status, text, NOT_CACHED)
+
+
+def not_found(text: str) -> Response:
+    """A 404 answer with the reason."""
+    return say(HTTPStatus.NOT_FOUND, text)
 
 
 @for_owner()

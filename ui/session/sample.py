@@ -19,8 +19,7 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import read_session
 from nvcore.pictures.recordings import RecordingPictures, Source, session_pictures
-from ui.session.cache import Caching
-from ui.session.workspace import Opened, Workspace
+from ui.session.workspace import Caching, Opened, Workspace
 
 MOST_SAMPLES: Final = 2
 MOST_MOVED: Final = 24

@@ -1,57 +1,103 @@
-"""The settings a visitor has made, kept independently of the widgets that show them.
+"""What a run begins with: what is open, its frame and the settings that a visitor has made.
 
-Streamlit forgets the value of a widget that a run does not draw, as one that a click on the page
-cuts off for another page. So a widget only tells of a change, and is given its value anew.
+Settings are kept independently of the widgets that show them. Streamlit forgets the value of a
+widget that a run does not draw, as one that a click on the page cuts off for another page. So a
+widget only tells of a change, and is given its value anew.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Final
 
 import streamlit as st
 
-_KEPT: Final = "settings"
-_MOVING: Final = "settings_moving"
-"""The setting whose slider is in motion, and the value that Streamlit has of it meanwhile."""
-_SHOWN: Final = "settings_shown"
-"""The values that the widgets of this run were given."""
-_LET_GO: Final = "settings_let_go"
-"""The settings whose widgets told of a change before this run."""
+from ui.session import address, state, store
+from ui.session.opening import with_systems
+
 _NONE: Final = object()
+
+
+def begin_run() -> None:
+    """Prepare the state for a run; call before any widget is drawn.
+
+    Any run may be cut off by the next one, even while something is being opened. So whatever
+    belongs to the open comparison is renewed here, when its number has changed.
+    """
+    store.FIRST_QUERY.setdefault(st.query_params.to_dict())
+    space = state.workspace()
+    seen_opening = store.SEEN_OPENING.get()
+    if seen_opening != space.n_opened:
+        _forget()
+        if seen_opening is not None:  # the first one may be opened by a link
+            store.PLACE.set((0, 0))
+        store.SEEN_OPENING.set(space.n_opened)
+    elif store.WANTS_RESET.pop():
+        _forget()
+    if not store.PLACE.is_set:
+        _follow_link()
+    keep(**store.NEW_PARAMS.pop())
+    store.SETTINGS_RELEASED.pop()
+    store.SETTINGS_SHOWN.set({})
+
+
+def _follow_link() -> None:
+    """Take systems, recording and frame from the address with which the session was opened."""
+    get = st.query_params.get
+    session, dataset = state.opened().session, state.opened().dataset
+    pair, wrong_systems = address.read_systems(get("x"), get("y"), dataset.systems)
+    if pair is not None and pair != state.systems():
+        x, y = pair
+        state.compare_as(with_systems(session, dataset, state.params(), x=x, y=y)[0])
+    session, every = state.opened().session, state.opened().whole.recordings
+    listed = every[every["name"].isin(session.only)] if session.only else every
+    tags, wrong_tags = address.read_tags(get("tags"), listed["tags"])
+    if tags is not None and tags != session.only_tags:
+        state.compare_as(replace(session, only_tags=tags))
+    point, wrong_point = address.read_point(get("point"))
+    if point is not None:
+        state.set_operating_point(point)
+    names, numbers = state.recording_names(), state.frame_numbers
+    place, wrong = address.read_place(get("recording"), get("frame"), names, numbers)
+    query = st.query_params.to_dict()
+    store.PAGE_LINK.set(query)
+    values, impossible = address.read_parameters(query)
+    for letter, name in zip("xy", state.systems(), strict=True):
+        span = None if name is None else state.score_span(name)
+        if span is not None and values.get(f"threshold_{letter}", span) is None:
+            values[f"threshold_{letter}"] = span[0]  # the slider's left end: every detection counts
+    store.NEW_PARAMS.set(dict(values))
+    wrong += wrong_systems + wrong_tags + wrong_point + impossible
+    store.PLACE.set(place)
+    store.BAD_LINK.set("; ".join(wrong))
+
+
+def _forget() -> None:
+    """Drop all settings: those of the open session hold again."""
+    store.PARAMS.pop()
+    store.SETTINGS.pop()
 
 
 def kept(name: str, otherwise: Any) -> Any:
     """Value of a setting; `otherwise` if the visitor has not set it."""
-    return st.session_state.get(_KEPT, {}).get(name, otherwise)
+    return store.SETTINGS.get().get(name, otherwise)
 
 
 def keep(**values: Any) -> None:
     """Set these settings."""
-    st.session_state[_KEPT] = {**st.session_state.get(_KEPT, {}), **values}
-
-
-def forget() -> None:
-    """Drop all settings: those of the open session hold again."""
-    st.session_state.pop(_KEPT, None)
-
-
-def begin_run() -> None:
-    """Take over values that widgets changed since the last run; call once at the start of a run."""
-    st.session_state.pop(_LET_GO, None)
-    st.session_state[_SHOWN] = {}
+    store.SETTINGS.set({**store.SETTINGS.get(), **values})
 
 
 def shown() -> dict[str, Any]:
     """Values given to widgets so far in this run."""
-    values: dict[str, Any] = st.session_state.get(_SHOWN, {})
-    return values
+    return store.SETTINGS_SHOWN.get()
 
 
 def take(name: str) -> None:
     """Callback: store the new value of a widget."""
-    keep(**{name: st.session_state[name]})
-    st.session_state[_LET_GO] = {*st.session_state.get(_LET_GO, ()), name}
-    st.session_state.pop(_MOVING, None)
+    keep(**{name: store.widget(name).get()})
+    store.SETTINGS_RELEASED.set(store.SETTINGS_RELEASED.get() | {name})
+    store.SETTING_MOVING.pop()
 
 
 def drag(name: str, value: float) -> None:
@@ -59,17 +105,18 @@ def drag(name: str, value: float) -> None:
 
     Passed over where it was let go since: that is newer.
     """
-    if name not in st.session_state.get(_LET_GO, ()):
+    if name not in store.SETTINGS_RELEASED.get():
         keep(**{name: value})
-        st.session_state[_MOVING] = name, st.session_state.get(name)
+        store.SETTING_MOVING.set((name, store.widget(name).get()))
 
 
 def give(name: str, value: Any) -> None:
     """Set the value of a widget before it is drawn, unless it is up to date or being dragged."""
-    st.session_state[_SHOWN] = {**shown(), name: value}
-    own = st.session_state.get(name, _NONE)
-    if own != value and (name, own) != st.session_state.get(_MOVING):
-        st.session_state[name] = value
+    store.SETTINGS_SHOWN.set({**shown(), name: value})
+    slider = store.widget(name, _NONE)
+    own = slider.get()
+    if own != value and (name, own) != store.SETTING_MOVING.get():
+        slider.set(value)
 
 
 def key_of(name: str, value: Any) -> str:
@@ -78,12 +125,12 @@ def key_of(name: str, value: Any) -> str:
     A browser that has not heard of such a change sends what the widget had before, as if it had
     been chosen. So what others have changed is shown by another widget.
     """
-    memory = f"shown_{name}"
-    shown: dict[str, Any] = st.session_state.get(memory, {})
+    memory = store.WIDGETS_SHOWN.of(name)
+    shown = memory.get()
     key = next(reversed(shown), name)
-    if st.session_state.get(key, shown.get(key, value)) != value:
+    if store.widget(key, shown.get(key, value)).get() != value:
         key = f"{name}_{len(shown)}"
-    st.session_state[memory] = {**shown, key: value}
+    memory.set({**shown, key: value})
     return key
 
 
@@ -93,8 +140,8 @@ def is_chosen(name: str, key: str) -> bool:
     A browser sends the value of a widget that another has replaced until it has drawn that one, and
     Streamlit, which has forgotten the value, takes it for a change.
     """
-    memory, value = f"shown_{name}", st.session_state[key]
-    shown: dict[str, Any] = st.session_state[memory]
+    memory, value = store.WIDGETS_SHOWN.of(name), store.widget(key).get()
+    shown = memory.get()
     is_replaced = key != next(reversed(shown))
-    st.session_state[memory] = {**shown, key: value}
+    memory.set({**shown, key: value})
     return not (is_replaced and value == shown[key])

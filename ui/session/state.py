@@ -22,12 +22,12 @@ from nvcore.params import SETTINGS, Params
 from nvcore.protocols import Protocol
 from nvcore.sentences.facts import Fact
 from nvcore.settings import OperatingPoint
+from nvcore.stages import SALIENT, THRESHOLD
 from ui.access.people import is_same
-from ui.session import address, settings
-from ui.session.address import PLACE, read_place, read_systems
-from ui.session.ending import end_with_session, is_in_use
-from ui.session.opening import load_for, with_systems
-from ui.session.results.comparison import of_boxes, result_kept_by
+from ui.session import address, store
+from ui.session.address import PLACE
+from ui.session.lifetime import end_with_session, is_in_use
+from ui.session.opening import load_for
 from ui.session.sample import (
     SharedSample,
     as_shared,
@@ -42,8 +42,9 @@ from ui.settings.start import start_file
 ROOT: Final = Path(__file__).resolve().parents[2]
 SAMPLE: Final = ROOT / "sample_data" / "session.toml"
 SAMPLE_LABEL: Final = "Sample recordings"
-_SHOWN_VERDICT: Final = "verdict_shown_on"
 T = TypeVar("T")
+Cached = Callable[..., Any]
+"""`Caching.cached`, of this session or of all visitors."""
 
 
 def workspace() -> Workspace:
@@ -57,9 +58,10 @@ def opened() -> Opened:
 
 
 def _workspace_and_opened() -> tuple[Workspace, Opened]:
-    space: Workspace | None = st.session_state.get("workspace")
+    space = store.WORKSPACE.get()
     if space is None:
-        space = st.session_state["workspace"] = Workspace()
+        space = Workspace()
+        store.WORKSPACE.set(space)
     if space.opened is not None:
         return space, space.opened
     with st.spinner("Opening the recordings"):
@@ -138,43 +140,21 @@ def restore(token: str) -> bool:
         return True
     if is_in_use(space):
         return False
-    st.session_state["workspace"] = space
+    store.WORKSPACE.set(space)
     end_with_session(space)
     # until the page is drawn anew it asks for pictures and boxes of what it has left
     own.forget_values()
-    st.session_state["left_workspace"] = own
-    for name in ("seen_opening", "place", "bad_link"):
-        st.session_state.pop(name, None)
-    st.query_params.from_dict(st.session_state["first_query"])
+    store.LEFT_WORKSPACE.set(own)
+    store.SEEN_OPENING.pop()
+    store.PLACE.pop()
+    store.BAD_LINK.pop()
+    st.query_params.from_dict(store.FIRST_QUERY.get())
     return True
-
-
-def begin_run() -> None:
-    """Prepare the state for a run; call before any widget is drawn.
-
-    Any run may be cut off by the next one, even while something is being opened. So whatever
-    belongs to the open comparison is renewed here, when its number has changed.
-    """
-    st.session_state.setdefault("first_query", st.query_params.to_dict())
-    space = workspace()
-    seen_opening: int | None = st.session_state.get("seen_opening")
-    if seen_opening != space.n_opened:
-        _forget_settings()
-        if seen_opening is not None:  # the first one may be opened by a link
-            st.session_state["place"] = 0, 0
-        st.session_state["seen_opening"] = space.n_opened
-    elif st.session_state.get("wants_reset", False):
-        _forget_settings()
-        st.session_state["wants_reset"] = False
-    if "place" not in st.session_state:
-        _follow_link()
-    settings.keep(**st.session_state.pop("new_params", {}))
-    settings.begin_run()
 
 
 def set_params(**values: Any) -> None:
     """Set parameters for the next run; the caller reruns the page."""
-    st.session_state["new_params"] = {**st.session_state.get("new_params", {}), **values}
+    store.NEW_PARAMS.set({**store.NEW_PARAMS.get(), **values})
 
 
 def threshold_of(letter: str) -> float | None:
@@ -190,11 +170,6 @@ def set_threshold(letter: str, threshold: float | None) -> None:
     if span is not None:
         value = span[0] if threshold is None else max(threshold, span[0])
         set_params(**{f"threshold_{letter}": value})
-
-
-def reset_params() -> None:
-    """Reset all parameters to those of the open session in the next run."""
-    st.session_state["wants_reset"] = True
 
 
 def cached(kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
@@ -228,8 +203,7 @@ def session_params() -> Params:
 
 def params() -> Params:
     """The live parameters."""
-    live: Params | None = st.session_state.get("params")
-    return session_params() if live is None else live
+    return store.PARAMS.get() or session_params()
 
 
 def systems() -> tuple[str, str | None]:
@@ -251,7 +225,8 @@ def result() -> Result | None:
     newest = at_operating_point(as_set, operating_point(), space.result)
     if newest is not space.result:
         names = f"{newest.x.name}\0{newest.y.name}"
-        key = f"{opened().dataset.fingerprint}{of_boxes(newest.params)!r}{names}"
+        # what moves boxes, matches or most salient misses: those drawn hold for all else
+        key = f"{opened().dataset.fingerprint}{newest.params.only_for(THRESHOLD, SALIENT)!r}{names}"
         space.compared = Compared(newest, hashlib.sha256(key.encode()).hexdigest()[:12])
     return newest
 
@@ -262,9 +237,17 @@ def result_as_set() -> Result | None:
     x, y = systems()
     if y is None:
         return None
-    return result_kept_by(
+    return kept_result(
         cached, settings, x, y, lambda: _compare(dataset, settings, x, y, space.result)
     )
+
+
+def kept_result(
+    cached: Cached, params: Params, x: str, y: str, make: Callable[[], Result]
+) -> Result:
+    """The comparison, computed by `make` unless `cached` has it."""
+    result: Result = cached("result", (params, x, y), make)
+    return result
 
 
 def operating_point() -> OperatingPoint:
@@ -306,16 +289,6 @@ def compare_as(session: Session, whole: Dataset | None = None) -> None:
         space.compared = compared
 
 
-def note_shown_verdict() -> None:
-    """Remember that a verdict on the open data was shown."""
-    st.session_state[_SHOWN_VERDICT] = opened().dataset.fingerprint
-
-
-def has_shown_verdict() -> bool:
-    """Whether a verdict on the open data was shown in this browser session."""
-    return bool(st.session_state.get(_SHOWN_VERDICT) == opened().dataset.fingerprint)
-
-
 def theme() -> Scheme:
     """The colour scheme: light or dark, with the systems' colours."""
     shade: Shade = "dark" if st.context.theme.type == "dark" else "light"
@@ -346,7 +319,7 @@ def row() -> int:
 
 def _place() -> tuple[int, int]:
     """Current recording and row, clipped to what is open."""
-    recording_index, row_in_recording = st.session_state.get("place", (0, 0))
+    recording_index, row_in_recording = store.PLACE.get()
     if not 0 <= recording_index < len(recording_names()):
         return 0, 0
     last = max(len(frame_numbers(recording_index)) - 1, 0)
@@ -356,13 +329,13 @@ def _place() -> tuple[int, int]:
 def go_to(recording_index: int, row_in_recording: int, *, writes: bool = True) -> None:
     """Make this the current frame, also in the page's address unless that is written later."""
     settle(recording_index, row_in_recording, writes=writes)
-    st.session_state["seek"] = seek() + 1
+    store.SEEK.set(store.SEEK.get() + 1)
 
 
 def settle(recording_index: int, row_in_recording: int, *, writes: bool = True) -> None:
     """Make this the current frame without moving the viewer, which already shows it."""
     last = max(len(frame_numbers(recording_index)) - 1, 0)
-    st.session_state["place"] = recording_index, min(max(row_in_recording, 0), last)
+    store.PLACE.set((recording_index, min(max(row_in_recording, 0), last)))
     if writes:
         write_address()
 
@@ -377,12 +350,6 @@ def write_address(own: Mapping[str, str] | None = None, names: Sequence[str] = (
     wanted = others | dict(own or {}) | link_to(*_place())
     if wanted != now:
         st.query_params.from_dict(wanted)
-
-
-def seek() -> int:
-    """Counter that grows whenever anything but the viewer changes the frame."""
-    n_seeks: int = st.session_state.get("seek", 0)
-    return n_seeks
 
 
 def place_of(row_in_all: int) -> tuple[int, int]:
@@ -415,48 +382,7 @@ def link_to(recording_index: int, row_in_recording: int) -> dict[str, str]:
     return place | named | address.changed_parameters(params(), *starts)
 
 
-def bad_link() -> str:
-    """What in the address could not be followed, in words; returned once, then empty."""
-    reasons: str = st.session_state.pop("bad_link", "")
-    return reasons
-
-
-def _follow_link() -> None:
-    """Take systems, recording and frame from the address with which the session was opened."""
-    get = st.query_params.get
-    pair, wrong_systems = read_systems(get("x"), get("y"), opened().dataset.systems)
-    if pair is not None and pair != systems():
-        x, y = pair
-        session, _ = with_systems(opened().session, opened().dataset, params(), x=x, y=y)
-        compare_as(session)
-    every, only = opened().whole.recordings, opened().session.only
-    listed = every[every["name"].isin(only)] if only else every
-    tags, wrong_tags = address.read_tags(get("tags"), listed["tags"])
-    if tags is not None and tags != opened().session.only_tags:
-        compare_as(replace(opened().session, only_tags=tags))
-    point, wrong_point = address.read_point(get("point"))
-    if point is not None:
-        set_operating_point(point)
-    place, wrong = read_place(get("recording"), get("frame"), recording_names(), frame_numbers)
-    query = st.session_state["page_link"] = st.query_params.to_dict()
-    values, impossible = address.read_parameters(query)
-    for letter, name in zip("xy", systems(), strict=True):
-        span = None if name is None else score_span(name)
-        if span is not None and values.get(f"threshold_{letter}", span) is None:
-            values[f"threshold_{letter}"] = span[0]  # the slider's left end: every detection counts
-    st.session_state["new_params"] = values
-    wrong += wrong_systems + wrong_tags + wrong_point + impossible
-    st.session_state["place"] = place
-    st.session_state["bad_link"] = "; ".join(wrong)
-
-
 def frame_numbers(recording_index: int) -> np.ndarray:
     """Numbers of the evaluated frames of a recording."""
     frames = opened().dataset.frame_columns
     return frames.frame[frames.rows_of(recording_index)]
-
-
-def _forget_settings() -> None:
-    """Drop the settings made so far; those of the open session hold."""
-    st.session_state.pop("params", None)
-    settings.forget()

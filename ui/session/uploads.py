@@ -14,20 +14,19 @@ are named after their files.
 from __future__ import annotations
 
 import os
-import re
 import shutil
-import unicodedata
 from collections.abc import AsyncIterable, Callable, Iterable, Sequence
 from http import HTTPStatus
 from pathlib import Path, PurePosixPath
-from typing import IO, Final, Protocol
+from typing import IO, Final
 
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect
+from streamlit.typing import UploadedFile
 
 from nvcore.errors import MediaError, NvcoreError
-from nvcore.file_kinds import unpacked_name
 from nvcore.pictures.archive import Archive, ArchiveLimits
+from ui.access.files import free_name, safe_name
 from ui.session.workspace import PICTURES, Kind, Stored, Workspace, used_by_all
 from ui.settings.limits import MEBI, limits_of_environment
 
@@ -42,7 +41,6 @@ SPARE_BYTES: Final = 1 << 30
 """Space that has to stay free on the disk."""
 MAX_UNPACKED_BYTES: Final = 2 << 30
 """All annotations in one archive."""
-MAX_NAME_BYTES: Final = 120
 WRITE_BYTES: Final = 1 << 20
 HEAD_BYTES: Final = 400
 
@@ -62,7 +60,6 @@ _MAGIC: Final[tuple[tuple[int, bytes, Kind], ...]] = (
     (0, b"PK\x03\x04", "zip"),
 )
 _TRANSPORT_PACKET: Final = 188
-_UNSAFE = re.compile(r'[<>:"/\\|?*\x00-\x1f\x7f]')
 
 
 class UploadError(NvcoreError):
@@ -71,50 +68,6 @@ class UploadError(NvcoreError):
     def __init__(self, message: str, status: HTTPStatus):
         self.status = status
         super().__init__(message)
-
-
-class SentFile(Protocol):
-    """A file submitted with a form, such as Streamlit's ``UploadedFile``."""
-
-    name: str
-
-    def getbuffer(self) -> memoryview:
-        """Its content."""
-
-
-def safe_name(name: str, *, keep: str = "") -> str:
-    """Base name without characters that mean something to a file system.
-
-    Examples
-    --------
-    >>> safe_name("../../etc/passwd")
-    'passwd'
-    >>> safe_name("..")
-    'file'
-    """
-    base = re.split(r"[/\\]", name)[-1]
-    base = unicodedata.normalize("NFC", base.encode("utf-8", "replace").decode())
-    base = _UNSAFE.sub(lambda sign: sign[0] if sign[0] in keep else "_", base)
-    base = "".join(sign if sign.isprintable() else "_" for sign in base)
-    base = base.strip(" .")  # a leading dot would hide it
-    stem, dot, suffix = base.rpartition(".")
-    if not dot or len(suffix) > 10:
-        stem, dot, suffix = base, "", ""
-    room = MAX_NAME_BYTES - len((dot + suffix).encode())
-    stem = stem.encode()[:room].decode("utf-8", "ignore").strip(" .")
-    return f"{stem}{dot}{suffix}" if stem else "file"
-
-
-def free_name(name: str, names_in_use: Iterable[str]) -> str:
-    """The name, or the name with the first free number: ``gt.txt.gz``, ``gt-2.txt.gz``."""
-    in_use = {other.casefold() for other in names_in_use}
-    stem = PurePosixPath(unpacked_name(name)).stem
-    suffix = name[len(stem) :]
-    number, free = 1, name
-    while free.casefold() in in_use:
-        number += 1
-        free = f"{stem}-{number}{suffix}"
-    return free
 
 
 def kind_of(head: bytes) -> Kind | None:
@@ -267,7 +220,7 @@ def new_upload(space: Workspace) -> Path:
 
 
 def store_model(
-    space: Workspace, file: SentFile, kind: str, check: Callable[[Path], object]
+    space: Workspace, file: UploadedFile, kind: str, check: Callable[[Path], object]
 ) -> Path:
     """Store a model, replacing the previous one of its kind.
 
@@ -316,7 +269,7 @@ def count_folder(space: Workspace, folder: Path) -> None:
 
 
 def store_annotations(
-    space: Workspace, folder: Path, slot: str, files: Sequence[SentFile]
+    space: Workspace, folder: Path, slot: str, files: Sequence[UploadedFile]
 ) -> tuple[str, ...]:
     """Write the files of one source; paths for a session, relative to `folder`.
 

@@ -6,10 +6,12 @@ import secrets
 import shutil
 import threading
 import weakref
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path, PurePosixPath
-from typing import Any, Final, Literal, NamedTuple, Protocol
+from typing import Any, Final, Literal, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from anyio import CapacityLimiter
@@ -23,18 +25,64 @@ from nvcore.pictures.recordings import RecordingPictures
 from ui.access.people import owner_of_session
 from ui.confined.pictures import PictureProcess
 from ui.confined.process import MODELS, SteadyProcess
-from ui.session.cache import Caching
-from ui.session.ending import end_with_session, of_session
-from ui.session.folders import new_folder
+from ui.session.lifetime import end_with_session, new_folder, of_session
 
+T = TypeVar("T")
 PICTURES: Final = "pictures"
 """Folder of the session's pictures."""
 MOST_AT_ONCE: Final = 4
 """Pictures that are read at a time for the browser of one session."""
-
 NONE_VISIBLE: Final = RecordingPictures()
-
 Kind = Literal["video", "zip", "image"]
+
+
+class Caching:
+    """Thread-safe cache of values by kind and key."""
+
+    def __init__(self) -> None:
+        self._caches: dict[str, OrderedDict[Hashable, Any]] = {}
+        self._caches_lock = threading.Lock()
+
+    def cached(self, kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
+        """The cached value for this key; if there is none, `make` computes it.
+
+        Parameters
+        ----------
+        kind
+            Name of the cache; each kind has its own.
+        key
+            What the value depends on.
+        make
+            Makes it; of two threads that ask at once, each makes one and the first is kept.
+        most
+            How many values the cache holds; the least recently used is dropped first.
+        """
+        value: T
+        with self._caches_lock:
+            cache = self._caches.setdefault(kind, OrderedDict())
+            if key in cache:
+                cache.move_to_end(key)
+                value = cache[key]
+                return value
+        new = make()  # without the lock: it takes its time, and may end the run
+        with self._caches_lock:
+            cache = self._caches.setdefault(kind, OrderedDict())
+            value = cache.setdefault(key, new)
+            cache.move_to_end(key)
+            while len(cache) > most:
+                cache.popitem(last=False)
+        return value
+
+    def peek(self, kind: str, key: Hashable) -> Any:
+        """The cached value for this key; None if there is none."""
+        with self._caches_lock:
+            cache = self._caches.get(kind)
+            return None if cache is None else cache.get(key)
+
+    def forget_values(self) -> None:
+        """Empty the cache."""
+        with self._caches_lock:
+            self._caches.clear()
 
 
 @dataclass(frozen=True)
@@ -128,7 +176,7 @@ _workspaces: weakref.WeakValueDictionary[str, Workspace] = weakref.WeakValueDict
 
 
 class Workspace(Caching):
-    """Workspace of one browser session; lives in ``st.session_state`` and ends with it.
+    """Workspace of one browser session; lives in its store (`ui.session.store`) and ends with it.
 
     The frame, box and upload routes find it by its token, which only the session's own browser
     knows, and are for its owner alone.
@@ -169,7 +217,7 @@ class Workspace(Caching):
         In which they are read for the browser: whose take long keep no thread from other visitors.
     notes
         What a page remembers of its user, by a name of its own: outlasts `forget`, unlike the
-        values of `cached`, and a reload, unlike ``st.session_state``.
+        values of `cached`, and a reload, unlike the store.
     """
 
     def __init__(self) -> None:

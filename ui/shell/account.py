@@ -6,7 +6,7 @@ import streamlit as st
 
 from ui.access.login import login
 from ui.access.people import end_log_in, is_same, key_of, person_of
-from ui.session.workspace import Workspace
+from ui.session import store
 from ui.widgets.text import plain
 
 
@@ -15,7 +15,7 @@ def is_welcome() -> bool:
     if login() is None:
         return True
     key = key_of(st.context.cookies)
-    space: Workspace | None = st.session_state.get("workspace")
+    space = store.WORKSPACE.get()
     return key is not None and (space is None or is_same(space.owner, key))
 
 
@@ -38,7 +38,7 @@ def draw() -> None:
 
 def _log_out() -> None:
     """End the log-in and close what is open; the browser then goes to the provider."""
-    space: Workspace | None = st.session_state.get("workspace")
+    space = store.WORKSPACE.get()
     end_log_in(st.context.cookies)
     if space is not None:
         space.close()  # not forgotten: the session ends with it

@@ -6,14 +6,13 @@ import math
 from typing import Any, Final
 
 import numpy as np
-import streamlit as st
 
 from nvcore.errors import ParameterError
 from nvcore.metrics.proximity import in_use
 from nvcore.params import SETTINGS, Params
 from nvcore.params.presets import Preset
 from nvcore.stages import THRESHOLD, Setting
-from ui.session import settings, state
+from ui.session import settings, state, store
 
 KEPT_NUMBERS: Final = 1e-9
 
@@ -36,7 +35,7 @@ def read() -> str:
         return str(error)
     if _lacks_horizon(params):
         return "The recordings do not state the row of the horizon: type it above"
-    st.session_state["params"] = params
+    store.PARAMS.set(params)
     return ""
 
 

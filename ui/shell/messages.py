@@ -17,10 +17,10 @@ from nvcore.findings import Severity
 from nvcore.report.html.words import SHORT_ENCOUNTERS
 from nvcore.sentences.caveats import caveats
 from nvcore.settings import OperatingPoint
-from ui.session import local_files, state
+from ui.access import files
+from ui.session import state, store
 from ui.session.opening import public_text
-from ui.session.results.findings import input_findings
-from ui.session.workspace import Workspace
+from ui.session.results import input_findings
 from ui.settings.start import start_file
 from ui.shell.navigate import open_page
 from ui.shell.remedies import ways_text
@@ -28,7 +28,6 @@ from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import plain
 
-POINT: Final = "operating_point"
 POINTS: Final[dict[OperatingPoint, str]] = {
     "as-set": "As set",
     "equal-alarms": "At equal false alarms",
@@ -62,11 +61,11 @@ def draw_operating_point(result: Result) -> None:
         return
     with st.container(horizontal=True, vertical_alignment="center", key="operating_points"):
         if can_be_equal(result.as_set or result):
-            st.session_state[POINT] = state.operating_point()
+            store.OPERATING_POINT.set(state.operating_point())
             choose_side_by_side(
                 "What is compared",
                 POINTS,
-                POINT,
+                store.OPERATING_POINT.key,
                 on_change=_choose_point,
                 label_visibility="collapsed",
                 help="Of every page, of reports and of files that are written here.",
@@ -85,7 +84,7 @@ def draw_operating_point(result: Result) -> None:
 
 
 def _choose_point() -> None:
-    state.set_operating_point(st.session_state[POINT])
+    state.set_operating_point(store.OPERATING_POINT.get())
     state.write_address()
 
 
@@ -139,7 +138,7 @@ def shown_error(error: BaseException) -> str:
 def shown_root() -> Path | None:
     """The folder that visitors may look into; None: there is none, or it is not there."""
     try:
-        root = local_files.local_root()
+        root = files.local_root()
     except NvcoreError:  # reported where files are chosen
         return None
     return None if root is None else root.folder
@@ -153,7 +152,7 @@ def _folders() -> list[Path]:
     root = shown_root()
     if root is not None:
         folders.append(root)
-    space: Workspace | None = st.session_state.get("workspace")
+    space = store.WORKSPACE.get()
     if space is not None:
         folders += [space.folder, *space.folder.glob("upload-*")]
         folders += space.folder.glob("model-*/*")

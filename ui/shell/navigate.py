@@ -6,7 +6,7 @@ from typing import Final, NoReturn
 
 import streamlit as st
 
-from ui.session import state
+from ui.session import state, store
 from ui.shell import review
 
 PAGES: Final = state.ROOT / "pages"
@@ -27,18 +27,18 @@ def open_row(row: int) -> NoReturn:
 
 def open_encounters(**address: str) -> NoReturn:
     """Show the Encounters page as by these entries of its address; without any, the heaviest."""
-    st.session_state["page_link"] = address
+    store.PAGE_LINK.set(address)
     open_page("encounters")
 
 
 def ask_for_page(name: str) -> None:
     """Go to a page in the next run: for buttons that are not drawn again."""
-    st.session_state["wanted_page"] = name
+    store.NEXT_PAGE.set(name)
 
 
 def follow_wish() -> None:
     """Go to the page that was asked for, if any."""
-    name = st.session_state.pop("wanted_page", None)
+    name = store.NEXT_PAGE.pop()
     if name is not None:
         open_page(name)
 

@@ -18,11 +18,10 @@ from nvcore.detection.operating_point import (
 from nvcore.params import Params
 from nvcore.stages import MATCH, THRESHOLD
 from nvcore.wording import number
-from ui.session import state
+from ui.session import state, store
 from ui.widgets.text import plain
 
 RATE: Final = "point_rate"
-_MOVE: Final = "point_moved"
 
 
 @dataclass(frozen=True)
@@ -81,7 +80,7 @@ def move(letter: str) -> None:
 def move_both(field: str) -> None:
     """Give both as many false alarms as the field of this key says. For callbacks."""
     result = state.result_as_set()
-    rate: float | None = st.session_state.get(field)
+    rate: float | None = store.widget(field).get()
     if result is not None and rate is not None and not (why_fixed("x") or why_fixed("y")):
         _move_to(result, "xy", alarms_at_rate(result.dataset, rate))
 
@@ -92,12 +91,12 @@ def _move_to(result: Result, letters: str, n_alarms: int) -> None:
         name = result.system(letter).name
         threshold = threshold_with_alarms(result.dataset, name, params, n_alarms)
         state.set_threshold(letter, threshold)
-    st.session_state[_MOVE] = Move(state.systems(), params.only_for(MATCH), letters, before)
+    store.THRESHOLD_MOVE.set(Move(state.systems(), params.only_for(MATCH), letters, before))
 
 
 def undo() -> None:
     """Take the last move back. For callbacks."""
-    moved: Move | None = st.session_state.pop(_MOVE, None)
+    moved = store.THRESHOLD_MOVE.pop()
     if moved is not None and moved.systems == state.systems():
         for letter in moved.letters:
             state.set_threshold(letter, moved.before["xy".index(letter)].threshold)
@@ -167,18 +166,19 @@ def _draw_both(lower: float) -> None:
 def draw_change(place: str) -> None:
     """What the last move changed, while its thresholds are in use, and the way back."""
     result = state.result_as_set()
-    moved: Move | None = st.session_state.get(_MOVE)
+    moved = store.THRESHOLD_MOVE.get()
     if moved is None or result is None:
         return
     now = points(result)
     if moved.after is None:
-        moved = st.session_state[_MOVE] = replace(moved, after=now)
+        moved = replace(moved, after=now)
+        store.THRESHOLD_MOVE.set(moved)
     if (moved.systems, moved.matching, moved.after) != (
         state.systems(),
         state.params().only_for(MATCH),
         now,
     ):
-        del st.session_state[_MOVE]
+        store.THRESHOLD_MOVE.pop()
         return
     st.caption(plain(change_text(moved)))
     st.button(

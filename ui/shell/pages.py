@@ -6,7 +6,6 @@ from itertools import chain
 from typing import Final
 
 import streamlit as st
-from streamlit.navigation.page import StreamlitPage
 
 from nvcore.stages import (
     ENCOUNTERS,
@@ -24,6 +23,7 @@ from nvcore.subjects import contributed as results_of_subjects
 from nvcore.subjects import in_place
 from ui.session import state
 from ui.shell.navigate import PAGES
+from ui.streamlit_inside.types import StreamlitPage
 from ui.subjects import Page, contributed
 
 _ADDED: Final = tuple(chain(*results_of_subjects("results")))

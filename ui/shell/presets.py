@@ -11,12 +11,10 @@ from nvcore.params import SETTINGS
 from nvcore.params.presets import PRESETS, Preset, presets_for
 from nvcore.stages import THRESHOLD
 from nvcore.wording import count_text
-from ui.session import settings, state
+from ui.session import settings, state, store
 from ui.shell import live_params
 
 KEY: Final = "preset"
-BASE: Final = "preset_chosen"
-"""Name of the preset that was chosen last, with the number of the opening it was chosen for."""
 MARK: Final = ":primary[●]"
 """Beside the name of a setting that was moved."""
 CLOSE: Final = 1e-9
@@ -78,9 +76,9 @@ def draw(moved: dict[str, Any]) -> None:
 
 def _take(key: str) -> None:
     """A preset was chosen; the one in use, pressed again, stays."""
-    name: str | None = st.session_state[key]
+    name: str | None = store.widget(key).get()
     if settings.is_chosen(KEY, key) and name is not None:
-        st.session_state[BASE] = state.workspace().n_opened, name
+        store.PRESET.set((state.workspace().n_opened, name))
         live_params.set_preset(_BY_NAME[name])
 
 
@@ -93,11 +91,6 @@ def reset(name: str, value: Any) -> None:
         state.set_params(**{name: _resolved(name, value)})
 
 
-def forget() -> None:
-    """Compare with what was opened again. For callbacks."""
-    st.session_state.pop(BASE, None)
-
-
 def _live() -> dict[str, Any]:
     params = state.params()
     return {name: getattr(params, name) for name in SETTINGS}
@@ -106,7 +99,7 @@ def _live() -> dict[str, Any]:
 def _base() -> dict[str, Any]:
     start = state.session_params()
     base = {name: getattr(start, name) for name in SETTINGS}
-    opening, name = st.session_state.get(BASE, (None, ""))
+    opening, name = store.PRESET.get()
     if opening == state.workspace().n_opened:
         base |= _BY_NAME[name].values(live_params.picture_height())
     return base

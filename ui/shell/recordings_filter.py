@@ -11,12 +11,11 @@ import streamlit as st
 from nvcore.dataset import part_text
 from nvcore.errors import InputError
 from nvcore.wording import capitalised
-from ui.session import settings, state
+from ui.session import settings, state, store
 from ui.session.address import read_place
 from ui.widgets.text import plain
 
 _KEY: Final = "tags_chosen"
-_REFUSED: Final = "tags_refused"
 
 
 def draw() -> None:
@@ -37,7 +36,7 @@ def draw() -> None:
         help="Every page then shows and compares these recordings only. Of several tags a "
         "recording needs all.",
     )
-    if refused := st.session_state.pop(_REFUSED, ""):
+    if refused := store.TAGS_REFUSED.pop():
         st.warning(plain(refused), icon=":material/filter_alt_off:")
     if text := filter_text():
         st.caption(plain(text))
@@ -71,6 +70,6 @@ def _choose(key: str) -> None:
     if not settings.is_chosen(_KEY, key):
         return
     try:
-        choose_tags(st.session_state[key])
+        choose_tags(store.widget(key).get())
     except InputError as error:
-        st.session_state[_REFUSED] = capitalised(f"{error}: the choice stays as it was")
+        store.TAGS_REFUSED.set(capitalised(f"{error}: the choice stays as it was"))

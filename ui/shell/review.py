@@ -5,20 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 import pandas as pd
-import streamlit as st
 
 from nvcore.findings import TRUTH_NAME, Cases, Finding
 from nvcore.tables.inputs import NO_ROW, entry_frames, finding_entries
 from nvcore.wording import capitalised
-from ui.session import state
-
-_REVIEW: Final = "review"
-_SEEN: Final = "entries_seen"
-"""Which entries were looked at, by finding and its cases."""
+from ui.session import state, store
 
 ListKey = tuple[str, ...]
 """Data, code and subject of a finding, and which cases it has."""
@@ -92,13 +87,12 @@ def entries_of(finding: Finding, key: ListKey) -> pd.DataFrame:
 
 def seen_of(key: ListKey) -> frozenset[int]:
     """The entries of a list that were looked at."""
-    seen: frozenset[int] = st.session_state.get(_SEEN, {}).get(key, frozenset())
-    return seen
+    return store.ENTRIES_SEEN.get().get(key, frozenset())
 
 
 def current() -> Review | None:
     """The list that is walked through; None: none of the data that are open."""
-    review: Review | None = st.session_state.get(_REVIEW)
+    review = store.REVIEW.get()
     is_of_these = review and review.key[0] == state.opened().dataset.fingerprint
     return review if is_of_these else None
 
@@ -117,14 +111,13 @@ def go_to(at: int) -> None:
 
 def end() -> None:
     """Walk through no list any longer."""
-    st.session_state.pop(_REVIEW, None)
+    store.REVIEW.pop()
 
 
 def _show(review: Review, *, writes: bool = True) -> bool:
     """Look at an entry: its frame becomes the current one, if it is evaluated."""
-    st.session_state[_REVIEW] = review
-    seen = st.session_state.setdefault(_SEEN, {})
-    seen[review.key] = seen_of(review.key) | {review.at}
+    store.REVIEW.set(review)
+    store.ENTRIES_SEEN.get()[review.key] = seen_of(review.key) | {review.at}
     row = review.frame_row
     if row != NO_ROW:
         state.go_to(*state.place_of(row), writes=writes)

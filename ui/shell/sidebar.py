@@ -7,24 +7,23 @@ from typing import Any, Final
 
 import streamlit as st
 
+from nvcore.errors import ParameterError
+from nvcore.figures.cost_map import cost_plot
 from nvcore.figures.inputs import proximity_plot
 from nvcore.params import SETTINGS, settings_for
 from nvcore.params.traffic import count_contexts
 from nvcore.stages import MATCH, PROXIMITY, THRESHOLD, Setting, Stage
-from ui.session import settings, state
-from ui.shell import cost_map, live_params, operating_point, presets, recordings_filter
+from nvcore.wording import capitalised
+from ui.session import settings, state, store
+from ui.shell import live_params, operating_point, presets, recordings_filter
 from ui.widgets.charts import draw_chart, kept_figure
+from ui.widgets.drawing import cost_map_of
 from ui.widgets.text import plain
 
 SLIDER_OF_HEIGHT: Final = {"midpoint": (0.0, 0.5, 0.1), "spread": (1.0, 0.15, 0.1)}
 """Least value in px, largest as a share of the picture's height, step in px."""
 SHORT_GROUPS: Final = {MATCH.group: "Matching"}
 """Headings of the advanced settings where not all of the group is among them."""
-
-
-_SHOWN: Final = "sidebar_shown"
-_CHANGED: Final = "sidebar_changed"
-_OWN: Final = "sidebar_own"
 FOLDED: Final = "show_settings"
 GREY: Final = "Settings in grey have no effect on this page."
 
@@ -38,9 +37,10 @@ def draw(
     has `shown` depends are quiet. Folded, they are drawn only where they are asked for. X and Y are
     drawn before the page, by `ui.shell.systems`.
     """
-    st.session_state[_SHOWN] = tuple(shown)
-    st.session_state[_OWN] = tuple(own)
-    moved = st.session_state[_CHANGED] = presets.changed()
+    store.SIDEBAR_SHOWN.set(tuple(shown))
+    store.SIDEBAR_OWN.set(tuple(own))
+    moved = presets.changed()
+    store.SIDEBAR_CHANGED.set(moved)
     with st.sidebar:
         recordings_filter.draw()
         if not is_folded or _is_unfolded(len(moved)):
@@ -77,7 +77,7 @@ def _draw_settings(moved: dict[str, Any]) -> None:
 
 def _own_settings() -> None:
     """The settings that the page is about, stage by stage."""
-    stages = st.session_state[_OWN]
+    stages = store.SIDEBAR_OWN.get()
     if stages:
         st.markdown(f"**{stages[0].group}**")
     for stage in stages:
@@ -87,26 +87,26 @@ def _own_settings() -> None:
 
 
 def _reset() -> None:
-    presets.forget()
-    state.reset_params()
+    store.PRESET.pop()  # compare with what was opened again
+    store.WANTS_RESET.set(True)
 
 
 def _label(name: str) -> str:
     """What a widget calls its setting, with a mark where it was moved away from the preset."""
     label = state.say(SETTINGS[name].label_with_unit)
-    return f"{label} {presets.MARK}" if name in st.session_state[_CHANGED] else label
+    return f"{label} {presets.MARK}" if name in store.SIDEBAR_CHANGED.get() else label
 
 
 def _quiet_settings() -> list[Setting]:
     """Settings in use that have no effect on this page."""
-    shown = st.session_state[_SHOWN]
+    shown = store.SIDEBAR_SHOWN.get()
     used = (setting for setting in SETTINGS.values() if live_params.is_used(setting))
     return [setting for setting in used if not setting.moves(shown)]
 
 
 def _quietness(setting: Setting, text: str = "") -> dict[str, Any]:
     """Help of a widget, and whether it is grey: its setting has no effect on this page."""
-    is_quiet = not setting.moves(st.session_state[_SHOWN])
+    is_quiet = not setting.moves(store.SIDEBAR_SHOWN.get())
     start = "Grey: no effect on this page. " if is_quiet else ""
     return {
         "help": f"{start}{state.say(text or setting.meaning)} Acts on: {setting.acts_on}.",
@@ -135,7 +135,7 @@ def _proximity() -> None:
             _widget(name)
     if kind != "none":
         _proximity_plot()
-    cost_map.draw()
+    _cost_map()
 
 
 def _horizon() -> None:
@@ -194,7 +194,7 @@ def _advanced() -> None:
     place = st.expander("Advanced", key="advanced", on_change="rerun")
     names_of: dict[str, list[str]] = {}
     for name, setting in SETTINGS.items():
-        if setting.is_advanced and setting.stage not in st.session_state[_OWN]:
+        if setting.is_advanced and setting.stage not in store.SIDEBAR_OWN.get():
             names_of.setdefault(setting.group, []).append(name)
     quiet = _quiet_settings()
     if place.open and quiet and all(setting.is_advanced for setting in quiet):
@@ -250,7 +250,7 @@ def _is_set(name: str, setting: Setting) -> bool:
 def _switch(name: str, key: str) -> None:
     if not settings.is_chosen(f"{name}_unset", key):
         return
-    value = None if st.session_state[key] else live_params.value_when_set(name)
+    value = None if store.widget(key).get() else live_params.value_when_set(name)
     state.set_params(**{name: value})
 
 
@@ -283,12 +283,13 @@ def _number_slider(
     # since one with other ends would be another slider and lose its value
     made = live_params.value_of(name)
     given = float(value if made is None else made)
-    base, (least, most) = st.session_state.get(f"ends_{name}", (None, (low, high)))
+    reached = store.SLIDER_ENDS.of(name)
+    base, (least, most) = reached.get()
     if base != (low, high, step):
         least, most = low, high
     ends = min(least, given), max(most, given, low + step)
     settings.give(name, given)
-    st.session_state[f"ends_{name}"] = (low, high, step), ends
+    reached.set(((low, high, step), ends))
     st.slider(
         _label(name),
         min_value=ends[0],
@@ -302,3 +303,26 @@ def _number_slider(
         **_quietness(setting, help_text),
         **more,
     )
+
+
+def _cost_map() -> None:
+    """What missing a pedestrian would cost over the picture of the current recording."""
+    place = st.expander("What a miss costs, by place", key="cost_map", on_change="rerun")
+    if not place.open:  # folded, it costs neither server nor browser time
+        return
+    recording = state.recording()
+    try:
+        cost = cost_map_of(recording)
+    except ParameterError:  # the sidebar says it below
+        return
+    with place:
+        draw_chart(
+            cost_plot(cost, theme=state.theme(), objects=state.opened().dataset.objects),
+            "cost_plot",
+            help=state.say(
+                "k × border of {a_one} with the {feet} there, 0 to 1, in {where}. {cost}. "
+                "Over the picture: Timeline, key c.",
+                where=plain(state.recording_names()[recording]),
+                cost=plain(capitalised(state.say(cost.text))),
+            ),
+        )

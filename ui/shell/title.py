@@ -7,25 +7,23 @@ from typing import Final
 import streamlit as st
 
 from nvcore.wording import one_line, shortened
-from ui.session import state
+from ui.session import state, store
 
 NAME: Final = "nvcore"
 MAX_SYSTEM: Final = 24
 TIMELINE: Final = "timeline"
-_TITLE: Final = "document_title"
 
 
 def last() -> str:
     """The title of the run before, which stays until this run knows a better one."""
-    title: str = st.session_state.get(_TITLE, NAME)
-    return title
+    return store.TITLE.get() or NAME
 
 
 def draw(page: str, path: str) -> None:
     """Give the document the title of a page, or of the frame that it shows."""
     what = _frame() if path == TIMELINE else page
     title = " · ".join(part for part in (what or page, _systems(), NAME) if part)
-    st.session_state[_TITLE] = title
+    store.TITLE.set(title)
     st.set_page_config(page_title=title)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import streamlit as st
 
 from nvcore.wording import count_text
-from ui.session import state
+from ui.session import state, store
 from ui.session.uploads import remove_pictures
 from ui.session.workspace import Workspace
 
@@ -19,7 +19,7 @@ def draw(*, is_fault: bool) -> None:
         Whether the program is to blame; otherwise there is only a way back from what this visitor
         has opened or sent.
     """
-    space: Workspace | None = st.session_state.get("workspace")
+    space = store.WORKSPACE.get()
     has_opened = space is not None and (space.n_opened > 1 or bool(space.stored))
     if not (is_fault or has_opened):
         return
@@ -58,8 +58,8 @@ def _go_back(space: Workspace) -> None:
 
 
 def _start_over() -> None:
-    space: Workspace | None = st.session_state.get("workspace")
-    st.session_state.clear()
+    space = store.WORKSPACE.get()
+    store.clear()
     st.query_params.clear()
     if space is not None:
         space.close()

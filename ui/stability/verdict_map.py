@@ -27,8 +27,8 @@ from nvcore.stability.words import (
 from ui.jobs.background import BackgroundJob
 from ui.jobs.computed import Computation
 from ui.jobs.progress import start_as_made
-from ui.session import state
-from ui.session.results.evidence import measure_evidence
+from ui.session import state, store
+from ui.session.results import measure_evidence
 from ui.widgets.charts import clicked_chart
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import plain
@@ -64,8 +64,8 @@ def draw(result: Result) -> None:
 
 def _choose(result: Result) -> MapKey:
     first_plane, first_criterion = SURVEY_PLANES[0], next(iter(CRITERIA))
-    st.session_state.setdefault("stability_plane", first_plane)
-    st.session_state.setdefault("stability_criterion", first_criterion)
+    store.STABILITY_PLANE.setdefault(first_plane)
+    store.STABILITY_CRITERION.setdefault(first_criterion)
     if (job := _job()) is not None:
         start_as_made(
             job, JOB, stability_plane=job.key.plane, stability_criterion=job.key.criterion

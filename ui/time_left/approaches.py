@@ -11,8 +11,8 @@ from nvcore.time_left.encounters import urgent_encounters
 from nvcore.time_left.figures.approach import MOST_ROWS, approach_plot
 from nvcore.time_left.figures.margins import margins_plot
 from ui.session import state
+from ui.time_left.listed import open_encounter
 from ui.time_left.numbers import key_of
-from ui.time_left.opening import open_encounter
 from ui.widgets.charts import clicked_chart, kept_figure
 from ui.widgets.choices import choose_first
 from ui.widgets.text import docs_link

@@ -1,30 +1,25 @@
-"""Time left page: the urgent encounters as a list."""
+"""Time left page: the urgent encounters as a list, and the way to a moment in the Timeline."""
 
 from __future__ import annotations
 
 from functools import partial
-from typing import Final
+from typing import Final, NoReturn
 
 import pandas as pd
 import streamlit as st
 
-from ui.session import state
+from nvcore.comparison import Result
+from ui.session import state, store
+from ui.session.chosen import choose_encounter
+from ui.shell.navigate import open_row
 from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.table_columns import MOST_ROWS, as_shown, columns_of, rows_told
 
-OPEN: Final = "time_left_open"
-"""Encounter and frame row that were clicked in the list."""
 TTC: Final = "ttc_s"
 COLUMNS: Final = (
     *("recording", "track", "urgent_frame", TTC),
     *("time_left_x", "time_left_y", "margin_s_x", "margin_s_y", "impact_kmh_x", "impact_kmh_y"),
 )
-
-
-def take_opened() -> tuple[int, int] | None:
-    """Encounter and frame row of the latest click in the list; None: there was none."""
-    opened: tuple[int, int] | None = st.session_state.pop(OPEN, None)
-    return opened
 
 
 def draw(urgent: pd.DataFrame) -> None:
@@ -49,4 +44,10 @@ def draw(urgent: pd.DataFrame) -> None:
 
 
 def _ask(places: list[tuple[int, int]], row: int, _column: str) -> None:
-    st.session_state[OPEN] = places[row]
+    store.URGENT_ENCOUNTER.set(places[row])
+
+
+def open_encounter(result: Result, encounter: int, row: int) -> NoReturn:
+    """Show a frame of an encounter on the Timeline, its lane marked."""
+    choose_encounter(result, encounter)
+    open_row(row)

@@ -16,7 +16,7 @@ from nvcore.measures.table import evidence_form
 from nvcore.report.words import WITHIN, WITHIN_NOTE
 from nvcore.stages import THRESHOLD
 from nvcore.tables.scorecard import score_rows
-from nvcore.time_left.by_class import IMPACT, SHARE
+from nvcore.time_left.by_class import CLASS_HEAD, IMPACT, IMPACT_MEANING, SHARE, time_left_by_class
 from nvcore.time_left.facts import NobodyMet
 from nvcore.time_left.kinds import TimeLeft, Urgency
 from nvcore.time_left.said import confirmed, few_urgent, needed, urgent
@@ -24,7 +24,7 @@ from nvcore.time_left.settings import TIME_LEFT
 from nvcore.time_left.steps import time_left_in
 from nvcore.wording import Footnotes, capitalised, difference, interval_text, minus, number
 from ui.session import state
-from ui.session.results.evidence import comparison_key
+from ui.session.results import comparison_key
 from ui.widgets.html import MeasureRow, measures_html, score_row
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
@@ -164,3 +164,25 @@ def key_of(result: Result) -> tuple[object, ...]:
     """What urgent encounters depend on, while the same data are open."""
     settings = result.params.only_for(THRESHOLD, TIME_LEFT)
     return settings, result.x.name, result.y.name
+
+
+def draw_by_class(result: Result) -> None:
+    """A row for each class; nothing where no urgent encounter has any."""
+    key = comparison_key(result)
+    rows = state.cached("time_left_by_class", key, lambda: time_left_by_class(result), most=8)
+    if not rows:
+        return
+    st.subheader(state.say("By class of {one}"))
+    notes = Footnotes()
+    shown = []
+    for row in rows:
+        cells, marks = row.cells(notes)
+        shown.append(MeasureRow(row.label, cells, marks=marks))
+    st.html(measures_html(shown, key="time-left-by-class", head=CLASS_HEAD, first="Class"))
+    lines = [f"{mark}: {plain(capitalised(note))}." for note, mark in notes.marks.items()]
+    classes = docs_link("Classes of encounters", "classes-of-encounters")
+    lines.append(
+        state.say("{A_one} may have several classes ({classes}). ", classes=classes)
+        + IMPACT_MEANING
+    )
+    st.caption("  \n".join(lines))

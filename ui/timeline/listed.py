@@ -14,7 +14,7 @@ from ui.shell import review
 from ui.shell.messages import without_paths
 from ui.shell.navigate import open_page
 from ui.widgets.buttons import button
-from ui.widgets.steps import draw_steps
+from ui.widgets.choices import draw_steps
 from ui.widgets.text import plain
 from ui.widgets.viewer import ListedBox
 

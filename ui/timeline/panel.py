@@ -20,9 +20,10 @@ from nvcore.tables.frame import (
     frame_summary,
 )
 from nvcore.wording import count_text
-from ui.session import drawing, state
+from ui.session import state
 from ui.session.chosen import choose_encounter, chosen_encounter, name_of
 from ui.shell.navigate import open_encounters
+from ui.widgets import drawing
 from ui.widgets.buttons import button
 from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.text import UNDEFINED, number, plain

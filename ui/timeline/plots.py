@@ -6,24 +6,26 @@ from typing import Any, Final, Literal, NoReturn
 
 import numpy as np
 import streamlit as st
-from streamlit.delta_generator import DeltaGenerator
 
 from nvcore.comparison import Result
 from nvcore.figures.over_time.lanes import lane_order, lanes_figure
 from nvcore.figures.over_time.losses import loss_plot
 from nvcore.figures.over_time.similarity import TimeLayout, similarity_plot
 from nvcore.stages import shown_results
-from ui.session import state
+from ui.session import state, store
 from ui.session.chosen import choose_encounter, chosen_encounter
 from ui.shell import title
-from ui.timeline import listed, panel, viewer
+from ui.streamlit_inside.types import DeltaGenerator
+from ui.timeline import listed, panel
+from ui.widgets import compared_viewer
 from ui.widgets.charts import clicked_chart, kept_figure
 from ui.widgets.choices import choose_first, choose_side_by_side
 from ui.widgets.text import docs_link
 
+VIEWER: Final = "viewer"
+VIEWER_PX: Final = 700
 PANEL_PX: Final = 640
 """Height of what stands beside the picture; what is longer scrolls by itself."""
-FIRST: Final = "lanes_first"
 LANES: Final = 20
 """Lanes at a time: a screen full."""
 PLOTS: Final[dict[TimeLayout | Literal["losses"], str]] = {
@@ -51,7 +53,7 @@ def draw_all(result: Result, recording: int) -> None:
     """
     if state.recording() != recording:  # an entry of a list is in another one
         st.rerun()
-    settled = viewer.settled()
+    settled = compared_viewer.settled(VIEWER)
     if settled != state.row():
         state.settle(state.recording(), settled)
     title.follow_frame()
@@ -60,7 +62,8 @@ def draw_all(result: Result, recording: int) -> None:
     with st.container():  # first: while a slider moves, the plot is what people wait for
         _draw_plot(result)
     with left:
-        viewer.draw(result)
+        box = listed.box_in(state.recording())
+        compared_viewer.draw(result, VIEWER, height_px=VIEWER_PX, listed=box)
     with right, st.container(height=PANEL_PX, border=False, key="frame_panel"):
         panel.draw(result, state.row_in_all())
     _draw_lanes(result)
@@ -102,12 +105,14 @@ def _draw_lanes(result: Result) -> None:
 def _first_lane(place: DeltaGenerator, order: np.ndarray, chosen: int | None) -> int:
     """Which lane is on top; where somebody else was chosen, the page with that lane comes."""
     if len(order) > LANES:
-        if chosen != st.session_state.get("lanes_seen") and chosen in order:
+        if chosen != store.LANE_SEEN.get() and chosen in order:
             lane = int(np.flatnonzero(order == chosen)[0])
-            st.session_state[FIRST] = lane - lane % LANES
-        st.session_state["lanes_seen"] = chosen
+            store.FIRST_LANE.set(lane - lane % LANES)
+        store.LANE_SEEN.set(chosen)
     with place:
-        return choose_first(state.say("{Many}, most severe first"), len(order), LANES, FIRST)
+        return choose_first(
+            state.say("{Many}, most severe first"), len(order), LANES, store.FIRST_LANE.key
+        )
 
 
 def _draw_plot(result: Result) -> None:

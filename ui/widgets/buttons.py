@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import streamlit as st
-from streamlit.delta_generator import DeltaGenerator
 
+from ui.streamlit_inside.types import DeltaGenerator
 from ui.widgets.clicks import keep_click, take_click
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 import pandas as pd
 import streamlit as st
 
 from nvcore.output.csv_text import to_csv_bytes
+from ui.session import store
 
 Option = TypeVar("Option")
 
@@ -37,8 +38,9 @@ def choose_first(label: str, n: int, most: int, key: str, **more: Any) -> int:
     pages = range(0, n, most)
     if len(pages) < 2:
         return 0
-    if st.session_state.get(key) not in pages:
-        st.session_state[key] = 0
+    chosen = store.widget(key)
+    if chosen.get() not in pages:
+        chosen.set(0)
     first: int = st.selectbox(
         label,
         pages,
@@ -59,4 +61,60 @@ def download_csv(label: str, make: Callable[[], pd.DataFrame], file_name: str, k
         on_click="ignore",
         icon=":material/download:",
         key=key,
+    )
+
+
+def draw_steps(
+    at: int,
+    n: int,
+    step: Callable[[int], None],
+    *,
+    key: str,
+    width: Literal["stretch", "content"] = "stretch",
+) -> None:
+    """Buttons to the neighbours of an entry, with the keys p and n, and which entry it is.
+
+    Parameters
+    ----------
+    at
+        Number of the entry, counted from 0.
+    n
+        How many there are.
+    step
+        Called with the number of the entry to go to, before the page is drawn again.
+    key
+        Begins the names of the widgets.
+    width
+        Whether they take the whole line.
+    """
+    with st.container(
+        horizontal=True,
+        horizontal_alignment="distribute",
+        vertical_alignment="center",
+        width=width,
+    ):
+        _step("Previous", "p", at - 1, n, step, key=key, icon=":material/chevron_left:")
+        st.markdown(f"**{at + 1:,}** of {n:,}", width="content")
+        _step("Next", "n", at + 1, n, step, key=key, icon=":material/chevron_right:")
+
+
+def _step(
+    label: str,
+    shortcut: str,
+    at: int,
+    n: int,
+    step: Callable[[int], None],
+    *,
+    key: str,
+    icon: str,
+) -> None:
+    st.button(
+        label,
+        key=f"{key}_{label.lower()}",
+        shortcut=shortcut,
+        icon=icon,
+        icon_position="right" if label == "Next" else "left",
+        disabled=not 0 <= at < n,
+        on_click=step,
+        args=(at,),
     )

@@ -11,11 +11,18 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.tables.boxes.states import gather_boxes
 from nvcore.tables.moments import next_misses
-from ui.session import drawing, state
+from ui.session import state, store
 from ui.session.chosen import choose_encounter, chosen_encounter
-from ui.session.drawing import cost_map_of, viewer_arguments
-from ui.session.look import Look, VisiblePictures, keep_look, look
 from ui.subjects import contributed
+from ui.widgets import drawing
+from ui.widgets.drawing import (
+    Look,
+    VisiblePictures,
+    cost_map_of,
+    keep_look,
+    look,
+    viewer_arguments,
+)
 from ui.widgets.text import plain
 from ui.widgets.viewer import ListedBox, settled_in, viewer
 
@@ -26,7 +33,7 @@ def settled(key: str) -> int:
     n_rows = len(state.frame_numbers(recording))
     if not n_rows:
         return 0
-    return settled_in(key, recording=recording, n_rows=n_rows, seek=(state.row(), state.seek()))
+    return settled_in(key, recording=recording, n_rows=n_rows, seek=(state.row(), store.SEEK.get()))
 
 
 def draw(
@@ -65,7 +72,7 @@ def draw(
         intervals=[_spans(system.intervals, recording, rows.start) for _, system in result.sides],
         misses=next_misses(result, recording),
         names=[system.name for _, system in result.sides],
-        seek=(state.row(), state.seek()),
+        seek=(state.row(), store.SEEK.get()),
         lo=lo,
         hi=hi,
         cost=cost_map_of(recording),

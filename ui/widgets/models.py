@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 import streamlit as st
-from streamlit.runtime.uploaded_file_manager import UploadedFile
+from streamlit.typing import UploadedFile
 
 from nvcore.errors import InputError, NvcoreError
-from ui.session import state
-from ui.session.local_files import LocalRoot, local_root
+from ui.access.files import LocalRoot, local_root
+from ui.session import state, store
 from ui.session.uploads import store_model
 from ui.widgets.text import plain
 
@@ -72,13 +72,13 @@ def draw_field(kind: ModelKind, label: str, *, shown: Callable[[NvcoreError], st
     shown
         An error as the page says it, not yet plain.
     """
-    seen, trouble = f"{kind.field}_seen", f"{kind.field}_trouble"
+    seen, trouble = store.MODEL_FILE_SEEN.of(kind.field), store.MODEL_TROUBLE.of(kind.field)
     # of any ending: what Streamlit itself refuses leaves the file before, and stands there for good
     file = st.file_uploader(label, max_upload_size=kind.max_bytes >> 20, key=kind.field)
-    if file is not None and st.session_state.get(seen) != file.file_id:
-        st.session_state[seen] = file.file_id
-        st.session_state[trouble] = _take(kind, file, shown)
-    if file is not None and (text := st.session_state.get(trouble, "")):
+    if file is not None and seen.get() != file.file_id:
+        seen.set(file.file_id)
+        trouble.set(_take(kind, file, shown))
+    if file is not None and (text := trouble.get()):
         st.error(plain(text), icon=":material/error:")
 
 
@@ -133,7 +133,7 @@ def _take(kind: ModelKind, file: UploadedFile, shown: Callable[[NvcoreError], st
     except NvcoreError as error:
         return shown(error)
     state.workspace().notes[kind.sent] = model
-    st.session_state[kind.name] = f"sent {model.version}"
+    store.widget(kind.name).set(f"sent {model.version}")
     return ""
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import streamlit as st
-from streamlit.delta_generator import DeltaGenerator
 
 from nvcore.pictures.index import USUAL
 from ui.session import state
+from ui.streamlit_inside.types import DeltaGenerator
 from ui.widgets.text import plain
 
 

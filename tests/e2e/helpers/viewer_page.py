@@ -9,7 +9,7 @@ import numpy as np
 import streamlit as st
 import viewer_scene as scene
 
-from ui.session.look import Look, VisiblePictures
+from ui.widgets.drawing import Look, VisiblePictures
 from ui.widgets.viewer import ListedBox, viewer
 
 RECORDINGS = [

@@ -101,7 +101,7 @@ def reason_of(box: Drawn) -> dict[str, object]:
 
 
 def pack_rows(rows: range) -> bytes:
-    """The boxes of these rows in the format of `ui.session.packed_boxes`."""
+    """The boxes of these rows in the format of `ui.session.packed_comparison`."""
     per_row = [boxes_of(row) for row in rows]
     boxes = [box for found in per_row for box in found]
     offsets = np.concatenate(([0], np.cumsum([len(found) for found in per_row])))

@@ -26,7 +26,7 @@ from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from pages import alone, begin_with, checked, scripted, session, shown, texts
 from ui.data.recordings.edited import changes_in, filled, saved
 from ui.session import state
-from ui.session.chosen import CHOSEN
+from ui.session.store import ENCOUNTER
 
 BEFORE = pd.DataFrame(
     {
@@ -152,14 +152,14 @@ def test_a_recording_is_called_otherwise_without_reading_it_again(
 
 def test_a_rename_keeps_who_is_chosen_and_which_preset(edit: Edit):
     page = opened()
-    page.session_state[CHOSEN] = (1, "urban_crossing:2")
+    page.session_state[ENCOUNTER.key] = (1, "urban_crossing:2")
     page.session_state["encounters_recording_1"] = ["urban_crossing", "rural_child"]
     page.session_state["saliency_recording_1"] = "urban_crossing"
     page.session_state["protocol_recordings"] = ["urban_crossing"]
     page = checked(page.button_group(key="preset").set_value("Rural").run())
     page = edit.apply(page, name="Crossing")
     assert space_of(page).opened.dataset.recordings["name"][0] == "Crossing"
-    assert page.session_state[CHOSEN] == (1, "Crossing:2")
+    assert page.session_state[ENCOUNTER.key] == (1, "Crossing:2")
     assert page.session_state["encounters_recording_1"] == ["Crossing", "rural_child"]
     assert page.session_state["saliency_recording_1"] == "Crossing"
     assert page.session_state["protocol_recordings"] == ["Crossing"]
@@ -221,6 +221,11 @@ def test_two_systems_of_one_name_are_refused():
 
 
 FILTERED = f"{PAGE}\nstate.write_address()"
+FOLLOWED = f"""{PAGE}
+import streamlit as st
+from ui.session import store
+st.caption(store.BAD_LINK.pop())
+"""
 
 
 def test_a_tag_chosen_in_the_sidebar_holds_for_what_is_compared():
@@ -296,18 +301,13 @@ def test_an_address_with_tags_of_a_recording_that_is_not_compared_says_so(
     of_both = session(tmp_path, "fir.csv", "nir.csv")
     entries = (RecordingEntry("urban", tags=("day",)), RecordingEntry("rural", tags=("night",)))
     begin_with(replace(of_both, recordings=entries, only=("urban",)), monkeypatch)
-    words = f"{PAGE}\nst = __import__('streamlit')\nst.caption(state.bad_link())"
-    page = checked(scripted(words, tags="night").run())
+    page = checked(scripted(FOLLOWED, tags="night").run())
     assert "no recording has its tags" in texts(page)
     assert space_of(page).opened.dataset.recordings["name"].tolist() == ["urban"]
 
 
 def test_an_address_with_unknown_tags_says_so():
-    page = checked(
-        scripted(
-            f"{PAGE}\nst = __import__('streamlit')\nst.caption(state.bad_link())", tags="snow"
-        ).run()
-    )
+    page = checked(scripted(FOLLOWED, tags="snow").run())
     assert "no recording has its tags" in texts(page)
 
 

@@ -32,8 +32,8 @@ from inputs import drive, mot_layout
 from streamlit.testing.v1 import AppTest
 
 from pages import checked, texts
-from ui.data.opening import WAYS_OPEN
 from ui.session import uploads
+from ui.session.store import WAYS_OPEN
 
 
 def test_an_upload_asks_for_what_the_files_do_not_say_and_opens_with_it(tmp_path: Path):
@@ -118,16 +118,16 @@ def test_three_systems_can_be_sent_and_any_two_compared(tmp_path: Path):
 
 def test_the_ways_are_folded_after_success_and_stay_open_after_failure(tmp_path: Path):
     page = sent_drive(tmp_path, "fir.csv", "nir.csv")
-    assert not page.session_state[WAYS_OPEN]
-    page.session_state[WAYS_OPEN] = True
+    assert not page.session_state[WAYS_OPEN.key]
+    page.session_state[WAYS_OPEN.key] = True
     press(page, "open_upload")
     assert "Not opened" in texts(page)  # the size is not known
-    assert page.session_state[WAYS_OPEN]
+    assert page.session_state[WAYS_OPEN.key]
     open_files(page)
     assert "Opened: Uploaded files" in texts(page)
-    assert not page.session_state[WAYS_OPEN]
-    page.session_state[WAYS_OPEN] = True
-    assert checked(page.run()).session_state[WAYS_OPEN]
+    assert not page.session_state[WAYS_OPEN.key]
+    page.session_state[WAYS_OPEN.key] = True
+    assert checked(page.run()).session_state[WAYS_OPEN.key]
 
 
 def test_what_is_still_to_be_chosen_is_said_first_and_what_is_open_is_named(tmp_path: Path):

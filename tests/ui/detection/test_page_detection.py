@@ -30,10 +30,10 @@ def opened() -> AppTest:
 
 # the sliders of the sidebar, and nothing else of it
 SIDEBAR = """
-from ui.session import state
+from ui.session import settings, state
 from ui.shell import live_params, sidebar
 from ui.shell.pages import SHOWN
-state.begin_run()
+settings.begin_run()
 sidebar.draw(live_params.read(), SHOWN["detection"])
 """
 

@@ -16,10 +16,10 @@ from nvcore.detectors.icf.model_file import fingerprint, from_bytes
 from nvcore.errors import InputError
 from nvcore.findings import Severity
 from pages import FRAMES, begin_with, checked, opened, press, rows, texts, to_page, write
+from ui.access.files import LocalRoot
 from ui.detectors import finished, run, trial
 from ui.detectors.confined import DetectorSpec
-from ui.detectors.trial import CHOSEN, LEVELS
-from ui.session.local_files import LocalRoot
+from ui.session.store import DETECTOR_BOX, DETECTOR_LEVELS
 from ui.widgets.models import models_below
 
 PEOPLE = {"recording": "urban_crossing", "frame": "120"}
@@ -143,7 +143,7 @@ def test_a_box_that_was_clicked_is_described():
     checked(slider(page, "Threshold").set_value(-1.0).run())
     assert "Click the mark in the middle of a box" in texts(page)
     place = page.session_state["place"]
-    page.session_state[CHOSEN] = (DetectorSpec("hog"), place), 0
+    page.session_state[DETECTOR_BOX.key] = (DetectorSpec("hog"), place), 0
     checked(page.run())
     pattern = r"\*\*Chosen box:\*\* score \S+, \d+ × \d+ px, IoU with the truth \S+: \w+"
     assert re.search(pattern, texts(page))
@@ -246,7 +246,7 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(
     checked(slider(page, "Overlap").set_value(0.3).run())
     timed(page)
     assert "300 pictures of 1 recording on" in texts(page)
-    levels = page.session_state[LEVELS]
+    levels = page.session_state[DETECTOR_LEVELS.key]
     press(page, "run_detector")
     done = job(page, finished.RUN)
     done.join()

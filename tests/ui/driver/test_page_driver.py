@@ -38,9 +38,10 @@ from ui.driver import run
 from ui.driver.finished import with_estimates
 from ui.driver.run import lost_words
 from ui.jobs.background import BackgroundJob, while_open
-from ui.session import drawing, state, uploads
-from ui.session.chosen import CHOSEN
+from ui.session import state, uploads
+from ui.session.store import ENCOUNTER
 from ui.session.workspace import Workspace
+from ui.widgets import drawing
 
 TAKE_OVER = "from ui.driver import finished\nfinished.take_over()"
 """What the app does once any page is drawn."""
@@ -132,14 +133,14 @@ def test_a_region_is_chosen_and_its_encounters_are_listed(page):
 
 def test_a_chosen_encounter_that_is_not_listed_is_said(page):
     checked(page.selectbox(key="driver_region").set_value(DriverRegion.Y).run())
-    page.session_state[CHOSEN] = (page.session_state["workspace"].n_opened, "night:300")
+    page.session_state[ENCOUNTER.key] = (page.session_state["workspace"].n_opened, "night:300")
     checked(page.run())
     assert "Pedestrian 100 of night" in [item.value for item in page.header]
     assert (
         "Pedestrian 300 of night is chosen, but is not in this list: the encounter is among those "
         "of driver, X and Y." in texts(page)
     )
-    page.session_state[CHOSEN] = (page.session_state["workspace"].n_opened, "night:100")
+    page.session_state[ENCOUNTER.key] = (page.session_state["workspace"].n_opened, "night:100")
     assert "not in this list" not in texts(checked(page.run()))
 
 
@@ -449,7 +450,7 @@ def test_no_change_of_light_is_simulated_where_the_truth_states_all_values(tmp_p
     page = sent(tmp_path)
     (recordings,) = (choice for choice in page.multiselect if choice.label == "Recordings")
     page = estimated(checked(recordings.set_value(["drive", "heat"]).run()))
-    page.session_state[CHOSEN] = (page.session_state["workspace"].n_opened, "heat:1")
+    page.session_state[ENCOUNTER.key] = (page.session_state["workspace"].n_opened, "heat:1")
     page = checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
     assert "Pedestrian 1 of heat" in [item.value for item in page.header]
     assert re.search(r"Detectability\s+0\.70", panel(page))

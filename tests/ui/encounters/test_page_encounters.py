@@ -16,7 +16,8 @@ from ui.encounters import details, figures, table
 from ui.encounters.address import Choice, from_address, to_address
 from ui.encounters.filters import Filters
 from ui.encounters.order import Order
-from ui.session.chosen import CHOSEN, encounter_of, name_of
+from ui.session.chosen import encounter_of, name_of
+from ui.session.store import ENCOUNTER
 from ui.session.workspace import Opened
 from ui.time_left import encounter
 from ui.widgets import table_columns
@@ -42,7 +43,7 @@ def widget(page: AppTest, kind: str, label: str):
 def choose(page: AppTest, row: int) -> AppTest:
     space = page.session_state["workspace"]
     name = name_of(space.result, row)
-    page.session_state[CHOSEN] = (space.n_opened, name)
+    page.session_state[ENCOUNTER.key] = (space.n_opened, name)
     return checked(page.run())
 
 
@@ -54,7 +55,7 @@ def test_all_encounters_of_the_sample_are_listed_the_heaviest_failures_first():
     heavier_s = rows[["severity_s_x", "severity_s_y"]].max(axis=1)
     assert heavier_s.head(38).is_monotonic_decreasing
     assert set(rows["category"].tail(8)) == {"distant"}
-    assert page.selectbox(key=table.ORDER).value == "severity"
+    assert page.selectbox(key="encounters_order").value == "severity"
     assert "encounters_clear" not in [button.key for button in page.button]
     assert "X does not detect 8 and Y does not detect 11" in texts(page)
     assert "“X or Y” detects 35 of 38 encounters, 5 more than X alone" in texts(page)
@@ -345,7 +346,7 @@ def test_a_distant_encounter_has_no_severity_and_else_dashes():
     assert (severity, peak) == ("0.00 s", "0.00")
     assert others == ["–"] * 5
     # one that was chosen in other data is forgotten: the first is shown
-    page.session_state[CHOSEN] = (0, "winter_frost:1")
+    page.session_state[ENCOUNTER.key] = (0, "winter_frost:1")
     assert "**1** of 46" in texts(checked(page.run()))
 
 

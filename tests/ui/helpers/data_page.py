@@ -18,10 +18,10 @@ from ui.session.workspace import PICTURES
 
 PAGE = f"""
 import runpy
-from ui.session import state
+from ui.session import settings, state
 from ui.shell import live_params, sidebar
 from ui.shell.pages import SHOWN
-state.begin_run()
+settings.begin_run()
 wrong = live_params.read()
 runpy.run_path({str(ROOT / "pages" / "data.py")!r})
 sidebar.draw(wrong, SHOWN["data"])

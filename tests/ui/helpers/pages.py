@@ -41,7 +41,7 @@ def to_page(app: AppTest, name: str) -> AppTest:
 
 def alone(name: str, *, before: str = "", after: str = "", **address: str) -> AppTest:
     """A page without navigation and sidebar; `before` runs before it, `after` after it."""
-    script = f"{before}\nfrom ui.session import state\nstate.begin_run()\n"
+    script = f"{before}\nfrom ui.session import settings, state\nsettings.begin_run()\n"
     script += f"import runpy\nrunpy.run_path({str(ROOT / 'pages' / f'{name}.py')!r})\n{after}"
     return scripted(script, **address)
 

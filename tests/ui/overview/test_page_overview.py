@@ -17,12 +17,12 @@ from nvcore.tables.moments import worst_moments
 from pages import checked, figures, measures, opened, press, tables, texts, to_page
 from ui.jobs import companions
 from ui.overview import evidence as evidence_page
-from ui.overview import moments, more, venn
+from ui.overview import moments, venn
 from ui.overview import verdict as verdict_page
 from ui.overview.moments import window_row
 from ui.overview.scorecard import Scorecard
-from ui.session.drawing import cut_out
-from ui.session.results import evidence as overview_evidence
+from ui.session import results
+from ui.widgets.drawing import cut_out
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ def app() -> AppTest:
 
 def look_closer(app: AppTest, part: str) -> AppTest:
     """Unfold a part of the page."""
-    return checked(app.button_group(key=more.KEY).set_value(part).run())
+    return checked(app.button_group(key="overview_more").set_value(part).run())
 
 
 def scorecard(app: AppTest) -> dict[str, tuple[str, ...]]:
@@ -95,7 +95,7 @@ def test_a_verdict_that_is_shown_stays_until_the_next_unless_it_is_about_others(
         raise InputError("no evidence")
 
     drawn: list[str] = []
-    monkeypatch.setattr(overview_evidence, "evidence_kept_by", refuse)
+    monkeypatch.setattr(results, "evidence_kept_by", refuse)
     monkeypatch.setattr(verdict_page.Room, "draw_known", lambda *_: drawn.append("known"))
     app.slider(key="alpha").set_value(0.5).run()
     assert drawn == []
@@ -188,7 +188,7 @@ def test_the_encounters_that_weigh_most_are_listed_and_open_by_a_click(
     )
     shown: list[int] = []
     monkeypatch.setattr(venn, "open_row", shown.append)
-    app.session_state[venn.OPEN] = 123
+    app.session_state["overview_open"] = 123
     checked(app.run())
     assert shown == [123]
 

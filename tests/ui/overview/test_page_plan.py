@@ -8,7 +8,7 @@ from streamlit.testing.v1 import AppTest
 
 from pages import begin_with, checked, figures, opened, session, texts
 from ui.jobs.background import JobState
-from ui.overview import more, plan
+from ui.overview import plan
 
 
 @pytest.fixture
@@ -18,7 +18,7 @@ def app() -> AppTest:
 
 
 def asked(app: AppTest) -> AppTest:
-    return checked(app.button_group(key=more.KEY).set_value("plan").run())
+    return checked(app.button_group(key="overview_more").set_value("plan").run())
 
 
 def verdict(app: AppTest) -> str:

@@ -23,7 +23,7 @@ from streamlit.testing.v1 import AppTest
 from nvcore.inputs.session_toml import read_session
 from nvcore.ratings.store import RatingStore, Study
 from pages import begin_with, checked, press, rows, write
-from ui.people import addresses
+from ui.people import terms
 from ui.ratings import participant, source
 from ui.session import state
 from ui.widgets import viewer
@@ -281,7 +281,7 @@ def test_ratings_of_clips_with_other_thresholds_are_told_and_can_be_mended(store
 def test_an_address_of_this_computer_only_is_told(
     store: RatingStore, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr(addresses, "is_local", lambda _: True)
+    monkeypatch.setattr(terms, "is_local", lambda _: True)
     page = opened()
     begun(page, store, "odd_pose")
     assert "ask whoever runs the app to open it to the network" in warnings(page)

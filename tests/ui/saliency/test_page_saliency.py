@@ -54,7 +54,7 @@ def test_the_page_says_what_saliency_is_with_the_settings_at_hand():
 
 def test_a_click_on_a_recording_leaves_its_events_only():
     page = opened()
-    page.session_state[figures.CLICKED_RECORDING] = 0
+    page.session_state["saliency_wanted"] = 0
     table = listed(checked(page.run()))
     assert set(table["recording"]) == {"urban_crossing"}
     (chosen,) = [one for one in page.selectbox if one.label == "Recording"]
@@ -94,7 +94,7 @@ def test_an_event_opens_by_a_click_and_the_most_salient_one_by_a_button(
     for module in (events, figures):
         monkeypatch.setattr(module, "open_row", shown.append)
     page = opened()
-    page.session_state[figures.OPEN] = 123
+    page.session_state["saliency_open"] = 123
     checked(page.run())
     checked(page.run())
     assert shown == [123]

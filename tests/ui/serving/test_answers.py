@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from nvcore.ratings.store import RatingStore
-from ui.serving import answers
+from ui.serving import life
 
 BEGUN = datetime.now(UTC) - timedelta(days=10)
 
@@ -39,19 +39,19 @@ def test_what_is_over_is_deleted_and_nothing_else(folder: Path):
     begin(folder, 9)
     later = begin(folder, 11)
     assert len(tokens(folder)) == 2
-    answers.delete_ended()
+    life.delete_ended()
     assert tokens(folder) == [later]
 
 
 def test_where_there_is_no_file_none_is_made(folder: Path):
-    answers.delete_ended()
+    life.delete_ended()
     assert not [*folder.iterdir()]
 
 
 def test_a_file_that_cannot_be_used_is_logged(folder: Path, caplog: pytest.LogCaptureFixture):
     (folder / "studies.sqlite").write_bytes(b"no database")
     begin(folder, 9)
-    answers.delete_ended()
+    life.delete_ended()
     assert tokens(folder) == []
     assert "the file of the study cannot" in caplog.text
 
@@ -60,14 +60,14 @@ def test_the_server_looks_again_and_again(folder: Path, monkeypatch: pytest.Monk
     left: list[int] = []
 
     async def nap(seconds: float) -> None:
-        assert seconds == answers.EVERY_S
+        assert seconds == life.EVERY_S
         left.append(len(tokens(folder)))
         if len(left) == 2:
             raise asyncio.CancelledError
         begin(folder, 9)
 
     begin(folder, 9)
-    monkeypatch.setattr(answers.asyncio, "sleep", nap)
+    monkeypatch.setattr(life.asyncio, "sleep", nap)
     with pytest.raises(asyncio.CancelledError):
-        asyncio.run(answers.keep_deleting_ended())
+        asyncio.run(life.keep_deleting_ended())
     assert left == [0, 0]

@@ -27,6 +27,7 @@ from ui.serving import gate
 from ui.serving.gate import Gate, OwnPages
 from ui.session.routes import routes_below
 from ui.session.workspace import Workspace
+from ui.streamlit_inside import server
 
 PAGE = {"accept": "text/html,*/*"}
 STREAM = "/_stcore/stream"
@@ -75,10 +76,10 @@ def test_the_way_to_the_provider_and_back_is_open(behind: Gate, path: str):
 
 
 def test_what_else_is_open_is_the_same_for_all_and_says_nothing_of_them(behind: Gate):
-    for path in (gate.HEALTH, gate.HOST_CONFIG):
+    for path in (server.HEALTH, server.HOST_CONFIG):
         assert ask(path, app=behind).text == "inside"
     streamlit = Starlette(routes=create_host_config_routes(""))
-    answer = json.loads(ask(gate.HOST_CONFIG, app=streamlit).text)
+    answer = json.loads(ask(server.HOST_CONFIG, app=streamlit).text)
     origins = answer.pop("allowedOrigins")
     assert all("streamlit" in origin for origin in origins)  # its own cloud's
     assert sorted(answer) == [

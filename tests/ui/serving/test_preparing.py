@@ -6,9 +6,8 @@ import pytest
 
 from pages import alone, checked
 from ui.jobs import companions
-from ui.serving.preparing import prepare_start
-from ui.session import sample, state
-from ui.session.results import evidence, findings
+from ui.serving.life import prepare_start
+from ui.session import results, sample, state
 
 
 def test_the_first_visitor_need_not_wait_for_the_comparison(monkeypatch: pytest.MonkeyPatch):
@@ -18,10 +17,10 @@ def test_the_first_visitor_need_not_wait_for_the_comparison(monkeypatch: pytest.
     monkeypatch.setattr(sample, "_samples", type(sample._samples)())
     prepare_start()
     monkeypatch.setattr(state, "compare", refuse)
-    monkeypatch.setattr(evidence, "evidence_table", refuse)
-    monkeypatch.setattr(evidence, "judge_miss_rate", refuse)
+    monkeypatch.setattr(results, "evidence_table", refuse)
+    monkeypatch.setattr(results, "judge_miss_rate", refuse)
     monkeypatch.setattr(companions, "find_companions", refuse)
     for name in ("audit_inputs", "audit_system", "audit_pair"):
-        monkeypatch.setattr(findings, name, refuse)
+        monkeypatch.setattr(results, name, refuse)
     page = checked(alone("overview").run())
     assert not page.error

@@ -10,8 +10,8 @@ from inputs import write
 from places import SAMPLE
 
 from nvcore.errors import InputError
-from ui.serving.starting import check_start
-from ui.session.folders import base_folder, process_folder
+from ui.serving.life import check_start
+from ui.session.lifetime import base_folder, process_folder
 from ui.settings.limits import limits_of_environment
 
 

@@ -86,7 +86,7 @@ def test_a_page_says_that_the_server_is_full(monkeypatch: pytest.MonkeyPatch):
 
 def test_files_in_memory_are_capped_for_each_visitor_and_for_all(monkeypatch: pytest.MonkeyPatch):
     held = {"session": 0, None: 0}
-    monkeypatch.setattr(visitors, "_held_bytes", lambda session=None: held[session])
+    monkeypatch.setattr(visitors, "held_bytes", lambda session=None: held[session])
     app = limited(max_upload_mb=2, max_uploads_mb=3)
     assert upload(app, 2 << 20).status == 200
     assert upload(app, (2 << 20) + 1).status == 413

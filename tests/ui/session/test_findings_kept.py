@@ -8,15 +8,15 @@ from nvcore.auditing import audit, audit_inputs
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from pages import TIMEOUT_S
-from ui.session.results import findings
+from ui.session import results
 from ui.session.state import SAMPLE
 
 SCRIPT = """
 import streamlit as st
-from ui.session import state
-from ui.session.results.findings import input_findings
+from ui.session import settings, state
+from ui.session.results import input_findings
 from ui.shell import live_params
-state.begin_run()
+settings.begin_run()
 live_params.read()
 st.session_state["found"] = input_findings()
 """
@@ -25,7 +25,7 @@ st.session_state["found"] = input_findings()
 def test_findings_follow_the_threshold_and_those_of_the_files_are_made_once(monkeypatch):
     audited = []
     monkeypatch.setattr(
-        findings, "audit_inputs", lambda dataset: audited.append(dataset) or audit_inputs(dataset)
+        results, "audit_inputs", lambda dataset: audited.append(dataset) or audit_inputs(dataset)
     )
     dataset = load(read_session(SAMPLE))
     app = AppTest.from_string(SCRIPT, default_timeout=TIMEOUT_S).run()

@@ -14,10 +14,10 @@ from nvcore.errors import InputError, SessionError
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session, Source, SystemSource
 from nvcore.params import Params
+from ui.access.files import check_confined
 from ui.confined import reading
 from ui.confined.process import Allowance
 from ui.session.opening import (
-    check_confined,
     checked_frames,
     corrected,
     corrections_up_to,

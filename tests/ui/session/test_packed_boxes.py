@@ -12,7 +12,7 @@ from scenes import three_frames
 
 from nvcore.comparison import Result, compare
 from nvcore.schema import DetectionState
-from ui.session.packed_boxes import (
+from ui.session.packed_comparison import (
     BIT_IGNORE,
     BIT_MATCHED_X,
     BIT_MATCHED_Y,

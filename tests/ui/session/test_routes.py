@@ -18,7 +18,7 @@ from starlette.concurrency import run_in_threadpool
 
 from nvcore.errors import MediaError
 from nvcore.pictures.recordings import RecordingPictures
-from ui.session.packed_boxes import pack_boxes
+from ui.session.packed_comparison import pack_boxes
 from ui.session.routes import ROWS_PER_CHUNK, address, routes_below
 from ui.session.workspace import Compared, Workspace
 from ui.settings.start import base_path

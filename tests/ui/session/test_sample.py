@@ -19,10 +19,11 @@ from ui.session.sample import SharedSample, sample_of, shared_sample
 
 SCRIPT = """
 import streamlit as st
-from ui.session import drawing, state
-from ui.session.results.evidence import measure_evidence
+from ui.session import settings, state
+from ui.widgets import drawing
+from ui.session.results import measure_evidence
 from ui.shell import live_params
-state.begin_run()
+settings.begin_run()
 live_params.read()
 if "wanted" in st.session_state:
     wanted = st.session_state["wanted"]

@@ -7,9 +7,10 @@ from collections.abc import Callable
 
 import pytest
 
-from ui.session import ending
-from ui.session.ending import GRACE_S, end_with_session, sweep, watch
+from ui.session import lifetime
+from ui.session.lifetime import GRACE_S, end_with_session, sweep, watch
 from ui.settings.limits import Limits
+from ui.streamlit_inside import sessions
 
 
 class Thing:
@@ -37,7 +38,7 @@ class Browser:
 @pytest.fixture(autouse=True)
 def watched(monkeypatch: pytest.MonkeyPatch) -> list:
     found: list = []
-    monkeypatch.setattr(ending, "_watched", found)
+    monkeypatch.setattr(lifetime, "_watched", found)
     return found
 
 
@@ -66,7 +67,7 @@ def test_it_is_closed_when_the_browser_stays_away_and_not_before(now_s: float, w
 def test_of_too_many_that_are_away_the_first_ones_end_at_once(
     now_s: float, watched: list, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr(ending, "limits_of_environment", lambda: Limits(max_visitors=2))
+    monkeypatch.setattr(lifetime, "limits_of_environment", lambda: Limits(max_visitors=2))
     things, browsers = [Thing() for _ in range(4)], [Browser() for _ in range(4)]
     for thing, browser in zip(things, browsers, strict=True):
         watch(thing, browser)
@@ -136,9 +137,9 @@ def test_streamlit_forgets_the_session_with_the_files_that_it_sent(
         def call_soon_threadsafe(self, act: Callable[[str], None], session_id: str) -> None:
             act(session_id)
 
-    monkeypatch.setattr(ending.runtime, "exists", lambda: True)
-    monkeypatch.setattr(ending.runtime, "get_instance", Server)
-    monkeypatch.setattr(ending, "_loops", [Loop()])
+    monkeypatch.setattr(sessions.runtime, "exists", lambda: True)
+    monkeypatch.setattr(sessions.runtime, "get_instance", Server)
+    monkeypatch.setattr(lifetime, "_loops", [Loop()])
     thing = Thing()
     watch(thing, lambda: False, session_id="one")
     sweep(now_s + 0.9 * GRACE_S)

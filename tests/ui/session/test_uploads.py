@@ -20,12 +20,10 @@ from ui.session import uploads, workspace
 from ui.session.uploads import (
     ANNOTATION_FOLDERS,
     UploadError,
-    free_name,
     kind_of,
     new_upload,
     receive,
     remove_pictures,
-    safe_name,
     store_annotations,
     store_model,
 )
@@ -53,41 +51,6 @@ def send(space: Workspace, name: str, *chunks: bytes, n_bytes: int | None = None
 
 def files_in(folder: Path) -> list[str]:
     return sorted(p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file())
-
-
-@pytest.mark.parametrize(
-    ("name", "expected"),
-    [
-        ("truth.csv", "truth.csv"),
-        ("../../etc/passwd", "passwd"),
-        ("C:\\Users\\me\\gt.txt", "gt.txt"),
-        ("/etc/shadow", "shadow"),
-        ("..", "file"),
-        (".", "file"),
-        ("", "file"),
-        (".hidden.csv", "hidden.csv"),
-        ("a\x00b\nc.csv", "a_b_c.csv"),
-        ("night\u202edrive.csv", "night_drive.csv"),
-        ("lone \udc80.csv", "lone _.csv"),
-        ("Straße 07.csv", "Straße 07.csv"),
-        ("<script>.csv", "_script_.csv"),
-    ],
-)
-def test_a_name_becomes_a_harmless_base_name(name: str, expected: str):
-    assert safe_name(name) == expected
-
-
-def test_a_long_name_is_cut_and_keeps_its_ending():
-    name = safe_name("ä" * 500 + ".csv")
-    assert len(name.encode()) <= uploads.MAX_NAME_BYTES
-    assert name.endswith("ä.csv")
-    cut_at_a_dot = safe_name("a" * (uploads.MAX_NAME_BYTES - 1) + "." + "b" * 20)
-    assert safe_name(cut_at_a_dot) == cut_at_a_dot == "a" * (uploads.MAX_NAME_BYTES - 1)
-
-
-def test_a_name_that_is_taken_gets_a_number():
-    assert free_name("gt.txt", ["gt.txt", "GT-2.txt"]) == "gt-3.txt"
-    assert free_name("gt.txt.gz", ["gt.txt.gz"]) == "gt-2.txt.gz"
 
 
 @pytest.mark.parametrize(

@@ -14,8 +14,8 @@ import pytest
 from places import ROOT
 
 from nvcore.pictures.recordings import RecordingPictures
-from ui.session import folders
-from ui.session.folders import base_folder, process_folder, remove_leftovers
+from ui.session import lifetime
+from ui.session.lifetime import base_folder, process_folder, remove_leftovers
 from ui.session.workspace import Workspace, workspace_of
 
 
@@ -144,7 +144,7 @@ def test_a_shared_folder_that_others_may_read_is_not_used(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.delenv("NVCORE_UPLOAD_DIR")
-    monkeypatch.setattr(folders.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(lifetime.tempfile, "tempdir", str(tmp_path))
     trap = tmp_path / f"nvcore-uploads-{os.getuid()}"
     trap.mkdir()
     trap.chmod(0o777)

@@ -8,7 +8,7 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from pages import checked, opened, press, texts
-from ui.shell.tab import back
+from ui.streamlit_inside import sessions
 
 
 @pytest.fixture
@@ -22,7 +22,7 @@ def go_back(monkeypatch: pytest.MonkeyPatch):
             page.query_params[name] = text
         with monkeypatch.context() as patch:
             context = SimpleNamespace(is_history_navigation=True)
-            patch.setattr(back, "get_script_run_ctx", lambda **_: context)
+            patch.setattr(sessions, "get_script_run_ctx", lambda **_: context)
             return checked(page.run())
 
     return go

@@ -20,17 +20,17 @@ from ui.ratings import fit
 from ui.session import state
 from ui.session.address import changed_parameters
 from ui.session.workspace import Workspace
-from ui.shell.tab import restore
+from ui.shell import tab
 from ui.stability import survey, verdict_map
 
 SCRIPT = """
 import streamlit as st
-from ui.session import state
+from ui.session import settings, state
 from ui.shell import live_params
-from ui.shell.tab import restore
+from ui.shell import tab
 if token := st.session_state.pop("claims", None):
-    restore.claim(token)
-state.begin_run()
+    tab.claim(token)
+settings.begin_run()
 live_params.read()
 """
 PAGE = """
@@ -96,17 +96,17 @@ def test_a_workspace_is_not_shared_and_had_once_its_page_has_gone(
 ):
     app = page()
     assert claiming(app, used.token) is not used
-    assert not app.session_state[restore.SETTLED]
+    assert not app.session_state["tab_is_settled"]
     monkeypatch.setattr(state, "is_in_use", lambda _: False)
     assert claiming(app, used.token) is used
-    assert app.session_state[restore.SETTLED]
+    assert app.session_state["tab_is_settled"]
 
 
 def test_a_workspace_that_stays_in_use_is_given_up(used: Workspace):
     app = page()
-    for n_claims in range(1, restore.MOST_CLAIMS + 1):
+    for n_claims in range(1, tab.MOST_CLAIMS + 1):
         assert claiming(app, used.token) is not used
-        assert app.session_state[restore.SETTLED] is (n_claims == restore.MOST_CLAIMS)
+        assert app.session_state["tab_is_settled"] is (n_claims == tab.MOST_CLAIMS)
 
 
 def test_who_has_opened_something_meanwhile_keeps_it(used: Workspace):
@@ -114,7 +114,7 @@ def test_who_has_opened_something_meanwhile_keeps_it(used: Workspace):
     own = app.session_state["workspace"]
     own.n_opened += 1
     assert claiming(app, used.token) is own
-    assert app.session_state[restore.SETTLED]
+    assert app.session_state["tab_is_settled"]
 
 
 class Gate:
@@ -286,7 +286,7 @@ def test_a_workspace_that_nobody_comes_back_to_ends_its_jobs(gated):
     space = press(page("stability"), "stability_start").session_state["workspace"]
     assert gate.is_reached.wait(TIMEOUT_S)
     job = space.job(verdict_map.JOB)
-    space.close()  # as `ui.session.ending` does it
+    space.close()  # as `ui.session.lifetime` does it
     gate.is_open.set()
     job.join()
     assert job.state is JobState.CANCELLED

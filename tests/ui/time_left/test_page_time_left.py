@@ -18,7 +18,6 @@ from nvcore.time_left.steps import time_left_in
 from nvcore.wording import Footnotes
 from pages import HEAD, alone, begin_with, checked, opened, tables, texts
 from ui.session.chosen import encounter_of
-from ui.time_left import listed
 from ui.time_left.numbers import with_interval
 from ui.widgets.html import MeasureRow
 
@@ -107,7 +106,7 @@ def test_the_list_has_the_fastest_impact_first_and_opens_the_last_chance(
     first = table(page).iloc[0]
     encounter = encounter_of(result, f"{first['recording']}:{first['track']}")
     row = int(time_left_in(result).urgency["urgent_row"].iloc[encounter])
-    page.session_state[listed.OPEN] = encounter, row
+    page.session_state["time_left_open"] = encounter, row
     checked(page.run())
     checked(page.run())
     assert shown == [row]

@@ -12,13 +12,13 @@ from streamlit.testing.v1 import AppTest
 from nvcore.findings import Cases, Finding, Severity
 from nvcore.pictures.recordings import RecordingPictures
 from pages import checked, figures, opened, press, tables, texts, to_page
-from ui.session.chosen import CHOSEN
+from ui.session.store import ENCOUNTER
 from ui.shell.review import Review
 from ui.timeline import plots
 
 
 def choose(app, name):
-    app.session_state[CHOSEN] = (app.session_state["workspace"].n_opened, name)
+    app.session_state[ENCOUNTER.key] = (app.session_state["workspace"].n_opened, name)
     return checked(app.run())
 
 

@@ -10,8 +10,8 @@ from streamlit.testing.v1 import AppTest
 def page() -> None:
     import streamlit as st
 
+    from ui.session import store
     from ui.widgets.buttons import button, submit_button
-    from ui.widgets.clicks import forget_clicks
 
     state = st.session_state
     if state.pop("is_ended", False):
@@ -22,7 +22,7 @@ def page() -> None:
             state[f"n_go{number}"] += button(label, key=f"go{number}", disabled=state["is_busy"])
         with st.form("form"):
             state["n_send"] += submit_button("Send", key="send")
-    forget_clicks()
+    store.CLICKED.pop()
 
 
 def new_page() -> AppTest:

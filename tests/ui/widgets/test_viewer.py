@@ -13,7 +13,7 @@ from nvcore.objects import PEDESTRIAN
 from nvcore.palette import STYLES, Scheme
 from nvcore.params import Params
 from nvcore.schema import DetectionState
-from ui.session import packed_boxes
+from ui.session import packed_comparison
 from ui.widgets.viewer import FOLDER, colours_of, settled_row
 from ui.widgets.viewer.packing import (
     MOST_BUCKETS,
@@ -130,7 +130,7 @@ def test_a_settled_row_counts_else_the_wish_stands(settled, row):
 def test_the_script_reads_the_states_that_the_library_packs():
     script = (FOLDER / "data" / "boxes.js").read_text(encoding="utf-8").replace(" }", ", }")
     for name in ("ignore", "matched_x", "matched_y", "relevant", "salient_x", "salient_y"):
-        assert f" {name}: {getattr(packed_boxes, f'BIT_{name.upper()}')}," in script
+        assert f" {name}: {getattr(packed_comparison, f'BIT_{name.upper()}')}," in script
     for name in ("matched", "false_alarm", "absorbed"):
         assert f" {name}: {DetectionState[name.upper()].value}," in script
 

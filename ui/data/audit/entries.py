@@ -16,7 +16,7 @@ from nvcore.findings import Cases, Finding
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.pictures.recordings import picture_names
 from nvcore.tables.inputs import entries_as_cvat, entry_frames
-from ui.session import state
+from ui.session import state, store
 from ui.session.workspace import Workspace
 from ui.shell import review
 from ui.shell.messages import path_remover
@@ -24,9 +24,6 @@ from ui.shell.navigate import ask_for_page
 from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.table_columns import MOST_ROWS, rows_told
 
-_OPEN: Final = "entries_open"
-"""The finding whose list is open."""
-_NO_FRAME: Final = "entries_no_frame"
 NOUNS: Final = {
     "boxes": ("box", "boxes"),
     "frames": ("frame", "frames"),
@@ -50,7 +47,7 @@ COLUMNS: Final = {
 
 def is_open(finding: Finding) -> bool:
     """Whether the list of this finding is on the page."""
-    return st.session_state.get(_OPEN) == review.finding_key(finding)
+    return store.OPEN_ENTRIES.get() == review.finding_key(finding)
 
 
 def draw(finding: Finding, number: int) -> None:
@@ -76,10 +73,7 @@ def draw(finding: Finding, number: int) -> None:
 
 
 def _toggle(name: tuple[str, str, str]) -> None:
-    if st.session_state.get(_OPEN) == name:
-        del st.session_state[_OPEN]
-    else:
-        st.session_state[_OPEN] = name
+    store.OPEN_ENTRIES.set(None if store.OPEN_ENTRIES.get() == name else name)
 
 
 def _draw_list(finding: Finding, cases: Cases) -> None:
@@ -92,7 +86,7 @@ def _draw_list(finding: Finding, cases: Cases) -> None:
         "Click a row to see its frame on the Timeline, with the way to the next and the previous "
         "one; the browser's Back returns here."
     )
-    if st.session_state.pop(_NO_FRAME, False):
+    if store.NO_FRAME.pop():
         st.info("That frame is not evaluated: there is nothing to show.", icon=":material/info:")
     draw_table(
         shown,
@@ -112,7 +106,7 @@ def _go(finding: Finding, row: int, _column: str) -> None:
         ask_for_page("timeline")
     else:
         review.end()
-        st.session_state[_NO_FRAME] = True
+        store.NO_FRAME.set(True)
 
 
 def _draw_downloads(finding: Finding, cases: Cases, table: pd.DataFrame) -> None:

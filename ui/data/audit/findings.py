@@ -19,7 +19,7 @@ from ui.data.audit import entries
 from ui.data.opening import try_to_open
 from ui.session import state
 from ui.session.opening import corrected, corrections_up_to
-from ui.session.results.findings import input_findings
+from ui.session.results import input_findings
 from ui.shell.messages import without_paths
 from ui.shell.recordings_filter import filter_text
 from ui.shell.remedies import BUTTONS, ways_text

@@ -14,7 +14,7 @@ from nvcore.errors import InputError
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.params.traffic import context_word, parse_context
-from ui.session.uploads import safe_name
+from ui.access.files import safe_name
 
 NO_PICTURES: Final = "no pictures"
 COLUMNS: Final = (

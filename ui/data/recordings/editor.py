@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 import streamlit as st
+from streamlit.typing import UploadedFile
 
 from nvcore.dataset import Dataset
 from nvcore.errors import NvcoreError
@@ -30,10 +31,10 @@ from ui.data.recordings.edited import (
     filled,
     saved,
 )
-from ui.data.recordings.names import n_changes, use_names
-from ui.session import state
+from ui.data.recordings.names import use_names
+from ui.session import state, store
 from ui.session.opening import with_recordings
-from ui.session.uploads import SentFile, new_upload, store_annotations
+from ui.session.uploads import new_upload, store_annotations
 from ui.shell.messages import shown_error
 from ui.widgets.buttons import submit_button
 from ui.widgets.text import UNDEFINED, docs_link, plain
@@ -158,7 +159,7 @@ def draw(
     }
     _draw_words(opened.whole)
     place = st.container()
-    version = f"{state.workspace().n_opened}_{n_changes()}"
+    version = f"{state.workspace().n_opened}_{store.N_NAME_CHANGES.get()}"
     with st.expander("Fill this table from a CSV file, or save it as one"):
         file = st.file_uploader(
             "Fill the table from a CSV file",
@@ -212,7 +213,9 @@ def _draw_words(whole: Dataset) -> None:
         )
 
 
-def _filled(table: pd.DataFrame, file: SentFile, choices: Mapping[str, str | None]) -> pd.DataFrame:
+def _filled(
+    table: pd.DataFrame, file: UploadedFile, choices: Mapping[str, str | None]
+) -> pd.DataFrame:
     try:
         entries = _by_name_here(_entries(file), table["name"].tolist())
     except NvcoreError as error:
@@ -246,7 +249,7 @@ def _by_name_here(
     return here if stranger is None else no_such_recording(stranger, names)
 
 
-def _entries(file: SentFile) -> dict[str, RecordingEntry]:
+def _entries(file: UploadedFile) -> dict[str, RecordingEntry]:
     """The rows of a CSV file that was sent, by recording."""
 
     def read() -> dict[str, RecordingEntry]:

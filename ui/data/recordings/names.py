@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any
 
 import pandas as pd
 import streamlit as st
@@ -12,36 +12,27 @@ import streamlit as st
 from nvcore.dataset import Dataset
 from nvcore.errors import NvcoreError
 from nvcore.inputs.session import Session
-from ui.session import state
+from ui.session import state, store
 from ui.session.chosen import rename_chosen
 from ui.session.opening import with_recordings
 from ui.shell.messages import shown_error
 from ui.widgets.buttons import submit_button
 from ui.widgets.text import plain
 
-_DONE: Final = "names_changed"
-_N_CHANGES: Final = "names_n_changes"
-
-
-def n_changes() -> int:
-    """How often names were changed: tables that show them start anew."""
-    n: int = st.session_state.get(_N_CHANGES, 0)
-    return n
-
 
 def draw_done() -> None:
     """That names were changed just now."""
-    if st.session_state.pop(_DONE, False):
+    if store.NAMES_CHANGED.pop():
         st.success("The names and tags are used from now on.", icon=":material/check_circle:")
 
 
 def draw_systems() -> None:
     """A field for the name of each system, and the button that uses them."""
-    names = state.opened().whole.systems
-    with st.form(f"system_names_{n_changes()}_{state.workspace().n_opened}", border=False):
+    names, changes = state.opened().whole.systems, store.N_NAME_CHANGES.get()
+    with st.form(f"system_names_{changes}_{state.workspace().n_opened}", border=False):
         typed = [
             st.text_input(
-                f"Name of {plain(name)}", name, max_chars=200, key=f"system_name_{n_changes()}_{i}"
+                f"Name of {plain(name)}", name, max_chars=200, key=f"system_name_{changes}_{i}"
             )
             for i, name in enumerate(names)
         ]
@@ -86,8 +77,8 @@ def use_names(systems: Mapping[str, str], changes: Mapping[str, Mapping[str, Any
     others = {titles.get(name, name): _untitled(change) for name, change in changes.items()}
     state.compare_as(_tagged(session, whole, others), whole)
     rename_chosen(titles)
-    st.session_state[_N_CHANGES] = n_changes() + 1
-    st.session_state[_DONE] = True
+    store.N_NAME_CHANGES.set(store.N_NAME_CHANGES.get() + 1)
+    store.NAMES_CHANGED.set(True)
     st.rerun()
 
 

@@ -20,9 +20,9 @@ from nvcore.driver.study.tables import (
 from nvcore.errors import InputError
 from ui.driver.study import setup
 from ui.driver.study.files import STUDIES
-from ui.people.addresses import draw_addresses
 from ui.people.one_participant import draw_one_participant
 from ui.people.studies import enter
+from ui.people.terms import draw_addresses
 from ui.widgets.buttons import button
 from ui.widgets.choices import download_csv
 from ui.widgets.table import TableColumn, draw_table

@@ -9,9 +9,9 @@ from nvcore.driver.study.pictures import BOXES_FILE
 from nvcore.driver.study.records import DetectabilityStudy
 from nvcore.driver.study.store import DetectabilityStore
 from nvcore.errors import InputError
+from ui.access.files import LocalRoot, local_root
 from ui.people.studies import Studies
 from ui.session import state
-from ui.session.local_files import LocalRoot, local_root
 
 SAMPLE: Final = "sample"
 LOCAL: Final = "local:"

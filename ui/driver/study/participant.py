@@ -23,11 +23,11 @@ from ui.driver.study.setup import LIMITS, length_text
 from ui.people.studies import ON_SCREEN, PARTICIPANT, STUDY, enter, leave_screen
 from ui.people.terms import draw_consent
 from ui.session import state
+from ui.session.store import PRACTISED
 from ui.shell.messages import shown_error
 from ui.widgets.buttons import button, submit_button
 from ui.widgets.text import plain
 
-PRACTISED: Final = "study_practised"
 """Practice runs that a participant has had since the page was loaded; the code follows."""
 CHOICES: Final = {
     "vision": ("normal", "corrected by glasses or lenses", "impaired"),
@@ -132,7 +132,7 @@ def _draw_form(study: DetectabilityStudy) -> dict[str, str]:
 def _next(screen: OnScreen, person: Participant) -> None:
     study = screen.study
     left = screen.store.left(study, person)
-    n_practised = st.session_state.get(f"{PRACTISED}_{person.code}", 0)
+    n_practised = PRACTISED.of(person.code).get()
     if not person.has_practised and n_practised < study.settings.n_practice:
         _practise(screen, person, n_practised)
     elif left:
@@ -157,7 +157,7 @@ def _practise(screen: OnScreen, person: Participant, n_practised: int) -> None:
     def practised(run: str) -> None:
         if run != name:
             return
-        st.session_state[f"{PRACTISED}_{person.code}"] = n_practised + 1
+        PRACTISED.of(person.code).set(n_practised + 1)
         if n_practised + 1 >= n:
             screen.store.end_practice(study, person.code)
 

@@ -24,7 +24,7 @@ from starlette.responses import Response
 from nvcore.errors import InputError, StoreError
 from ui.driver.study.on_screen import MOST_BYTES, OnScreen
 from ui.people.studies import ON_SCREEN
-from ui.session.requests import (
+from ui.session.routes import (
     NOT_CACHED,
     Place,
     for_owner,

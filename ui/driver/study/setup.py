@@ -25,7 +25,7 @@ from nvcore.people.terms import MOST_TEXT
 from nvcore.wording import count_text
 from ui.driver.study.files import STUDIES, folder_of, folders
 from ui.people.terms import ask_consent, ask_days
-from ui.session import state
+from ui.session import state, store
 from ui.shell.messages import shown_error
 from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side
@@ -151,7 +151,7 @@ def _draw_settings() -> StudySettings:
         facts=Facts(**facts),
         consent=consent,
         questions=tuple(line.strip() for line in questions.splitlines() if line.strip()),
-        n_practice=int(st.session_state.get("study_n_practice", 1)),
+        n_practice=int(store.N_PRACTICE.get()),
         keep_days=keep_days,
     )
 

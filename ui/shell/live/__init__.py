@@ -19,13 +19,12 @@ from nvcore.errors import ParameterError
 from nvcore.measures.table import MEASURES
 from nvcore.params import SETTINGS
 from nvcore.stages import ENCOUNTERS, SALIENT, SEVERITY, Stage
-from ui.session import settings, state
+from ui.session import settings, state, store
 from ui.session.packed_comparison import LIVE, can_pack, has_mixed_scores, n_bytes, version_of
 from ui.session.routes import address
 from ui.widgets.script import read_script
 
 KEY: Final = "live"
-_ANSWERED: Final = "live_answered"
 SMALL_BYTES: Final = 2_000_000
 """So much is fetched before a slider is reached for."""
 
@@ -55,7 +54,7 @@ def draw(*, can_compare: bool) -> None:
     data = {
         "labels": {name: state.say(setting.label) for name, setting in SETTINGS.items()},
         "drawn": drawn,
-        "answered": st.session_state.get(_ANSWERED, 0),
+        "answered": store.LIVE_ANSWERED.get(),
         "live": _live() if can_compare else None,
     }
     _COMPONENT(key=KEY, height=1, data=data, on_drag_change=_note)
@@ -87,8 +86,7 @@ def _live() -> dict[str, Any] | None:
 
 
 def _note() -> None:
-    sent = st.session_state.get(KEY)
-    note(sent.get("drag") if isinstance(sent, Mapping) else None)
+    note(store.sent(KEY, "drag"))
 
 
 def note(drag: Any) -> None:
@@ -97,7 +95,7 @@ def note(drag: Any) -> None:
         return
     name, value, answered = (drag.get(key) for key in ("name", "value", "id"))
     if isinstance(answered, int) and not isinstance(answered, bool):
-        st.session_state[_ANSWERED] = answered
+        store.LIVE_ANSWERED.set(answered)
     if not isinstance(name, str) or name not in SETTINGS:
         return
     if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):

@@ -17,7 +17,7 @@ import plotly.io
 import streamlit as st
 
 from nvcore.figures.style import CONFIG, take_heading
-from ui.session import state
+from ui.session import state, store
 from ui.session.routes import PLOTLY
 from ui.settings.start import base_path
 from ui.widgets.clicks import keep_click, take_click
@@ -131,8 +131,7 @@ def _draw_heading(title: str, subtitle: str, help_text: str | None) -> None:
 
 def _tell(key: str, on_click: Callable[[Clicked], None] | None) -> None:
     """Pass on what was clicked, if a browser can have meant it."""
-    known = st.session_state.get(key)
-    clicked = known.get("clicked") if isinstance(known, Mapping) else None
+    clicked = store.sent(key, "clicked")
     if not isinstance(clicked, Mapping) or type(clicked.get("curve")) is not int:
         return
     value = clicked.get("value")

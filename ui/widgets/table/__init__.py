@@ -18,6 +18,7 @@ import pandas as pd
 import streamlit as st
 from pandas.api.types import is_float_dtype, is_numeric_dtype
 
+from ui.session import store
 from ui.widgets.script import read_script
 
 FOLDER: Final = Path(__file__).parent
@@ -157,8 +158,7 @@ def _tell(
     on_sort: Callable[[str], None] | None,
 ) -> None:
     """Pass on what was clicked, if a browser can have meant it."""
-    known = st.session_state.get(key)
-    clicked = known.get("clicked") if isinstance(known, Mapping) else None
+    clicked = store.sent(key, "clicked")
     if not isinstance(clicked, Mapping) or clicked.get("version") != version:
         return
     if clicked.get("column") not in names:

@@ -22,9 +22,10 @@ import streamlit as st
 from nvcore.metrics.cost_map import CostMap
 from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.palette import TRUTH_COLOUR, Theme, scheme_of
-from ui.session.look import OWN_PICTURES, Look, VisiblePictures, read_look
+from ui.session import store
 from ui.settings.start import base_path
 from ui.subjects import contributed
+from ui.widgets.drawing import OWN_PICTURES, Look, VisiblePictures, read_look
 from ui.widgets.script import read_script
 from ui.widgets.viewer.packing import (
     decimate_minima,
@@ -226,31 +227,26 @@ def _pack_visible(visible: VisiblePictures) -> dict[str, Any]:
 
 def settled_in(key: str, *, recording: int, n_rows: int, seek: tuple[int, int]) -> int:
     """What `viewer` of this key is going to return, known before it is drawn."""
-    known = st.session_state.get(key) or {}
-    return settled_row(known.get("settled"), recording=recording, n_rows=n_rows, seek=seek)
+    settled = store.sent(key, "settled")
+    return settled_row(settled, recording=recording, n_rows=n_rows, seek=seek)
 
 
 def _tell_choice(key: str, on_choose: Callable[[int], None] | None) -> None:
     """Pass on which encounter was chosen; what a browser sends is checked by who asked for it."""
-    known = st.session_state.get(key)
-    chosen = known.get("chosen") if isinstance(known, Mapping) else None
-    encounter = chosen.get("encounter") if isinstance(chosen, Mapping) else None
+    encounter = store.sent(key, "chosen", "encounter")
     if on_choose is not None and isinstance(encounter, int) and not isinstance(encounter, bool):
         on_choose(encounter)
 
 
 def _tell_look(key: str, on_look: Callable[[Look], None] | None) -> None:
-    known = st.session_state.get(key)
-    look = read_look(known.get("look") if isinstance(known, Mapping) else None)
+    look = read_look(store.sent(key, "look"))
     if on_look is not None and look is not None:
         on_look(look)
 
 
 def n_plays_in(key: str) -> int | None:
     """How often the clip in the `viewer` of this key was played to its end; None: not known."""
-    known = st.session_state.get(key)
-    settled = known.get("settled") if isinstance(known, Mapping) else None
-    n_plays = settled.get("n_plays") if isinstance(settled, Mapping) else None
+    n_plays = store.sent(key, "settled", "n_plays")
     return n_plays if isinstance(n_plays, int) and n_plays >= 0 else None
 
 

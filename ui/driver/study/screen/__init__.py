@@ -20,7 +20,7 @@ from typing import Any, Final
 import streamlit as st
 
 from nvcore.driver.study.settings import Timing
-from ui.session import state
+from ui.session import state, store
 from ui.session.routes import address
 from ui.widgets.script import read_script
 
@@ -62,7 +62,7 @@ def draw_run(
     """
 
     def end() -> None:
-        ended = st.session_state[key].get("ended")
+        ended = store.sent(key, "ended")
         if isinstance(ended, str):
             on_end(ended)
 

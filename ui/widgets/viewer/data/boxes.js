@@ -1,4 +1,4 @@
-// Boxes of the recording in chunks of rows, in the format of ui/session/packed_boxes.py.
+// Boxes of the recording in chunks of rows, in the format of `pack_boxes` in ui/session/packed_comparison.py.
 
 const CHUNK_ROWS = 1024;
 const NEIGHBOUR_ROWS = 256; // so near to a chunk's end the next one is fetched

@@ -9,12 +9,13 @@ import pytest
 import small_estimator
 
 from pages import begin_with, checked, scripted
-from ui.session.drawing import cut_out
+from ui.widgets.drawing import cut_out
 
 CHANGES = """
 import streamlit as st
-from ui.session import drawing, state
-state.begin_run()
+from ui.session import settings, state
+from ui.widgets import drawing
+settings.begin_run()
 st.text(drawing.visible_of(0).change_s.tolist())
 """
 

@@ -8,7 +8,7 @@ import pytest
 from inputs import write
 
 from nvcore.errors import InputError
-from ui.session.local_files import Entry, LocalRoot, local_root
+from ui.access.files import MAX_NAME_BYTES, Entry, LocalRoot, free_name, local_root, safe_name
 
 
 @pytest.fixture
@@ -74,3 +74,38 @@ def test_a_link_that_stays_inside_is_listed(root: LocalRoot):
 def test_a_file_is_no_folder_to_look_into(root: LocalRoot):
     with pytest.raises(InputError, match="cannot be opened"):
         root.entries("b.csv")
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("truth.csv", "truth.csv"),
+        ("../../etc/passwd", "passwd"),
+        ("C:\\Users\\me\\gt.txt", "gt.txt"),
+        ("/etc/shadow", "shadow"),
+        ("..", "file"),
+        (".", "file"),
+        ("", "file"),
+        (".hidden.csv", "hidden.csv"),
+        ("a\x00b\nc.csv", "a_b_c.csv"),
+        ("night\u202edrive.csv", "night_drive.csv"),
+        ("lone \udc80.csv", "lone _.csv"),
+        ("Straße 07.csv", "Straße 07.csv"),
+        ("<script>.csv", "_script_.csv"),
+    ],
+)
+def test_a_name_becomes_a_harmless_base_name(name: str, expected: str):
+    assert safe_name(name) == expected
+
+
+def test_a_long_name_is_cut_and_keeps_its_ending():
+    name = safe_name("ä" * 500 + ".csv")
+    assert len(name.encode()) <= MAX_NAME_BYTES
+    assert name.endswith("ä.csv")
+    cut_at_a_dot = safe_name("a" * (MAX_NAME_BYTES - 1) + "." + "b" * 20)
+    assert safe_name(cut_at_a_dot) == cut_at_a_dot == "a" * (MAX_NAME_BYTES - 1)
+
+
+def test_a_name_that_is_taken_gets_a_number():
+    assert free_name("gt.txt", ["gt.txt", "GT-2.txt"]) == "gt-3.txt"
+    assert free_name("gt.txt.gz", ["gt.txt.gz"]) == "gt-2.txt.gz"

@@ -1,18 +1,33 @@
-"""The cached evidence for the differences between X and Y."""
+"""Cached results for the open inputs: the evidence for the differences of X and Y, the audit."""
 
 from __future__ import annotations
 
-import pandas as pd
+from functools import partial
 
+import pandas as pd
+import streamlit as st
+
+from nvcore.auditing import (
+    audit_inputs,
+    audit_pair,
+    audit_system,
+    audit_view,
+    ranked,
+    threshold_of,
+)
+from nvcore.auditing.pictures import audit_pictures
 from nvcore.comparison import Result
+from nvcore.dataset import Dataset
 from nvcore.evidence.measures import Evidence, Judged
 from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import Units, find_units
+from nvcore.findings import Finding, worst_first
+from nvcore.params import Params
 from nvcore.protocols import Protocol
-from nvcore.stages import MATCH
+from nvcore.stages import MATCH, PROXIMITY, THRESHOLD
 from ui.session import state
-from ui.session.results.comparison import Cached
+from ui.session.state import Cached
 
 
 def comparison_key(result: Result, protocol: Protocol | None = None) -> tuple[object, ...]:
@@ -64,3 +79,46 @@ def miss_rate_kept_by(cached: Cached, result: Result, units: Units, protocol: Pr
         "miss_rate_evidence", key, lambda: judge_miss_rate(result, units, protocol), most=4
     )
     return judged
+
+
+def input_findings() -> tuple[Finding, ...]:
+    """Findings about the open inputs and their pictures, worst first."""
+    dataset, space = state.opened().dataset, state.workspace()
+    with st.spinner("Auditing the inputs"):
+        findings = findings_kept_by(state.cached, dataset, state.params(), *state.systems())
+    of_pictures = space.cached(
+        "audit_pictures",
+        space.pictures_version,
+        lambda: audit_pictures(dataset, space.pictures),
+    )
+    return worst_first([*findings, *of_pictures])
+
+
+def findings_kept_by(
+    cached: Cached, dataset: Dataset, params: Params, x: str, y: str | None
+) -> tuple[Finding, ...]:
+    """The findings from a cache: `state.cached`, or the one that visitors share.
+
+    As `nvcore.auditing.audit`, in parts: another threshold audits no file again.
+    """
+    relevant = params.only_for_audit()
+
+    def make() -> tuple[Finding, ...]:
+        findings = [*cached("audit_inputs", (), lambda: audit_inputs(dataset))]
+        for name in dataset.systems:
+            threshold = threshold_of(name, (x, y), relevant)
+            findings += cached(
+                "audit_system",
+                (name, threshold),
+                partial(audit_system, dataset, name, threshold),
+                most=2 * len(dataset.systems),
+            )
+        of_pair = relevant.only_for(THRESHOLD, MATCH, PROXIMITY)
+        findings += cached(
+            "audit_pair", (of_pair, x, y), lambda: audit_pair(dataset, of_pair, x=x, y=y)
+        )
+        findings += audit_view(dataset, relevant)
+        return ranked(dataset, findings)
+
+    findings: tuple[Finding, ...] = cached("findings", (relevant, x, y), make)
+    return findings

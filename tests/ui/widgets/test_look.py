@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from ui.session.look import Look, from_address, read_look, to_address
+from ui.widgets.drawing import Look, from_address, read_look, to_address
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,186 @@
+"""Which of the server's files may be read, and what files from a browser are called.
+
+The server's own files are out of reach but for those below one folder, if it is named: by
+``nvcore app --local-root DIR`` (``streamlit run app.py -- --local-root DIR``) or
+``NVCORE_LOCAL_ROOT=DIR``.
+"""
+
+from __future__ import annotations
+
+import glob
+import os
+import re
+import unicodedata
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from itertools import takewhile
+from pathlib import Path, PurePosixPath
+from typing import Final
+
+from nvcore.errors import InputError, SessionError
+from nvcore.file_kinds import as_stored, composed, unpacked_name
+from nvcore.inputs.patterns import matching
+from nvcore.inputs.session import Session
+from nvcore.pictures.open import is_below
+from nvcore.wording import one_line
+from ui.settings.start import argument
+
+ENVIRONMENT: Final = "NVCORE_LOCAL_ROOT"
+FLAG: Final = "--local-root"
+MOST_ENTRIES: Final = 2000
+"""Entries of one folder that are listed."""
+MAX_NAME_BYTES: Final = 120
+_UNSAFE = re.compile(r'[<>:"/\\|?*\x00-\x1f\x7f]')
+
+
+def safe_name(name: str, *, keep: str = "") -> str:
+    """Base name without characters that mean something to a file system.
+
+    Examples
+    --------
+    >>> safe_name("../../etc/passwd")
+    'passwd'
+    >>> safe_name("..")
+    'file'
+    """
+    base = re.split(r"[/\\]", name)[-1]
+    base = unicodedata.normalize("NFC", base.encode("utf-8", "replace").decode())
+    base = _UNSAFE.sub(lambda sign: sign[0] if sign[0] in keep else "_", base)
+    base = "".join(sign if sign.isprintable() else "_" for sign in base)
+    base = base.strip(" .")  # a leading dot would hide it
+    stem, dot, suffix = base.rpartition(".")
+    if not dot or len(suffix) > 10:
+        stem, dot, suffix = base, "", ""
+    room = MAX_NAME_BYTES - len((dot + suffix).encode())
+    stem = stem.encode()[:room].decode("utf-8", "ignore").strip(" .")
+    return f"{stem}{dot}{suffix}" if stem else "file"
+
+
+def free_name(name: str, names_in_use: Iterable[str]) -> str:
+    """The name, or the name with the first free number: ``gt.txt.gz``, ``gt-2.txt.gz``."""
+    in_use = {other.casefold() for other in names_in_use}
+    stem = PurePosixPath(unpacked_name(name)).stem
+    suffix = name[len(stem) :]
+    number, free = 1, name
+    while free.casefold() in in_use:
+        number += 1
+        free = f"{stem}-{number}{suffix}"
+    return free
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A file or folder; its path is relative to the root, with ``/`` between its parts."""
+
+    path: str
+    is_folder: bool
+
+
+class LocalRoot:
+    """The folder that may be browsed; nothing outside it is listed or read, even through links."""
+
+    def __init__(self, folder: Path):
+        """Take the folder.
+
+        Raises
+        ------
+        InputError
+            If there is no such folder.
+        """
+        self.folder = Path(os.path.realpath(folder))
+        if not self.folder.is_dir():
+            raise InputError(f"{FLAG}: there is no such folder", file=folder.name)
+
+    def find(self, path: str) -> Path:
+        """Where a path below the root leads.
+
+        Raises
+        ------
+        InputError
+            If it leaves the root, or leads nowhere.
+        """
+        text = path.replace("\0", "")
+        target = Path(os.path.realpath(self.folder / text.lstrip("/")))
+        if not target.is_relative_to(self.folder) or not target.exists():
+            # one message for both: it must not reveal what is outside
+            raise InputError("there is no such file or folder", file=one_line(path))
+        return target
+
+    def entries(self, path: str = "") -> list[Entry]:
+        """Entries of a folder below the root, folders first, without hidden ones.
+
+        Raises
+        ------
+        InputError
+            If there is no such folder, or it may not be looked into.
+        """
+        folder = self.find(path)
+        try:
+            with os.scandir(folder) as files:
+                names = sorted(file.name for file in files if not file.name.startswith("."))
+        except OSError as error:
+            raise InputError(f"cannot be opened ({error.strerror})", file=one_line(path)) from error
+        listed = []
+        for name in names[:MOST_ENTRIES]:
+            real = Path(os.path.realpath(folder / name))
+            if real.is_relative_to(self.folder) and _is_utf8(name):
+                place = f"{path.strip('/')}/{name}".lstrip("/")
+                listed.append(Entry(place, real.is_dir()))
+        return sorted(listed, key=lambda entry: not entry.is_folder)
+
+
+def _is_utf8(name: str) -> bool:
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def check_confined(session: Session, root: Path) -> None:
+    """Refuse a session that would read outside a folder, even through links.
+
+    Raises
+    ------
+    SessionError
+        If one of its paths leaves the folder.
+    """
+    real_root = os.path.realpath(root)
+    for text in session.paths():
+        path = as_stored(session.folder / text)
+        # os.path: Path.exists raises for names that are too long; they are refused when opened
+        if glob.has_magic(text) and not os.path.exists(path):  # noqa: PTH110
+            start = as_stored(Path(*takewhile(lambda part: not glob.has_magic(part), path.parts)))
+            # checked first: matching a pattern outside would already reveal files
+            is_inside = Path(os.path.realpath(start)).is_relative_to(real_root) and all(
+                is_below(session.folder / name, root) for name in matching(text, session.folder)
+            )
+            if is_inside and start == path.parent and start.is_dir():
+                # of pictures, also what matches with its accents as they are stored
+                is_inside = all(
+                    is_below(file, root)
+                    for file in start.iterdir()
+                    if fnmatchcase(composed(file.name), composed(path.name))
+                )
+        else:
+            is_inside = is_below(path, root)
+        if not is_inside:
+            raise SessionError(
+                f"names {PurePosixPath(text).name!r}, which lies outside the folder that the app "
+                "may read; put it there, or start the app with a folder that holds all files"
+            )
+
+
+def local_root(
+    arguments: Sequence[str] | None = None, environment: Mapping[str, str] | None = None
+) -> LocalRoot | None:
+    """The folder given at start; None if the server's files are out of reach.
+
+    Raises
+    ------
+    InputError
+        If there is no such folder.
+    """
+    folder = argument(FLAG, ENVIRONMENT, arguments, environment)
+    return LocalRoot(Path(folder)) if folder else None

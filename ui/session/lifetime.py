@@ -1,0 +1,230 @@
+"""How long sessions last, and the folders of their uploads.
+
+A session ends, and its workspace is closed, some time after its browser has disconnected. Streamlit
+lets a session whose browser stays away end by itself, but only when the next visitor comes: until
+then its uploads would stay, on disk and in memory.
+
+    BASE/PROCESS.lock       held as long as the process lives
+    BASE/PROCESS/SESSION/   one folder for each browser session
+
+BASE is a folder of its own, ``nvcore-uploads-USER``, in the system's temporary folder or in
+`UPLOAD_FOLDER`. What a killed process left behind is removed by the next one that starts: only
+folders that have the names given here, and a lock that nobody holds.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import atexit
+import logging
+import os
+import re
+import secrets
+import shutil
+import tempfile
+import threading
+import time
+import weakref
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cache, partial
+from pathlib import Path
+from typing import Final, Protocol
+
+from filelock import FileLock, Timeout
+
+from nvcore.output.private import make_private
+from ui.settings.limits import limits_of_environment
+from ui.streamlit_inside.sessions import close_session, is_connected, running_session
+
+GRACE_S: Final = 150.0
+"""How long a browser may stay away.
+
+With `INTERVAL_S` less than ``server.disconnectedSessionTTL``: a session that Streamlit has given
+up can no longer be ended.
+"""
+INTERVAL_S: Final = 20.0
+_LOG = logging.getLogger("nvcore.ui")
+_lock = threading.Lock()
+_threads: list[threading.Thread] = []
+_loops: list[asyncio.AbstractEventLoop] = []
+"""The loop on which Streamlit's sessions may be ended, if it is known."""
+UPLOAD_FOLDER: Final = "NVCORE_UPLOAD_DIR"
+"""Where uploads are kept while their session lasts; default: the system's temporary folder.
+
+It may hold other things: they are left alone.
+"""
+_NAME: Final = re.compile(r"[0-9a-f]{16}")
+"""Names of the folders made here."""
+_held: list[FileLock] = []
+"""Locks of this process; the system releases them when it ends, however it ends."""
+
+
+class Closable(Protocol):
+    """A resource that is closed when its session ends."""
+
+    def close(self) -> None:
+        """Release the resource."""
+
+
+@dataclass
+class _Watched:
+    """A resource of a session, and when the session's browser was last connected."""
+
+    what: weakref.ref[Closable]
+    is_alive: Callable[[], bool]
+    session_id: str | None = None
+    seen_s: float = field(default_factory=time.monotonic)
+
+
+_watched: list[_Watched] = []
+
+
+def close_sessions_on(loop: asyncio.AbstractEventLoop) -> None:
+    """Use this event loop, Streamlit's own, to end sessions."""
+    _loops[:] = [loop]
+
+
+def end_with_session(what: Closable) -> None:
+    """Close a resource when the browser of the running session has gone, if there is a session."""
+    session_id = running_session()
+    if session_id is None:
+        return
+    watch(what, partial(is_connected, session_id), session_id=session_id)
+    with _lock:
+        if not _threads or not _threads[-1].is_alive():
+            _threads[:] = [threading.Thread(target=_run, name="session-end", daemon=True)]
+            _threads[0].start()
+
+
+def watch(what: Closable, is_alive: Callable[[], bool], *, session_id: str | None = None) -> None:
+    """Close a resource and end its session once `is_alive` was false for `GRACE_S`; see `sweep`."""
+    with _lock:
+        _watched.append(_Watched(weakref.ref(what), is_alive, session_id))
+
+
+def of_session(session_id: str) -> list[Closable]:
+    """Resources of this session."""
+    with _lock:
+        things = [entry.what() for entry in _watched if entry.session_id == session_id]
+    return [what for what in things if what is not None]
+
+
+def is_in_use(what: Closable) -> bool:
+    """Whether the browser of a session that uses this resource is connected."""
+    with _lock:
+        watched = list(_watched)
+    return any(entry.what() is what and entry.is_alive() for entry in watched)
+
+
+def sweep(now_s: float) -> None:
+    """Close resources whose browser has been gone too long; `now_s` is from ``time.monotonic``.
+
+    Of more than the server takes visitors, those that have been away longest end at once: who opens
+    and closes tabs all the time should not fill the memory.
+    """
+    with _lock:
+        watched = list(_watched)
+    away = []
+    for entry in watched:
+        if entry.what() is not None and entry.is_alive():
+            entry.seen_s = now_s
+        else:
+            away.append(entry)
+    away.sort(key=lambda entry: entry.seen_s)
+    n_too_many = len(away) - limits_of_environment().max_visitors
+    for number, entry in enumerate(away):
+        what = entry.what()
+        if what is None or number < n_too_many or now_s - entry.seen_s > GRACE_S:
+            with _lock:
+                _watched.remove(entry)  # first: what cannot be closed is not tried again
+                is_last = not any(other.what() is what for other in _watched)
+            if is_last:  # another session may have taken it over
+                _close(what)
+            if _loops and entry.session_id is not None and not entry.is_alive():
+                close_session(entry.session_id, _loops[0])
+
+
+def _close(what: Closable | None) -> None:
+    try:
+        if what is not None:
+            what.close()
+    except Exception as error:  # noqa: BLE001  # the others are closed all the same
+        _LOG.warning("what a session left could not be removed: %s", error)
+
+
+def _run() -> None:
+    while True:
+        time.sleep(INTERVAL_S)
+        sweep(time.monotonic())
+
+
+def new_folder() -> Path:
+    """An empty folder for one session, mode 0700."""
+    folder = process_folder(base_folder()) / secrets.token_hex(8)
+    folder.mkdir(mode=0o700)
+    return folder
+
+
+def base_folder() -> Path:
+    """The folder that all server processes of this user share, and nothing else uses."""
+    variable = os.environ.get(UPLOAD_FOLDER)
+    if variable:
+        parent = Path(variable)
+        parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        parent = parent.resolve()
+    else:
+        parent = Path(tempfile.gettempdir())
+    if os.name == "nt":  # there the temporary folder is the user's own
+        folder = parent / "nvcore-uploads"
+        folder.mkdir(exist_ok=True)
+        return folder
+    folder = parent / f"nvcore-uploads-{os.getuid()}"
+    if not make_private(folder):
+        # made by someone else, who could read the files in it
+        return Path(tempfile.mkdtemp(prefix="nvcore-uploads-", dir=parent))
+    return folder
+
+
+@cache
+def process_folder(base: Path) -> Path:
+    """Folder of the running process below `base`; folders of dead processes are removed."""
+    remove_leftovers(base)
+    name = secrets.token_hex(8)
+    # the lock comes first, so that a folder without a held lock is always a leftover
+    lock = FileLock(base / f"{name}.lock", timeout=0)
+    lock.acquire()
+    _held.append(lock)
+    folder = base / name
+    folder.mkdir(mode=0o700)
+    atexit.register(_remove, folder)
+    return folder
+
+
+def remove_own() -> None:
+    """Remove the folders of the running process."""
+    for lock in _held:
+        _remove(Path(lock.lock_file).with_suffix(""))
+
+
+def remove_leftovers(base: Path) -> None:
+    """Remove folders whose process has ended.
+
+    Whatever was not made by `process_folder` stays: a new lock could be acquired for any
+    folder, so a folder counts only with an existing lock.
+    """
+    for folder in base.iterdir():
+        lock = folder.with_suffix(".lock")
+        is_made_here = _NAME.fullmatch(folder.name) and lock.is_file()
+        if not is_made_here or folder.is_symlink() or not folder.is_dir():
+            continue
+        try:
+            with FileLock(lock, timeout=0):
+                _remove(folder)
+        except (OSError, Timeout):  # not ours, or alive
+            continue
+
+
+def _remove(folder: Path) -> None:
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.with_suffix(".lock").unlink(missing_ok=True)

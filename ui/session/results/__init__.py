@@ -1,1 +1,0 @@
-"""Cached results for the open inputs: comparison, evidence, audit."""
