@@ -51,10 +51,19 @@ def find_copies(dataset: Dataset) -> tuple[Copy, ...]:
     truth, frames = dataset.truth, dataset.frames
     if len(dataset.recordings) < 2 or len(truth) < LEAST_BOXES:
         return ()
+    key = _hashed(truth.xywh)
+    ordered = np.sort(key)
+    repeated = ordered[1:][ordered[1:] == ordered[:-1]]
+    if len(repeated) < LEAST_BOXES:
+        return ()
     recording = frames["recording"].to_numpy()[truth.frame_index].astype(np.int64)
-    frame = frames["frame"].to_numpy()[truth.frame_index]
-    sides = np.column_stack([truth.x, truth.y, truth.w, truth.h])
-    key = _hashed(np.round(sides / GRAIN_PX).astype(np.int64))
+    n_boxes = np.bincount(recording, minlength=len(dataset.recordings))
+    # most boxes are like no other one: nearly none of these has to be put in order
+    begins_repeated = np.zeros(1 << 20, dtype=bool)
+    begins_repeated[repeated >> np.uint64(44)] = True
+    rows = np.flatnonzero(begins_repeated[key >> np.uint64(44)])
+    key, recording = key[rows], recording[rows]
+    frame = frames["frame"].to_numpy()[truth.frame_index[rows]]
     order = np.lexsort((frame, recording, key))
     key, recording, frame = key[order], recording[order], frame[order]
     is_pair = (key[1:] == key[:-1]) & (recording[1:] != recording[:-1])
@@ -63,7 +72,6 @@ def find_copies(dataset: Dataset) -> tuple[Copy, ...]:
         return ()
     links = np.column_stack([recording[at], recording[at + 1], frame[at + 1] - frame[at]])
     unique, counts = np.unique(links, axis=0, return_counts=True)
-    n_boxes = np.bincount(recording, minlength=len(dataset.recordings))
     copies: dict[tuple[int, int], Copy] = {}
     for (first, second, shift), n_shared in zip(unique.tolist(), counts.tolist(), strict=True):
         share = n_shared / min(n_boxes[first], n_boxes[second])
@@ -75,11 +83,12 @@ def find_copies(dataset: Dataset) -> tuple[Copy, ...]:
     return tuple(copies.values())
 
 
-def _hashed(values: np.ndarray) -> np.ndarray:
-    """A number for each row of whole numbers; equal rows have equal ones. Uint64, shape (n,)."""
-    key = np.zeros(len(values), np.uint64)
-    for column in values.T:
-        key = (key ^ column.astype(np.uint64)) * np.uint64(0x9E3779B97F4A7C15)
+def _hashed(sides: tuple[np.ndarray, ...]) -> np.ndarray:
+    """A number for each box; those that are equal to `GRAIN_PX` have equal ones. Uint64, (n,)."""
+    key = np.zeros(len(sides[0]), np.uint64)
+    for side in sides:
+        key ^= np.round(side / GRAIN_PX).astype(np.int64).view(np.uint64)
+        key *= np.uint64(0x9E3779B97F4A7C15)
         key ^= key >> np.uint64(29)
     return key
 
