@@ -226,12 +226,14 @@ def _are_corners(source: BoxSource) -> bool:
     if layout.kind != "sizes" or len(boxes) < MIN_CORNERS:
         return False
     x, y, w, h = boxes.xywh
+    if not ((w > x) & (h > y)).all():  # as nearly always: the rest takes long
+        return False
     recording = frames.recording[boxes.frame_index]
     width, height = frames.width[recording], frames.height[recording]
-    are_ordered = (w > x) & (h > y) & (w <= width + 1) & (h <= height + 1)
+    are_inside = (w <= width + 1) & (h <= height + 1)
     sticking_out = np.mean((x + w > width + 1) | (y + h > height + 1))
     spread = np.ptp(np.percentile(x / width, [5, 95]))
-    return bool(are_ordered.all() and sticking_out > MANY_STICKING_OUT and spread > LARGE)
+    return bool(are_inside.all() and sticking_out > MANY_STICKING_OUT and spread > LARGE)
 
 
 def find_layouts(dataset: Dataset) -> dict[str, LayoutFit]:
