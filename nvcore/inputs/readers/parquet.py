@@ -31,6 +31,7 @@ from nvcore.inputs.readers.table import parse_columns, with_row
 from nvcore.wording import shortened
 
 MAGIC: Final = "PAR1"
+_PIPE_BYTES: Final = 1 << 20
 MAX_TEXT_BYTES: Final = 1 << 14
 """Longest text, several times the longest path that systems take."""
 
@@ -83,8 +84,10 @@ class _Decoder:
         self._process: subprocess.Popen[bytes] | None = None
         self._said: IO[bytes] | None = None
 
-    def read(self, file: SourceFile) -> tuple[Header, dict[int, pa.ChunkedArray]]:
+    def read(self, file: SourceFile) -> tuple[Header, dict[int, pa.ChunkedArray | np.ndarray]]:
         """The header of a file, and the columns that it recognises, by their places.
+
+        Numbers without a missing one are arrays.
 
         Raises
         ------
@@ -100,8 +103,7 @@ class _Decoder:
             if problem is not None:
                 raise file.fault(f"expected {problem}")
             places = sorted(header.place.values())
-            columns: dict[int, pa.ChunkedArray] = self._ask(file, None, places, limits)
-        return header, columns
+            return header, self._ask(file, None, places, limits)
 
     def end(self) -> None:
         """Let it end, if it runs."""
@@ -119,7 +121,11 @@ class _Decoder:
         try:
             pickle.dump(request, process.stdin, protocol=5)
             process.stdin.flush()
-            state, value = pickle.load(process.stdout)  # noqa: S301  # from our own process
+            state, value, types = pickle.load(process.stdout)  # noqa: S301  # from our own process
+            for place, (kind, n_rows) in types.items():
+                value[place] = column = np.empty(n_rows, kind)
+                if process.stdout.readinto(column.view(np.uint8)) < column.nbytes:
+                    raise EOFError
         except (EOFError, OSError, pickle.UnpicklingError) as error:
             raise self._fault_of_end(file) from error
         except BaseException:  # ^C: what it answers would be taken for the next one's
@@ -144,6 +150,7 @@ class _Decoder:
                     [sys.executable, "-P", str(Path(__file__).with_name("parquet_decoder.py"))],
                     stdin=subprocess.PIPE,
                     stdout=subprocess.PIPE,
+                    pipesize=_PIPE_BYTES,
                     stderr=self._said,
                     env={**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"},
                 )
@@ -177,8 +184,10 @@ _decoder: Final = _Decoder()
 atexit.register(_decoder.end)
 
 
-def _series(column: pa.ChunkedArray) -> pd.Series:
+def _series(column: pa.ChunkedArray | np.ndarray) -> pd.Series:
     """A column as pandas holds it: numbers, bool, or categories of text; nulls are missing."""
+    if isinstance(column, np.ndarray):
+        return pd.Series(column, copy=False)
     kind = column.type
     if pa.types.is_null(kind):
         return pd.Series(np.full(len(column), np.nan))
