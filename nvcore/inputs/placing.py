@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Collection
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from itertools import compress
 from typing import Final
@@ -208,23 +209,31 @@ def place_sources(
 
 
 def _joined(tables: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
-    """The columns of all sources, one after the other; what some lack is unknown there."""
+    """The columns of all sources, one after the other; what some lack is unknown there.
+
+    The tables are empty then: what is joined takes no memory twice.
+    """
     n_rows = [len(table["x"]) for table in tables]
-    return {
-        name: np.concatenate(
+
+    def joined(name: str) -> np.ndarray:
+        return np.concatenate(
             [
-                table[name] if name in table else np.full(n, np.nan)
+                table.pop(name) if name in table else np.broadcast_to(np.nan, n)
                 for table, n in zip(tables, n_rows, strict=True)
             ]
         )
-        for name in tables[0]
-    }
+
+    names = list(tables[0])
+    with ThreadPoolExecutor(2) as pool:
+        return dict(zip(names, pool.map(joined, names), strict=True))
 
 
 def _placed(
     source: LoadedSource, number: int, places: Places, n_files: int
 ) -> tuple[dict[str, np.ndarray], pd.DataFrame]:
     """Columns of the boxes that have a place, and the rows that have none.
+
+    The reading's table is empty then, so that `_joined` can give back memory.
 
     Parameters
     ----------
@@ -236,17 +245,7 @@ def _placed(
     boxes = source.reading.boxes
     file = boxes["file"].to_numpy() + np.int32(n_files)
     position, fault = places.of(boxes)
-    columns = {name: boxes[name].to_numpy() for name in BOX_DTYPES}
-    if number != TRUTH or boxes["detectability"].isna().all():
-        del columns["detectability"]
-    columns |= {
-        "file": file,
-        "frame_index": position,
-        "source": np.full(len(boxes), number, np.int16),
-    }
     lost = np.flatnonzero(fault)
-    if len(lost):
-        columns = {name: values[fault == 0] for name, values in columns.items()}
     left_out = (
         boxes.iloc[lost][["recording", "frame", *"xywh"]]
         .astype({"recording": object})
@@ -257,6 +256,17 @@ def _placed(
             subject=source.subject,
         )
     )
+    columns = {name: boxes.pop(name).to_numpy() for name in BOX_DTYPES}
+    del boxes["recording"], boxes["frame"]
+    if number != TRUTH or np.isnan(columns["detectability"]).all():
+        del columns["detectability"]
+    columns |= {
+        "file": file,
+        "frame_index": position,
+        "source": np.broadcast_to(np.int16(number), len(file)),
+    }
+    if len(lost):
+        columns = {name: values[fault == 0] for name, values in columns.items()}
     return columns, left_out
 
 
