@@ -459,9 +459,9 @@ def _frames(values: np.ndarray, lines: Lines, base: int | None) -> tuple[np.ndar
             f"expected frame numbers from {base} on, as declared by the frame base; found "
             f"{frame[first]}",
         )
-    return frame - base, f"frame numbers from {base}-based to 0-based" if base else (
-        "frame numbers as they are (0-based)"
-    )
+    if base == 0:
+        return frame, "frame numbers as they are (0-based)"
+    return frame - base, f"frame numbers from {base}-based to 0-based"
 
 
 FORMAT = Format("csv", "plain CSV", BOTH_ROLES, (".csv", ".tsv", ".txt"), recognise, read)

@@ -21,7 +21,7 @@ from nvcore.errors import FormatError
 from nvcore.inputs.readers.base import Role, SourceFile
 from nvcore.inputs.readers.parse.text import BLOCK, MAX_INTEGER, line_blocks, read_text_bytes
 from nvcore.output.csv_text import without_safeguard
-from nvcore.schema import categories_of
+from nvcore.schema import BOX_DTYPES, categories_of
 from nvcore.wording import shortened
 
 SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
@@ -219,7 +219,7 @@ def read_columns(
             if table is None or (table[first].null_count and not has_empty_lines):
                 continue  # an empty line is a row without numbers
             n_rows = table.num_rows
-            line = _lines(content, n_rows) if has_empty_lines else np.arange(2, n_rows + 2)
+            line = _lines(content, n_rows) if has_empty_lines else _next_lines(n_rows)
             columns = {name: _column(table[name]) for name in to_read}
             frame = pd.DataFrame(columns, index=range(n_rows), copy=False)
             return frame, line, decimal == ","
@@ -297,11 +297,16 @@ def _lines(content: bytes, n_rows: int) -> np.ndarray:
     """1-based line of each row; line 1 is the header, empty lines are no rows."""
     n_lines = content.count(b"\n") + (not content.endswith(b"\n"))
     if n_lines == n_rows + 1:
-        return np.arange(2, n_rows + 2)
+        return _next_lines(n_rows)
     filled = [number for number, text in enumerate(content.split(b"\n"), 1) if text.strip()][1:]
     if len(filled) != n_rows:  # a quoted text over several lines: count the rows
-        return np.arange(2, n_rows + 2)
+        return _next_lines(n_rows)
     return np.array(filled, dtype=np.int64)
+
+
+def _next_lines(n_rows: int) -> np.ndarray:
+    """The lines after the header, as many as there are rows; of the type of the boxes' lines."""
+    return np.arange(2, n_rows + 2, dtype=BOX_DTYPES["line"])
 
 
 def _first_fault(

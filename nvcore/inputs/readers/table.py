@@ -17,8 +17,9 @@ from nvcore.findings import Finding
 from nvcore.inputs.readers.base import BOTH_ROLES, Format, Reading, ReadOptions, SourceFile
 from nvcore.inputs.readers.csv import NamedColumns, missing_columns, read_named_columns
 from nvcore.inputs.readers.csv_columns import FALSE, MISSING, NUMBERS, TRUE, Header, header_of
+from nvcore.inputs.readers.meaning.picture_times import LEAST_TIME
 from nvcore.inputs.readers.parse.text import MAX_INTEGER
-from nvcore.schema import TABLE_ENDING, categories_of
+from nvcore.schema import BOX_DTYPES, TABLE_ENDING, categories_of
 from nvcore.wording import shortened
 
 ONLY_RECORDING: Final = "recording"
@@ -98,7 +99,9 @@ def parse_columns(
     for name in names:
         column = column_of(name)
         title = header.names[header.place[name]]
-        if name in NUMBERS:
+        if name == "frame" and column.dtype == np.int64 and column.max() < LEAST_TIME:
+            columns[name] = column  # times are computed with as float64
+        elif name in NUMBERS:
             columns[name] = _numbers(column, title, file)
         elif name == "ignore":
             columns[name] = _claims(column, title, file)
@@ -107,7 +110,7 @@ def parse_columns(
         else:
             columns[name] = _texts(column)
     table = pd.DataFrame(columns, index=range(n_rows), copy=False)
-    return table, np.arange(1, n_rows + 1), False
+    return table, np.arange(1, n_rows + 1, dtype=BOX_DTYPES["line"]), False
 
 
 def _texts(column: pd.Series) -> pd.Series:
@@ -153,9 +156,13 @@ def _claims(column: pd.Series, title: str, file: SourceFile) -> pd.Series:
 
 
 def _whole(column: pd.Series) -> pd.Series | None:
-    """Track ids as float64; None if some are not whole, or too large to be exact."""
+    """Track ids as int64 or float64; None if some are not whole, or too large to be exact."""
     if not pd.api.types.is_numeric_dtype(column):
         return None
+    if column.dtype == np.int64:
+        return (
+            column if column.between(-MAX_INTEGER, MAX_INTEGER, inclusive="neither").all() else None
+        )
     ids = column.astype("float64")
     is_whole = ids.isna() | ((ids.abs() < MAX_INTEGER) & (ids == np.floor(ids)))
     return ids if is_whole.all() else None

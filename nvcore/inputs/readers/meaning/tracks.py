@@ -23,12 +23,14 @@ def track_numbers(texts: pd.Series, recording: Any) -> tuple[np.ndarray, bool]:
     Parameters
     ----------
     texts
-        Ids as text or missing, or float64 with NaN (whole numbers only), shape (n,).
+        Ids as text or missing, or whole numbers as int64 or float64 with NaN, shape (n,).
     recording
         Name of each row's recording, shape (n,), or the name of all.
     """
-    if texts.dtype.kind == "f":
-        return np.where(texts >= 0, texts, NO_TRACK).astype(np.int64), False
+    if texts.dtype.kind in "fi":
+        ids = texts.to_numpy()
+        ids = ids if (ids >= 0).all() else np.where(ids >= 0, ids, NO_TRACK)
+        return ids.astype(np.int64, copy=False), False
     coded = names_as_categories(texts, len(texts))  # each text once, however often it stands there
     distinct = pd.Series(coded.categories, dtype="str").str.strip()
     number = pd.to_numeric(distinct, errors="coerce").to_numpy(dtype=float)

@@ -318,9 +318,11 @@ def whole_numbers(values: np.ndarray, lines: Lines, what: str) -> np.ndarray:
         With the line of the first value that is not a whole number (``1.0`` is one).
     """
     with np.errstate(invalid="ignore"):
-        whole = values.astype(np.int64)
+        whole = values.astype(np.int64, copy=False)
         # no np.abs: that of the lowest integer, which NaN and infinity become, is negative
-        is_good = (whole == values) & (whole > -MAX_INTEGER) & (whole < MAX_INTEGER)
+        is_good = (whole > -MAX_INTEGER) & (whole < MAX_INTEGER)
+        if whole is not values:
+            is_good &= whole == values
         if not is_good.all():
             first = int(np.argmin(is_good))
             raise lines.fault(first, f"expected a whole number as {what}, found {values[first]:g}")
