@@ -1,6 +1,6 @@
-"""A set as nvcore's own CSV with a session file, to be opened in the dashboard.
+"""A set as nvcore's own CSV or Parquet with a session file, to be opened in the dashboard.
 
-python -m bench.csv_files N FOLDER [--one-recording]
+python -m bench.csv_files N FOLDER [--one-recording] [--parquet]
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 import pyarrow.csv
+import pyarrow.parquet
 
 from bench.sets import FPS, FRAMES_PER_RECORDING, HEIGHT, WIDTH, Boxes, BoxSet, make_set
 
@@ -42,8 +43,10 @@ frames = "0:{last}"
 DECIMALS = 2
 
 
-def write_csv(boxes: BoxSet, folder: Path, *, one_recording: bool = False) -> Path:
-    """Write truth.csv, x.csv, y.csv and session.toml; returns the session file.
+def write_csv(
+    boxes: BoxSet, folder: Path, *, one_recording: bool = False, ending: str = "csv"
+) -> Path:
+    """Write truth.csv (or truth.parquet), x.csv, y.csv and session.toml; returns the session file.
 
     The last recording must be a whole one: all have the same list of frames.
     """
@@ -51,10 +54,11 @@ def write_csv(boxes: BoxSet, folder: Path, *, one_recording: bool = False) -> Pa
     folder.mkdir(parents=True, exist_ok=True)
     sources = zip(("truth", "x", "y"), (boxes.truth, *boxes.systems), strict=True)
     for name, source in sources:
-        pa.csv.write_csv(_table(source, name, length), folder / f"{name}.csv")
+        write = pa.csv.write_csv if ending == "csv" else pa.parquet.write_table
+        write(_table(source, name, length), folder / f"{name}.{ending}")
     path = folder / "session.toml"
     text = SESSION.format(width=WIDTH, height=HEIGHT, fps=FPS, last=length - 1)
-    path.write_text(f"{text}\n{INPUTS}", encoding="utf-8")
+    path.write_text(f"{text}\n{INPUTS.replace('csv', ending)}", encoding="utf-8")
     return path
 
 
@@ -77,8 +81,14 @@ def main() -> None:
     parser.add_argument("n_frames", type=int)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--one-recording", action="store_true")
+    parser.add_argument("--parquet", action="store_true")
     options = parser.parse_args()
-    write_csv(make_set(options.n_frames), options.folder, one_recording=options.one_recording)
+    write_csv(
+        make_set(options.n_frames),
+        options.folder,
+        one_recording=options.one_recording,
+        ending="parquet" if options.parquet else "csv",
+    )
 
 
 if __name__ == "__main__":

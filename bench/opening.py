@@ -1,11 +1,11 @@
-"""Opening a set of CSV files: reading, placing, auditing and analysing, beside reading alone.
+"""Opening a set of files: reading, placing, auditing and analysing, beside reading alone.
 
     python -m bench.opening FOLDER [--repeat 3] [--profile]
 
-FOLDER is what `bench.csv_files` wrote. Reading alone is pyarrow reading the three files with its
-defaults, which may use all cores; it is timed before each opening, in the same process, so that
-the ratio of the two says something on a busy machine as well. Timed after a run on a small set,
-which loads the compiled functions.
+FOLDER is what `bench.csv_files` wrote, CSV or Parquet. Reading alone is pyarrow reading the three
+files with its defaults, which may use all cores; it is timed before each opening, in the same
+process, so that the ratio of the two says something on a busy machine as well. Timed after a run on
+a small set, which loads the compiled functions. Peak memory is that of loading alone.
 """
 
 from __future__ import annotations
@@ -19,9 +19,10 @@ from statistics import median
 from time import perf_counter
 
 import pyarrow.csv
+import pyarrow.parquet
 
 from bench.csv_files import write_csv
-from bench.measure import report, versions
+from bench.measure import peak_beyond, report, versions
 from bench.sets import make_set
 from nvcore.auditing import audit
 from nvcore.comparison import compare
@@ -29,22 +30,24 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 
 WARM_FRAMES = 1_000
-FILES = ("truth.csv", "x.csv", "y.csv")
 STEPS = ("load", "audit", "analyse")
 
 
 def read_alone(folder: Path) -> float:
     """Seconds that pyarrow needs to read the three files."""
     start = perf_counter()
-    for name in FILES:
-        pyarrow.csv.read_csv(folder / name)
+    for path in folder.glob("*.csv"):
+        pyarrow.csv.read_csv(path)
+    for path in folder.glob("*.parquet"):
+        pyarrow.parquet.read_table(path)
     return perf_counter() - start
 
 
 def open_all(folder: Path) -> dict[str, float]:
-    """Seconds of each step from the session file to the result."""
+    """Seconds of each step from the session to the result, and kB a frame that loading takes."""
+    session = read_session(folder / "session.toml")
     times = [perf_counter()]
-    dataset = load(read_session(folder / "session.toml"))
+    dataset, peak_mb = peak_beyond(lambda: load(session))
     times.append(perf_counter())
     audit(dataset)
     times.append(perf_counter())
@@ -52,7 +55,7 @@ def open_all(folder: Path) -> dict[str, float]:
     times.append(perf_counter())
     return {
         step: after - before for step, before, after in zip(STEPS, times, times[1:], strict=False)
-    }
+    } | {"kb_a_frame": 1024 * peak_mb / len(dataset.frames)}
 
 
 def main() -> None:
@@ -63,8 +66,9 @@ def main() -> None:
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--profile", action="store_true", help="print where the time goes")
     options = parser.parse_args()
+    is_parquet = (options.folder / "truth.parquet").exists()
     with tempfile.TemporaryDirectory() as small:
-        write_csv(make_set(WARM_FRAMES), Path(small))
+        write_csv(make_set(WARM_FRAMES), Path(small), ending="parquet" if is_parquet else "csv")
         open_all(Path(small))
     if options.profile:
         profile = cProfile.Profile()
@@ -75,7 +79,10 @@ def main() -> None:
     for _ in range(options.repeat):
         alone = read_alone(options.folder)
         steps = open_all(options.folder)
-        runs.append({"pyarrow": alone, **steps, "ratio": sum(steps.values()) / alone})
+        ratio = sum(steps[step] for step in STEPS) / alone
+        runs.append(
+            {"pyarrow": alone, **steps, "ratio": ratio, "load_ratio": steps["load"] / alone}
+        )
     report(
         **{name: median(run[name] for run in runs) for name in runs[0]},
         runs=runs,
