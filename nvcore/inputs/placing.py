@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Collection
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from itertools import compress
 from typing import Final
@@ -214,18 +213,15 @@ def _joined(tables: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
     The tables are empty then: what is joined takes no memory twice.
     """
     n_rows = [len(table["x"]) for table in tables]
-
-    def joined(name: str) -> np.ndarray:
-        return np.concatenate(
+    return {
+        name: np.concatenate(
             [
                 table.pop(name) if name in table else np.broadcast_to(np.nan, n)
                 for table, n in zip(tables, n_rows, strict=True)
             ]
         )
-
-    names = list(tables[0])
-    with ThreadPoolExecutor(2) as pool:
-        return dict(zip(names, pool.map(joined, names), strict=True))
+        for name in list(tables[0])
+    }
 
 
 def _placed(
