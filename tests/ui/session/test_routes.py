@@ -10,6 +10,7 @@ from typing import Any
 
 import cv2
 import numpy as np
+import plotly
 import pytest
 import streamlit as st
 from asgi import ask, asked, put
@@ -19,7 +20,7 @@ from starlette.concurrency import run_in_threadpool
 from nvcore.errors import MediaError
 from nvcore.pictures.recordings import RecordingPictures
 from ui.session.packed_comparison import pack_boxes
-from ui.session.routes import ROWS_PER_CHUNK, address, routes_below
+from ui.session.routes import PLOTLY, ROWS_PER_CHUNK, address, routes_below
 from ui.session.workspace import Compared, Workspace
 from ui.settings.start import base_path
 
@@ -238,8 +239,16 @@ def test_routes_and_addresses_lie_below_the_apps_base_path(
 ):
     monkeypatch.setattr(st, "get_option", lambda _: base)
     paths = {route.path.split("{")[0] for route in routes_below(base_path())}
-    assert paths == {"/apps/night/overview", "/apps/night/nv/"}
+    assert paths == {f"/apps/night{path}" for path in ("/overview", "/nv/", PLOTLY)}
     assert address(space) == f"/apps/night/nv/{space.token}"
+
+
+def test_the_library_that_draws_figures_is_kept_by_the_browser():
+    answer = ask(PLOTLY)
+    assert answer.status == 200
+    assert answer.headers["content-type"].startswith("text/javascript")
+    assert "immutable" in answer.headers["cache-control"]
+    assert plotly.__version__ in PLOTLY
 
 
 @pytest.mark.parametrize("query", ["", "?alpha=0.4&recording=a%20b"])
