@@ -96,7 +96,7 @@ def test_the_list_has_the_fastest_impact_first_and_opens_the_last_chance(
     monkeypatch: pytest.MonkeyPatch,
 ):
     shown: list[int] = []
-    monkeypatch.setattr("ui.time_left.opening.open_row", shown.append)
+    monkeypatch.setattr("ui.time_left.listed.open_row", shown.append)
     page = alone_on()
     assert len(table(page)) == 20
     worst = table(page)[["impact_kmh_x", "impact_kmh_y"]].max(axis=1)
