@@ -77,9 +77,9 @@ def severity_frames(offsets, encounter_of, gap, k, cost, matched, severity, wors
     frame. Of the boxes of one frame the largest cost counts.
     """
     n = severity.size
-    frame, lost = np.full(n, -1, np.int64), np.zeros(n)
+    frame, lost = np.empty(n, np.int64), np.zeros(n)
     for e in range(n):
-        worst_frame[e] = -1
+        frame[e] = worst_frame[e] = -1
     for f in range(offsets.size - 1):
         for i in range(offsets[f], offsets[f + 1]):
             e = encounter_of[i]

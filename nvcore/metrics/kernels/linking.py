@@ -40,7 +40,7 @@ def assign(n, m, first, col, gain):
     column, owner = np.empty(n, np.int64), np.empty(m, np.int64)  # -1: none
     row_price, column_price = np.zeros(n), np.zeros(m)
     least, way = np.empty(m), np.empty(m, np.int64)  # of the paths to columns, and their last row
-    state = np.zeros(m, np.int8)  # 0 not reached, 1 reached, 2 passed
+    state = np.zeros(m, np.int64)  # 0 not reached, 1 reached, 2 passed
     reached, passed = np.empty(m, np.int64), np.empty(m, np.int64)
     for j in range(m):
         owner[j] = -1
@@ -224,7 +224,8 @@ def link_rows(rows, frame_index, recording, x, y, w, h, min_iou, max_gap, track)
                         column[t], is_wanted[j] = j, True
                 first_pair[t + 1] = n_pairs
             if not is_plain:
-                column = assign(n_live, n_new, first_pair, of_box, gain_of)
+                # size, not n_live: numba would compile for the constant 0, too
+                column = assign(column.size, n_new, first_pair, of_box, gain_of)
         if n_live + n_new > live.size:
             live = grown(live, 2 * (n_live + n_new))
         for j in range(n_new):
