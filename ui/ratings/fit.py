@@ -216,7 +216,7 @@ def _changes(fit: Fit, start: Params) -> list[str]:
 
 def _value(settings: Params, name: str) -> Any:
     value = getattr(settings, name)
-    return live_params.default_of_height(name) if value is None else value
+    return live_params.height_start_px(name) if value is None else value
 
 
 def _shown(name: str, value: Any) -> str:

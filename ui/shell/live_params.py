@@ -42,7 +42,7 @@ def read() -> str:
 def _read(name: str, setting: Setting) -> Any:
     if setting.stage is THRESHOLD:
         return _threshold(name)
-    return value_of(name) if setting.height_share is None else _of_height(name)
+    return value_of(name) if setting.height_share is None else _chosen_height_px(name)
 
 
 def _lacks_horizon(params: Params) -> bool:
@@ -57,7 +57,7 @@ def value_of(name: str) -> Any:
     return settings.kept(name, getattr(state.session_params(), name))
 
 
-def value_when_set(name: str) -> float:
+def slider_start(name: str) -> float:
     """Where the slider of a parameter starts: the session's value, else what the data agree on."""
     value = getattr(state.session_params(), name)
     if value is None:
@@ -81,25 +81,25 @@ def picture_height() -> float:
     return float(state.opened().dataset.recordings["height"].max())
 
 
-def default_of_height(name: str) -> float:
+def height_start_px(name: str) -> float:
     """Value at which the slider of the sigmoid's midpoint or spread starts, pixels."""
     session_value: float | None = getattr(state.session_params(), name)
-    return of_share(name) if session_value is None else session_value
+    return default_height_px(name) if session_value is None else session_value
 
 
-def of_share(name: str) -> float:
+def default_height_px(name: str) -> float:
     """The default of the sigmoid's midpoint or spread, pixels."""
     share = SETTINGS[name].height_share
     assert share is not None
     return share * picture_height()
 
 
-def _of_height(name: str) -> float | None:
+def _chosen_height_px(name: str) -> float | None:
     session_value: float | None = getattr(state.session_params(), name)
     widget_value: float | None = value_of(name)
     if widget_value is None:
         return session_value
-    untouched = session_value is None and abs(widget_value - default_of_height(name)) < KEPT_NUMBERS
+    untouched = session_value is None and abs(widget_value - height_start_px(name)) < KEPT_NUMBERS
     return None if untouched else widget_value
 
 
@@ -147,5 +147,5 @@ def set_preset(preset: Preset) -> None:
     values = preset.values(picture_height())
     for name, value in values.items():
         if value is None and SETTINGS[name].height_share is not None:
-            values[name] = of_share(name)
+            values[name] = default_height_px(name)
     state.set_params(**values)

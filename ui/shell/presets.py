@@ -108,7 +108,7 @@ def _base() -> dict[str, Any]:
 def _resolved(name: str, value: Any) -> Any:
     """The value of a widget: a share of the picture's height in pixels."""
     is_share = value is None and SETTINGS[name].height_share is not None
-    return live_params.of_share(name) if is_share else value
+    return live_params.default_height_px(name) if is_share else value
 
 
 def _is_same(name: str, value: Any, other: Any) -> bool:

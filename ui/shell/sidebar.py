@@ -128,7 +128,7 @@ def _proximity() -> None:
                 name,
                 low=low,
                 high=high_share * live_params.picture_height(),
-                value=live_params.default_of_height(name),
+                value=live_params.height_start_px(name),
                 step=step,
             )
         else:
@@ -250,14 +250,14 @@ def _is_set(name: str, setting: Setting) -> bool:
 def _switch(name: str, key: str) -> None:
     if not settings.is_chosen(f"{name}_unset", key):
         return
-    value = None if store.widget(key).get() else live_params.value_when_set(name)
+    value = None if store.widget(key).get() else live_params.slider_start(name)
     state.set_params(**{name: value})
 
 
 def _slider(name: str, setting: Setting) -> None:
     low = setting.step if setting.is_above_low else setting.low
     high = setting.high if setting.slider_high is None else setting.slider_high
-    value = float(live_params.value_when_set(name))
+    value = float(live_params.slider_start(name))
     _number_slider(
         name,
         low=float(low),
