@@ -13,6 +13,7 @@ import threading
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from io import BufferedReader
 from pathlib import Path
 from typing import IO, Any, Final
 
@@ -117,14 +118,14 @@ class _Decoder:
     def _ask(self, file: SourceFile, *request: Any) -> Any:
         process = self._started()
         assert process.stdin is not None
-        assert process.stdout is not None
+        assert isinstance(process.stdout, BufferedReader)
         try:
             pickle.dump(request, process.stdin, protocol=5)
             process.stdin.flush()
             state, value, types = pickle.load(process.stdout)  # noqa: S301  # from our own process
             for place, (kind, n_rows) in types.items():
                 value[place] = column = np.empty(n_rows, kind)
-                if process.stdout.readinto(column.view(np.uint8)) < column.nbytes:
+                if process.stdout.readinto(column.view(np.uint8).data) < column.nbytes:
                     raise EOFError
         except (EOFError, OSError, pickle.UnpicklingError) as error:
             raise self._fault_of_end(file) from error
