@@ -8,6 +8,7 @@ workspace instead (`ui.session.workspace.Workspace`).
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
+from copy import copy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
@@ -36,7 +37,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Entry(Generic[T]):
-    """A value of the session; `default` while there is none."""
+    """A value of the session; while there is none, `default`, which all sessions share: a copy."""
 
     key: str
     default: T
@@ -48,7 +49,7 @@ class Entry(Generic[T]):
 
     def get(self) -> T:
         """The value."""
-        value: T = st.session_state.get(self.key, self.default)
+        value: T = st.session_state[self.key] if self.is_set else copy(self.default)
         return value
 
     def set(self, value: T) -> None:
@@ -62,7 +63,8 @@ class Entry(Generic[T]):
 
     def pop(self) -> T:
         """The value, which is forgotten."""
-        value: T = st.session_state.pop(self.key, self.default)
+        value = self.get()
+        st.session_state.pop(self.key, None)
         return value
 
 

@@ -32,6 +32,12 @@ def test_an_entry_has_its_default_until_it_is_set_and_after_it_is_taken_out():
     assert (entry.pop(), entry.get(), entry.is_set) == (5, 3, False)
 
 
+def test_a_default_is_no_place_to_keep_anything_for_other_sessions():
+    entry = Entry("test_names", {})
+    entry.get()["secret"] = 1
+    assert entry.get() == entry.pop() == {}
+
+
 def test_members_of_a_family_are_apart():
     family = Family("test_family", "")
     family.of("x").set("of x")
