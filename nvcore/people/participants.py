@@ -1,7 +1,7 @@
-"""Who takes part in a study: names, numbers, and leaving it without a trace.
+"""Who takes part in a study: terms, names, numbers, orders, and leaving it without a trace.
 
-The functions work within a transaction of the file that `nvcore.people.store.AnswerFile` opens;
-its tables include `PARTICIPANTS`.
+Functions with a connection work within a transaction of the file that
+`nvcore.people.store.AnswerFile` opens; its tables include `PARTICIPANTS`.
 """
 
 from __future__ import annotations
@@ -13,8 +13,15 @@ from datetime import datetime
 from itertools import count
 from typing import Any, Final
 
+import numpy as np
+
 from nvcore.errors import InputError
 
+MOST_TEXT: Final = 20_000
+"""Characters of a text of consent."""
+LONGEST_KEPT_DAYS: Final = 3650
+KEPT_DAYS: Final = 365
+"""Days that answers are kept, unless the conductor says otherwise."""
 MOST_NAME: Final = 64
 PARTICIPANTS: Final = """
 CREATE TABLE IF NOT EXISTS participant (
@@ -147,3 +154,40 @@ def remove(base: sqlite3.Connection, study: str, participant: str, tables: Seque
         base.execute(f"DELETE FROM {table} WHERE study = ? AND participant = ?", (study, name))  # noqa: S608  # our own names
     base.execute("DELETE FROM participant WHERE study = ? AND name = ?", (study, name))
     return True
+
+
+def counterbalanced_order(n_clips: int, participant: int) -> np.ndarray:
+    """Clips in the order for one participant: a row of Williams' balanced Latin square (1949).
+
+    Over `n_clips` participants (twice as many where that is odd) every clip stands in every place
+    equally often, and follows every other clip equally often.
+
+    Parameters
+    ----------
+    participant
+        0-based number of the participant; beyond the square it starts again.
+
+    Examples
+    --------
+    >>> counterbalanced_order(4, 0).tolist(), counterbalanced_order(4, 1).tolist()
+    ([0, 1, 3, 2], [1, 2, 0, 3])
+    """
+    steps = np.arange(n_clips)
+    zigzag = np.where(steps % 2 == 1, (steps + 1) // 2, (n_clips - steps // 2) % max(n_clips, 1))
+    order: np.ndarray = (zigzag + participant) % max(n_clips, 1)
+    is_mirrored = n_clips % 2 == 1 and participant // max(n_clips, 1) % 2 == 1
+    return order[::-1] if is_mirrored else order
+
+
+def check_terms(consent: str, keep_days: int) -> None:
+    """Refuse terms that cannot be.
+
+    Raises
+    ------
+    InputError
+        If there is no text or too long a one, or answers would be kept too briefly or too long.
+    """
+    if not 0 < len(consent.strip()) <= MOST_TEXT:
+        raise InputError(f"the text of consent has 1 to {MOST_TEXT:,} characters")
+    if not 1 <= keep_days <= LONGEST_KEPT_DAYS:
+        raise InputError(f"answers are kept 1 to {LONGEST_KEPT_DAYS} days")

@@ -13,9 +13,11 @@ from typing import Any, Final
 import pandas as pd
 
 from nvcore.errors import InputError
-from nvcore.people.order import counterbalanced_order
 from nvcore.people.participants import (
+    KEPT_DAYS,
     PARTICIPANTS,
+    check_terms,
+    counterbalanced_order,
     delete_ended,
     join,
     known_name,
@@ -23,7 +25,6 @@ from nvcore.people.participants import (
     remove,
 )
 from nvcore.people.store import AnswerFile, new_names
-from nvcore.people.terms import KEPT_DAYS, check_terms
 
 MOST_CLIPS: Final = 500
 TABLES: Final = f"""

@@ -10,7 +10,7 @@ import pytest
 from places import ROOT
 
 from nvcore.inputs.evaluated_frames import MIN_SAMPLED
-from nvcore.inputs.readers.meaning.occlusion import PARTIAL_OCCLUSION
+from nvcore.inputs.readers.meaning.values import PARTIAL_OCCLUSION
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.kernels import ABSORB_SHARE
 from nvcore.metrics.linking import LINK_GAP, LINK_IOU

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import pytest
 
-from nvcore.people.order import counterbalanced_order
+from nvcore.people.participants import counterbalanced_order
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 8, 9])

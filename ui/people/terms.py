@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import streamlit as st
 
-from nvcore.people.terms import KEPT_DAYS, LONGEST_KEPT_DAYS, MOST_TEXT
+from nvcore.people.participants import KEPT_DAYS, LONGEST_KEPT_DAYS, MOST_TEXT
 from ui.people.studies import is_local
 from ui.widgets.text import plain
 

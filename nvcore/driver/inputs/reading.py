@@ -9,7 +9,7 @@ import pandas as pd
 
 from nvcore.inputs.readers.base import Lines, SourceFile
 from nvcore.inputs.readers.csv_columns import Header, csv_content, read_columns, read_header
-from nvcore.inputs.readers.meaning.detectability import checked_detectability, checked_numbers
+from nvcore.inputs.readers.meaning.values import checked_detectability, checked_numbers
 from nvcore.inputs.readers.parse.text import whole_numbers
 from nvcore.schema import NO_TRACK, names_as_categories
 

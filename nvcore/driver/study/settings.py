@@ -10,7 +10,7 @@ from typing import Any, Final, Literal
 
 from nvcore.driver.inputs.trials import LATE_S, is_same_time
 from nvcore.errors import InputError
-from nvcore.people.terms import KEPT_DAYS, check_terms
+from nvcore.people.participants import KEPT_DAYS, check_terms
 from nvcore.wording import listed
 
 Design = Literal["all", "latin"]

@@ -45,8 +45,6 @@ from nvcore.inputs.readers.meaning.categories import (
     choose_categories,
     names_of_numbers,
 )
-from nvcore.inputs.readers.meaning.detectability import checked_detectability
-from nvcore.inputs.readers.meaning.distance import known_distances, odd_distances
 from nvcore.inputs.readers.meaning.frame_names import (
     in_file,
     joined_named,
@@ -55,8 +53,14 @@ from nvcore.inputs.readers.meaning.frame_names import (
 )
 from nvcore.inputs.readers.meaning.labels import codes_of, labels_of
 from nvcore.inputs.readers.meaning.names import recordings_of
-from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers, odd_levels
 from nvcore.inputs.readers.meaning.tracks import TEXT_IDS, track_numbers
+from nvcore.inputs.readers.meaning.values import (
+    checked_detectability,
+    known_distances,
+    levels_of_numbers,
+    odd_distances,
+    odd_levels,
+)
 from nvcore.inputs.readers.parse.text import whole_numbers
 from nvcore.schema import names_as_categories
 

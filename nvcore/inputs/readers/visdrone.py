@@ -26,7 +26,7 @@ from nvcore.inputs.readers.meaning.categories import (
     choose_categories,
 )
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
-from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
+from nvcore.inputs.readers.meaning.values import levels_of_numbers
 from nvcore.inputs.readers.parse.text import (
     Layout,
     number_of,

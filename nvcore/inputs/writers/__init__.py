@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import lzma
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 import pandas as pd
+import pyarrow as pa
 import tomli_w
 
 from nvcore.errors import InputError, UnknownFormatError
@@ -21,10 +23,10 @@ from nvcore.inputs.writers.names import safe_names
 from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_whole
-from nvcore.output.packing import packed_as
 from nvcore.output.parquet import to_parquet_bytes
 from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
 
+_CODECS: Final = {".gz": "gzip", ".bz2": "bz2", ".zst": "zstd"}
 FORMATS: Final = ("csv", "parquet", "coco", "mot")
 """What `write` can write."""
 
@@ -198,3 +200,17 @@ def _table(reading: Reading, role: Role, objects: Objects) -> pd.DataFrame:
     if reading.attributes is None:
         return table
     return table.assign(attributes=attribute_texts(reading))
+
+
+def packed_as(name: str, content: bytes) -> bytes:
+    """The content, packed by gzip, bzip2, xz or Zstandard if the name ends so."""
+    ending = name[name.rfind(".") :].lower()
+    if ending == ".xz":
+        return lzma.compress(content)
+    if ending not in _CODECS:
+        return content
+    packed = pa.BufferOutputStream()
+    with pa.CompressedOutputStream(packed, _CODECS[ending]) as stream:
+        stream.write(content)
+    result: bytes = packed.getvalue().to_pybytes()
+    return result

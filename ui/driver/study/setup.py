@@ -21,7 +21,7 @@ from nvcore.driver.study.settings import (
     Timing,
 )
 from nvcore.errors import InputError
-from nvcore.people.terms import MOST_TEXT
+from nvcore.people.participants import MOST_TEXT
 from nvcore.wording import count_text
 from ui.driver.study.files import STUDIES, folder_of, folders
 from ui.people.terms import ask_consent, ask_days

@@ -17,7 +17,7 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes, rule_for
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
-from nvcore.inputs.readers.meaning.occlusion import (
+from nvcore.inputs.readers.meaning.values import (
     PARTIAL_OCCLUSION,
     levels_of_numbers,
     levels_of_visible_share,

@@ -45,17 +45,18 @@ from nvcore.inputs.readers.meaning.categories import (
     choose_categories,
 )
 from nvcore.inputs.readers.meaning.classes import classes_left_out
-from nvcore.inputs.readers.meaning.detectability import checked_detectability
-from nvcore.inputs.readers.meaning.distance import known_distances, odd_distances
 from nvcore.inputs.readers.meaning.frame_names import joined_named
 from nvcore.inputs.readers.meaning.labels import labelled
-from nvcore.inputs.readers.meaning.occlusion import (
+from nvcore.inputs.readers.meaning.tracks import TEXT_IDS, track_numbers
+from nvcore.inputs.readers.meaning.values import (
+    checked_detectability,
+    known_distances,
     level_of_words,
     levels_of_numbers,
     levels_of_visible_share,
+    odd_distances,
     odd_levels,
 )
-from nvcore.inputs.readers.meaning.tracks import TEXT_IDS, track_numbers
 from nvcore.inputs.readers.parse.json import Records, read_json, short_json
 from nvcore.schema import UNKNOWN_OCCLUSION
 

@@ -23,7 +23,7 @@ from nvcore.inputs.readers.meaning.attributes import attributes_of_boxes, is_amb
 from nvcore.inputs.readers.meaning.categories import concerns_objects, free_labels
 from nvcore.inputs.readers.meaning.classes import choose_classes
 from nvcore.inputs.readers.meaning.labels import labelled
-from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
+from nvcore.inputs.readers.meaning.values import levels_of_numbers
 
 CORNERS = ["x0", "y0", "x1", "y1"]
 

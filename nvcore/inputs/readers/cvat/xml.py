@@ -12,7 +12,7 @@ import pandas as pd
 
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.meaning.attributes import class_of, joined_classes
-from nvcore.inputs.readers.meaning.occlusion import level_of_words
+from nvcore.inputs.readers.meaning.values import level_of_words
 from nvcore.inputs.readers.parse.xml import (
     Element,
     file_stem,

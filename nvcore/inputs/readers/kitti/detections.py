@@ -21,8 +21,8 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.kitti.label import CORNERS, DISTANCE, box_of_corners
 from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes, rule_for
-from nvcore.inputs.readers.meaning.distance import known_distances
 from nvcore.inputs.readers.meaning.names import recordings_of
+from nvcore.inputs.readers.meaning.values import known_distances
 from nvcore.inputs.readers.parse.text import (
     Layout,
     NumberTable,

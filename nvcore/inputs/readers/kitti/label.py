@@ -12,8 +12,7 @@ from nvcore.inputs.readers.meaning.classes import (
     choose_classes,
     rule_for,
 )
-from nvcore.inputs.readers.meaning.distance import known_distances
-from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
+from nvcore.inputs.readers.meaning.values import known_distances, levels_of_numbers
 from nvcore.inputs.readers.parse.text import NumberTable
 from nvcore.schema import NO_TRACK
 

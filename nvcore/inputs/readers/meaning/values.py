@@ -1,4 +1,4 @@
-"""Levels of occlusion (0 none, 1 partial, 2 heavy) from what the formats say."""
+"""Values that mean something else in each format: occlusion, distance, detectability."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.findings import Finding
+from nvcore.findings import Finding, Severity
 from nvcore.inputs.readers.base import Lines, Role
 from nvcore.schema import UNKNOWN_OCCLUSION
 
@@ -57,3 +57,53 @@ def odd_levels(values: np.ndarray, lines: Lines, role: Role) -> list[Finding]:
         role=role,
         example=lambda row: f"{values[row]:g}",
     )
+
+
+def known_distances(metres: np.ndarray) -> np.ndarray:
+    """The distances in metres; NaN where the files say 0, -1, -1000 or the like; shape (n,)."""
+    with np.errstate(invalid="ignore"):
+        return np.where(metres > 0, metres, np.nan)
+
+
+def odd_distances(metres: np.ndarray, lines: Lines, role: Role) -> list[Finding]:
+    """A note on distances that are not above 0."""
+    with np.errstate(invalid="ignore"):
+        is_odd = metres <= 0
+    return lines.finding(
+        is_odd,
+        "unknown-distance",
+        "Distances of 0 or less are taken as unknown.",
+        "Leave distances empty that are not known.",
+        role=role,
+        example=lambda row: f"{metres[row]:g} m",
+        severity=Severity.NOTE,
+    )
+
+
+def checked_detectability(values: np.ndarray, lines: Lines) -> np.ndarray:
+    """The values, each from 0 to 1 or unknown (NaN); float64, shape (n,).
+
+    Raises
+    ------
+    FormatError
+        With the line of the first that is outside.
+    """
+    return checked_numbers(values, lines, "detectability", high=1.0)
+
+
+def checked_numbers(
+    values: np.ndarray, lines: Lines, name: str, *, high: float = np.inf
+) -> np.ndarray:
+    """The values of a column, each from 0 to `high` or NaN; infinity is none.
+
+    Raises
+    ------
+    FormatError
+        With the line of the first that is outside.
+    """
+    is_good = np.isnan(values) | ((values >= 0) & (values <= high) & ~np.isinf(values))
+    if not is_good.all():
+        row = int(np.argmin(is_good))
+        expected = f"from 0 to {high:g}" if np.isfinite(high) else "of 0 or more"
+        raise lines.fault(row, f"expected a {name} {expected}, found {values[row]:g}")
+    return values
