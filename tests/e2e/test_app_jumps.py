@@ -181,12 +181,9 @@ ELSEWHERE: Final = {
 }
 
 
-def test_every_way_to_another_page_is_walked():
+def test_every_way_to_another_page_is_walked_and_pages_are_changed_in_one_place():
     sites = {site for site in jump_sites() if not site.startswith(WAYS)}
     assert sites == {jump.site for jump in WALKED} | {*ELSEWHERE}
-
-
-def test_pages_are_changed_in_one_place():
     sources = {
         path.relative_to(ROOT).as_posix()
         for path in [*ROOT.glob("ui/**/*.py"), *ROOT.glob("pages/*.py")]
@@ -215,29 +212,25 @@ def query(settings: dict[str, str]) -> str:
     return "&".join(f"{name}={value}" for name, value in settings.items())
 
 
-@pytest.mark.parametrize("first", range(0, len(IN_THE_SAMPLE), WALK))
-def test_every_way_in_the_sample_keeps_settings_and_tags(visit, first):
-    one = visit(f"overview?{query(OF_THE_SAMPLE)}")
-    walk(one, IN_THE_SAMPLE[first : first + WALK], OF_THE_SAMPLE)
-
-
-@pytest.mark.parametrize(
-    ("systems", "jumps"), [("xyz", WITH_THREE), ("xy", WITH_TWO), ("x", WITH_ONE)]
-)
-def test_every_way_between_many_systems_and_with_one_keeps_settings(
-    systems: str,
-    jumps: Sequence[Jump],
-    person: BrowserContext,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-):
-    monkeypatch.setenv("NVCORE_SESSION", str(write_session(tmp_path, systems)))
-    with serve(ROOT / "app.py") as address:
-        one = Visit(person, address)
-        one.go(f"overview?{query(SETTINGS)}")
-        walk(one, jumps, SETTINGS)
+def test_every_way_in_the_sample_keeps_settings_and_tags(visit):
+    for first in range(0, len(IN_THE_SAMPLE), WALK):
+        one = visit(f"overview?{query(OF_THE_SAMPLE)}")
+        walk(one, IN_THE_SAMPLE[first : first + WALK], OF_THE_SAMPLE)
         one.close()
-    assert one.complaints == []
+
+
+def test_every_way_between_many_systems_and_with_one_keeps_settings(
+    person: BrowserContext, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    for systems, jumps in (("xyz", WITH_THREE), ("xy", WITH_TWO), ("x", WITH_ONE)):
+        (tmp_path / systems).mkdir()
+        monkeypatch.setenv("NVCORE_SESSION", str(write_session(tmp_path / systems, systems)))
+        with serve(ROOT / "app.py") as address:
+            one = Visit(person, address)
+            one.go(f"overview?{query(SETTINGS)}")
+            walk(one, jumps, SETTINGS)
+            one.close()
+        assert one.complaints == []
 
 
 def write_session(folder: Path, systems: str) -> Path:
@@ -257,17 +250,3 @@ def write_session(folder: Path, systems: str) -> Path:
     path = folder / "session.toml"
     path.write_text(text, encoding="utf-8")
     return path
-
-
-def test_a_start_by_a_page_s_own_name_is_one_entry_as_each_page_is(visit):
-    one = visit("overview")
-    start = one.page.evaluate("history.length")
-    assert one.page.evaluate(PLACE) == 1  # after the empty window
-    for title in ("Encounters", "Saliency"):
-        one.switch_to(title)
-        one.wait_until_drawn()
-    assert one.page.evaluate("history.length") == start + 2
-    for title in ("Encounters", "Overview"):
-        one.page.go_back()
-        expect(one.heading(title, level=1)).to_be_visible()
-        one.wait_until_drawn()

@@ -8,12 +8,12 @@ import pandas as pd
 import pytest
 from app_visit import GROUND, SHARE, Visit
 from PIL import Image
-from playwright.sync_api import Route, expect
+from playwright.sync_api import Locator, Route, expect
 
+from nvcore.figures.style import LOOK
 from ui.shell.pages import SECTIONS
 
 TITLES = tuple(title for section in SECTIONS.values() for title in section.values())
-THEMES = ("light", "dark")
 
 NAMELESS = (
     ".js-plotly-plot:is(:not([role][aria-label]), [aria-label=Figure], [aria-label^='Figure.'])"
@@ -32,6 +32,9 @@ WASTEFUL = """() => [...document.querySelectorAll(".js-plotly-plot")].filter(plo
     .map(text => text.getBoundingClientRect().top - box.top);
   return texts.some(isOut) || Math.min(plot._fullLayout._size.t, ...above) > 30;
 }).map(plot => plot.getAttribute("aria-label"))"""
+# Whether a run has drawn the page in a theme: its plots have letters of this colour.
+HAS_LETTERS = """colour => [...document.querySelectorAll(".js-plotly-plot")]
+  .every(plot => plot._fullLayout?.font.color === colour)"""
 ADDRESSED_FRAME = "new URL(location).searchParams.get('frame')"
 # Place in the plot's area of the marker of the Venn diagram that lies deepest in a region.
 FIND_REGION = """(plot, category) => {
@@ -96,83 +99,71 @@ def test_nothing_moves_while_the_verdict_is_drawn(person, app):
     assert len(places) == 1
 
 
-@pytest.fixture
-def overview(shared) -> Visit:
-    visit: Visit = shared()
-    visit.prefer("light")
-    visit.switch_to("Overview")
-    return visit
+def test_clicks_on_the_overview_open_what_was_clicked(visit):
+    one = visit("")
 
+    def opens_its_frame(recording: str | None = None) -> int:
+        expect(one.heading("Timeline", level=1)).to_be_visible()
+        if recording:
+            one.query("recording", recording)
+        one.wait_until_drawn()
+        frame = int(one.page.evaluate(ADDRESSED_FRAME))
+        one.shows(frame)
+        return frame
 
-@pytest.mark.parametrize(("category", "count"), [("x_only", 8), ("neither", 3)])
-def test_a_click_on_a_venn_region_lists_its_encounters(overview, category, count):
-    overview.click_plot("venn", FIND_REGION, category)
-    expect(overview.heading("Encounters", level=1)).to_be_visible()
-    expect(overview.page.get_by_text(f"{count} of 46 encounters")).to_be_visible()
-    overview.query("category", category)
-    overview.wait_until_drawn()  # of those whom neither detects nothing says who is first
-    expect(overview.page.locator(NAMELESS)).to_have_count(0)
+    # a region of the Venn diagram lists its encounters
+    for category, count in (("x_only", 8), ("neither", 3)):
+        one.click_plot("venn", FIND_REGION, category)
+        expect(one.heading("Encounters", level=1)).to_be_visible()
+        expect(one.page.get_by_text(f"{count} of 46 encounters")).to_be_visible()
+        one.query("category", category)
+        one.wait_until_drawn()  # of those whom neither detects nothing says who is first
+        expect(one.page.locator(NAMELESS)).to_have_count(0)
+        one.switch_to("Overview")
 
+    # a mark in it opens the frame that costs most: there X misses a child until it is near
+    one.click_plot("venn", FIND_MARK, "only Y, by severity")
+    opens_its_frame("winter_frost")
 
-def test_a_click_on_a_mark_of_the_venn_diagram_opens_the_frame_that_costs_most(overview):
-    overview.click_plot("venn", FIND_MARK, "only Y, by severity")
-    expect(overview.heading("Timeline", level=1)).to_be_visible()
-    overview.query("recording", "winter_frost")  # X misses a child there until it is near
-    overview.wait_until_drawn()
-    overview.shows(int(overview.page.evaluate(ADDRESSED_FRAME)))
+    # a place in the strip of all recordings: in the worst one, after 9 s
+    one.switch_to("Overview")
+    one.click_plot("loss_strip", SHARE, [0.6, 0.05])
+    assert 170 <= opens_its_frame("winter_frost") <= 190
 
-
-def test_a_worst_moment_opens_its_frame(overview):
-    overview.look_closer("Moments to look at")
-    buttons = overview.page.get_by_role("button", name="Open frame")
+    # a worst moment; their buttons are in a line, however long the texts above them
+    one.switch_to("Overview")
+    one.look_closer("Moments to look at")
+    buttons = one.page.get_by_role("button", name="Open frame")
     expect(buttons).to_have_count(4)
     # at once: what is drawn above them moves them all
     tops = buttons.evaluate_all("all => all.map(one => one.getBoundingClientRect().top)")
-    assert tops == [tops[0]] * 4  # in a line, however long the texts above them
+    assert tops == [tops[0]] * 4
     buttons.first.click()
-    expect(overview.heading("Timeline", level=1)).to_be_visible()
-    expect(overview.page.get_by_text("Pedestrians by term")).to_be_visible()
-    overview.wait_until_drawn()
-    overview.shows(int(overview.page.evaluate(ADDRESSED_FRAME)))
+    opens_its_frame()
+    expect(one.page.get_by_text("Pedestrians by term")).to_be_visible()
 
 
-def test_a_click_in_the_strip_of_all_recordings_opens_the_frame(overview):
-    overview.click_plot("loss_strip", SHARE, [0.6, 0.05])  # the worst recording, after 9 s
-    expect(overview.heading("Timeline", level=1)).to_be_visible()
-    overview.query("recording", "winter_frost")
-    overview.wait_until_drawn()
-    frame = int(overview.page.evaluate(ADDRESSED_FRAME))
-    assert 170 <= frame <= 190
-    overview.shows(frame)
+def test_no_page_has_an_accessibility_fault_in_either_theme(visit):
+    one = visit("")
+    themes = ["light", "dark"]
+    faults: list[str] = []
+    for title in TITLES:
+        one.switch_to(title)
+        if title == "Timeline":
+            one.shows(re.compile("^[0-9]+$"))
+        for theme in themes:
+            one.prefer(theme)
+            one.page.wait_for_function(HAS_LETTERS, arg=LOOK[theme].ink)
+            one.wait_until_drawn()
+            expect(one.page.locator(NAMELESS), title).to_have_count(0)
+            faults += [f"{title}, {theme}: {name}" for name in one.page.evaluate(WASTEFUL)]
+            faults += [f"{theme}: {fault}" for fault in one.accessibility_faults()]
+        themes.reverse()  # the next page is opened in the theme of this one
+    assert faults == []
 
 
-# How far the right edges of the navigation's bar and of the page below it are apart, px.
-BAR_ENDS_SHORT = """() => {
-  const right = of => of.getBoundingClientRect().right;
-  const bar = document.querySelector(".st-key-navigation_place").parentElement;
-  return right(document.querySelector("[data-testid=stMainBlockContainer]")) - right(bar); }"""
-
-
-def test_the_navigation_covers_what_scrolls_below_it_up_to_the_right_edge(overview):
-    assert abs(overview.page.evaluate(BAR_ENDS_SHORT)) < 1
-
-
-@pytest.mark.parametrize("title", TITLES)
-@pytest.mark.parametrize("theme", THEMES)
-def test_a_page_has_no_accessibility_fault(shared, theme, title):
-    one = shared()
-    one.prefer(theme)
-    one.switch_to(title)
-    if title == "Timeline":
-        one.shows(re.compile("^[0-9]+$"))
-    expect(one.page.locator(NAMELESS)).to_have_count(0)
-    assert one.page.evaluate(WASTEFUL) == []
-    assert one.accessibility_faults() == []
-
-
-def test_a_theme_and_a_change_of_it_reach_page_plots_and_viewer(shared):
-    one = shared(theme="dark")  # from the first page on
-    one.switch_to("Timeline")
+def test_a_theme_and_a_change_of_it_reach_page_plots_and_viewer(visit):
+    one = visit("timeline", theme="dark")  # from the first page on
     one.shows(re.compile("^[0-9]+$"))
     expect(one.page.get_by_test_id("stApp")).to_have_css("background-color", GROUND["dark"])
     expect(one.viewer).to_have_attribute("data-theme", "dark")
@@ -183,9 +174,21 @@ def test_a_theme_and_a_change_of_it_reach_page_plots_and_viewer(shared):
     expect(axis).not_to_have_css("fill", "rgb(163, 174, 187)")
 
 
-def test_how_to_read_a_figure_stands_behind_its_question_mark(overview):
-    mark = overview.page.get_by_label("About this figure: Encounters detected")
-    link = overview.page.locator(".nv-help").get_by_role("link", name="severity")
+# How far the right edges of the navigation's bar and of the page below it are apart, px.
+BAR_ENDS_SHORT = """() => {
+  const right = of => of.getBoundingClientRect().right;
+  const bar = document.querySelector(".st-key-navigation_place").parentElement;
+  return right(document.querySelector("[data-testid=stMainBlockContainer]")) - right(bar); }"""
+
+
+def test_a_figure_is_explained_fills_the_screen_and_is_taken_away(visit, tmp_path):
+    one = visit("")
+    # the navigation covers what scrolls below it, up to the right edge
+    assert abs(one.page.evaluate(BAR_ENDS_SHORT)) < 1
+
+    # how to read it stands behind its question mark
+    mark = one.page.get_by_label("About this figure: Encounters detected")
+    link = one.page.locator(".nv-help").get_by_role("link", name="severity")
     expect(link).to_be_hidden()
     mark.press("Enter")
     expect(link).to_be_visible()
@@ -194,24 +197,39 @@ def test_how_to_read_a_figure_stands_behind_its_question_mark(overview):
     expect(mark).to_be_focused()
     mark.click()
     expect(link).to_be_visible()
-    overview.heading("Overview", level=1).click()
+    one.heading("Overview", level=1).click()
     expect(link).to_be_hidden()
 
+    def menu_of(name: str) -> Locator:
+        button = one.page.get_by_label(f"Take this figure away: {name}")
+        return one.page.locator(".nv-take").filter(has=button)
 
-def test_a_figure_is_taken_away_as_picture_drawing_and_data(overview, tmp_path):
-    overview.look_closer("Recording by recording")
-    menu = overview.page.locator(".nv-take").filter(
-        has=overview.page.get_by_label("Take this figure away: Similarity by recording")
+    # it fills the screen and comes back
+    plot = one.keyed("venn").locator(".js-plotly-plot")
+    fills = (
+        "plot => plot._fullLayout.height === innerHeight && plot._fullLayout.width === innerWidth"
     )
+    before = plot.evaluate("plot => plot._fullLayout.height")
+    menu_of("Encounters detected").locator("summary").click()
+    menu_of("Encounters detected").get_by_role("button", name="Full screen").click()
+    one.page.wait_for_function(fills, arg=plot.element_handle())
+    one.page.evaluate("document.exitFullscreen()")
+    one.page.wait_for_function(
+        f"plot => plot._fullLayout.height === {before}", arg=plot.element_handle()
+    )
+
+    # it is taken away as picture, drawing and data
+    one.look_closer("Recording by recording")
+    menu = menu_of("Similarity by recording")
     files = {}
     for label, suffix in (("Picture", ".png"), ("Drawing", ".svg"), ("Data", ".csv")):
         menu.locator("summary").click()
-        with overview.page.expect_download() as download:
+        with one.page.expect_download() as download:
             menu.get_by_role("button", name=label).click()
         assert download.value.suggested_filename == f"similarity-by-recording{suffix}"
         files[suffix] = tmp_path / f"figure{suffix}"
         download.value.save_as(files[suffix])
-    width = overview.page.locator(".st-key-by_recording svg.main-svg").first.bounding_box()
+    width = one.page.locator(".st-key-by_recording svg.main-svg").first.bounding_box()
     with Image.open(files[".png"]) as picture:
         assert picture.width == pytest.approx(2 * width["width"], abs=2)
     drawing = files[".svg"].read_text(encoding="utf-8")
@@ -224,24 +242,6 @@ def test_a_figure_is_taken_away_as_picture_drawing_and_data(overview, tmp_path):
     fir = table[table.series == "X: FIR"].set_index("y")[similarity]
     assert len(fir) == 10
     assert fir["rural_road"] == pytest.approx(0.943, abs=1e-3)
-
-
-def test_a_figure_fills_the_screen_and_comes_back(overview):
-    plot = overview.keyed("venn").locator(".js-plotly-plot")
-    fills = (
-        "plot => plot._fullLayout.height === innerHeight && plot._fullLayout.width === innerWidth"
-    )
-    before = plot.evaluate("plot => plot._fullLayout.height")
-    menu = overview.page.locator(".nv-take").filter(
-        has=overview.page.get_by_label("Take this figure away: Encounters detected")
-    )
-    menu.locator("summary").click()
-    menu.get_by_role("button", name="Full screen").click()
-    overview.page.wait_for_function(fills, arg=plot.element_handle())
-    overview.page.evaluate("document.exitFullscreen()")
-    overview.page.wait_for_function(
-        f"plot => plot._fullLayout.height === {before}", arg=plot.element_handle()
-    )
 
 
 # The page is as wide as the window, once the plots and letters are those that stay.
@@ -257,30 +257,35 @@ CUT = """() => [...document.querySelectorAll(
   .map((text) => text.textContent)"""
 
 
-@pytest.mark.parametrize("width", [400, 640, 1024])
-def test_nothing_is_cut_in_a_narrow_window(visit, width):
-    one = visit("", width=width)
-    one.wait_until_drawn()
-    one.page.wait_for_function(FITS, arg=width)
-    assert one.page.evaluate(CUT) == []
+def test_nothing_is_cut_in_a_narrow_window_nor_hidden_in_a_wide_one_after_it(visit):
+    one = visit("", width=400)
+    for width in (400, 640, 1024):
+        if width > 400:
+            one.page.set_viewport_size({"width": width, "height": 800})
+            one.go("")
+        one.page.wait_for_function(FITS, arg=width)
+        assert one.page.evaluate(CUT) == [], width
     wide = visit("")  # of the same browser
     expect(wide.keyed("alpha")).to_be_in_viewport()
 
 
-def test_as_many_pages_back_as_were_visited(visit):
-    one = visit("")
-    pages = ["Timeline", "Encounters", "Saliency", "Stability"]
-    length = one.page.evaluate("history.length")
-    for title in pages:
-        one.switch_to(title)
-        one.wait_until_drawn()
-    assert one.page.evaluate("history.length") == length + len(pages)
-    for title in ["Saliency", "Encounters", "Timeline", "Overview"]:
-        one.page.go_back()
-        expect(one.heading(title, level=1)).to_be_visible()
-        one.wait_until_drawn()
-    one.page.go_forward()
-    expect(one.heading("Timeline", level=1)).to_be_visible()
+def test_each_page_is_one_step_of_the_history_wherever_it_began(visit):
+    for start, titles in (
+        ("", ["Timeline", "Encounters", "Saliency", "Stability"]),
+        ("overview", ["Encounters", "Saliency"]),
+    ):
+        one = visit(start)
+        length = one.page.evaluate("history.length")
+        assert one.page.evaluate("navigation.currentEntry.index") == 1  # after the empty window
+        for title in titles:
+            one.switch_to(title)
+        assert one.page.evaluate("history.length") == length + len(titles)
+        for title in [*titles[-2::-1], "Overview"]:
+            one.page.go_back()
+            expect(one.heading(title, level=1)).to_be_visible()
+            one.wait_until_drawn()
+        one.page.go_forward()
+        expect(one.heading(titles[0], level=1)).to_be_visible()
 
 
 def test_whoever_follows_the_link_after_a_swap_sees_the_same_comparison(visit):
@@ -333,10 +338,3 @@ def test_the_menu_is_three_keys_away_and_its_focus_has_a_ring(visit):
     expect(first).to_have_css("outline-style", "solid")
     current = one.keyed("navigation").get_by_role("link", name="Timeline")
     expect(current).to_have_css("outline-style", "none")
-
-
-def test_sliders_have_a_track_where_colours_are_forced(visit):
-    one = visit("")
-    one.page.emulate_media(forced_colors="active")
-    track = one.keyed("alpha").locator("[data-testid=stSlider] [role=group] > div > div").first
-    expect(track).to_have_css("outline-style", "solid")

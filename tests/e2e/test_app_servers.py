@@ -14,7 +14,6 @@ import pytest
 from app_files import write_files
 from app_server import HELPERS, ROOT, held_port, serve, serving
 from app_visit import Visit
-from kept_window import Kept
 from playwright.sync_api import BrowserContext, expect
 
 from ui.shell.pages import SECTIONS
@@ -23,71 +22,48 @@ BASE = "apps/night"
 TITLES = tuple(title for section in SECTIONS.values() for title in section.values())
 
 
-@pytest.fixture(scope="module")
-def address() -> Iterator[str]:
-    with serve(ROOT / "app.py", base=BASE) as below:
-        yield below
+def test_below_a_path_pages_pictures_uploads_and_explanations_are_found(
+    person: BrowserContext, tmp_path: Path
+):
+    with serve(ROOT / "app.py", base=BASE) as address:
+        one = Visit(person, address)
+        # a deep link shows pictures and boxes
+        below = f"/{BASE}/nv/[^/]+/"
+        with (
+            one.page.expect_response(re.compile(f"{below}boxes/4/0")) as boxes,
+            one.page.expect_response(re.compile(f"{below}frame/4/57.jpg")) as picture,
+        ):
+            one.go("timeline?alpha=0.4&recording=rural_child&frame=57")
+        assert picture.value.headers["content-type"] == "image/jpeg"
+        assert boxes.value.headers["content-type"] == "application/octet-stream"
+        one.shows(57)
+        one.panel_shows(57)
+        expect(one.slider("alpha")).to_have_value("0.4")
+        expect(one.page.locator(".viewer .message")).to_be_hidden()
 
+        # a video is uploaded
+        video = write_files(tmp_path).video
+        one.switch_to("Data")
+        one.open_way("Upload")
+        one.keyed("upload_pictures").locator("input[type=file]").set_input_files(video)
+        expect(one.page.get_by_text(f"Here: {video.name}")).to_be_visible()
 
-@pytest.fixture(scope="module")
-def kept(person: BrowserContext, address: str) -> Iterator[Kept[Visit]]:
-    kept = Kept(lambda: Visit(person, address))
-    yield kept
-    kept.close()
+        # a term leads to its explanation
+        one.switch_to("Saliency")
+        link = one.page.get_by_test_id("stMain").locator('a[href*="metrics#saliency"]').first
+        one.page.goto(link.evaluate("link => link.href"))
+        expect(one.page.locator("#saliency")).to_be_in_viewport()
+        assert f"/{BASE}/metrics#saliency" in one.page.url
 
-
-@pytest.fixture
-def one(request: pytest.FixtureRequest, kept: Kept[Visit]) -> Iterator[Visit]:
-    """A window, on whatever page the last test left it, or empty."""
-    with kept.lend(request) as visit:
-        yield visit
-
-
-def show(one: Visit, title: str) -> None:
-    """Go to this page by the navigation, in a window that is empty after the app is open."""
-    if one.page.url == "about:blank":
-        one.go("")
-    one.switch_to(title)
-
-
-def test_a_deep_link_shows_pictures_and_boxes(one):
-    below = f"/{BASE}/nv/[^/]+/"
-    with (
-        one.page.expect_response(re.compile(f"{below}boxes/4/0")) as boxes,
-        one.page.expect_response(re.compile(f"{below}frame/4/57.jpg")) as picture,
-    ):
-        one.go("timeline?alpha=0.4&recording=rural_child&frame=57")
-    assert picture.value.headers["content-type"] == "image/jpeg"
-    assert boxes.value.headers["content-type"] == "application/octet-stream"
-    one.shows(57)
-    one.panel_shows(57)
-    expect(one.slider("alpha")).to_have_value("0.4")
-    expect(one.page.locator(".viewer .message")).to_be_hidden()
-
-
-def test_a_video_is_uploaded(one, tmp_path):
-    video = write_files(tmp_path).video
-    show(one, "Data")
-    one.open_way("Upload")
-    one.keyed("upload_pictures").locator("input[type=file]").set_input_files(video)
-    expect(one.page.get_by_text(f"Here: {video.name}")).to_be_visible()
-
-
-def test_a_term_leads_to_its_explanation(one):
-    show(one, "Saliency")
-    link = one.page.get_by_test_id("stMain").locator('a[href*="metrics#saliency"]').first
-    one.page.goto(link.evaluate("link => link.href"))
-    expect(one.page.locator("#saliency")).to_be_in_viewport()
-    assert f"/{BASE}/metrics#saliency" in one.page.url
-
-
-def test_the_overview_opens_by_its_name_and_by_the_path_alone(one):
-    one.go("overview?alpha=0.4")
-    expect(one.heading("Overview", level=1)).to_be_visible()
-    expect(one.slider("alpha")).to_have_value("0.4")
-    one.page.goto(one.address)
-    one.wait_until_drawn()
-    expect(one.heading("Overview", level=1)).to_be_visible()
+        # the Overview opens by its name and by the path alone
+        one.go("overview?alpha=0.4")
+        expect(one.heading("Overview", level=1)).to_be_visible()
+        expect(one.slider("alpha")).to_have_value("0.4")
+        one.page.goto(one.address)
+        one.wait_until_drawn()
+        expect(one.heading("Overview", level=1)).to_be_visible()
+        one.close()
+    assert one.complaints == []
 
 
 def test_a_full_server_says_so_and_uploads_go_with_it(
@@ -236,18 +212,15 @@ def test_frames_and_uploads_are_for_who_has_opened_them(
     assert status(f"{guarded}/data", bert) == 200
 
 
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
+def test_who_is_not_on_the_list_is_told_so(log_in: Callable[..., Visit]):
+    for name, words in (
         ("carl", "carl@elsewhere.example is not on the list"),
         ("dora", "one that is verified"),
-    ],
-)
-def test_who_is_not_on_the_list_is_told_so(log_in: Callable[..., Visit], name: str, words: str):
-    page = log_in(name).page
-    expect(page.get_by_text(words)).to_be_visible()
-    page.get_by_role("link", name="Log in as somebody else").click()
-    expect(page.get_by_role("link", name="Log in", exact=True)).to_be_visible()
+    ):
+        page = log_in(name).page
+        expect(page.get_by_text(words)).to_be_visible()
+        page.get_by_role("link", name="Log in as somebody else").click()
+        expect(page.get_by_role("link", name="Log in", exact=True)).to_be_visible()
 
 
 def test_a_log_in_that_ends_elsewhere_ends_an_open_page(

@@ -92,152 +92,25 @@ def frame_of(timeline: Visit) -> int:
     return int(timeline.viewer.get_attribute("data-frame") or "")
 
 
-def test_an_alpha_moved_by_key_changes_the_painted_traces(timeline):
+def go_home(timeline: Visit) -> None:
+    timeline.viewer.press("Home")
+    timeline.panel_shows(0)
+
+
+def test_the_traces_follow_alpha_by_key_and_while_it_is_dragged(timeline):
     key = f"time_plot_{RECORDING}"
-    plot = timeline.keyed(key)
-    frame, alpha = frame_of(timeline), float(timeline.slider("alpha").input_value())
+    plot, slider = timeline.keyed(key), timeline.slider("alpha")
+    frame, alpha = frame_of(timeline), float(slider.input_value())
     expect(plot.locator(ANY_TRACE).first).to_be_attached()
-    before = painted_lines(plot)
-    timeline.slider("alpha").press("ArrowRight")
-    expect(timeline.slider("alpha")).to_have_value(f"{alpha + 0.05:g}")
-    timeline.page.wait_for_function(ANY_OTHER_LINE, arg=[key, ANY_TRACE, before])
+    lines = painted_lines(plot)
+    slider.press("ArrowRight")
+    expect(slider).to_have_value(f"{alpha + 0.05:g}")
+    timeline.page.wait_for_function(ANY_OTHER_LINE, arg=[key, ANY_TRACE, lines])
     timeline.query("alpha", f"{alpha + 0.05:g}")
     timeline.shows(frame)
 
-
-@pytest.mark.parametrize(
-    ("plot", "place", "frames"),
-    [("time_plot", [0.5, 0.5], range(140, 160)), ("lanes", [0.75, 0.3], range(200, 300))],
-    ids=["time plot", "lanes"],
-)
-def test_a_click_in_a_plot_moves_the_frame(timeline, plot, place, frames):
-    timeline.click_plot(f"{plot}_{RECORDING}", SHARE, place)
-    timeline.shows(re.compile(f"^({'|'.join(map(str, frames))})$"))
-    timeline.panel_shows(frame_of(timeline))
-    timeline.query("frame", str(frame_of(timeline)))
-
-
-def test_a_second_click_on_a_point_acts_like_the_first(timeline):
-    key, place = f"lanes_{RECORDING}", [0.55, 0.3]
-    timeline.viewer.press("Home")
-    timeline.panel_shows(0)
-    timeline.click_plot(key, SHARE, place)
-    timeline.shows(re.compile("^1[0-9][0-9]$"))
-    frame = frame_of(timeline)
-    timeline.panel_shows(frame)
-    for _ in range(2):
-        timeline.viewer.press("Home")
-        timeline.panel_shows(0)
-        timeline.click_plot(key, SHARE, place)
-        timeline.panel_shows(frame)
-
-
-def test_a_click_counts_where_it_is_made_however_fast_the_mouse_came(timeline):
-    timeline.viewer.press("Home")
-    timeline.panel_shows(0)
-    key = f"time_plot_{RECORDING}"
-    timeline.listening_plot(key)
-    timeline.keyed(key).evaluate(MOVE_AND_CLICK, [[0.2, 0.5], [0.8, 0.5]])
-    timeline.shows(re.compile("^2[34][0-9]$"))
-    timeline.panel_shows(frame_of(timeline))
-
-
-def test_a_touch_acts_like_a_click(timeline):
-    timeline.viewer.press("Home")
-    timeline.panel_shows(0)
-    box = timeline.listening_plot(f"time_plot_{RECORDING}").bounding_box()
-    finger = {"x": box["x"] + 0.8 * box["width"], "y": box["y"] + 0.5 * box["height"]}
-    screen = timeline.page.context.new_cdp_session(timeline.page)
-    for kind, fingers in (("touchStart", [finger]), ("touchEnd", [])):
-        screen.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": fingers})
-    timeline.shows(re.compile("^2[34][0-9]$"))
-    timeline.panel_shows(frame_of(timeline))
-
-
-def test_the_figures_over_time_mark_the_frame_without_being_drawn_anew(timeline):
-    timeline.viewer.press("Home")
-    timeline.panel_shows(0)
     timeline.wait_until_drawn()
-    plots = [timeline.keyed(f"{name}_{RECORDING}") for name in ("time_plot", "lanes")]
-    drawn = [plot.locator(".js-plotly-plot").element_handle() for plot in plots]
-    for key, share in (("End", 1), ("Home", 0)):
-        timeline.viewer.press(key)
-        for plot in plots:
-            timeline.page.wait_for_function(IS_MARKED, arg=[plot.element_handle(), share])
-        timeline.panel_shows(frame_of(timeline))
-        timeline.wait_until_drawn()
-    assert all(plot.evaluate("plot => plot.isConnected") for plot in drawn)
-
-
-def test_arrow_keys_go_from_point_to_point_of_a_figure_and_enter_clicks(timeline):
-    plot = timeline.keyed(f"lanes_{RECORDING}").locator(".js-plotly-plot")
-    expect(plot).to_have_attribute("tabindex", "0")
-    plot.press("Home")
-    expect(plot.locator(".nv-mark")).to_be_visible()
-    said = timeline.page.locator(".nv-says")
-    for key in ("ArrowRight", "End", "ArrowLeft"):
-        timeline.wait_until_drawn()
-        before = said.inner_text()
-        plot.press(key)
-        expect(said).not_to_have_text(before)
-        frame = int(re.search(r"frame (\d+)", said.inner_text())[1])
-        plot.press("Enter")
-        timeline.panel_shows(frame)
-
-
-@pytest.mark.parametrize(("width", "share"), [(1024, 0.7), (1280, 0.8)])
-def test_what_a_click_in_a_plot_moves_is_in_sight_and_can_be_closed(timeline, width, share):
-    page = timeline.page
-    page.set_viewport_size({"width": width, "height": 800})
-    timeline.viewer.press("Home")
-    timeline.panel_shows(0)
-    timeline.wait_until_drawn()  # until then there may be an old plot beside the new one
-    timeline.keyed(f"lanes_{RECORDING}").evaluate("plot => plot.scrollIntoView({block: 'end'})")
-    expect(timeline.viewer).to_have_attribute("data-docked", "true")
-    timeline.click_plot(f"lanes_{RECORDING}", SHARE, [share, 0.3])
-    timeline.shows(re.compile("^2[0-9][0-9]$"))
-    expect(timeline.viewer.locator("canvas.picture")).to_be_in_viewport(ratio=1)
-    expect(timeline.viewer.locator(".readout .frame")).to_be_in_viewport(ratio=1)
-    timeline.viewer.get_by_role("button", name="Close the small viewer").click()
-    expect(timeline.viewer.locator("canvas.picture")).not_to_be_in_viewport()
-    timeline.heading("Timeline", level=1).scroll_into_view_if_needed()
-    expect(timeline.viewer).to_have_attribute("data-docked", "false")
-    timeline.wait_until_drawn()
-    timeline.keyed(f"lanes_{RECORDING}").evaluate("plot => plot.scrollIntoView({block: 'end'})")
-    timeline.viewer.get_by_role("button", name="Back to the large picture").click()
-    expect(timeline.viewer).to_have_attribute("data-docked", "false")
-    expect(timeline.viewer.locator("canvas.picture")).to_be_in_viewport(ratio=0.9)
-    page.set_viewport_size(SIZE)
-
-
-GROUND_OF = "of => getComputedStyle(of).backgroundColor"
-
-
-def test_a_switch_shows_its_state_where_colours_are_forced(timeline):
-    timeline.page.emulate_media(forced_colors="active")
-    switch = timeline.keyed("lanes_missed").locator("label")
-    grounds = []
-    for is_on in (False, True):
-        if is_on:
-            switch.click()
-        expect(switch.locator("input")).to_be_checked(checked=is_on)
-        timeline.wait_until_drawn()
-        track = switch.locator("div:has(> div:empty)")
-        expect(track).to_have_css("outline-style", "solid")
-        timeline.page.wait_for_function(IS_STILL)
-        grounds.append((track.evaluate(GROUND_OF), track.locator("div").evaluate(GROUND_OF)))
-    switch.click()
-    timeline.page.emulate_media(forced_colors="none")
-    assert all(ground != knob for ground, knob in grounds)
-    assert grounds[0] != grounds[1]
-
-
-def test_a_slider_acts_while_it_is_dragged(timeline):
-    timeline.wait_until_drawn()
-    key = f"time_plot_{RECORDING}"
-    slider = timeline.slider("alpha")
-    before = slider.input_value()
-    lines = painted_lines(timeline.keyed(key))
+    before, lines = slider.input_value(), painted_lines(plot)
     track = timeline.keyed("alpha").get_by_test_id("stSlider").bounding_box()
     thumb = slider.evaluate(THUMB)
     timeline.page.mouse.move(*thumb)
@@ -255,42 +128,151 @@ def test_a_slider_acts_while_it_is_dragged(timeline):
     timeline.query("alpha", moved)
 
 
-def test_keys_work_after_a_click_on_the_page(timeline, misses):
-    timeline.viewer.press("Home")
-    timeline.panel_shows(0)
+def test_a_click_or_a_touch_in_a_plot_moves_the_frame_each_time(timeline):
+    lanes, time_plot = f"lanes_{RECORDING}", f"time_plot_{RECORDING}"
+    timeline.click_plot(time_plot, SHARE, [0.5, 0.5])
+    timeline.shows(re.compile("^1[45][0-9]$"))
+    timeline.panel_shows(frame_of(timeline))
+    timeline.query("frame", str(frame_of(timeline)))
+    timeline.click_plot(lanes, SHARE, [0.75, 0.3])
+    timeline.shows(re.compile("^2[0-9][0-9]$"))
+    timeline.panel_shows(frame_of(timeline))
+    timeline.query("frame", str(frame_of(timeline)))
+
+    # a second and a third click on a point act like the first
+    frames = []
+    for _ in range(3):
+        go_home(timeline)
+        timeline.click_plot(lanes, SHARE, [0.55, 0.3])
+        timeline.shows(re.compile("^1[0-9][0-9]$"))
+        frames.append(frame_of(timeline))
+        timeline.panel_shows(frames[0])
+    assert frames == [frames[0]] * 3
+
+    # a click counts where it is made, however fast the mouse came
+    go_home(timeline)
+    timeline.listening_plot(time_plot)
+    timeline.keyed(time_plot).evaluate(MOVE_AND_CLICK, [[0.2, 0.5], [0.8, 0.5]])
+    timeline.shows(re.compile("^2[34][0-9]$"))
+    timeline.panel_shows(frame_of(timeline))
+
+    # a touch acts like a click
+    go_home(timeline)
+    box = timeline.listening_plot(time_plot).bounding_box()
+    finger = {"x": box["x"] + 0.8 * box["width"], "y": box["y"] + 0.5 * box["height"]}
+    screen = timeline.page.context.new_cdp_session(timeline.page)
+    for kind, fingers in (("touchStart", [finger]), ("touchEnd", [])):
+        screen.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": fingers})
+    timeline.shows(re.compile("^2[34][0-9]$"))
+    timeline.panel_shows(frame_of(timeline))
+
+
+def test_figures_mark_the_frame_without_being_drawn_anew_and_are_walked_through_by_keys(timeline):
+    go_home(timeline)
+    timeline.wait_until_drawn()
+    plots = [timeline.keyed(f"{name}_{RECORDING}") for name in ("time_plot", "lanes")]
+    drawn = [plot.locator(".js-plotly-plot").element_handle() for plot in plots]
+    for key, share in (("End", 1), ("Home", 0)):
+        timeline.viewer.press(key)
+        for plot in plots:
+            timeline.page.wait_for_function(IS_MARKED, arg=[plot.element_handle(), share])
+        timeline.panel_shows(frame_of(timeline))
+        timeline.wait_until_drawn()
+    assert all(plot.evaluate("plot => plot.isConnected") for plot in drawn)
+
+    # arrow keys go from point to point, and Enter clicks
+    plot = timeline.keyed(f"lanes_{RECORDING}").locator(".js-plotly-plot")
+    expect(plot).to_have_attribute("tabindex", "0")
+    plot.press("Home")
+    expect(plot.locator(".nv-mark")).to_be_visible()
+    said = timeline.page.locator(".nv-says")
+    for key in ("ArrowRight", "End", "ArrowLeft"):
+        timeline.wait_until_drawn()
+        before = said.inner_text()
+        plot.press(key)
+        expect(said).not_to_have_text(before)
+        frame = int(re.search(r"frame (\d+)", said.inner_text())[1])
+        plot.press("Enter")
+        timeline.panel_shows(frame)
+
+
+def test_what_a_click_in_a_plot_moves_is_in_sight_and_can_be_closed(timeline):
+    viewer, lanes = timeline.viewer, f"lanes_{RECORDING}"
+    picture = viewer.locator("canvas.picture")
+
+    def scroll_to_lanes() -> None:
+        timeline.wait_until_drawn()  # until then there may be an old plot beside the new one
+        timeline.keyed(lanes).evaluate("plot => plot.scrollIntoView({block: 'end'})")
+
+    for width, share in ((1024, 0.7), (SIZE["width"], 0.8)):
+        timeline.page.set_viewport_size({**SIZE, "width": width})
+        go_home(timeline)
+        scroll_to_lanes()
+        expect(viewer).to_have_attribute("data-docked", "true")
+        timeline.click_plot(lanes, SHARE, [share, 0.3])
+        timeline.shows(re.compile("^2[0-9][0-9]$"))
+        expect(picture).to_be_in_viewport(ratio=1)
+        expect(viewer.locator(".readout .frame")).to_be_in_viewport(ratio=1)
+        viewer.get_by_role("button", name="Close the small viewer").click()
+        expect(picture).not_to_be_in_viewport()
+        timeline.heading("Timeline", level=1).scroll_into_view_if_needed()
+        expect(viewer).to_have_attribute("data-docked", "false")
+        scroll_to_lanes()
+        viewer.get_by_role("button", name="Back to the large picture").click()
+        expect(viewer).to_have_attribute("data-docked", "false")
+        expect(picture).to_be_in_viewport(ratio=0.9)
+
+
+GROUND_OF = "of => getComputedStyle(of).backgroundColor"
+
+
+def test_switches_and_sliders_can_be_seen_where_colours_are_forced(timeline):
+    timeline.page.emulate_media(forced_colors="active")
+    track = timeline.keyed("alpha").locator("[data-testid=stSlider] [role=group] > div > div")
+    expect(track.first).to_have_css("outline-style", "solid")
+    switch = timeline.keyed("lanes_missed").locator("label")
+    grounds = []
+    for is_on in (False, True):
+        if is_on:
+            switch.click()
+        expect(switch.locator("input")).to_be_checked(checked=is_on)
+        timeline.wait_until_drawn()
+        track = switch.locator("div:has(> div:empty)")
+        expect(track).to_have_css("outline-style", "solid")
+        timeline.page.wait_for_function(IS_STILL)
+        grounds.append((track.evaluate(GROUND_OF), track.locator("div").evaluate(GROUND_OF)))
+    switch.click()
+    timeline.page.emulate_media(forced_colors="none")
+    assert all(ground != knob for ground, knob in grounds)
+    assert grounds[0] != grounds[1]
+
+
+def test_keys_are_the_viewer_s_but_in_tables_and_the_frame_outlives_other_pages(timeline, misses):
+    slider = timeline.slider("alpha")
+    alpha = slider.input_value()
+    go_home(timeline)
     timeline.heading("Timeline", level=1).click()
     timeline.page.keyboard.press("n")
     timeline.shows(misses[0])
     timeline.panel_shows(misses[0])
     expect(timeline.page.get_by_text("Pedestrians by term")).to_be_visible()
-    alpha = timeline.slider("alpha").input_value()
-    timeline.slider("alpha").press("n")
+    slider.press("n")
     timeline.shows(misses[1])
     timeline.panel_shows(misses[1])
-    expect(timeline.slider("alpha")).to_have_value(alpha)
+    expect(slider).to_have_value(alpha)
 
-
-def test_arrows_in_a_table_leave_the_frame_alone(timeline):
-    frame = frame_of(timeline)
-    timeline.panel_shows(frame)
     timeline.wait_until_drawn()
     cell = timeline.table("pedestrians").get_by_role("gridcell").first
     cell.click()
     expect(cell).to_be_focused()
     timeline.page.keyboard.press("ArrowRight")
     timeline.page.keyboard.press("n")
-    expect(timeline.viewer).to_have_attribute("data-frame", str(frame))
+    expect(timeline.viewer).to_have_attribute("data-frame", str(misses[1]))
 
-
-def test_the_frame_is_kept_on_the_way_through_other_pages(timeline):
-    timeline.viewer.press("Home")
-    timeline.viewer.press("ArrowRight")
-    timeline.panel_shows(1)
-    alpha = timeline.slider("alpha").input_value()
     timeline.switch_to("Saliency")
     timeline.switch_to("Timeline")
-    timeline.shows(1)
-    expect(timeline.slider("alpha")).to_have_value(alpha)
+    timeline.shows(misses[1])
+    expect(slider).to_have_value(alpha)
 
 
 def test_what_a_miss_would_cost_is_laid_over_the_picture_by_key_and_follows_the_sliders(timeline):

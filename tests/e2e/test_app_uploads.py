@@ -43,13 +43,12 @@ def sent(request, kept) -> Iterator[Visit]:
         yield visit
 
 
-def test_uploaded_files_reach_a_verdict(sent):
+def test_uploaded_files_reach_a_verdict_are_played_and_outlive_a_reload(sent):
     sent.switch_to("Overview")
     expect(sent.keyed("verdict")).to_contain_text(re.compile("encounter|pedestrian"))
     expect(sent.keyed("verdict")).to_contain_text(f"1 recording, {N_FRAMES} frames, 7.5 s")
 
-
-def test_an_uploaded_video_plays_with_picture_and_boxes_of_the_same_frame(sent):
+    # a video plays with picture and boxes of the same frame
     sent.switch_to("Timeline")
     sent.viewer.press("Home")
     sent.shows(0)
@@ -60,9 +59,7 @@ def test_an_uploaded_video_plays_with_picture_and_boxes_of_the_same_frame(sent):
     assert seen[-1]["shown"] >= PLAYED_ROWS
     assert [reading for reading in seen if not is_whole(reading)] == []
 
-
-def test_a_reload_keeps_what_was_uploaded_with_place_and_parameters(sent):
-    sent.switch_to("Timeline")
+    # a reload keeps the files with place and parameters
     alpha = f"{float(sent.slider('alpha').input_value()) - 0.05:g}"
     sent.slider("alpha").press("ArrowLeft")
     sent.query("alpha", alpha)
@@ -86,10 +83,21 @@ def test_a_page_gets_the_files_that_another_has_once_that_one_has_gone(visit, tm
     expect(new.recording_field(RECORDING)).to_have_count(1)
 
 
-def test_what_was_typed_before_an_upload_is_no_threshold_of_it_and_the_form_is_folded(
+def test_refused_pictures_are_told_at_once_and_thresholds_typed_before_are_no_threshold_of_files(
     visit, tmp_path: Path
 ):
+    wrong = tmp_path / "walk.mp4"
+    wrong.write_text("no video\n")
     one: Visit = visit("data")
+    one.open_way("Upload")
+    with one.page.expect_console_message(lambda message: "415" in message.text):
+        one.keyed("upload_pictures").locator("input[type=file]").set_input_files(wrong)
+    told = one.page.get_by_role("alert").filter(has_text="walk.mp4")
+    expect(told).to_contain_text("neither a video")
+    assert ["415" in complaint for complaint in one.complaints] == [True]
+    one.complaints.clear()  # the browser's own word for the refusal
+
+    one.go("data")
     one.page.get_by_role("button", name="Type exact thresholds").click()
     field = one.page.get_by_role("spinbutton", name="Score threshold of X")
     field.fill("0.805")
@@ -142,16 +150,3 @@ def token_of(one: Visit) -> str:
              .map(one => one.name.match("/nv/([^/]+)/boxes/")).filter(Boolean)[0][1]"""
     )
     return token
-
-
-def test_pictures_that_are_refused_are_told_at_once(visit, tmp_path):
-    wrong = tmp_path / "walk.mp4"
-    wrong.write_text("no video\n")
-    one: Visit = visit("data")
-    one.open_way("Upload")
-    with one.page.expect_console_message(lambda message: "415" in message.text):
-        one.keyed("upload_pictures").locator("input[type=file]").set_input_files(wrong)
-    told = one.page.get_by_role("alert").filter(has_text="walk.mp4")
-    expect(told).to_contain_text("neither a video")
-    assert ["415" in complaint for complaint in one.complaints] == [True]
-    one.complaints.clear()  # the browser's own word for the refusal

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from app_server import ROOT
 from places import SAMPLE
 from playwright.sync_api import BrowserContext, Page
 from scenes import draw_scene
@@ -19,7 +20,8 @@ from nvcore.comparison import Result, compare
 from nvcore.evidence.operating_points import at_operating_point
 from nvcore.measures.table import measure_of
 from nvcore.params import Params
-from ui.session.packed_comparison import LIVE, pack_comparison, version_of
+from nvcore.wording import minus
+from ui.session.packed_comparison import LIVE, pack_comparison
 from ui.shell.live import FOLDER
 from ui.widgets.script import read_script
 
@@ -109,9 +111,8 @@ def test_of_the_sample(blank: Page):
     check(blank, base, settings_from(base.params, 1, 60))
 
 
-@pytest.mark.parametrize(
-    "kind",
-    [
+def test_of_random_scenes(blank: Page):
+    kinds: list[dict[str, Any]] = [
         {},
         {"proximity": "distance"},
         {"proximity": "distance", "missing_distance": "borrow"},
@@ -121,16 +122,15 @@ def test_of_the_sample(blank: Page):
         {"distance": "ground"},
         {"distance": "ground", "pairing": "matched", "match": "lateral"},
         {"iou": 0.2, "coverage": 0.3},
-    ],
-)
-def test_of_random_scenes(kind: dict[str, Any], blank: Page):
-    for seed in range(6):
-        scene = draw_scene(seed, is_grid=seed % 2 == 1, has_tracks=seed != 4)
-        scores = np.random.default_rng(seed)
-        for boxes in (scene.x, scene.y):  # all have one, so that thresholds can be moved
-            boxes[:] = [box._replace(score=round(scores.uniform(), 2)) for box in boxes]
-        base = compare(scene.dataset(), Params(**kind))
-        check(blank, base, settings_from(base.params, seed, 20))
+    ]
+    for kind in kinds:
+        for seed in range(6):
+            scene = draw_scene(seed, is_grid=seed % 2 == 1, has_tracks=seed != 4)
+            scores = np.random.default_rng(seed)
+            for boxes in (scene.x, scene.y):  # all have one, so that thresholds can be moved
+                boxes[:] = [box._replace(score=round(scores.uniform(), 2)) for box in boxes]
+            base = compare(scene.dataset(), Params(**kind))
+            check(blank, base, settings_from(base.params, seed, 20))
 
 
 def test_of_systems_without_scores_and_of_nothing(blank: Page):
@@ -141,12 +141,15 @@ def test_of_systems_without_scores_and_of_nothing(blank: Page):
     check(blank, base, settings_from(base.params, 3, 20))
 
 
-def test_what_is_sent_does_not_depend_on_what_the_browser_changes():
-    base = compare(nv.load(SAMPLE))
-    moved = replace(base.params, alpha=0.5, midpoint=70.0, threshold_x=0.7, low=0.8)
-    other = compare(base.dataset, moved)
-    assert version_of(other) == version_of(base)
-    assert pack_comparison(other) == pack_comparison(base)
-    strict = compare(base.dataset, replace(base.params, match="lateral"))
-    assert version_of(strict) != version_of(base)
-    assert pack_comparison(strict) != pack_comparison(base)
+def test_numbers_are_written_as_by_python(blank: Page):
+    script = read_script(ROOT / "ui" / "widgets" / "number_format.js")
+    values = [n / 8 for n in range(-40, 4000, 7)] + [0.145, 1.555, 2.675, 1e6 / 3, -0.004, 0.285]
+    cases = [
+        (value, form) for value in values for form in (".0f", ".1f", ".2f", ".3f", ".0%", ".1%")
+    ]
+    written = blank.evaluate(
+        f"cases => {{ {script}\n return cases.map(([value, form]) => formatted(value, form)); }}",
+        cases,
+    )
+    expected = (minus(format(value, f"z,{form}")) for value, form in cases)
+    assert written == [text.replace("%", " %") for text in expected]

@@ -80,28 +80,23 @@ def answer_request(route: Route) -> None:
 
 @pytest.fixture
 def run(person: BrowserContext) -> Iterator[Callable[..., Page]]:
-    """Opens a run of two pictures with these times in a window of this size, and begins it."""
-    errors: list[str] = []
-    page = person.new_page()
-    page.on("pageerror", lambda error: errors.append(str(error)))
-    page.route(f"{ADDRESS}**", answer_request)
-    page.goto(ADDRESS)
-    page.wait_for_function("'begin' in window")
+    """Opens a run of two pictures with these times in a window of this size, and begins it.
 
-    def begin(
-        *,
-        is_held: bool = False,
-        is_refused: bool = False,
-        is_lost: bool = False,
-        is_gone: bool = False,
-        is_full: bool = False,
-        size: tuple[int, int] = (1280, 800),
-        **times: Any,
-    ) -> Page:
-        answers = {"isHeld": is_held, "isRefused": is_refused, "isLost": is_lost}
-        answers |= {"isGone": is_gone, "isFull": is_full}
-        page.evaluate(f"Object.assign(window, {json.dumps(answers)})")
+    What happens to what is sent is one of the flags of `HTML`.
+    """
+    errors: list[str] = []
+    pages: list[Page] = []
+
+    def begin(fault: str = "", *, size: tuple[int, int] = (1280, 800), **times: Any) -> Page:
+        page = person.new_page()
+        pages.append(page)
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        page.route(f"{ADDRESS}**", answer_request)
         page.set_viewport_size({"width": size[0], "height": size[1]})
+        page.goto(ADDRESS)
+        page.wait_for_function("'begin' in window")
+        if fault:
+            page.evaluate(f"window.{fault} = true")
         timing = Timing(**{**SHORT, **times})
         trials = [
             {"place": place, "picture": str(place), "width": 32, "height": 18, "adaptation_s": time}
@@ -114,7 +109,8 @@ def run(person: BrowserContext) -> Iterator[Callable[..., Page]]:
         return page
 
     yield begin
-    page.close()
+    for page in pages:
+        page.close()
     assert errors == []
 
 
@@ -147,30 +143,31 @@ def tap(page: Page, button: Locator) -> None:
     browser.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
 
 
-@pytest.mark.parametrize("phase", STAYS)
-def test_a_touch_of_stop_ends_the_run_in_every_phase(run: Callable[..., Page], phase: str):
-    page = run(**STAYS[phase])
-    reach(page, phase)
-    tap(page, stop_of(page))
-    expect(page.locator("dialog")).not_to_be_visible()
-    page.wait_for_function("told.length > 0")
-    assert page.evaluate("told") == [["stopped", "run 1"]]
+def test_in_every_phase_stop_is_at_the_lower_edge_and_a_touch_of_it_ends_the_run(
+    run: Callable[..., Page],
+):
+    for phase, times in STAYS.items():
+        page = run(**times)
+        reach(page, phase)
+        page.wait_for_function("locks.join() === 'screen'")  # which stays awake
 
+        # no light in the dark, and beside all that is to be looked at
+        expect(stop_of(page), phase).to_have_css("opacity", "0" if phase in IN_THE_DARK else "1")
+        window, stop, canvas = (
+            place.bounding_box()
+            for place in (page.locator("dialog"), stop_of(page), page.locator("canvas"))
+        )
+        assert window is not None
+        assert stop is not None
+        assert canvas is not None
+        assert stop["y"] >= canvas["y"] + canvas["height"], phase
+        assert window["width"] - stop["x"] - stop["width"] == pytest.approx(24, abs=1), phase
 
-@pytest.mark.parametrize("phase", STAYS)
-def test_stop_is_at_the_lower_edge_and_no_light_in_the_dark(run: Callable[..., Page], phase: str):
-    page = run(**STAYS[phase])
-    reach(page, phase)
-    expect(stop_of(page)).to_have_css("opacity", "0" if phase in IN_THE_DARK else "1")
-    window, stop, canvas = (
-        place.bounding_box()
-        for place in (page.locator("dialog"), stop_of(page), page.locator("canvas"))
-    )
-    assert window is not None
-    assert stop is not None
-    assert canvas is not None
-    assert stop["y"] >= canvas["y"] + canvas["height"]  # beside all that is to be looked at
-    assert window["width"] - stop["x"] - stop["width"] == pytest.approx(24, abs=1)
+        tap(page, stop_of(page))
+        expect(page.locator("dialog"), phase).not_to_be_visible()
+        page.wait_for_function("told.length > 0")
+        assert page.evaluate("told") == [["stopped", "run 1"]], phase
+        page.wait_for_function("locks.join() === 'screen,released'")
 
 
 def test_a_narrow_screen_has_room_for_text_and_buttons(run: Callable[..., Page]):
@@ -188,8 +185,9 @@ def test_a_narrow_screen_has_room_for_text_and_buttons(run: Callable[..., Page])
     assert all(box and box["y"] + box["height"] <= 844 for box in boxes)
 
 
-def test_a_run_that_is_seen_to_its_end_has_ended(run: Callable[..., Page]):
+def test_a_run_that_is_seen_to_its_end_has_ended_and_is_said_to_be_kept(run: Callable[..., Page]):
     page = run()
+    expect(page.locator(".nv-bar span")).not_to_have_text(re.compile("kept"))
     for picture in (1, 2):
         answer(page, picture)
     page.wait_for_function("told.length > 0")
@@ -197,14 +195,6 @@ def test_a_run_that_is_seen_to_its_end_has_ended(run: Callable[..., Page]):
     assert page.evaluate("sent") == [
         "study/1/shown", "study/1/answer", "study/2/shown", "study/2/answer",
     ]  # fmt: skip
-
-
-def test_between_two_runs_it_is_said_that_the_first_is_kept(run: Callable[..., Page]):
-    page = run()
-    expect(page.locator(".nv-bar span")).not_to_have_text(re.compile("kept"))
-    for picture in (1, 2):
-        answer(page, picture)
-    page.wait_for_function("told.length > 0")
     page.evaluate("begin(following())")
     expect(page.locator(".nv-bar span")).to_have_text("The run is kept. Rest as long as you like.")
 
@@ -212,7 +202,7 @@ def test_between_two_runs_it_is_said_that_the_first_is_kept(run: Callable[..., P
 def test_an_answer_that_is_refused_is_told_and_the_run_is_not_offered_again(
     run: Callable[..., Page],
 ):
-    page = run(is_refused=True)
+    page = run("isRefused")
     for picture in (1, 2):
         answer(page, picture)
     reach(page, "failed")
@@ -223,19 +213,20 @@ def test_an_answer_that_is_refused_is_told_and_the_run_is_not_offered_again(
     assert page.evaluate("told") == []
 
 
-@pytest.mark.parametrize("fault", ["Lost", "Full"])
-def test_answers_that_are_not_kept_are_told_and_sent_again(run: Callable[..., Page], fault: str):
-    page = run(**{f"is_{fault.lower()}": True})
-    for picture in (1, 2):
-        answer(page, picture)
-    expect(page.locator(".nv-bar span")).to_have_text(re.compile("trying again. Leave this page"))
-    page.evaluate(f"is{fault} = false")
-    page.wait_for_function("told.length > 0")
-    assert page.evaluate("told") == [["ended", "run 1"]]
+def test_answers_that_are_not_kept_are_told_and_sent_again(run: Callable[..., Page]):
+    for fault in ("isLost", "isFull"):
+        page = run(fault)
+        for picture in (1, 2):
+            answer(page, picture)
+        again = re.compile("trying again. Leave this page")
+        expect(page.locator(".nv-bar span"), fault).to_have_text(again)
+        page.evaluate(f"window.{fault} = false")
+        page.wait_for_function("told.length > 0")
+        assert page.evaluate("told") == [["ended", "run 1"]], fault
 
 
 def test_answers_go_to_the_new_address_when_the_app_has_started_anew(run: Callable[..., Page]):
-    page = run(is_gone=True)
+    page = run("isGone")
     for picture in (1, 2):
         answer(page, picture)
     expect(page.locator(".nv-bar span")).to_have_text(re.compile("trying again"))
@@ -257,43 +248,35 @@ def test_a_page_that_is_drawn_again_leaves_the_run_that_is_on(run: Callable[...,
     expect(page.locator('.nv-study[data-run="run 2"][data-phase="ready"]')).to_have_count(1)
 
 
-def test_answers_outlive_the_page_and_their_pictures_are_not_shown_again(
-    run: Callable[..., Page],
-):
-    page = run(adaptation_s=(0, 600), is_gone=True)
-    reach(page, "again")
+def load_again(page: Page, whose: str) -> None:
+    """Load the page anew in the middle of a run, as it is drawn for this participant."""
     data = page.evaluate("begun")
     page.reload()
     page.wait_for_function("'begin' in window")
-    page.evaluate("data => begin({ ...data, url: 'new' })", data)
+    page.evaluate("data => begin(data)", {**data, "url": "new", "whose": whose})
+
+
+def test_answers_outlive_the_page_for_who_gave_them_and_no_picture_is_shown_again(
+    run: Callable[..., Page],
+):
+    page = run("isGone", adaptation_s=(0, 600))
+    reach(page, "again")
+    load_again(page, "anna")
     page.wait_for_function("told.length > 0")
     assert page.evaluate("told") == [["kept", "run 1"]]
     assert page.evaluate("sent") == ["new/1/shown", "new/1/answer"]
     expect(page.get_by_role("button", name="Begin run 1")).to_be_disabled()
 
-
-def test_another_participant_in_the_tab_sends_no_answers_of_the_one_before(
-    run: Callable[..., Page],
-):
-    page = run(adaptation_s=(0, 600), is_gone=True)
+    # another participant in the tab sends none of them
+    page = run("isGone", adaptation_s=(0, 600))
     reach(page, "again")
-    data = page.evaluate("begun")
-    page.reload()
-    page.wait_for_function("'begin' in window")
-    page.evaluate("data => begin({ ...data, url: 'new', whose: 'bert' })", data)
+    load_again(page, "bert")
     expect(page.locator('.nv-study[data-phase="ready"]')).to_have_count(1)
     assert page.evaluate("sent") == []
 
 
-def test_the_screen_stays_awake_during_a_run_and_no_longer(run: Callable[..., Page]):
-    page = run(**STAYS["bright"])
-    page.wait_for_function("locks.join() === 'screen'")
-    tap(page, stop_of(page))
-    page.wait_for_function("locks.join() === 'screen,released'")
-
-
 def test_an_answer_waits_for_the_report_that_its_picture_appears(run: Callable[..., Page]):
-    page = run(adaptation_s=(0, 600), is_held=True)
+    page = run("isHeld", adaptation_s=(0, 600))
     reach(page, "again")
     assert page.evaluate("sent") == ["study/1/shown"]
     page.evaluate("waiting[0]()")

@@ -6,7 +6,6 @@ the browser's own, only up to a row.
 
 from __future__ import annotations
 
-import pytest
 import viewer_scene as scene
 from playwright import sync_api
 from viewer_clock import held_clock, held_pictures, slow_pictures
@@ -18,7 +17,8 @@ FRAME_S = 1 / scene.FPS
 
 
 def have_pictures(page: sync_api.Page, last: int) -> None:
-    """Let the viewer load all pictures up to this row, and go back."""
+    """Let the viewer load all pictures from `FIRST` up to this row, and go back."""
+    press(page, "Home", *["ArrowRight"] * FIRST)
     for row in range(FIRST + 1, last + 1):
         press(page, "ArrowRight")
         assert painted(page, row) == row
@@ -26,32 +26,30 @@ def have_pictures(page: sync_api.Page, last: int) -> None:
     assert painted(page, FIRST) == FIRST
 
 
-@pytest.mark.parametrize(
-    ("recording", "speed", "step_s", "rows_per_step"),
-    [
+def test_every_row_is_painted_at_its_time(page):
+    n_rows = 16
+    for recording, speed, step_s, rows_per_step in (
         ("video", "1", FRAME_S, 1),
         ("video", "4", FRAME_S, 4),
         ("sampled", "1", 0.125, 0.5),  # two frames a second play at four
-    ],
-    ids=["a row per paint", "four times the speed", "sampled"],
-)
-def test_every_row_is_painted_at_its_time(page, recording, speed, step_s, rows_per_step):
-    if recording == "sampled":
-        choose(page, recording)
-        # frame 1005 at two frames a second
-        sync_api.expect(page.locator(".viewer .time")).to_have_text("8:22.50 min")
-        assert painted(page, FIRST) == FIRST
-    n_rows = 16
-    have_pictures(page, FIRST + n_rows)
-    page.get_by_label("Speed").select_option(speed)
-    with held_clock(page) as clock:
-        press(page, " ")
-        readings = [clock.advance(0)]
-        clock.advance(1e-4)  # off the rows' own times
-        readings += [clock.advance(step_s) for _ in range(round(n_rows / rows_per_step))]
-    due = [FIRST + int(step * rows_per_step) for step in range(len(readings))]
-    assert [reading["shown"] for reading in readings] == due
-    assert [reading for reading in readings if not is_whole(reading)] == []
+    ):
+        case = f"{recording} at {speed}"
+        if recording == "sampled":
+            choose(page, recording)
+            # frame 1005 at two frames a second
+            sync_api.expect(page.locator(".viewer .time")).to_have_text("8:22.50 min")
+            assert painted(page, FIRST) == FIRST
+        have_pictures(page, FIRST + n_rows)
+        page.get_by_label("Speed").select_option(speed)
+        with held_clock(page) as clock:
+            press(page, " ")
+            readings = [clock.advance(0)]
+            clock.advance(1e-4)  # off the rows' own times
+            readings += [clock.advance(step_s) for _ in range(round(n_rows / rows_per_step))]
+            press(page, " ")
+        due = [FIRST + int(step * rows_per_step) for step in range(len(readings))]
+        assert [reading["shown"] for reading in readings] == due, case
+        assert [reading for reading in readings if not is_whole(reading)] == [], case
 
 
 def test_rows_whose_pictures_are_late_are_dropped_and_never_mixed(page):
@@ -69,34 +67,18 @@ def test_rows_whose_pictures_are_late_are_dropped_and_never_mixed(page):
         assert clock.advance(60)["shown"] == first + 3
 
 
-def test_playing_by_the_browsers_clock_shows_picture_and_boxes_of_the_same_frame(page):
+def test_by_the_browsers_clock_python_hears_of_the_row_when_playback_stops(page):
+    before = n_runs(page)
     press(page, " ")
     seen = record(page, FIRST + 40)
+    assert n_runs(page) == before
     press(page, " ")
     assert [reading for reading in seen if not is_whole(reading)] == []
     assert seen[-1]["shown"] >= FIRST + 40
+    row = viewer_of(page).get_attribute("data-row")
+    assert settled(page, row) == row
 
-
-def test_a_seek_during_playback_stops_it(page):
-    press(page, " ")
-    page.get_by_role("button", name="seek 123").click()
-    assert painted(page, 123) == 123
-    sync_api.expect(viewer_of(page)).to_have_attribute("data-playing", "false")
-    assert settled(page, 123) == str(123)
-
-
-def test_python_hears_of_the_row_when_playback_stops_not_before(page):
-    before = n_runs(page)
-    page.get_by_label("Speed").select_option("0.25")
-    press(page, " ")
-    record(page, FIRST + 5)
-    assert n_runs(page) == before
-    press(page, " ")
-    row = int(viewer_of(page).get_attribute("data-row"))
-    assert settled(page, row) == str(row)
-
-
-def test_a_slider_move_does_not_stop_playback(page):
+    # a slider move does not stop it
     page.get_by_label("Speed").select_option("0.25")  # far from the end, however slow Python is
     press(page, " ")
     page.get_by_role("slider", name="alpha").focus()
@@ -108,22 +90,12 @@ def test_a_slider_move_does_not_stop_playback(page):
     assert seen[-1]["shown"] >= row + 10
     assert [reading for reading in seen if not is_whole(reading)] == []
 
-
-def test_a_jump_during_playback_goes_on_from_there(page):
-    choose(page, "boxes only")  # nothing to wait for
-    assert painted(page, FIRST) == FIRST
-    first = scene.MISSED_BY_Y.start
-    with held_clock(page) as clock:
-        press(page, " ")
-        clock.advance(0)
-        assert clock.advance(2.5 * FRAME_S)["shown"] == FIRST + 2
-        press(page, "n", "n")
-        assert clock.advance(FRAME_S)["shown"] == first
-        assert clock.advance(6.5 * FRAME_S)["shown"] == first + 6
-        press(page, "Home")
-        assert clock.advance(FRAME_S)["shown"] == 0
-        assert clock.advance(2.5 * FRAME_S)["shown"] == 2
+    # a seek does
     sync_api.expect(viewer_of(page)).to_have_attribute("data-playing", "true")
+    page.get_by_role("button", name="seek 123").click()
+    assert painted(page, 123) == 123
+    sync_api.expect(viewer_of(page)).to_have_attribute("data-playing", "false")
+    assert settled(page, 123) == "123"
 
 
 # A page may move its parts, and the browser paints while the viewer is on its way.
@@ -135,9 +107,10 @@ PAINT_WHILE_AWAY = """viewer => {
 }"""
 
 
-def test_playback_goes_on_while_the_viewer_is_moved_about_in_the_page(page):
-    choose(page, "boxes only")
+def test_playback_goes_on_after_a_jump_and_while_the_viewer_is_moved_about_in_the_page(page):
+    choose(page, "boxes only")  # nothing to wait for
     assert painted(page, FIRST) == FIRST
+    first = scene.MISSED_BY_Y.start
     with held_clock(page) as clock:
         press(page, " ")
         clock.advance(0)
@@ -145,18 +118,23 @@ def test_playback_goes_on_while_the_viewer_is_moved_about_in_the_page(page):
         viewer_of(page).evaluate(PAINT_WHILE_AWAY)
         clock.advance(0)
         assert clock.advance(2 * FRAME_S)["shown"] == FIRST + 4
+        press(page, "n", "n")
+        assert clock.advance(FRAME_S)["shown"] == first
+        assert clock.advance(6.5 * FRAME_S)["shown"] == first + 6
+        press(page, "Home")
+        assert clock.advance(FRAME_S)["shown"] == 0
+        assert clock.advance(2.5 * FRAME_S)["shown"] == 2
+    sync_api.expect(viewer_of(page)).to_have_attribute("data-playing", "true")
 
 
-def test_playback_stops_at_the_last_frame(page):
+def test_playback_stops_at_the_last_frame_however_slow_the_pictures_are(page):
+    last = scene.N_ROWS - 1
     press(page, "End", "ArrowLeft", "ArrowLeft", "ArrowLeft", " ")
     sync_api.expect(viewer_of(page)).to_have_attribute("data-playing", "false")
-    assert painted(page, scene.N_ROWS - 1) == scene.N_ROWS - 1
-    assert settled(page, scene.N_ROWS - 1) == str(scene.N_ROWS - 1)
+    assert painted(page, last) == last
+    assert settled(page, last) == str(last)
 
-
-def test_slow_pictures_do_not_keep_playback_from_its_end(page):
     choose(page, "slow")
-    last = scene.N_ROWS - 1
     press(page, "End")
     assert painted(page, last) == last
     press(page, "Shift+ArrowLeft")  # one second: the pictures between are not here yet

@@ -46,13 +46,13 @@ def choose_two_pictures(page: sync_api.Page, recording: str = "two pictures") ->
     assert painted(page, 5) == 5
 
 
-def test_a_recording_with_one_picture_has_no_choice(page):
+def test_pictures_are_changed_by_key_and_as_the_driver_sees_them_is_said_to_be_a_model(page):
+    # a recording with one picture has no choice
     sync_api.expect(page.get_by_role("group", name="Pictures")).to_have_count(0)
     press(page, "v", "d")
     shown(page, "own")
 
-
-def test_a_key_goes_through_own_visible_blended_and_side_by_side(page):
+    # a key goes through own, visible, blended and side by side
     choose_two_pictures(page)
     sync_api.expect(page.get_by_role("combobox", name="Picture")).to_have_value("own")
     assert colour(page, 0.4) == "grey"
@@ -67,6 +67,26 @@ def test_a_key_goes_through_own_visible_blended_and_side_by_side(page):
     shown(page, "both")
     assert (colour(page, 0.3), colour(page, 0.7)) == ("grey", "red")
     told(page, "picture='both', blend=0.5, seen_s=None")
+    press(page, "v")
+    shown(page, "own")
+
+    # as the driver sees it is visible light from another address, and a model
+    said = page.locator(".stage").get_by_text("model, not measured", exact=True)
+    sync_api.expect(said).not_to_be_visible()
+    press(page, "d")
+    shown(page, "visible")
+    told(page, "picture='visible', blend=0.5, seen_s='clock'")
+    assert colour(page, 0.4) == "blue"
+    sync_api.expect(said).to_be_visible()
+    page.get_by_role("button", name="As the driver sees it").click()
+    told(page, "picture='visible', blend=0.5, seen_s=None")
+    becomes(page, "red")
+    press(page, "d", "v", "v")
+    shown(page, "both")
+    middle = viewer_of(page).bounding_box()["width"] / 2
+    assert said.bounding_box()["x"] > middle  # over visible light, not over the other picture
+    press(page, "d")
+    sync_api.expect(said).not_to_be_visible()
 
 
 def test_after_a_simulated_change_of_light_the_time_runs_with_the_frames(page):
@@ -85,39 +105,7 @@ def test_after_a_simulated_change_of_light_the_time_runs_with_the_frames(page):
     page.get_by_text("before the change", exact=True).wait_for()
     assert colour(page, 0.4) == "red"
     button.click()
-    sync_api.expect(page.get_by_role("slider", name="Seconds since")).to_be_visible()
-
-
-def test_as_the_driver_sees_it_is_visible_light_from_another_address(page):
-    choose_two_pictures(page)
-    press(page, "d")
-    shown(page, "visible")
-    told(page, "picture='visible', blend=0.5, seen_s='clock'")
-    assert colour(page, 0.4) == "blue"
-    page.get_by_role("button", name="As the driver sees it").click()
-    told(page, "picture='visible', blend=0.5, seen_s=None")
-    becomes(page, "red")
-
-
-def test_as_the_driver_sees_it_is_said_to_be_a_model_over_the_picture(page):
-    choose_two_pictures(page)
-    said = page.locator(".stage").get_by_text("model, not measured", exact=True)
-    sync_api.expect(said).not_to_be_visible()
-    press(page, "d")
-    shown(page, "visible")
-    sync_api.expect(said).to_be_visible()
-    press(page, "v", "v")
-    shown(page, "both")
-    middle = viewer_of(page).bounding_box()["width"] / 2
-    assert said.bounding_box()["x"] > middle  # over visible light, not over the other picture
-    press(page, "d")
-    sync_api.expect(said).not_to_be_visible()
-
-
-def test_where_the_light_is_not_known_only_a_time_that_is_set_is_kept(page):
-    choose_two_pictures(page)
-    press(page, "d")
-    told(page, "picture='visible', blend=0.5, seen_s='clock'")
+    # where the light is not known only a time that is set is kept
     page.get_by_role("slider", name="Seconds since").fill("1.5")
     told(page, "picture='visible', blend=0.5, seen_s=1.5")
 
