@@ -192,9 +192,10 @@ def as_shown(result: Result, evidence: pd.DataFrame) -> pd.DataFrame:
     factors = np.array([factor for factor, _ in shown])
     if (factors == 1).all():
         return evidence
+    known = evidence.get("label", figures)
     labels = [
         label if factor == 1 else f"{inference_of(key).noun}{unit}"
-        for key, label, (factor, unit) in zip(figures, evidence["label"], shown, strict=True)
+        for key, label, (factor, unit) in zip(figures, known, shown, strict=True)
     ]
     numbers = ("x", "y", "difference", "low", "high")
     return evidence.assign(label=labels, **{name: evidence[name] * factors for name in numbers})
