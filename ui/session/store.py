@@ -49,7 +49,7 @@ class Entry(Generic[T]):
 
     def get(self) -> T:
         """The value."""
-        value: T = st.session_state[self.key] if self.is_set else copy(self.default)
+        value: T = st.session_state.get(self.key, copy(self.default))
         return value
 
     def set(self, value: T) -> None:
@@ -63,8 +63,7 @@ class Entry(Generic[T]):
 
     def pop(self) -> T:
         """The value, which is forgotten."""
-        value = self.get()
-        st.session_state.pop(self.key, None)
+        value: T = st.session_state.pop(self.key, copy(self.default))
         return value
 
 
