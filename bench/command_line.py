@@ -1,8 +1,9 @@
-"""How long `nvcore compare` takes on the sample: the first time, compiling, and the second."""
+"""What a process costs: the first `nvcore compare` of the sample, the second, an import."""
 
 from __future__ import annotations
 
 import os
+import resource
 import subprocess
 import sys
 import tempfile
@@ -10,33 +11,50 @@ from pathlib import Path
 from time import perf_counter
 
 SESSION = Path("sample_data") / "session.toml"
+COMPARE = ("-m", "nvcore", "compare", str(SESSION))
+CALLS = {
+    "before": (COMPARE, "other"),
+    "first": (COMPARE, "new"),
+    "second": (COMPARE, "new"),
+    "import": (("-c", "from nvcore import compare"), "new"),
+}
+"""By name, Python's arguments and the folder of compiled functions (``NUMBA_CACHE_DIR``).
+
+The first finds no compiled functions. Python's own bytecode is there for it, as an installation by
+pip leaves it, whatever this environment has: the call before fills a folder of its own with it.
+"""
 
 
-def measure_command_line(root: Path) -> dict[str, float | str]:
-    """Wall seconds of a first and a second call, or why there are none under ``failed``.
-
-    The first one finds no compiled functions (``NUMBA_CACHE_DIR`` is a new folder). Python's own
-    bytecode is there for both, as an installation by pip leaves it, whatever this environment has:
-    a call before them fills a folder of its own with it.
-    """
-    seconds: dict[str, float | str] = {}
+def measure_command_line(root: Path) -> dict[str, list[float] | str]:
+    """Of each of `CALLS`, seconds by the clock and of the processor; else why under ``failed``."""
+    seconds: dict[str, list[float] | str] = {}
     with tempfile.TemporaryDirectory() as folder:
-        environment = {**os.environ, "PYTHONPYCACHEPREFIX": str(Path(folder) / "bytecode")}
+        environment = {
+            **os.environ,
+            "PYTHONPATH": str(root),
+            "PYTHONPYCACHEPREFIX": str(Path(folder) / "bytecode"),
+        }
         environment.pop("PYTHONDONTWRITEBYTECODE", None)
-        for call, functions in (("before", "other"), ("first", "new"), ("second", "new")):
+        for call, (arguments, functions) in CALLS.items():
             environment["NUMBA_CACHE_DIR"] = str(Path(folder) / functions)
-            start = perf_counter()
+            start, used = perf_counter(), _processor_s()
             process = subprocess.run(
-                [sys.executable, "-m", "nvcore", "compare", str(SESSION)],
+                [sys.executable, *arguments],
                 cwd=root,
                 env=environment,
                 capture_output=True,
                 text=True,
                 check=False,
             )
-            seconds[call] = perf_counter() - start
+            seconds[call] = [perf_counter() - start, _processor_s() - used]
             # 1 is "findings", unless it comes from a crash
             if process.returncode not in (0, 1) or "Traceback" in process.stderr:
                 last = (process.stderr.strip().splitlines() or ["no message"])[-1]
-                return {"failed": f"`nvcore compare {SESSION.as_posix()}` fails: {last}"}
+                return {"failed": f"`python {' '.join(arguments)}` fails: {last}"}
     return seconds
+
+
+def _processor_s() -> float:
+    """Of all processes that this one has started and that have ended."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime

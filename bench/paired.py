@@ -1,6 +1,7 @@
-"""Ratios that hold on a busy machine: opening beside reading, nvcore beside evaluators of COCO.
+"""Ratios that hold on a busy machine: opening beside reading, nvcore beside evaluators of COCO and
+beside an earlier version of itself.
 
-    python -m bench.paired [--quick] [--only opening|evaluators] [--rounds N] [--out FILE]
+    python -m bench.paired [--quick] [--only SECTION] [--before CHECKOUT] [--rounds N] [--out FILE]
 
 What is compared runs one right after the other, round after round; each ratio is taken within a
 round, and the table has the median of the rounds. With ``--out`` it writes its sections of that
@@ -14,12 +15,12 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from statistics import median
 from typing import Any
 
-from bench.tables import seconds_text, table
+from bench.tables import commit, seconds_text, table
 from bench.web.tables import put_section
 from bench.workers import ROOT, TOOLS_PYTHON, run_worker
 
@@ -27,15 +28,17 @@ EVALUATORS = ("hotcoco", "ultrafast-pycocotools", "vernier", "faster-coco-eval")
 OURS = "nvcore analyse"
 SHAPES = {"our frames": (100_000, ()), "pictures as COCO's": (5_000, ("--coco",))}
 """Sets that the evaluators run on: how many frames, and flags of `bench.sets`."""
-MOST_RATIO = 5
-"""Target for opening a million frames: its time over that of reading alone."""
+MOST_CSV, MOST_PARQUET = 5, 1.7
+"""Targets for a million frames: opening CSV, and loading Parquet, over reading alone."""
 OPENING = """\
-## Opening CSV files
+## Opening files
 
 From the session file to the result: `load` (reading, hashing, placing the boxes), `audit` and
 `analyse`, beside pyarrow reading the same three files (truth, X, Y) with its defaults, right before
-and in the same process, after a run on a small set. *Ratio* is all three steps over pyarrow alone:
-the median of {rounds} rounds (lowest to highest). Load of the machine when it began: {load:.1f}.
+and in the same process, after a run on a small set. *Ratio* is all three steps over pyarrow alone,
+*of load* the first step alone: the median of {rounds} rounds (lowest to highest). *Peak* is the
+memory that loading takes. Targets: a ratio of {csv} for CSV, of {parquet} for loading Parquet. Load
+of the machine when it began: {load:.1f}.
 """
 BESIDE = """\
 ## Beside COCO's evaluators
@@ -49,28 +52,65 @@ frames*: 4 pedestrians and about 5 detections a frame. *Pictures as COCO's*: abo
 four area ranges, as its drop-in class cannot be told to take one; the others evaluate one. Load of
 the machine when it began: {load:.1f}.
 """
+EARLIER = """\
+## Beside an earlier version
+
+`analyse`, two systems, of commit {before} and of this one on the same sets, in processes that take
+turns (median of 5 runs); what the earlier one did not compute yet is part of the ratio. *Ratio*:
+the median of {rounds} rounds (lowest to highest). Load of the machine when it began: {load:.1f}.
+"""
 
 
 def opening_section(n_frames: int, rounds: int) -> str:
     """Opening beside pyarrow reading the files."""
     load = os.getloadavg()[0]
-    with tempfile.TemporaryDirectory() as folder:
-        _run("bench.csv_files", str(n_frames), folder)
-        python = Path(sys.executable)
-        figures = run_worker(python, "bench.opening", folder, "--repeat", str(rounds))
-        size_mb = sum(path.stat().st_size for path in Path(folder).glob("*.csv")) / 1e6
-    text = OPENING.format(rounds=rounds, load=load)
-    if "failed" in figures:
-        return f"{text}\nNot measured: {figures['failed']}\n"
-    ratios = [run["ratio"] for run in figures["runs"]]
     steps = ("pyarrow", "load", "audit", "analyse")
-    row = [
-        f"{n_frames:,} ({size_mb:.0f} MB)",
-        *(seconds_text(figures[step]) for step in steps),
-        f"{median(ratios):.2f} ({min(ratios):.2f} to {max(ratios):.2f})",
-        f"{MOST_RATIO} or less" if n_frames == 1_000_000 else "",
-    ]
-    return f"{text}\n{table(['frames', *steps, 'ratio', 'target'], [row])}\n"
+    rows = []
+    for ending in ("csv", "parquet"):
+        with tempfile.TemporaryDirectory() as folder:
+            flags = ("--parquet",) if ending == "parquet" else ()
+            _run("bench.csv_files", str(n_frames), folder, *flags)
+            python = Path(sys.executable)
+            figures = run_worker(python, "bench.opening", folder, "--repeat", str(rounds))
+            size_mb = sum(path.stat().st_size for path in Path(folder).glob(f"*.{ending}")) / 1e6
+        if "failed" in figures:
+            rows.append([f"{ending}: {figures['failed']}", *("–" for _ in range(len(steps) + 3))])
+            continue
+        ratios = ([run[name] for run in figures["runs"]] for name in ("ratio", "load_ratio"))
+        rows.append(
+            [
+                f"{ending}, {n_frames:,} ({size_mb:.0f} MB)",
+                *(seconds_text(figures[step]) for step in steps),
+                *(f"{median(of):.2f} ({min(of):.2f} to {max(of):.2f})" for of in ratios),
+                f"{figures['kb_a_frame']:.2f} kB a frame",
+            ]
+        )
+    text = OPENING.format(rounds=rounds, load=load, csv=MOST_CSV, parquet=MOST_PARQUET)
+    return f"{text}\n{table(['frames', *steps, 'ratio', 'of load', 'peak'], rows)}\n"
+
+
+def earlier_section(before: Path, sizes: Sequence[int], rounds: int) -> str:
+    """`analyse` of this checkout and of an earlier one, each by its own `bench.ours`."""
+    load = os.getloadavg()[0]
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        for n in sizes:
+            path = Path(folder) / f"{n}.npz"
+            _run("bench.sets", str(n), str(path))
+            took: dict[Path, list[float]] = {before: [], ROOT: []}
+            for _ in range(rounds):
+                for root, seconds in took.items():
+                    flags = ("--only-analyse",) if root == ROOT else ()
+                    python = Path(sys.executable)
+                    figures = run_worker(python, "bench.ours", str(path), *flags, root=root)
+                    if "failed" in figures:
+                        return f"{EARLIER.splitlines()[0]}\n\nNot measured: {figures['failed']}\n"
+                    seconds.append(_seconds(figures))
+            ratios = [ours / earlier for earlier, ours in zip(*took.values(), strict=True)]
+            spread = f"{median(ratios):.2f} ({min(ratios):.2f} to {max(ratios):.2f})"
+            rows.append([f"{n:,}", *(seconds_text(median(of)) for of in took.values()), spread])
+    text = EARLIER.format(before=commit(before), rounds=rounds, load=load)
+    return f"{text}\n{table(['frames', 'before', 'now', 'ratio'], rows)}\n"
 
 
 def evaluators_section(sizes: dict[str, int], rounds: int, repeat: int) -> str:
@@ -127,18 +167,6 @@ def _agreement(ours: dict[str, Any], theirs: dict[str, Any]) -> str:
     return "same recall" if off < 1e-9 else f"recall differs by {off:.1e}"
 
 
-def paired_sections(*, quick: bool, only: str = "", rounds: int | None = None) -> list[str]:
-    """Both sections, or one of ``opening`` and ``evaluators``."""
-    rounds = rounds or (1 if quick else 3)
-    sections = []
-    if only != "evaluators":
-        sections.append(opening_section(20_000 if quick else 1_000_000, rounds))
-    if only != "opening":
-        sizes = {shape: n // 10 if quick else n for shape, (n, _) in SHAPES.items()}
-        sections.append(evaluators_section(sizes, rounds, 2 if quick else 5))
-    return sections
-
-
 def _run(module: str, *arguments: str) -> None:
     subprocess.run([sys.executable, "-m", module, *arguments], cwd=ROOT, check=True)
 
@@ -148,15 +176,27 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--only", choices=("opening", "evaluators"), default="")
+    parser.add_argument("--only", choices=("opening", "evaluators", "earlier"), default="")
+    parser.add_argument("--before", type=Path, help="a checkout of an earlier version")
     parser.add_argument("--rounds", type=int, help="default: 3; 1 if quick")
     parser.add_argument("--out", type=Path)
     options = parser.parse_args()
-    sections = paired_sections(quick=options.quick, only=options.only, rounds=options.rounds)
-    for section in sections:
-        print(section)
-        if options.out:
-            put_section(options.out, section)
+    quick, rounds = options.quick, options.rounds or (1 if options.quick else 3)
+    sizes = {shape: n // 10 if quick else n for shape, (n, _) in SHAPES.items()}
+    sections: dict[str, Callable[[], str]] = {
+        "opening": lambda: opening_section(20_000 if quick else 1_000_000, rounds),
+        "evaluators": lambda: evaluators_section(sizes, rounds, 2 if quick else 5),
+    }
+    if options.before:
+        before = options.before.resolve()
+        frames = (10_000,) if quick else (100_000, 1_000_000)
+        sections["earlier"] = lambda: earlier_section(before, frames, rounds)
+    for name, make in sections.items():
+        if options.only in ("", name):
+            section = make()
+            print(section)
+            if options.out:
+                put_section(options.out, section)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """Run the benchmarks, print the tables and write docs/benchmarks.md.
 
-    python -m bench.run [--quick] [--sizes 1000 ...] [--others-at 100000] [--out FILE]
+    python -m bench.run [--quick] [--sizes 1000 ...] [--others-at 100000] [--before CHECKOUT]
+                        [--out FILE]
 
 Every measurement runs in a fresh process, one after the other; other tools run in their own
 environments (.venv-bench, made by `make bench`). `--quick` takes about a minute at small sizes and
@@ -17,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 from bench.command_line import measure_command_line
-from bench.paired import paired_sections
 from bench.tables import write_tables
 from bench.web.tables import web_section
 from bench.workers import ROOT, TOOLS_PYTHON, run_worker
@@ -53,6 +53,7 @@ def main() -> None:
     parser.add_argument("--sizes", type=int, nargs="+")
     parser.add_argument("--others-at", type=int)
     parser.add_argument("--repeat", type=int)
+    parser.add_argument("--before", type=Path, help="a checkout of an earlier version")
     parser.add_argument("--out", type=Path)
     options = parser.parse_args()
     quick = options.quick
@@ -92,11 +93,21 @@ def main() -> None:
     frames = ["0", "5000"] if quick else ["0", "100000", "1000000"]
     web = run_worker(Path(sys.executable), "bench.web", "--frames", *frames)
     text = write_tables(ours, beside, others_at, command_line) + "\n" + web_section(web)
-    print("opening, and COCO's evaluators ...", file=sys.stderr)
-    text += "\n" + "\n".join(paired_sections(quick=quick))
-    print(text)
-    if out:
-        out.write_text(text, encoding="utf-8")
+    with tempfile.TemporaryDirectory() as folder:
+        page = out or Path(folder) / "benchmarks.md"
+        page.write_text(text, encoding="utf-8")
+        paired = ["bench.paired", *(["--quick"] if quick else [])]
+        sliders = ["bench.web.sliders", "--frames", *frames[:2]]
+        for section in (paired, sliders):
+            print(f"{section[0]} ...", file=sys.stderr)
+            before = ["--before", str(options.before)] if options.before else []
+            subprocess.run(
+                [sys.executable, "-m", *section, *before, "--out", str(page)],
+                cwd=ROOT,
+                stdout=subprocess.DEVNULL,
+                check=True,
+            )
+        print(page.read_text(encoding="utf-8"))
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -12,12 +13,20 @@ TOOLS_PYTHON = ROOT / ".venv-bench" / "tools" / "bin" / "python"
 """Interpreter with the tools of requirements-bench.txt."""
 
 
-def run_worker(python: Path, *arguments: str) -> dict[str, Any]:
-    """Figures of one worker: the last line that it prints; ``{"failed": why}`` if it fails."""
+def run_worker(python: Path, *arguments: str, root: Path = ROOT) -> dict[str, Any]:
+    """Figures of one worker: the last line that it prints; ``{"failed": why}`` if it fails.
+
+    `root` is the checkout whose modules it runs.
+    """
     if not python.exists():
         return {"failed": "not installed; `make bench` installs it"}
     process = subprocess.run(
-        [str(python), "-m", *arguments], cwd=ROOT, capture_output=True, text=True, check=False
+        [str(python), "-m", *arguments],
+        cwd=root,
+        env={**os.environ, "PYTHONPATH": str(root)},
+        capture_output=True,
+        text=True,
+        check=False,
     )
     if process.returncode:
         return {"failed": (process.stderr.strip().splitlines() or ["no message"])[-1]}

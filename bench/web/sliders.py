@@ -19,7 +19,7 @@ from typing import Any
 from playwright.sync_api import Browser, Page
 
 from bench.measure import report
-from bench.tables import table
+from bench.tables import commit, table
 from bench.web.__main__ import go_to, open_set, settle
 from bench.web.server import ROOT, folder_of_set, open_chromium, serve
 from bench.web.tables import put_section
@@ -187,7 +187,7 @@ def main() -> None:
     figures: dict[str, Any] = {
         "load": os.getloadavg()[0],
         "repeat": options.repeat,
-        "before": str(options.before.name) if options.before else "",
+        "before": commit(options.before) if options.before else "",
     }
     roots = {THIS: ROOT} | ({BEFORE: options.before.resolve()} if options.before else {})
     apps: dict[str, dict[int, Any]] = {name: {} for name in (*roots, NOTHING)}
