@@ -16,8 +16,8 @@ from nvcore.cli import main
 from nvcore.cli import remedies as command_line
 from nvcore.errors import FormatError, MissingFactError
 from nvcore.findings import Finding, Remedy, Severity, Step, steps_text
+from nvcore.inputs.changes import applied
 from nvcore.inputs.load import load
-from nvcore.inputs.remedies import applied
 from nvcore.inputs.session import Session, Source, SystemSource
 from ui.shell import remedies as pages
 from ui.shell.messages import error_text

@@ -13,9 +13,9 @@ import pandas as pd
 from nvcore.arguments import Part, PathLike, Size
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, MissingFactError
+from nvcore.inputs.changes import override_recordings
 from nvcore.inputs.facts import frames_from, objects_named, size_from
 from nvcore.inputs.load import load as load_session
-from nvcore.inputs.overriding import override_recordings
 from nvcore.inputs.pipes import pipes_kept
 from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import (

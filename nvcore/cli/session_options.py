@@ -10,8 +10,8 @@ import click
 
 from nvcore.cli.options import flag_of
 from nvcore.errors import SessionError
+from nvcore.inputs.changes import override_recordings
 from nvcore.inputs.facts import is_frame_range, parse_size
-from nvcore.inputs.overriding import override_recordings
 from nvcore.inputs.session import (
     RecordingsFile,
     Session,

@@ -13,10 +13,10 @@ from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import Provenance, provenance_json, ranges_of, read_provenance
 from nvcore.detectors.run import DetectorRun
 from nvcore.errors import InputError
+from nvcore.inputs.changes import stated
 from nvcore.inputs.hashes import source_hash, source_hashes
 from nvcore.inputs.session import Session, SystemSource
 from nvcore.inputs.session_toml import write_session
-from nvcore.inputs.stating import stated
 from nvcore.inputs.writers.names import safe_names
 from nvcore.objects import labels_in_order
 from nvcore.output.csv_text import to_csv_bytes

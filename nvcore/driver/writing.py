@@ -12,10 +12,10 @@ from nvcore.driver.estimate import EstimateRun
 from nvcore.driver.feature_record import RECORD_FILE, record_bytes
 from nvcore.driver.inputs.session import DETECTABILITY, DriverTable
 from nvcore.driver.run import FeatureRun
+from nvcore.inputs.changes import stated
 from nvcore.inputs.hashes import source_hashes
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import write_session
-from nvcore.inputs.stating import stated
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_run
 

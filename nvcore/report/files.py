@@ -22,11 +22,11 @@ from nvcore.errors import InputError
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding
+from nvcore.inputs.changes import stated
 from nvcore.inputs.hashes import source_hashes
 from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import write_session
-from nvcore.inputs.stating import stated
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import MANIFEST, manifest, refuse_other_run, write_run
 from nvcore.output.parquet import to_parquet_bytes

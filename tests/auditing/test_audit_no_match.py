@@ -13,8 +13,8 @@ from inputs import nvcore
 
 from nvcore.auditing import audit
 from nvcore.findings import Finding, Remedy, Severity, Step
+from nvcore.inputs.changes import applied
 from nvcore.inputs.load import load
-from nvcore.inputs.remedies import applied
 from nvcore.inputs.session import Session, Source
 from nvcore.inputs.session_toml import read_session, write_session
 from nvcore.params import Params

@@ -16,8 +16,8 @@ from pictured_drives import write_drive
 from nvcore.auditing import opened_pictures, picture_findings
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Remedy, Severity, Step
+from nvcore.inputs.changes import applied
 from nvcore.inputs.load import load
-from nvcore.inputs.remedies import applied
 from nvcore.inputs.session_toml import read_session
 from nvcore.pictures import session_pictures
 from nvcore.pictures.notes import PictureNote, PictureTrait

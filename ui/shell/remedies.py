@@ -88,4 +88,4 @@ BUTTONS: Final = {
     Remedy.PICTURES: "Take {value}",
     Remedy.FIRST_PICTURE: "First picture shows frame {value}",
 }
-"""Labels of the buttons that do it, where `nvcore.inputs.remedies.applied` can."""
+"""Labels of the buttons that do it, where `nvcore.inputs.changes.applied` can."""

@@ -14,7 +14,7 @@ from nvcore.findings import (
     Severity,
     worst_first,
 )
-from nvcore.inputs.remedies import applied
+from nvcore.inputs.changes import applied
 from ui.data.audit import entries
 from ui.data.opening import try_to_open
 from ui.session import state
