@@ -11,7 +11,7 @@ from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.units import find_units
 from ui.jobs.computed import Computation
 from ui.session import state
-from ui.session.results import comparison_key, miss_rate_kept_by
+from ui.session.results import cached_miss_rate, comparison_key
 
 KIND: Final = "companions"
 MOST: Final = 4
@@ -27,7 +27,7 @@ def is_quick(result: Result) -> bool:
 def wait_for_companions(result: Result, evidence: pd.DataFrame) -> Companions | None:
     """The companions of the comparison; None while they are computed in the background."""
     protocol = state.protocol()  # not to be asked in the background
-    miss_rate = miss_rate_kept_by(state.cached, result, find_units(result), protocol)
+    miss_rate = cached_miss_rate(state.cached, result, find_units(result), protocol)
     computation = Computation(
         kind=KIND,
         key=comparison_key(result),

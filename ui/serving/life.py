@@ -30,7 +30,7 @@ from ui.confined import process
 from ui.jobs import companions
 from ui.serving.connections import guard_connections
 from ui.session import lifetime
-from ui.session.results import comparison_key, evidence_kept_by, findings_kept_by, miss_rate_kept_by
+from ui.session.results import cached_evidence, cached_findings, cached_miss_rate, comparison_key
 from ui.session.state import kept_result, shared_start
 from ui.settings.limits import limits_of_environment
 from ui.settings.start import start_file
@@ -142,7 +142,7 @@ def prepare_start() -> None:
     if x is None or y is None:
         return
     result = kept_result(cached, settings, x, y, lambda: compare(dataset, settings, x=x, y=y))
-    evidence = evidence_kept_by(cached, result, protocol)
+    evidence = cached_evidence(cached, result, protocol)
     if companions.is_quick(result):
         cached(
             companions.KIND,
@@ -151,11 +151,11 @@ def prepare_start() -> None:
                 result,
                 evidence,
                 protocol,
-                miss_rate=miss_rate_kept_by(cached, result, find_units(result), protocol),
+                miss_rate=cached_miss_rate(cached, result, find_units(result), protocol),
             ),
             most=companions.MOST,
         )
-    findings_kept_by(cached, dataset, settings, x, y)
+    cached_findings(cached, dataset, settings, x, y)
 
 
 async def keep_deleting_ended() -> None:

@@ -40,7 +40,7 @@ def comparison_key(result: Result, protocol: Protocol | None = None) -> tuple[ob
 
 def measure_evidence(result: Result) -> pd.DataFrame:
     """The table of evidence of X and Y."""
-    return evidence_kept_by(state.cached, result, state.protocol())
+    return cached_evidence(state.cached, result, state.protocol())
 
 
 def known_evidence(result: Result) -> pd.DataFrame | None:
@@ -49,12 +49,12 @@ def known_evidence(result: Result) -> pd.DataFrame | None:
     return known
 
 
-def evidence_kept_by(cached: Cached, result: Result, protocol: Protocol) -> pd.DataFrame:
+def cached_evidence(cached: Cached, result: Result, protocol: Protocol) -> pd.DataFrame:
     """The table of evidence from a cache: `state.cached`, or the one that visitors share."""
 
     def make() -> pd.DataFrame:
         units = find_units(result)
-        miss_rate = miss_rate_kept_by(cached, result, units, protocol)
+        miss_rate = cached_miss_rate(cached, result, units, protocol)
         return evidence_table(result, protocol, units=units, miss_rate=miss_rate)
 
     evidence: pd.DataFrame = cached("evidence", comparison_key(result, protocol), make)
@@ -63,10 +63,10 @@ def evidence_kept_by(cached: Cached, result: Result, protocol: Protocol) -> pd.D
 
 def miss_rate_evidence(result: Result) -> Evidence:
     """Evidence for the log-average miss rate under the current protocol."""
-    return miss_rate_kept_by(state.cached, result, find_units(result), state.protocol()).evidence
+    return cached_miss_rate(state.cached, result, find_units(result), state.protocol()).evidence
 
 
-def miss_rate_kept_by(cached: Cached, result: Result, units: Units, protocol: Protocol) -> Judged:
+def cached_miss_rate(cached: Cached, result: Result, units: Units, protocol: Protocol) -> Judged:
     """Keyed by the settings of matching and the blocks of time, which alone move it."""
     key = (
         result.x.name,
@@ -85,7 +85,7 @@ def input_findings() -> tuple[Finding, ...]:
     """Findings about the open inputs and their pictures, worst first."""
     dataset, space = state.opened().dataset, state.workspace()
     with st.spinner("Auditing the inputs"):
-        findings = findings_kept_by(state.cached, dataset, state.params(), *state.systems())
+        findings = cached_findings(state.cached, dataset, state.params(), *state.systems())
     of_pictures = space.cached(
         "audit_pictures",
         space.pictures_version,
@@ -94,7 +94,7 @@ def input_findings() -> tuple[Finding, ...]:
     return worst_first([*findings, *of_pictures])
 
 
-def findings_kept_by(
+def cached_findings(
     cached: Cached, dataset: Dataset, params: Params, x: str, y: str | None
 ) -> tuple[Finding, ...]:
     """The findings from a cache: `state.cached`, or the one that visitors share.

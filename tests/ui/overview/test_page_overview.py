@@ -95,7 +95,7 @@ def test_a_verdict_that_is_shown_stays_until_the_next_unless_it_is_about_others(
         raise InputError("no evidence")
 
     drawn: list[str] = []
-    monkeypatch.setattr(results, "evidence_kept_by", refuse)
+    monkeypatch.setattr(results, "cached_evidence", refuse)
     monkeypatch.setattr(verdict_page.Room, "draw_known", lambda *_: drawn.append("known"))
     app.slider(key="alpha").set_value(0.5).run()
     assert drawn == []
