@@ -33,6 +33,8 @@ class Page:
     lacks
         What a comparison would need for it to show anything, as a short sentence; empty: it has
         that. None: every comparison has.
+    asks
+        Its question, for a link to it at the end of the Overview; empty: none.
     after
         Key of the page that it follows; see `nvcore.subjects.in_place`.
     shown
@@ -57,6 +59,7 @@ class Page:
     icon: str = ""
     tab_of: str = ""
     lacks: Callable[[], str] | None = None
+    asks: str = ""
 
 
 @dataclass(frozen=True)

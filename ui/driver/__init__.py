@@ -29,6 +29,7 @@ PAGES: Final = (
         shown=(ENCOUNTERS, SEVERITY, TIME_LEFT, DRIVER),
         own=(DRIVER,),
         lacks=_lacks,
+        asks="Would the driver have seen them?",
     ),
     Page("study", "Study", "Lab", after="driver", shown=()),
 )

@@ -62,6 +62,7 @@ _PAGES: Final[tuple[Page, ...]] = in_place(
             EVIDENCE,
             shown=(SIMILARITY, ENCOUNTERS),
             lacks=_lacks_third_system,
+            asks="How do all systems compare?",
         ),
         Page("export", "Export", HELP, is_folded=True, icon=":material/download:"),
         Page("metrics", "Documentation", HELP, shown=(), icon=":material/help:"),
@@ -122,7 +123,7 @@ def draw_bar(pages: dict[str, list[StreamlitPage]], current: StreamlitPage) -> N
     """
     links = _links(pages)
     here = _OF.get(current.url_path or START)
-    lacking = {page.key: said for page in _PAGES if page.lacks and (said := page.lacks())}
+    lacking = _lacking()
     with st.container(horizontal=True, gap="xsmall", vertical_alignment="center", key="navigation"):
         for page in _PAGES:
             if page.section == COMPARE and not page.tab_of and page.key not in lacking:
@@ -139,6 +140,21 @@ def draw_bar(pages: dict[str, list[StreamlitPage]], current: StreamlitPage) -> N
             for page in _PAGES:
                 if page.icon:
                     st.page_link(links[page.key], icon=page.icon, width="content")
+
+
+def draw_questions() -> None:
+    """Links to the pages of the groups that answer a question which this comparison can ask."""
+    lacking = _lacking()
+    with st.container(horizontal=True, gap="medium", key="questions"):
+        for page in _PAGES:
+            if page.asks and page.key not in lacking:
+                path, icon = PAGES / f"{page.key}.py", ":material/arrow_forward:"
+                st.page_link(path, label=page.asks, icon=icon, width="content")
+
+
+def _lacking() -> dict[str, str]:
+    """What the comparison would need for the pages that it has nothing for, by their keys."""
+    return {page.key: said for page in _PAGES if page.lacks and (said := page.lacks())}
 
 
 def _links(pages: dict[str, list[StreamlitPage]]) -> dict[str, StreamlitPage]:
