@@ -22,7 +22,6 @@ from ui.shell.messages import error_banner
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import all_pages, draw_bar, draw_tabs, is_folded_on, own_of, shown_on
 from ui.subjects import contributed
-from ui.widgets import figure_menu
 
 # pages with more in their address, which they write by themselves, or leave as it is
 # (Streamlit would print a string below it on every page)
@@ -85,7 +84,6 @@ if wrong_params is not None and not is_participant():  # something is open
         tab.draw_memory()
         account.draw()
         live.draw(can_compare=failure is None)
-        figure_menu.draw()
         tab.draw_window()
 if failure is None and not is_participant():
     try:

@@ -15,7 +15,7 @@ from nvcore.dataset.provenance import read_provenance
 from nvcore.detectors.icf.model_file import fingerprint, from_bytes
 from nvcore.errors import InputError
 from nvcore.findings import Severity
-from pages import FRAMES, begin_with, checked, opened, press, rows, texts, to_page, write
+from pages import FRAMES, begin_with, checked, figures, opened, press, rows, texts, to_page, write
 from ui.access.files import LocalRoot
 from ui.detectors import finished, run, trial
 from ui.detectors.confined import DetectorSpec
@@ -41,8 +41,8 @@ def with_model(model: bytes) -> AppTest:
 
 def headings(page: AppTest) -> list[str]:
     """Titles and subtitles of the figures, in their order."""
-    bodies = [text.value for text in page.markdown if "nv-figure" in text.value]
-    return [body.replace("</strong> <span>", ": ").partition("<strong>")[2] for body in bodies]
+    metas = (figure["layout"]["meta"] for figure in figures(page))
+    return [f"{title}: {subtitle}" for title, subtitle, *_ in metas if title]
 
 
 def slider(page: AppTest, label: str):

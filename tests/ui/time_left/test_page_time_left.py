@@ -16,7 +16,7 @@ from nvcore.evidence.measures import Evidence
 from nvcore.evidence.units import BLOCKS
 from nvcore.time_left.steps import time_left_in
 from nvcore.wording import Footnotes
-from pages import HEAD, alone, begin_with, checked, opened, tables, texts
+from pages import HEAD, alone, begin_with, checked, figures, opened, tables, texts
 from ui.session.chosen import encounter_of
 from ui.time_left.numbers import with_interval
 from ui.widgets.html import MeasureRow
@@ -30,8 +30,7 @@ def alone_on() -> AppTest:
 
 def headings(page: AppTest) -> list[str]:
     """Titles of the figures, in their order."""
-    bodies = [text.value for text in page.markdown if "nv-figure" in text.value]
-    return [body.partition("<strong>")[2].partition("</strong>")[0] for body in bodies]
+    return [figure["layout"]["meta"][0] for figure in figures(page)]
 
 
 def table(page: AppTest) -> pd.DataFrame:

@@ -144,20 +144,13 @@ function follow(main, sliders) {
   painted = key;
 }
 
-// A figure and its heading, which stands before it.
-function showNow(part, isNow) {
-  part?.toggleAttribute(NOW, isNow);
-  const heading = part?.previousElementSibling;
-  if (heading?.querySelector(".nv-figure")) heading.toggleAttribute(NOW, isNow);
-}
-
 function paintFigures(main, isKnown, settings) {
   const plot = document.querySelector('[class*="st-key-time_plot_"] .js-plotly-plot');
   const hasTrace = Boolean(plot?._fullLayout && traceOf(plot, "nv-raw-x"));
   if (hasTrace) {
     if (isKnown) paintTrace(plot, comparison, live.recording, live.window_s);
     hide(plot, "nv-low", isKnown);
-    showNow(plot.closest(PART), isKnown);
+    plot.closest(PART)?.toggleAttribute(NOW, isKnown);
   }
   for (const panel of main.querySelectorAll(".nv-numbers[data-row]")) {
     paintFrame(panel, isKnown ? comparison : null);
@@ -204,7 +197,7 @@ function mark() {
   }
   for (const [key, names] of Object.entries(live?.still ?? {})) {
     const isStill = sliders.length > 0 && !sliders.some(([name]) => names.includes(name));
-    for (const part of main.querySelectorAll(`.st-key-${key}`)) showNow(part.closest(PART), isStill);
+    for (const part of main.querySelectorAll(`.st-key-${key}`)) part.closest(PART)?.toggleAttribute(NOW, isStill);
   }
 }
 

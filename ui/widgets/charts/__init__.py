@@ -1,7 +1,9 @@
 """Charts as every page draws them, and clicks in them.
 
 A Streamlit component around Plotly: a figure of Streamlit's own is thrown away and drawn anew
-whenever its data change, which takes several times as long.
+whenever its data change, which takes several times as long. Every figure can be taken away, as
+picture, drawing or table, and where points can be clicked, keys do it as well: the browser does it
+all with what it has drawn, and it costs the server nothing.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 import plotly.graph_objects as go
 import plotly.io
@@ -26,6 +28,9 @@ from ui.widgets.script import read_script
 _COMPONENT = st.components.v2.component(
     "nvcore_chart", js=read_script(Path(__file__).parent / "chart.js"), isolate_styles=False
 )
+
+HEADING_PX: Final = 40
+"""Height of title and subtitle where neither wraps."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +74,8 @@ def draw_chart(
 ) -> None:
     """Draw a chart; `on_click` is called before the page when a point is clicked or released.
 
-    `help` stands behind a question mark beside the heading; `of` says at the start of the subtitle
+    `help` stands behind a question mark beside the heading, text with links as `docs_link` writes
+    them; `of` says at the start of the subtitle
     what the page shows there, for those who see the figure alone. `alt` says what the chart shows,
     for those who cannot see it. Along `time_axis`, which is in seconds, the browser marks the frame
     that the viewer shows.
@@ -78,17 +84,16 @@ def draw_chart(
     subtitle = ready.subtitle
     if not subtitle.startswith(of):
         subtitle = "; ".join(filter(None, (of, subtitle)))
-    if ready.title:
-        _draw_heading(ready.title, subtitle, help)
     is_clicked = is_clicked or on_click is not None
     _COMPONENT(
         key=key,
-        height=ready.height,
+        height=ready.height + (HEADING_PX if ready.title else 0),  # until its script has come
         data={
             "spec": ready.spec,
             "height": ready.height,
             "config": CONFIG,
             "meta": [ready.title, subtitle, time_axis],
+            "help": help,
             "alt": alt,
             "isClicked": is_clicked,
             "plotly": f"{base_path()}{PLOTLY}",
@@ -119,14 +124,6 @@ def _ready(figure: go.Figure) -> ReadyFigure:
     return ReadyFigure(
         title, subtitle, int(figure.layout.height), plotly.io.to_json(figure, validate=False)
     )
-
-
-def _draw_heading(title: str, subtitle: str, help_text: str | None) -> None:
-    """Title and subtitle as text of the page, which wraps."""
-    text = f'<div class="nv-figure"><p><strong>{title}</strong> <span>{subtitle}</span></p>'
-    if help_text:  # between empty lines it is Streamlit's Markdown, whose links open as everywhere
-        text += f'<details class="nv-help"><summary>?</summary>\n\n{help_text}\n\n</details>'
-    st.markdown(f"{text}</div>", unsafe_allow_html=True)
 
 
 def _tell(key: str, on_click: Callable[[Clicked], None] | None) -> None:

@@ -1,6 +1,10 @@
 // A figure of the page. It stays where it is while its data change: Plotly draws what is different.
 // Figures in sight come first, the others when the browser has nothing else to do.
 
+import { drawCursor } from "./cursor.js";
+import { Heading } from "./heading.js";
+import { makeReachable, namePlot } from "./points.js";
+
 const charts = new WeakMap();
 let plotly = null; // a promise of Plotly, which comes once for all figures
 
@@ -37,7 +41,10 @@ class Chart {
   constructor(parent) {
     this.plot = /** @type {any} */ (document.createElement("div"));
     this.plot.className = "nv-plot";
-    parent.append(this.plot);
+    this.heading = new Heading(this.plot);
+    parent.append(this.heading.element, this.plot);
+    this.onTime = () => drawCursor(this.plot);
+    document.addEventListener("nvcore-time", this.onTime);
     this.drawn = { spec: "", width: 0 };
     this.waiting = null;
     this.sizes = new ResizeObserver(() => {
@@ -49,7 +56,8 @@ class Chart {
 
   update(data, tell) {
     this.data = data;
-    this.plot.nvAlt = data.alt;
+    this.heading.update(data.meta, data.help);
+    namePlot(this.plot, data);
     this.plot.nvClick = data.isClicked ? tell : null;
     this.plot.style.height = `${data.height}px`;
     if (data.spec !== this.drawn.spec || this.plot.layout?.meta?.join() !== data.meta.join()) this.ask();
@@ -79,9 +87,20 @@ class Chart {
     if (isClicked) figure.layout.dragmode ??= "pan";
     this.drawn = { spec, width };
     await library.react(this.plot, figure.data, figure.layout, config);
+    if (this.heading.menu.hidden) this.hear();
+    drawCursor(this.plot);
+  }
+
+  // What a figure can do once it has been drawn.
+  hear() {
+    this.heading.menu.hidden = false;
+    if (this.data.isClicked) makeReachable(this.plot);
+    this.plot.on("plotly_afterplot", this.onTime);
+    this.plot.on("plotly_relayouting", this.onTime);
   }
 
   end() {
+    document.removeEventListener("nvcore-time", this.onTime);
     this.sizes.disconnect();
     window.Plotly?.purge(this.plot);
   }

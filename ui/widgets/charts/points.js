@@ -1,7 +1,7 @@
 // A figure whose points can be clicked is worked by keys as well: arrows go from point to point,
 // Enter clicks. A second click on a point acts like the first.
 
-import { asText, axisKey, headingOf } from "./figure.js";
+import { asText, axisKey } from "./figure.js";
 
 const STEP_OF_PAGE = 0.1;
 const MOST_IN_ROW = 0.5; // rows are rows if there are no more of them than this share of the points
@@ -11,7 +11,6 @@ const HOVER_MS = 80; // Plotly answers a movement of the mouse within so long
 const LOOK_MS = 20;
 const LOOKS = 10;
 const spots = new WeakMap(); // the point that is marked
-const reachable = new WeakSet();
 
 function axesOf(plot, trace) {
   return [plot._fullLayout[axisKey(trace.xaxis, "x")], plot._fullLayout[axisKey(trace.yaxis, "y")]];
@@ -212,9 +211,9 @@ function hearClicks(plot) {
   });
 }
 
-function makeReachable(plot) {
-  if (reachable.has(plot) || !plot.nvClick) return;
-  reachable.add(plot);
+// Once for a plot whose points can be clicked, when it has been drawn.
+export function makeReachable(plot) {
+  plot.tabIndex = 0;
   hearClicks(plot);
   plot.addEventListener("keydown", onKey);
   plot.addEventListener("focus", onFocus);
@@ -226,21 +225,9 @@ function makeReachable(plot) {
   });
 }
 
-function nameFor(plot) {
-  const { title, subtitle } = headingOf(plot);
-  const name = plot.nvAlt ?? ([title, subtitle].filter(Boolean).map(asText).join(": ") || "Figure");
-  const isClicked = Boolean(plot.nvClick);
+export function namePlot(plot, { meta: [title, subtitle], alt, isClicked }) {
+  const name = alt ?? ([title, subtitle].filter(Boolean).map(asText).join(": ") || "Figure");
   const keys = isClicked ? ". Arrow keys go from point to point, Enter does what a click does." : "";
-  if (plot.getAttribute("aria-label") === name + keys) return;
-  if (isClicked) plot.tabIndex = 0;
   plot.setAttribute("role", isClicked ? "application" : "img");
   plot.setAttribute("aria-label", name + keys);
-}
-
-export function reachPoints() {
-  for (const plot of document.querySelectorAll(".js-plotly-plot")) {
-    if (!plot._fullLayout) continue;
-    makeReachable(plot);
-    nameFor(plot);
-  }
 }

@@ -1,16 +1,8 @@
-// Every figure of the page gets a menu: picture (PNG, twice the size), drawing (SVG), data (CSV),
-// and the whole screen.
+// A figure taken away: as picture, drawing or table of what is drawn.
 
-import { followTime } from "./cursor.js";
 import { asText, axisKey, headingOf } from "./figure.js";
-import { reachPoints } from "./points.js";
 
-const LABELS = [["png", "Picture (PNG)"], ["svg", "Drawing (SVG)"], ["csv", "Data as drawn (CSV)"],
-  ["full", "Full screen"]];
 const [LINE_PX, EDGE_PX, SCALE] = [20, 8, 2];
-const ICON = `<svg viewBox="0 0 24 24" width="16" height="16" aria-hidden="true">
-<path d="M12 4v11m-4.5-4.5L12 15l4.5-4.5M5 19.5h14" fill="none" stroke="currentColor"
-stroke-width="2" stroke-linecap="round" stroke-linejoin="round"/></svg>`;
 
 function fileName(plot, suffix) {
   const words = asText(headingOf(plot).title).toLowerCase().match(/[\p{L}\p{N}]+/gu) ?? ["figure"];
@@ -79,7 +71,7 @@ async function drawingOf(plot) {
   return drawing;
 }
 
-async function savePicture(plot, format) {
+export async function savePicture(plot, format) {
   const drawing = await drawingOf(plot);
   const text = new XMLSerializer().serializeToString(drawing);
   if (format === "svg") {
@@ -157,92 +149,6 @@ function save(blob, name) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
-function saveData(plot) {
+export function saveData(plot) {
   save(new Blob(["\ufeff", csvOf(plot)], { type: "text/csv" }), fileName(plot, ".csv"));
-}
-
-// The chart that follows a heading; null while it is being drawn.
-function plotAfter(heading) {
-  const next = heading.closest('[data-testid="stElementContainer"]')?.nextElementSibling;
-  const plot = next?.querySelector(".js-plotly-plot");
-  return plot?._fullLayout && plot.querySelector(".main-svg") ? plot : null;
-}
-
-// Escape, or a look elsewhere, closes what unfolds.
-function closesItself(details) {
-  details.addEventListener("keydown", (event) => {
-    if (event.key !== "Escape" || !details.open) return;
-    event.stopPropagation();
-    details.open = false;
-    details.querySelector("summary").focus();
-  });
-  details.addEventListener("focusout", (event) => {
-    if (event.relatedTarget && !details.contains(event.relatedTarget)) details.open = false;
-  });
-}
-
-const NAMES = { "nv-help": "About this figure", "nv-take": "Take this figure away" };
-
-// A heading may be another figure's by now, with what hangs on it.
-function nameParts(heading) {
-  const title = heading.querySelector("strong")?.textContent ?? "";
-  for (const [part, words] of Object.entries(NAMES)) {
-    const summary = heading.querySelector(`.${part} > summary`);
-    const name = `${words}: ${title}`;
-    if (!summary || summary.getAttribute("aria-label") === name) continue;
-    if (!summary.hasAttribute("aria-label")) closesItself(summary.parentElement);
-    summary.setAttribute("aria-label", name);
-  }
-  const menu = heading.querySelector(".nv-take:not(:last-child)");
-  if (menu) heading.append(menu);
-}
-
-function addMenu(heading) {
-  if (!plotAfter(heading)) return;
-  const menu = document.createElement("details");
-  menu.className = "nv-take";
-  const summary = document.createElement("summary");
-  summary.innerHTML = ICON;
-  summary.title = NAMES["nv-take"];
-  menu.append(summary);
-  for (const [format, label] of LABELS) {
-    const button = document.createElement("button");
-    button.type = "button";
-    button.textContent = label;
-    button.addEventListener("click", () => {
-      const shown = plotAfter(heading); // it may have been drawn anew
-      if (format === "csv") saveData(shown);
-      else if (format === "full") shown.requestFullscreen();
-      else savePicture(shown, format);
-      menu.open = false;
-      summary.focus();
-    });
-    menu.append(button);
-  }
-  heading.append(menu);
-}
-
-export default function () {
-  if (window.nvcoreFigureMenu) return;
-  window.nvcoreFigureMenu = true;
-  let isAsked = false;
-  const look = () => {
-    isAsked = false;
-    document.querySelectorAll(".nv-figure:not(:has(.nv-take))").forEach(addMenu);
-    document.querySelectorAll(".nv-figure").forEach(nameParts);
-    reachPoints();
-    followTime();
-  };
-  document.addEventListener("nvcore-time", followTime);
-  document.addEventListener("pointerdown", ({ target }) => {
-    document.querySelectorAll(":is(.nv-take, .nv-help)[open]").forEach((details) => {
-      if (!details.contains(target)) details.open = false;
-    });
-  });
-  new MutationObserver(() => {
-    if (isAsked) return;
-    isAsked = true;
-    requestAnimationFrame(look);
-  }).observe(document.body, { childList: true, subtree: true });
-  look();
 }

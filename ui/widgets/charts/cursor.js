@@ -1,8 +1,6 @@
 // The frame that the viewer shows, as a line in the figures over time. Python names the axis of
 // time; a figure stays as it is drawn while the line moves.
 
-const timed = new WeakSet();
-
 function placeCursor(plot, line) {
   const full = plot._fullLayout;
   const isUpright = plot.layout.meta[2] === "y";
@@ -17,7 +15,8 @@ function placeCursor(plot, line) {
   line.style.height = isUpright ? "" : `${height}px`;
 }
 
-function drawCursor(plot) {
+export function drawCursor(plot) {
+  if (!plot._fullLayout?._size || !plot.layout.meta[2]) return;
   let line = plot.querySelector(".nv-cursor");
   if (!line) {
     line = document.createElement("div");
@@ -25,16 +24,4 @@ function drawCursor(plot) {
     plot.append(line);
   }
   placeCursor(plot, line);
-}
-
-export function followTime() {
-  for (const plot of document.querySelectorAll(".js-plotly-plot")) {
-    if (!plot._fullLayout?._size || !plot.on || !plot.layout?.meta?.[2]) continue;
-    if (!timed.has(plot)) {
-      timed.add(plot);
-      plot.on("plotly_afterplot", () => drawCursor(plot));
-      plot.on("plotly_relayouting", () => drawCursor(plot));
-    }
-    drawCursor(plot);
-  }
 }
