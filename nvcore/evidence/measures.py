@@ -457,8 +457,8 @@ def correct_together(tests: Mapping[str, Tested], primary: str) -> dict[str, flo
     if primary in known:
         corrected[primary] = first
     if family:
-        found = np.fmax(*(_step_down(kind, known, family) for kind in ("exchange", "skewed")))
-        corrected.update(zip(family, np.maximum(found, first).tolist(), strict=True))
+        p_together = np.fmax(*(_step_down(kind, known, family) for kind in ("exchange", "skewed")))
+        corrected.update(zip(family, np.maximum(p_together, first).tolist(), strict=True))
     return corrected
 
 

@@ -230,12 +230,12 @@ def _adapted(result: Result) -> tuple[Fact, ...]:
     record = result.dataset.of("driver")
     if record is None or is_stated(result):
         return ()
-    said: list[Fact] = []
+    facts: list[Fact] = []
     if record.n_light_unknown > SMALL_SHARE * record.n_estimates:
-        said.append(LightUnknown(record.n_light_unknown / record.n_estimates))
+        facts.append(LightUnknown(record.n_light_unknown / record.n_estimates))
     if n_adapted := int(np.count_nonzero(driver_in(result).is_adapted)):
-        said.append(Adapted(n_adapted, driver_in(result).venn.n_known))
-    return tuple(said)
+        facts.append(Adapted(n_adapted, driver_in(result).venn.n_known))
+    return tuple(facts)
 
 
 def seen_by(result: Result) -> SeenBy:

@@ -278,12 +278,12 @@ def _clicks(result: Result, runs: pd.DataFrame, n_lanes: int) -> go.Scatter:
     state = {letter: _state_at(runs, letter, lane, row) for letter in "xy"}
     time_s = result.dataset.frames["time_s"].to_numpy()[row]
     frame = result.dataset.frames["frame"].to_numpy()[row]
-    track, one = (
+    track, noun = (
         result.encounters.track[ends["encounter"].to_numpy()[lane]],
         result.objects.singular,
     )
     text = [
-        f"{one} {track_id}, frame {number}, {second:.2f} s<br>X: {by_x}   Y: {by_y}"
+        f"{noun} {track_id}, frame {number}, {second:.2f} s<br>X: {by_x}   Y: {by_y}"
         for track_id, number, second, by_x, by_y in zip(
             track, frame, time_s, state["x"], state["y"], strict=True
         )

@@ -199,7 +199,7 @@ def _fill(
     figure.add_shape(type=kind, name=name, line=line, fillcolor=colour, layer="below", **sides)
 
 
-def _marks(part: pd.DataFrame, kind: Category, plan: Plan, look: Look, one: str) -> go.Scatter:
+def _marks(part: pd.DataFrame, kind: Category, plan: Plan, look: Look, noun: str) -> go.Scatter:
     """A mark for each encounter of a region, in the look of the system whose failure it is."""
     x_s, y_s = (part[f"severity_s_{letter}"].to_numpy() for letter in "xy")
     fails = [x_s > y_s, y_s > x_s, x_s > 0]
@@ -208,7 +208,7 @@ def _marks(part: pd.DataFrame, kind: Category, plan: Plan, look: Look, one: str)
     colour = np.select(fails, [look.x, look.y, look.ink], look.muted)
     symbol = np.select(fails, [look.symbol("x"), look.symbol("y"), "square"], "circle-open")
     text = [
-        f"{plain(row.recording)}, {one} {row.track}: {WORDS[kind]}<br>severity X "
+        f"{plain(row.recording)}, {noun} {row.track}: {WORDS[kind]}<br>severity X "
         f"{row.severity_s_x:.2f} s, Y {row.severity_s_y:.2f} s<br>peak cost X "
         f"{row.peak_cost_x:.2f}, Y {row.peak_cost_y:.2f}"
         for row in part.itertuples(index=False)

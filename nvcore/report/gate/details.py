@@ -39,7 +39,9 @@ def _details(outcome: Outcome, result: Result, findings: Sequence[Finding]) -> t
     if name in WORSE and is_undecided(result, WORSE[name][0]):
         return (phrase(alarms_as_set(result, "rule"), result.objects),)
     of_subjects: tuple[RulesOf, ...] = contributed("rules")
-    known = tuple(say(fact, result.objects) for of in of_subjects for fact in of.said(result, name))
+    known = tuple(
+        say(fact, result.objects) for of in of_subjects for fact in of.facts(result, name)
+    )
     if outcome.is_passed:
         return known
     counted = name.partition(".")[0] if class_in(name) else name

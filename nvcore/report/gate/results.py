@@ -32,12 +32,16 @@ def _stem(name: str) -> str:
 _BLIND_TO_ALARMS: Final = {
     *map(_stem, (*COUNTED_ENCOUNTERS, "exclusivity", "boxes", "lead_time_s")),
     *(_stem(name) for of in contributed("rules") for name in of.counted),
-    *(_stem(one.rule or one.key) for one in MEASURES if not one.is_worsened_by_alarms),
+    *(
+        _stem(measure.rule or measure.key)
+        for measure in MEASURES
+        if not measure.is_worsened_by_alarms
+    ),
 }
 """Stems of measures that false alarms do not worsen."""
 _WORSENED_BY_ALARMS: Final = {
     *map(_stem, COUNTED_CLAIMS),
-    *(_stem(one.rule or one.key) for one in MEASURES if one.is_worsened_by_alarms),
+    *(_stem(measure.rule or measure.key) for measure in MEASURES if measure.is_worsened_by_alarms),
 }
 """Stems of measures that false alarms worsen."""
 

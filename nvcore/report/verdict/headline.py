@@ -90,8 +90,8 @@ def _conclusion(
 def _remarks(result: Result, claims: Sequence[Claim]) -> tuple[Fact, ...]:
     """What subjects say of claims about these measures."""
     measures = [measure_of(claim.key) for claim in claims]
-    said = (remarks.of_claims(result, measures) for remarks in contributed("remarks"))
-    return tuple(fact for fact in said if fact is not None)
+    remarks = (subject.of_claims(result, measures) for subject in contributed("remarks"))
+    return tuple(remark for remark in remarks if remark is not None)
 
 
 def _better(

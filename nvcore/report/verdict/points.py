@@ -194,20 +194,20 @@ def chance(result: Result, evidence: pd.DataFrame | None, support: Support) -> t
     if evidence is None:
         return ()
     of_key = {row["figure"]: row for row in evidence.to_dict("records")}
-    said: list[Fact] = []
+    remarks: list[Fact] = []
     if support.claims:
         shown = (_shown(result, claim, of_key[claim.key]) for claim in support.claims)
-        said.append(facts.MoreThanChance(tuple(shown)))
+        remarks.append(facts.MoreThanChance(tuple(shown)))
     for reason in dict.fromkeys(support.withheld.values()):
         withheld = (key for key in CLAIMED if support.withheld.get(key) == reason)
-        said.append(facts.Unclaimed(tuple(map(facts.Named, withheld)), reason))
+        remarks.append(facts.Unclaimed(tuple(map(facts.Named, withheld)), reason))
     settled = {*support.withheld, *(claim.key for claim in support.claims)}
     others = [row for key, row in of_key.items() if key in CLAIMED and key not in settled]
     if settled and any(np.isfinite(row["p_corrected"]) for row in others):
-        said.append(facts.OthersNotShown())
+        remarks.append(facts.OthersNotShown())
     if result.is_short:
-        said.append(facts.ShortEncounters())
-    return tuple(said)
+        remarks.append(facts.ShortEncounters())
+    return tuple(remarks)
 
 
 def _shown(result: Result, claim: Claim, row: Mapping[Hashable, Any]) -> facts.Shown:
