@@ -122,7 +122,7 @@ def draw_bar(pages: dict[str, list[StreamlitPage]], current: StreamlitPage) -> N
     """
     links = _links(pages)
     here = _OF.get(current.url_path or START)
-    lacking = {page.key: said for page in _PAGES if page.lacks and (said := page.lacks())}
+    lacking = {page.key: need for page in _PAGES if page.lacks and (need := page.lacks())}
     with st.container(horizontal=True, gap="xsmall", vertical_alignment="center", key="navigation"):
         for page in _PAGES:
             if page.section == COMPARE and not page.tab_of and page.key not in lacking:
