@@ -227,9 +227,9 @@ def test_unequal_operating_points_show_no_noninferiority():
     y = truth + [at(f, 5, recording=r) for r in range(8) for f in range(6)]
     result = result_of(make_dataset(truth, x, y, places=[Place(range(6))] * 8))
     plan = plan_recordings(result, PlanArguments("mean_similarity", margin=0.5))
-    said = facts_of_plan(plan)
-    assert Advice("unequal") in said
-    (answered,) = (fact for fact in said if isinstance(fact, NotWorse))
+    facts = facts_of_plan(plan)
+    assert Advice("unequal") in facts
+    (answered,) = (fact for fact in facts if isinstance(fact, NotWorse))
     assert (answered.kind, answered.candidate, answered.margin.value) == ("open", "y", 0.5)
 
 
@@ -468,8 +468,8 @@ def test_a_threshold_that_cannot_give_the_alarms_sets_nothing_alike(
     alarms, parts = rng.poisson(4, (1, 30)).astype(float), rng.normal(1, 0.1, (1, 30))
     laxer = Curve(scale * np.concatenate([0 * alarms, alarms]), np.concatenate([parts, parts + 1]))
     thresholds = Thresholds((Curve(alarms, parts), Curve(alarms / 2, parts)), (None, laxer))
-    found, *_ = parts_at_equal_alarms(thresholds, np.ones((1, 30), dtype=int))
-    assert np.isfinite(found).all() == is_alike
+    own_parts, *_ = parts_at_equal_alarms(thresholds, np.ones((1, 30), dtype=int))
+    assert np.isfinite(own_parts).all() == is_alike
 
 
 def test_exchanged_systems_have_the_parts_with_the_other_sign() -> None:

@@ -150,14 +150,14 @@ def test_the_rules_to_copy_from_the_page_can_be_judged():
 )
 def test_comparisons(comparison, passes):
     outcomes = [judge([parse_rule(f"a {comparison} 2")], {"a": value})[0] for value in (1, 2, 3)]
-    assert [one.value for one in outcomes if one.is_passed] == passes
+    assert [outcome.value for outcome in outcomes if outcome.is_passed] == passes
 
 
 def test_the_audit_is_judged_by_rules_that_a_rule_can_replace():
     given = [parse_rule("audit_errors <= 2")]
-    assert [one.text for one in audit_rules([], strict=False)] == ["audit_errors == 0"]
-    assert [one.text for one in audit_rules(given, strict=False)] == []
-    assert [one.text for one in audit_rules(given, strict=True)] == ["audit_warnings == 0"]
+    assert [rule.text for rule in audit_rules([], strict=False)] == ["audit_errors == 0"]
+    assert [rule.text for rule in audit_rules(given, strict=False)] == []
+    assert [rule.text for rule in audit_rules(given, strict=True)] == ["audit_warnings == 0"]
 
 
 def scene(n_recordings: int = 1):
@@ -180,10 +180,10 @@ def test_a_failed_rule_has_what_it_counts_and_a_passed_one_has_nothing():
     wanted = [rule.name for rule in rules]
     values = gate_measures(result, [WARNING], PROTOCOLS["all"], wanted)
     outcomes = explain(judge(rules, values), result, [WARNING])
-    assert [one.is_passed for one in outcomes] == [False, True, False, True, False]
+    assert [outcome.is_passed for outcome in outcomes] == [False, True, False, True, False]
     assert outcomes[0].details == ("r0, track 7, frames 3 to 5",)
     assert outcomes[2].details == ("NIR: Three are odd.",)
-    assert [len(one.details) for one in outcomes] == [1, 0, 1, 0, 0]
+    assert [len(outcome.details) for outcome in outcomes] == [1, 0, 1, 0, 0]
 
 
 def outcomes() -> list[Outcome]:
@@ -251,9 +251,9 @@ def test_a_gate_that_cannot_be_run_is_an_error_for_ci():
 def test_the_results_of_a_gate_are_told_from_other_files():
     own = [junit_xml(outcomes(), "X"), markdown([], "X").encode(), junit_error("a"),
            markdown_error("a").encode()]  # fmt: skip
-    assert all(is_gate_result(one) for one in own)
+    assert all(is_gate_result(content) for content in own)
     others = [b"", b"recording,frame\n", b"## Gate rules\n", b"<?xml version='1.0'?><annotation/>"]
-    assert not any(is_gate_result(one) for one in others)
+    assert not any(is_gate_result(content) for content in others)
 
 
 def test_how_much_worse_a_system_may_be_is_the_end_of_the_interval_over_recordings_against_it():

@@ -48,18 +48,18 @@ def test_the_values_are_those_of_the_scorecard(
     assert [tile.title for tile in four] == [
         "Pedestrians found", "Time missed", "False-alert episodes", "Worst miss"
     ]  # fmt: skip
-    found, _, _, worst = four
-    assert (found.x, found.y, found.difference, found.better) == ("30", "27", "+3", "x")
-    assert found.unit == "encounters detected, of 38"
+    detected, _, _, worst = four
+    assert (detected.x, detected.y, detected.difference, detected.better) == ("30", "27", "+3", "x")
+    assert detected.unit == "encounters detected, of 38"
     assert (worst.interval, worst.bar, worst.chip) == (Interval("none"), None, Chip("single"))
 
 
 def test_the_interval_of_encounters_counts_them_and_its_bar_is_right_where_x_is_better(
     sample: tuple[Result, pd.DataFrame, Companions],
 ):
-    found = tile_of(sample, "encounters_detected_by_unit", low=-0.1, difference=0.1, high=0.3)
-    assert found.interval == Interval("ends", "−3.8 to +11.4")
-    low, middle, high = found.bar
+    tile = tile_of(sample, "encounters_detected_by_unit", low=-0.1, difference=0.1, high=0.3)
+    assert tile.interval == Interval("ends", "−3.8 to +11.4")
+    low, middle, high = tile.bar
     assert low < 0.5 < middle < high < 1
     missed = tile_of(sample, "severity_s_per_encounter", low=0.1, difference=0.2, high=0.4)
     low, middle, high = missed.bar
@@ -148,11 +148,11 @@ def test_few_false_alarms_are_why_a_tile_is_not_tested(
     assert (count_alarms(result.x), count_alarms(result.y)) == (13, 13)
     evidence = evidence_table(result)
     companions = find_companions(result, evidence)
-    found, missed, *_ = tiles(result, evidence, companions)
-    assert (found.interval, found.chip) == (Interval("none"), Chip("unsure"))
+    detected, missed, *_ = tiles(result, evidence, companions)
+    assert (detected.interval, detected.chip) == (Interval("none"), Chip("unsure"))
     assert (missed.interval, missed.chip) == (Interval("none"), Chip("unsure"))
-    said = verdict(result, evidence=evidence, companions=companions)
-    assert said.headline.conclusion == Conclusion("unsure")
+    conclusion = verdict(result, evidence=evidence, companions=companions)
+    assert conclusion.headline.conclusion == Conclusion("unsure")
 
 
 def test_what_is_not_tested_yet_says_so(sample: tuple[Result, pd.DataFrame, Companions]):

@@ -29,8 +29,8 @@ ASSUMED = SpeedOfOne("assumed", 50)
 
 def met(boxes=None, place=PLACE, **params) -> Result:
     boxes = approach(range(40), 5) if boxes is None else boxes
-    found = only(boxes, range(10, 40))
-    return result_of(make_dataset(boxes, found, places=[place]), **params)
+    detections = only(boxes, range(10, 40))
+    return result_of(make_dataset(boxes, detections, places=[place]), **params)
 
 
 def test_an_urgent_encounter_says_when_and_what_each_system_did():
