@@ -21,7 +21,7 @@ from nvcore.detection.operating_point import (
 )
 from nvcore.measures.table import inference_of
 from nvcore.scoring import SystemResult
-from nvcore.sentences.facts import AsSet, AtEqualAlarms, Setting
+from nvcore.sentences.facts import AsSet, AtEqualAlarms, EqualAlarmsSetting
 from nvcore.settings import OperatingPoint
 
 
@@ -138,11 +138,11 @@ def moved_of(equal: Result) -> str:
     return which_moves(equal.as_set)
 
 
-def equal_setting(equal: Result) -> Setting:
+def equal_setting(equal: Result) -> EqualAlarmsSetting:
     """How `find_equal_alarms` set X and Y alike."""
     moved = moved_of(equal)
     per_frame = count_alarms(equal.x) / max(len(equal.dataset.frames), 1)
-    return Setting(moved, equal.system(moved).threshold, per_frame)
+    return EqualAlarmsSetting(moved, equal.system(moved).threshold, per_frame)
 
 
 def which_moves(result: Result) -> str:

@@ -47,7 +47,7 @@ from nvcore.evidence.planning.thresholds import (
     vary_thresholds,
 )
 from nvcore.evidence.units import find_units
-from nvcore.sentences.planning import Advice, Apart, Excluded, Extent, NotWorse, Size, Sought
+from nvcore.sentences.planning import Advice, Apart, Excluded, NotWorse, Size, Sought, StudyExtent
 
 
 def normal_pilot(n: int = 60, difference: float = 0.5, seed: int = 5) -> Pilot:
@@ -280,7 +280,7 @@ def test_a_plan_says_recordings_encounters_and_time():
     _, ends, size, _, *advice = facts_of_plan(plan)
     assert (ends.kind, ends.n, ends.low) == ("also 0", 12, Apart(plan.evidence.low, key))
     assert size.sought == Sought("named", Apart(0.2, key))
-    assert size.extent == Extent(n, 5 * n, named.duration_s)
+    assert size.extent == StudyExtent(n, 5 * n, named.duration_s)
     assert [fact for fact in advice if isinstance(fact, Advice)] == [Advice("fresh")]
     again = plan_recordings(result, asking(difference=0.2))
     assert again.sizes == plan.sizes  # the seed is fixed

@@ -21,7 +21,7 @@ from nvcore.protocols import PROTOCOLS
 from nvcore.report.gate import audit_rules, run_gate
 from nvcore.report.gate.details import encounters_of, explain
 from nvcore.report.gate.measures import SUMMARY_NAMES, gate_measures, measure_names
-from nvcore.report.gate.outcomes import Outcome, judge, value_text
+from nvcore.report.gate.outcomes import RuleOutcome, judge, value_text
 from nvcore.report.gate.results import (
     is_gate_result,
     junit_error,
@@ -186,9 +186,9 @@ def test_a_failed_rule_has_what_it_counts_and_a_passed_one_has_nothing():
     assert [len(outcome.details) for outcome in outcomes] == [1, 0, 1, 0, 0]
 
 
-def outcomes() -> list[Outcome]:
-    passed = Outcome(Rule("a", "<", 1, "a < 1"), 0.5, True)
-    return [passed, Outcome(Rule("b", "<", 1, "b < 1"), 2.0, False, ("one", HOSTILE))]
+def outcomes() -> list[RuleOutcome]:
+    passed = RuleOutcome(Rule("a", "<", 1, "a < 1"), 0.5, True)
+    return [passed, RuleOutcome(Rule("b", "<", 1, "b < 1"), 2.0, False, ("one", HOSTILE))]
 
 
 def test_the_terminal_shows_what_failed_rules_count_one_line_each():
@@ -214,7 +214,7 @@ def test_junit_has_a_case_for_each_rule_and_the_audit_beside():
 
 
 def test_markdown_names_the_failing_rules_first_and_what_they_count():
-    undefined = Outcome(Rule("c", "<", 1, "c < 1"), np.nan, False)
+    undefined = RuleOutcome(Rule("c", "<", 1, "c < 1"), np.nan, False)
     lines = markdown([*outcomes(), undefined], "X|Y").splitlines()
     assert lines[0] == "## Gate: 2 of 3 rules failed"
     assert lines[2] == r"X\|Y"
@@ -225,7 +225,7 @@ def test_markdown_names_the_failing_rules_first_and_what_they_count():
     ]
     assert lines[10:13] == ["`b < 1` failed:", "", "- one"]
     assert lines[-1] == "### Audit: nothing found"
-    failed = Outcome(parse_rule("audit_warnings == 0"), 1, False, ("NIR: Three are odd.",))
+    failed = RuleOutcome(parse_rule("audit_warnings == 0"), 1, False, ("NIR: Three are odd.",))
     text = markdown([failed], "X", [WARNING])
     assert "### Audit: 1 warning\n\n- warning, NIR: Three are odd\\." in text
     assert text.count("Three are odd") == 1  # not under its rule as well

@@ -27,7 +27,16 @@ from nvcore.sentences.encounters import Gain, NoFusion
 from nvcore.sentences.facts import AtBest
 from nvcore.sentences.saliency import End, Relevance, Weight
 from nvcore.tables.encounters.miss_classes import fusion_table
-from nvcore.time_left.facts import Among, Confirmed, Kind, Others, Reason, Speed, Unknown, Urgent
+from nvcore.time_left.facts import (
+    Among,
+    Confirmed,
+    NotUrgent,
+    Others,
+    Speed,
+    Unknown,
+    UnknownReason,
+    Urgent,
+)
 from nvcore.time_left.said import confirmed, urgent
 
 
@@ -209,10 +218,10 @@ def test_who_is_urgent_at_which_speed_and_why_others_are_not():
         "one",
         {"no chance": 1, "not urgent": 1, "unknown": 1},
     )
-    assert fact.others.kinds[-1].unknown == Unknown((Reason("short", 0),))
+    assert fact.others.kinds[-1].unknown == Unknown((UnknownReason("short", 0),))
     corridor = result_of(result.dataset, corridor=0.5)
     assert urgent(corridor).kind == "none"
-    assert Kind("outside", 1) in urgent(corridor).others.kinds
+    assert NotUrgent("outside", 1) in urgent(corridor).others.kinds
 
 
 def test_distant_encounters_are_said_to_be_among_those_counted():
@@ -221,7 +230,7 @@ def test_distant_encounters_are_said_to_be_among_those_counted():
     assert result.venn.distant == 1
     fact = urgent(result)
     assert fact == Urgent(
-        "one", Speed("assumed", 50.0), 1, Others((Kind("not urgent", 1),)), Among(2, 1)
+        "one", Speed("assumed", 50.0), 1, Others((NotUrgent("not urgent", 1),)), Among(2, 1)
     )
     assert say(fact, result.objects) == (
         "1 encounter is urgent at 50 km/h (assumed); 1 not urgent (of all 2 encounters, 1 distant "
@@ -235,10 +244,10 @@ def test_nobody_urgent_and_nothing_known_are_told_apart():
     assert confirmed(still) == ()
     sampled = Place(range(0, 40, 2))
     result = result_of(make_dataset(approach(range(0, 40, 2), 5), places=[sampled]))
-    assert urgent(result).unknown == Unknown((Reason("sampled", 0),))
+    assert urgent(result).unknown == Unknown((UnknownReason("sampled", 0),))
     linked = [box._replace(track=-1) for box in approach(range(40), 5)]
     result = result_of(make_dataset(linked, places=[PLACE]))
-    assert urgent(result).unknown == Unknown((Reason("linked", 0),))
+    assert urgent(result).unknown == Unknown((UnknownReason("linked", 0),))
 
 
 def test_the_verdict_tells_who_leaves_time_to_stop():

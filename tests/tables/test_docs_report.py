@@ -31,7 +31,7 @@ from nvcore.subjects import contributed
 from nvcore.tables.added import added_columns
 from nvcore.tables.boxes.matches import MATCH_COLUMNS, MATCHES
 from nvcore.tables.classes import classes_table
-from nvcore.tables.column import Column, Kind
+from nvcore.tables.column import CellKind, Column
 from nvcore.tables.columns import report_columns
 from nvcore.tables.evidence_columns import MATRIX_COLUMNS
 from nvcore.tables.summary import SYSTEM_KEYS, summary_keys
@@ -177,10 +177,10 @@ def test_only_columns_documented_so_have_empty_cells(report, file: str):
 @pytest.mark.parametrize("file", TABLES)
 def test_the_cells_are_of_the_documented_type(report, file: str):
     patterns = {
-        Kind.TEXT: r".+",
-        Kind.INTEGER: r"-?\d+",
-        Kind.NUMBER: r"-?\d+(\.\d+)?(e[-+]?\d+)?",
-        Kind.TRUTH_VALUE: r"[01]",
+        CellKind.TEXT: r".+",
+        CellKind.INTEGER: r"-?\d+",
+        CellKind.NUMBER: r"-?\d+(\.\d+)?(e[-+]?\d+)?",
+        CellKind.TRUTH_VALUE: r"[01]",
     }
     table = table_of(report, file)
     for column in TABLES[file]:

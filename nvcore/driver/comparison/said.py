@@ -21,9 +21,10 @@ from nvcore.driver.comparison.facts import (
     Alerts,
     Caution,
     Counts,
-    Extent,
+    DetectabilitySource,
     InTime,
     Known,
+    KnownExtent,
     LightUnknown,
     NoClaim,
     NothingKnown,
@@ -33,7 +34,6 @@ from nvcore.driver.comparison.facts import (
     SeenBy,
     SeenTooLate,
     Seldom,
-    Source,
     Weighting,
     Word,
 )
@@ -173,9 +173,11 @@ def source(result: Result) -> tuple[Fact, ...]:
     estimate, threshold = result.dataset.of("driver"), result.params.driver_threshold
     n_estimated, n_stated = count_origins(result)
     if estimate is None or is_stated(result):
-        return (Source("truth", threshold), *_extent(result))
+        return (DetectabilitySource("truth", threshold), *_extent(result))
     made_by = tuple(filter(None, (estimate.made_by or "estimated", estimate.caution)))
-    kind = Source("both" if n_stated else "estimates", threshold, made_by, n_estimated, n_stated)
+    kind = DetectabilitySource(
+        "both" if n_stated else "estimates", threshold, made_by, n_estimated, n_stated
+    )
     return (kind, *_extent(result))
 
 
@@ -186,7 +188,7 @@ def _extent(result: Result) -> tuple[Fact, ...]:
     n_boxes = n_known + count_unknown(result.dataset)
     is_small = n_known < (1 - SMALL_SHARE) * n_boxes
     n_unknown = driver_in(result).venn.counts[DriverRegion.UNKNOWN]
-    return (Extent(n_known, n_boxes, is_small, n_unknown),) if is_small or n_unknown else ()
+    return (KnownExtent(n_known, n_boxes, is_small, n_unknown),) if is_small or n_unknown else ()
 
 
 def _outside(result: Result) -> tuple[Fact, ...]:

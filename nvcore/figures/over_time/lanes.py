@@ -17,7 +17,7 @@ from nvcore.figures.style import (
     EDGE_PX,
     LEFT_PX,
     LOOK,
-    Look,
+    ChartLook,
     axis,
     draw,
     empty_figure,
@@ -247,7 +247,7 @@ def _bars(runs: pd.DataFrame, state: str, letters: str, label: str, theme: Theme
     return outline.update(_paint(state, letters, LOOK[theme]))
 
 
-def _paint(state: str, letters: str, look: Look) -> dict[str, Any]:
+def _paint(state: str, letters: str, look: ChartLook) -> dict[str, Any]:
     """Filled: matched. Hollow and hatched: missed. Pale: neither."""
     if state == "ignored":
         return {"fillcolor": look.pale, "line": {"width": 1, "color": look.muted}}

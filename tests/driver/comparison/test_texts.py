@@ -24,6 +24,7 @@ from nvcore.driver.comparison.encounters import (
 from nvcore.driver.comparison.facts import (
     Adapted,
     Alerts,
+    DetectabilitySource,
     InTime,
     LightUnknown,
     NoClaim,
@@ -32,7 +33,6 @@ from nvcore.driver.comparison.facts import (
     Outside,
     SeenTooLate,
     Seldom,
-    Source,
     Weighting,
     Why,
 )
@@ -149,7 +149,7 @@ def test_estimates_of_simulated_subjects_alone_are_no_ground_for_a_claim():
     assert no_claim(result) == (NoClaim("seen", Why("simulated")),)
     assert not no_claim(with_estimate(result, EstimateRecord("m", "ab12", "some", 12)))
     plain = with_estimate(eight(unknown=0), EstimateRecord())
-    assert source(plain) == (Source("estimates", 0.5, ("estimated",)),)
+    assert source(plain) == (DetectabilitySource("estimates", 0.5, ("estimated",)),)
 
 
 def test_what_is_estimated_and_what_the_truth_states_are_told_apart():

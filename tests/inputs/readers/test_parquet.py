@@ -23,7 +23,7 @@ from nvcore.errors import FormatError, NvcoreError
 from nvcore.inputs.readers import detect_format, parquet, parquet_decoder
 from nvcore.inputs.readers.base import Reading, ReadOptions, Role, SourceFile
 from nvcore.inputs.readers.csv import FORMAT as PLAIN_CSV
-from nvcore.inputs.readers.parquet_decoder import RefusedError, Table
+from nvcore.inputs.readers.parquet_decoder import ParquetTable, RefusedError
 
 BOX: dict[str, Any] = {"frame": [1, 2], "x": [1.5, 2.0], "y": [0, 1], "w": [9, 9], "h": [20, 30]}
 
@@ -44,7 +44,7 @@ def read(file: SourceFile, role: Role = "truth", **options: Any) -> Reading:
 
 def decoded(path: Path, **limits: int) -> dict[int, pa.ChunkedArray]:
     """All columns, in this process: with other limits than those of every file."""
-    table = Table(path.read_bytes())
+    table = ParquetTable(path.read_bytes())
     given = {"ratio": 200, "ratio_from": 1 << 26, "unpacked": 1 << 31, "text": 1 << 14}
     return table.columns(range(len(table.names)), given | limits)
 

@@ -12,7 +12,7 @@ from nvcore.errors import FormatError, InputError
 from nvcore.inputs.readers.base import Lines, SourceFile
 from nvcore.inputs.readers.parse import text
 from nvcore.inputs.readers.parse.text import (
-    Layout,
+    TextLayout,
     are_numbers,
     is_whole,
     read_numbers,
@@ -34,7 +34,7 @@ NO_NUMBERS = ["person", "1_000", '"1', "0x10", "1;2"]
 
 
 def three(file: SourceFile, **options: object):
-    return read_numbers(file, Layout(**{"n_columns": (3, 4), "what": "a,b,c", **options}))
+    return read_numbers(file, TextLayout(**{"n_columns": (3, 4), "what": "a,b,c", **options}))
 
 
 def padded(content: str) -> str:
