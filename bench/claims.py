@@ -297,13 +297,13 @@ def make_rows(task: tuple[str, int, int, int]) -> list[dict[str, Any]]:
     rows = []
     for pair in range(first, end):
         rng = np.random.default_rng([SEED, sorted(SCENARIOS).index(name), n, pair])
-        found, evidence = judge(draw_dataset(SCENARIOS[name], n, rng))
+        conclusion, evidence = judge(draw_dataset(SCENARIOS[name], n, rng))
         rows.append(
             {
                 "scenario": name,
                 "n": n,
                 "pair": pair,
-                "claims": {claim.key: claim.winner for claim in found.claims},
+                "claims": {claim.key: claim.winner for claim in conclusion.claims},
                 "p": dict(zip(evidence["figure"], map(_defined, evidence["p"]), strict=True)),
             }
         )

@@ -75,8 +75,8 @@ def plain(rgb: np.ndarray, boxes: np.ndarray, fixation: tuple[float, float]) -> 
                 cv2.calcHist([colours], [channel], mask, [BINS], [0, 256]).ravel()
                 for mask in (inside, around)
             ]
-            one, other = (np.cumsum(share / share.sum()) for share in shares)
-            work += float(np.abs(one - other).sum())
+            cdf_inside, cdf_around = (np.cumsum(share / share.sum()) for share in shares)
+            work += float(np.abs(cdf_inside - cdf_around).sum())
         apart = np.subtract(cv2.mean(lab, inside)[:3], cv2.mean(lab, around)[:3])
         rows.append(
             [

@@ -62,11 +62,11 @@ def draw_drives(kind: Kind, n: int, rng: np.random.Generator) -> Dataset:
         np.full(len(at), -1),
     )
     system, of_hit, at = np.nonzero(is_there & ~is_missed)
-    found = _moved(boxes[:, of_hit, at], rng)
-    hits = Boxes(recording[of_hit], at, found, score[system, of_hit, at], system)
+    hit_boxes = _moved(boxes[:, of_hit, at], rng)
+    hits = Boxes(recording[of_hit], at, hit_boxes, score[system, of_hit, at], system)
     is_kept = (alarms.score >= cut[alarms.system]) & (alarms.frame < n_frames[alarms.recording])
-    kept = Boxes(*(column[..., is_kept] for column in alarms))
-    return _dataset(n_frames, truth, track[pedestrian], hits, kept)
+    shown_alarms = Boxes(*(column[..., is_kept] for column in alarms))
+    return _dataset(n_frames, truth, track[pedestrian], hits, shown_alarms)
 
 
 def _walk(

@@ -129,8 +129,8 @@ def make_rows(task: tuple[str, int, int]) -> list[dict[str, Any]]:
     rows = []
     for study in range(first, end):
         rng = np.random.default_rng([SEED, sorted(PLANS).index(name), 2, study])
-        found, _ = judge(draw_study(name, n, rng))
-        is_shown = any((of.key, of.winner) == (DEFAULT, better) for of in found.claims)
+        conclusion, _ = judge(draw_study(name, n, rng))
+        is_shown = any((of.key, of.winner) == (DEFAULT, better) for of in conclusion.claims)
         rows.append({"plan": name, "n": n, "study": study, "is_shown": is_shown})
     return rows
 

@@ -44,7 +44,7 @@ from nvcore.scoring import (
     Inputs,
     Made,
     Memo,
-    Step,
+    ScoringStep,
     SystemInputs,
     SystemResult,
     score_system,
@@ -59,9 +59,9 @@ LEAST_FOR_THREADS: Final = 5_000
 """With fewer boxes, starting threads takes longer than scoring the systems one after the other."""
 
 
-TRUTH_STEPS: Final[tuple[Step, ...]] = (
-    Step("n_truth", lambda at: count_per_frame(at.truth, ~at.truth.ignore), of="truth"),
-    Step(
+TRUTH_STEPS: Final[tuple[ScoringStep, ...]] = (
+    ScoringStep("n_truth", lambda at: count_per_frame(at.truth, ~at.truth.ignore), of="truth"),
+    ScoringStep(
         "k_truth",
         lambda at: weigh_proximity(
             weighing_truth(at.dataset, at.params), ~at.truth.ignore, at.frames, at.params
@@ -69,14 +69,14 @@ TRUTH_STEPS: Final[tuple[Step, ...]] = (
         (PROXIMITY,),
         of="truth",
     ),
-    Step(
+    ScoringStep(
         "k_miss",
         lambda at, k_truth: weigh_misses(k_truth.k, at.dataset, at.params),
         (MISS_WEIGHTS,),
         ("k_truth",),
         of="truth",
     ),
-    Step(
+    ScoringStep(
         "cost",
         lambda at, k_miss: cost_of_miss(
             at.truth, k_miss, at.frames, in_use(at.params, "edge_weight", at.frames)
@@ -86,8 +86,8 @@ TRUTH_STEPS: Final[tuple[Step, ...]] = (
         of="truth",
     ),
 )
-BOTH_STEPS: Final[tuple[Step, ...]] = (
-    Step(
+BOTH_STEPS: Final[tuple[ScoringStep, ...]] = (
+    ScoringStep(
         "category",
         lambda _, outcomes: categorise(
             outcomes[0]["n_relevant"].to_numpy() == 0,
@@ -97,13 +97,13 @@ BOTH_STEPS: Final[tuple[Step, ...]] = (
         ("encounters",),
         of="both",
     ),
-    Step(
+    ScoringStep(
         "venn", lambda _, category: count_categories(category), (ENCOUNTERS,), ("category",), "both"
     ),
-    Step(
+    ScoringStep(
         "exclusivity", lambda _, venn: measure_exclusivity(venn), (ENCOUNTERS,), ("venn",), "both"
     ),
-    Step(
+    ScoringStep(
         "boxes",
         lambda at, matches: count_boxes(~at.truth.ignore, *(of.is_matched for of in matches)),
         (MATCH,),

@@ -43,7 +43,7 @@ class Subject:
     results
         Stages of these settings whose results are shown (`nvcore.stages.Stage`).
     steps
-        Steps of the comparison (`nvcore.scoring.step.Step`).
+        Steps of the comparison (`nvcore.scoring.step.ScoringStep`).
     view
         Class (or function) of what `Result.of` returns; it is made of the result.
     miss_weights
@@ -60,7 +60,7 @@ class Subject:
         (`nvcore.measures.table.doubt_of`).
     columns, entries
         Columns of the CSV files (`nvcore.tables.added.Columns`) and keys of ``summary.json``
-        (`nvcore.tables.summary_entry.Entry`).
+        (`nvcore.tables.summary_entry.SummaryEntry`).
     findings, caveats
         Checks of the audit (`nvcore.auditing.Checks`), and what their findings mean for the verdict
         (`nvcore.findings.Caveats`).

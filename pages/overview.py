@@ -13,7 +13,7 @@ from ui.shell.messages import draw_operating_point, needs_comparison
 def draw(result: Result) -> None:
     """The verdict, then what it rests on."""
     draw_operating_point(result)
-    room, before = verdict.Room(result), known_evidence(result)
+    room, before = verdict.VerdictBox(result), known_evidence(result)
     is_new = not room.holds_last()  # else what it shows stays until there is something newer
     if is_new:
         room.draw_known(before)

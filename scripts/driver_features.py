@@ -20,7 +20,7 @@ import pandas as pd
 
 from nvcore.driver.features import FEATURE_KEYS, FEATURES, FeatureSettings, features_of
 from nvcore.driver.run import run_features
-from nvcore.driver.settings import DriverSettings
+from nvcore.driver.settings import DriverViewSettings
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source
 from nvcore.pictures.images import decode_image, file_bytes
@@ -47,7 +47,7 @@ def videos(realdata: Path, surround: float) -> dict[str, pd.DataFrame]:
             systems=(),
             recordings=(RecordingEntry(name, pictures=f"videos/{file}"),),
         )
-        settings = replace(DriverSettings(), features=FeatureSettings(surround=surround))
+        settings = replace(DriverViewSettings(), features=FeatureSettings(surround=surround))
         tables[name] = run_features(load(session), settings).table
     return tables
 

@@ -130,8 +130,8 @@ def _rows(text: str) -> Facts:
 
 def _numbers(cell: str) -> str:
     """Numbers and names of a cell for people; "…": only words."""
-    found = NUMBER_OR_NAME.findall(cell) if len(WORD.findall(cell)) < SENTENCE else []
-    return " ".join(found).replace("−", "-") or _any(cell.strip())
+    tokens = NUMBER_OR_NAME.findall(cell) if len(WORD.findall(cell)) < SENTENCE else []
+    return " ".join(tokens).replace("−", "-") or _any(cell.strip())
 
 
 def _any(prose: object) -> str:

@@ -165,7 +165,7 @@ def test_marks_to_ignore_and_empty_cells_are_read_as_in_a_file(folder: Path, tmp
 def test_findings_about_a_table_name_its_row(folder: Path):
     given = tables(folder)
     given["x"].loc[3, "w"] = 0.0
-    finding = next(one for one in nv.audit(**given, **SIZE) if one.code == "no-area")
+    finding = next(finding for finding in nv.audit(**given, **SIZE) if finding.code == "no-area")
     assert (finding.file, finding.example.split(",")[0]) == ("x (table)", "row 3")
 
 
@@ -346,8 +346,8 @@ def test_a_gate_is_true_if_all_rules_hold(sample: Comparison, folder: Path):
     assert nv.gate(sample, ["new_misses <= 8"])
     outcome = nv.gate(sample, ["new_misses == 0", "encounters == 38"])
     assert not outcome
-    assert [one.rule.name for one in outcome.failed] == ["new_misses"]
-    assert [one.rule.name for one in outcome.passed] == ["encounters", "audit_errors"]
+    assert [of_rule.rule.name for of_rule in outcome.failed] == ["new_misses"]
+    assert [of_rule.rule.name for of_rule in outcome.passed] == ["encounters", "audit_errors"]
     assert "FAILED  new_misses == 0  (new_misses is 8)" in str(outcome)
     hint = "no rule is about false alarms"
     assert hint in str(outcome)

@@ -91,8 +91,8 @@ def busy() -> Dataset:
         places += scene.places
     for n in range(3):  # driven up to, more or less to the side, found sooner or later
         person = approach(range(40), 4.6 + 0.1 * n, centre=50 + 15 * n, recording=len(places))
-        for target, found in zip(boxes, (range(40), range(5 + n, 40), range(25, 40)), strict=True):
-            seen = only(person, found)  # only the systems know how far away
+        for target, frames in zip(boxes, (range(40), range(5 + n, 40), range(25, 40)), strict=True):
+            seen = only(person, frames)  # only the systems know how far away
             target += seen if target is boxes[0] else [b._replace(distance_m=40.0) for b in seen]
         places.append(PLACE)
     for source, target in enumerate(boxes):  # of two classes, and now and then of none
@@ -103,7 +103,7 @@ def busy() -> Dataset:
 
 def figures(result: Result) -> dict[str, Any]:
     """Everything in a result that is a number, by name."""
-    found: dict[str, Any] = {
+    by_name: dict[str, Any] = {
         "venn": result.venn, "exclusivity": result.exclusivity, "boxes": result.boxes,
         "category": result.category, "k_truth": result.k_truth.k, "n_truth": result.n_truth,
         "k_miss": result.k_miss, "detectable": driver_in(result).table,
@@ -113,32 +113,32 @@ def figures(result: Result) -> dict[str, Any]:
         "without_distance": result.k_truth.n_without_distance,
     }  # fmt: skip
     for name in (spec.name for spec in dataclasses.fields(result.encounters)):
-        found[f"encounters {name}"] = getattr(result.encounters, name)
+        by_name[f"encounters {name}"] = getattr(result.encounters, name)
     for letter, system in (("x", result.x), ("y", result.y)):
         for part in ("matches", "weights", "nearest", "distances"):
             for name, value in vars(getattr(system, part)).items():
-                found[f"{letter} {part} {name}"] = value
+                by_name[f"{letter} {part} {name}"] = value
         for name in ("similarity", "similarity_window", "salient_row", "n_det", "matched",
                      "false_alarms", "events", "encounters", "failures", "episodes", "intervals",
                      "summary", "false_alarm_summary", "saliency_s"):  # fmt: skip
-            found[f"{letter} {name}"] = getattr(system, name)
-        found[f"{letter} confirmed"] = confirmed_by(system)
-        found[f"{letter} time_left"] = time_left_of(system)
-    return found
+            by_name[f"{letter} {name}"] = getattr(system, name)
+        by_name[f"{letter} confirmed"] = confirmed_by(system)
+        by_name[f"{letter} time_left"] = time_left_of(system)
+    return by_name
 
 
-def differing(one: Result, other: Result) -> set[str]:
+def differing(result: Result, other: Result) -> set[str]:
     """Names of the figures in which two results differ."""
     theirs = figures(other)
-    return {name for name, value in figures(one).items() if not _is_same(value, theirs[name])}
+    return {name for name, value in figures(result).items() if not _is_same(value, theirs[name])}
 
 
-def _is_same(one: Any, other: Any) -> bool:
-    if isinstance(one, pd.DataFrame):
-        return one.equals(other)
-    if isinstance(one, np.ndarray):
-        return np.array_equal(one, other, equal_nan=one.dtype.kind == "f")
-    return repr(one) == repr(other)
+def _is_same(value: Any, other: Any) -> bool:
+    if isinstance(value, pd.DataFrame):
+        return value.equals(other)
+    if isinstance(value, np.ndarray):
+        return np.array_equal(value, other, equal_nan=value.dtype.kind == "f")
+    return repr(value) == repr(other)
 
 
 def changed(name: str) -> tuple[Params, Params]:
@@ -168,7 +168,7 @@ def test_a_parameter_changes_only_measures_that_depend_on_it(busy: Dataset, name
     results = [compare(busy, params) for params in changed(name)]
 
     def values(measure: Measure) -> list[list[float]]:
-        return [[measure.of(one, system) for _, system in one.sides] for one in results]
+        return [[measure.of(result, system) for _, system in result.sides] for result in results]
 
     of_systems = [measure for measure in MEASURES if measure.of is not None]
     differ = {measure.key for measure in of_systems if not _is_same(*values(measure))}
@@ -201,8 +201,8 @@ def test_figures_do_not_depend_on_the_number_of_threads(
 
 
 def test_a_previous_result_of_another_dataset_is_not_used() -> None:
-    one, other = make_dataset([at(0, 50, track=1)]), make_dataset([at(0, 20, track=1)])
-    result = compare(other, previous=compare(one))
+    dataset, other = make_dataset([at(0, 50, track=1)]), make_dataset([at(0, 20, track=1)])
+    result = compare(other, previous=compare(dataset))
     assert result.x.distances.d_miss[0] == pytest.approx(20)
 
 

@@ -122,8 +122,8 @@ def test_tables_have_the_dtypes_of_the_schema_with_and_without_boxes() -> None:
 def test_the_fingerprint_changes_with_any_value_and_name() -> None:
     table = boxes((0, 0, 1), (1, 0, 2))
     listed = [np.arange(2)]
-    one = dataset_from_tables(recordings(), listed, table, ["a"]).fingerprint
-    assert dataset_from_tables(recordings(), listed, table.copy(), ["a"]).fingerprint == one
+    fingerprint = dataset_from_tables(recordings(), listed, table, ["a"]).fingerprint
+    assert dataset_from_tables(recordings(), listed, table.copy(), ["a"]).fingerprint == fingerprint
     others = [
         dataset_from_tables(recordings(), listed, table, ["b"]),
         dataset_from_tables(recordings(fps=11.0), listed, table, ["a"]),
@@ -131,7 +131,7 @@ def test_the_fingerprint_changes_with_any_value_and_name() -> None:
         dataset_from_tables(recordings(), [np.array([0, 2])], table, ["a"]),
         dataset_from_tables(recordings(), listed, table.assign(x=[1, 2.5]), ["a"]),
     ]
-    assert len({one, *(other.fingerprint for other in others)}) == 6
+    assert len({fingerprint, *(other.fingerprint for other in others)}) == 6
 
 
 def test_a_given_fingerprint_is_kept() -> None:
@@ -184,9 +184,9 @@ def test_only_recordings_with_all_tags_are_left() -> None:
 
 def test_the_part_is_compared_like_the_recordings_by_themselves() -> None:
     part, alone = of_three().only(names=["r1"]), of_three()
-    one = compare(part, Params(proximity="none")).x.similarity
+    similarity = compare(part, Params(proximity="none")).x.similarity
     whole = compare(alone, Params(proximity="none")).x.similarity
-    assert np.array_equal(one, whole[2:4])
+    assert np.array_equal(similarity, whole[2:4])
 
 
 def test_all_recordings_chosen_are_the_same_data() -> None:

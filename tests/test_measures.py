@@ -155,7 +155,7 @@ def test_measures_of_one_hypothesis_rest_on_the_same():
 
 def test_what_displays_choose_among_the_measures_exists():
     chosen = [*QUALITIES, *PAIR_MEASURES, *KINDS]
-    assert {one.key for one in chosen} | {kind.judged for kind in KINDS if kind.judged} <= {
+    assert {quality.key for quality in chosen} | {kind.judged for kind in KINDS if kind.judged} <= {
         measure.key for measure in MEASURES
     }
 
@@ -179,9 +179,11 @@ def test_a_recording_without_frames_has_no_value_or_none_of_anything(measure: Me
 def test_what_is_undefined_without_frames_says_so():
     result = result_of(make_dataset(n_frames=0))
     undefined = {
-        one.key for one in OF_SYSTEMS if one.meaning and np.isnan(one.of(result, result.x))
+        measure.key
+        for measure in OF_SYSTEMS
+        if measure.meaning and np.isnan(measure.of(result, result.x))
     }
-    assert undefined == {one.key for one in OF_SYSTEMS if one.empty}
+    assert undefined == {measure.key for measure in OF_SYSTEMS if measure.empty}
 
 
 @pytest.mark.parametrize("key", EVIDENCE_KEYS)

@@ -73,9 +73,9 @@ def test_the_border_moves_with_the_size_of_the_picture():
 
 def test_left_out_boxes_stay_as_ignored_ones_and_keep_their_rows():
     dataset = make_dataset([person(30), person(60), person(60, ignore=True)], **SIZE)
-    found = filter_truth(dataset, PROTOCOLS["reasonable"])
-    assert found.truth.ignore.tolist() == [True, False, True]
-    assert np.array_equal(found.truth.h, dataset.truth.h)
+    filtered = filter_truth(dataset, PROTOCOLS["reasonable"])
+    assert filtered.truth.ignore.tolist() == [True, False, True]
+    assert np.array_equal(filtered.truth.h, dataset.truth.h)
     assert dataset.truth.ignore.tolist() == [False, False, True]  # nothing changed in place
 
 
@@ -133,11 +133,11 @@ def test_what_is_left_out_is_told_with_how_many_boxes_that_are():
     boxes = [person(ignore=True), person(30), person(30, occlusion=2), person(100)]
     rest = [person(x=0), person(w=70)]
     narrow = replace(PROTOCOLS["kaist-reasonable"], aspect=(1, 5))
-    found = filter_truth(make_dataset([*boxes, *rest], **SIZE), narrow)
-    assert dict(found.n_left_out) == {FLAGGED: 1, HEIGHT: 2, OCCLUSION: 1, BORDER: 1, ASPECT: 1}
-    assert found.n_truth == 1
-    found = filter_truth(make_dataset(boxes, **SIZE), PROTOCOLS["kaist-reasonable"])
-    assert found.left_out == (
+    filtered = filter_truth(make_dataset([*boxes, *rest], **SIZE), narrow)
+    assert dict(filtered.n_left_out) == {FLAGGED: 1, HEIGHT: 2, OCCLUSION: 1, BORDER: 1, ASPECT: 1}
+    assert filtered.n_truth == 1
+    filtered = filter_truth(make_dataset(boxes, **SIZE), PROTOCOLS["kaist-reasonable"])
+    assert filtered.left_out == (
         "3 ignored: 1 flagged in the ground truth, 2 by height, 1 by occlusion (a box that "
         "several of these leave out is counted for each)"
     )
@@ -209,15 +209,15 @@ def test_every_named_protocol_says_what_it_is_in_one_sentence():
         Protocol(OWN, height_px=(10, math.inf), tags=("night",)),
         Protocol(OWN, occlusion=(2,), border_px=(1, 2, 3, 4), aspect=(0, 3), expand=2),
     ],
-    ids=lambda one: one.title,
+    ids=lambda protocol: protocol.title,
 )
 def test_what_a_session_file_says_of_a_protocol_makes_it_again(protocol):
     assert protocol_from(protocol.given()) == protocol
 
 
 def test_a_filter_beside_a_name_replaces_that_of_the_named_protocol():
-    found = protocol_from({"name": "reasonable", "height_px": [40, 90]})
-    assert found == replace(PROTOCOLS["reasonable"], name=OWN, text="", height_px=(40, 90))
+    protocol = protocol_from({"name": "reasonable", "height_px": [40, 90]})
+    assert protocol == replace(PROTOCOLS["reasonable"], name=OWN, text="", height_px=(40, 90))
 
 
 def test_own_filters_that_leave_nothing_out_are_the_protocol_all():

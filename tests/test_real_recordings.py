@@ -134,8 +134,8 @@ def test_kaist_s_recordings_and_frames_come_from_its_image_list(realdata: Path):
     summary, code, told = compare(*kaist(realdata))
     annotated = json.loads((realdata / "kaist" / "KAIST_annotation.json").read_text())
     names = {image["im_name"].rpartition("/")[0] for image in annotated["images"]}
-    people = [one for one in annotated["annotations"]
-              if one["category_id"] == 1 and not one["ignore"]]  # fmt: skip
+    people = [box for box in annotated["annotations"]
+              if box["category_id"] == 1 and not box["ignore"]]  # fmt: skip
     assert code == 0
     assert (summary["recordings"], summary["frames"]) == (len(names), 2252)
     assert summary["truth"]["boxes"] == len(people)

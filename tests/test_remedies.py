@@ -52,7 +52,7 @@ def texts_of(path: Path) -> Iterator[ast.Constant]:
 def options_of_steps() -> set[tuple[str, str]]:
     """Value and name of every option that the library says to give."""
     of_step = re.compile(r'Step\(Remedy\.OPTION, "([^"]*)", "(\w+)"\)')
-    return {found for path in LIBRARY for found in of_step.findall(path.read_text("utf-8"))}
+    return {option for path in LIBRARY for option in of_step.findall(path.read_text("utf-8"))}
 
 
 def test_the_library_names_no_flag():
@@ -89,7 +89,7 @@ def test_every_flag_that_is_named_exists():
 def commands(command: click.Command) -> list[click.Command]:
     """A command with all below it."""
     below = command.commands.values() if isinstance(command, click.Group) else ()
-    return [command, *(every for one in below for every in commands(one))]
+    return [command, *(every for subcommand in below for every in commands(subcommand))]
 
 
 def test_pages_word_every_option_without_flags():

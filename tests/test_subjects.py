@@ -63,8 +63,8 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 def test_the_contract_of_imports_says_which_subject_needs_which():
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
     contracts = settings["tool"]["importlinter"]["contracts"]
-    (contract,) = (one for one in contracts if one["type"] == "independence")
-    needs = {package: one.needs for package, one in subjects.subjects().values()}
+    (contract,) = (rule for rule in contracts if rule["type"] == "independence")
+    needs = {package: subject.needs for package, subject in subjects.subjects().values()}
     assert set(contract["modules"]) == set(needs)
     assert contract["ignore_imports"] == [
         "nvcore -> nvcore.**",

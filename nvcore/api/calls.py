@@ -17,7 +17,7 @@ from nvcore.evidence.operating_points import at_operating_point
 from nvcore.findings import Finding, worst_first
 from nvcore.report.gate import run_gate
 from nvcore.report.gate.measures import measure_names
-from nvcore.report.gate.outcomes import Outcome
+from nvcore.report.gate.outcomes import RuleOutcome
 from nvcore.report.gate.results import terminal_lines
 from nvcore.report.gate.rules import read_rules
 
@@ -87,15 +87,15 @@ class GateOutcome:
         What became of each rule, the audit's included.
     """
 
-    outcomes: tuple[Outcome, ...]
+    outcomes: tuple[RuleOutcome, ...]
 
     @property
-    def passed(self) -> tuple[Outcome, ...]:
+    def passed(self) -> tuple[RuleOutcome, ...]:
         """The rules that hold."""
         return tuple(outcome for outcome in self.outcomes if outcome.is_passed)
 
     @property
-    def failed(self) -> tuple[Outcome, ...]:
+    def failed(self) -> tuple[RuleOutcome, ...]:
         """The rules that do not."""
         return tuple(outcome for outcome in self.outcomes if not outcome.is_passed)
 

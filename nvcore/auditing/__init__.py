@@ -134,9 +134,9 @@ def ranked(dataset: Dataset, findings: Iterable[Finding]) -> tuple[Finding, ...]
 
     Frame numbers at another rate end early: that detections are in a part only says nothing more.
     """
-    found = accepted(findings, dataset.settings.accept)
-    explained = {(PART_CODE, finding.subject) for finding in found if finding.code == RATE_CODE}
-    return worst_first(f for f in found if (f.code, f.subject) not in explained)
+    findings = accepted(findings, dataset.settings.accept)
+    explained = {(PART_CODE, finding.subject) for finding in findings if finding.code == RATE_CODE}
+    return worst_first(f for f in findings if (f.code, f.subject) not in explained)
 
 
 def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:

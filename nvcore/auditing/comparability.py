@@ -102,7 +102,9 @@ def audit_weighting(
     weighed = replace(truth, boxes=weighing_truth(truth.dataset, params))
     counting = ~truth.boxes.ignore, *(match.is_counted for match in matches)
     sources = list(zip((weighed, x, y), counting, strict=True))
-    rows = [np.flatnonzero(np.isnan(one.boxes.distance_m) & counts) for one, counts in sources]
+    rows = [
+        np.flatnonzero(np.isnan(source.boxes.distance_m) & counts) for source, counts in sources
+    ]
     counts = [int(np.count_nonzero(counts)) for _, counts in sources]
     shares = [len(own) / n if n else np.nan for own, n in zip(rows, counts, strict=True)]
     least = np.nanmin(shares, initial=1.0)

@@ -55,8 +55,8 @@ def audit_pieces(dataset: Dataset) -> Iterator[Finding]:
     has_unit = dataset.recordings["unit"].to_numpy() != ""
     pieces: dict[str, list[str]] = defaultdict(list)
     for name in names[~has_unit].tolist():  # a loop over recordings: at most thousands
-        if found := _PIECE.fullmatch(name):
-            pieces[found[1]].append(name)
+        if piece := _PIECE.fullmatch(name):
+            pieces[piece[1]].append(name)
     drives = {stem: parts for stem, parts in pieces.items() if len(parts) >= LEAST_PIECES}
     n = sum(map(len, drives.values()))
     if not drives or (len(drives) == 1 and n == len(names)):

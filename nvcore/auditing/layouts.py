@@ -244,8 +244,8 @@ def find_layouts(dataset: Dataset) -> dict[str, LayoutFit]:
     """
     if _KEY not in dataset.derived:
         dataset.derived[_KEY] = _find_layouts(dataset)
-    found: dict[str, LayoutFit] = dataset.derived[_KEY]
-    return found
+    layouts: dict[str, LayoutFit] = dataset.derived[_KEY]
+    return layouts
 
 
 def _find_layouts(dataset: Dataset) -> dict[str, LayoutFit]:

@@ -26,7 +26,7 @@ from nvcore.findings import (
 )
 from nvcore.inputs.recordings import is_missing
 from nvcore.inputs.session import Session
-from nvcore.pictures.index import Rule, is_of_other_shape, why_unclear
+from nvcore.pictures.index import NumberingRule, is_of_other_shape, why_unclear
 from nvcore.pictures.notes import MAY_MISLEAD, PictureTrait
 from nvcore.pictures.recordings import RecordingPictures
 from nvcore.wording import capitalised, count_text, one_line
@@ -139,7 +139,7 @@ def _of_frames(
     without = np.flatnonzero(opened.indices[number] < 0)
     rows = frames.first[number] + without
     first_picture = (Step(Remedy.FIRST_PICTURE, subject=name),)
-    if mapped is not None and mapped.rule is Rule.UNCLEAR:
+    if mapped is not None and mapped.rule is NumberingRule.UNCLEAR:
         yield _Case(
             Severity.ERROR,
             "unclear",
@@ -166,11 +166,11 @@ def _of_frames(
             rows=rows,
             steps=first_picture if is_most else (),
         )
-    if mapped is not None and mapped.rule in (Rule.ORDER, Rule.ORDER_FROM_ZERO):
+    if mapped is not None and mapped.rule in (NumberingRule.ORDER, NumberingRule.ORDER_FROM_ZERO):
         are_numbered = source.numbers is not None
         shown = (
             f"there are as many as evaluated frames, {source.n:,}: they show these in their order"
-            if mapped.rule is Rule.ORDER
+            if mapped.rule is NumberingRule.ORDER
             else "in their order they show frame 0, 1, 2 and so on"
         )
         why = (
@@ -179,7 +179,7 @@ def _of_frames(
             if are_numbered
             else "no numbers of frames are in their names"
         )
-        is_sure = mapped.rule is Rule.ORDER or not are_numbered
+        is_sure = mapped.rule is NumberingRule.ORDER or not are_numbered
         yield _Case(
             Severity.NOTE if is_sure else Severity.WARNING,
             "in-order",
@@ -190,7 +190,7 @@ def _of_frames(
             steps=() if is_sure else first_picture,
         )
     if mapped is not None and mapped.is_either:
-        other = "minus one" if mapped.rule is Rule.NUMBER else "as they are"
+        other = "minus one" if mapped.rule is NumberingRule.NUMBER else "as they are"
         yield _Case(
             Severity.NOTE,
             "either",

@@ -119,8 +119,8 @@ class DetectorJob:
         from nvcore.detectors.findings import trained_findings
 
         about = self.detector.about
-        found = trained_findings(self.dataset, about.name, about.trained_on)
-        return [f"{finding.message} {finding.advice}" for finding in found]
+        findings = trained_findings(self.dataset, about.name, about.trained_on)
+        return [f"{finding.message} {finding.advice}" for finding in findings]
 
     def run(self, progress: Progress) -> WrittenRun:
         """Run the detector and write what comes out; errors as `detect`."""

@@ -26,7 +26,7 @@ _HEAD_BYTES: Final = 4096
 
 
 @dataclass(frozen=True)
-class Kind:
+class DetectorKind:
     """A kind of detector.
 
     Attributes
@@ -101,10 +101,10 @@ def _is_onnx(head: bytes) -> bool:
     return is_version_first or (len(head) > 2 and head[0] == 0x12 and head[1] < 128)
 
 
-DETECTORS: Final[dict[str, Kind]] = {
+DETECTORS: Final[dict[str, DetectorKind]] = {
     kind.key: kind
     for kind in (
-        Kind(
+        DetectorKind(
             "hog",
             "OpenCV's people detectors: gradients in cells, a linear classifier",
             {"hog": "trained on INRIA's people", "hog:daimler": "trained on Daimler's pedestrians"},
@@ -114,7 +114,7 @@ DETECTORS: Final[dict[str, Kind]] = {
             threshold="hit_threshold",
             loosest={"hit_threshold": -10.0, "overlap": 1.0},
         ),
-        Kind(
+        DetectorKind(
             "icf",
             "Integral Channel Features with a soft cascade: a model that was trained here (.npz)",
             {"icf:sample": "trained on seven sample recordings: drawings, not real people"},
@@ -123,7 +123,7 @@ DETECTORS: Final[dict[str, Kind]] = {
             lambda: None,
             loosest={"threshold": -1e6, "overlap": 1.0},
         ),
-        Kind(
+        DetectorKind(
             "onnx",
             "a network of one's own in ONNX (.onnx), run by ONNX Runtime",
             {},
@@ -158,13 +158,13 @@ def open_detector(text: str | Path, settings: Mapping[str, Any] | None = None) -
     return kind_named(text).open(str(text), settings or {})
 
 
-def kind_named(text: str | Path) -> Kind:
+def kind_named(text: str | Path) -> DetectorKind:
     """The kind of the detector that `open_detector` opens by this name or path; errors as it."""
     by_name = {name: kind for kind in DETECTORS.values() for name in kind.built_in}
     return by_name.get(str(text)) or kind_of_file(Path(text))
 
 
-def kind_of_file(path: Path) -> Kind:
+def kind_of_file(path: Path) -> DetectorKind:
     """The kind of detector that a model file holds.
 
     Raises

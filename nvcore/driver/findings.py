@@ -73,8 +73,8 @@ def _boxes_without(dataset: Dataset) -> list[Finding]:
     n = int(np.count_nonzero(is_unknown))
     if not n:
         return []
-    row, one = int(np.argmax(is_unknown)), dataset.objects.singular
-    boxes = count_text(n, f"{one} box has", f"{one} boxes have")
+    row, noun = int(np.argmax(is_unknown)), dataset.objects.singular
+    boxes = count_text(n, f"{noun} box has", f"{noun} boxes have")
     return [
         Finding(
             severity=Severity.NOTE,
@@ -82,8 +82,8 @@ def _boxes_without(dataset: Dataset) -> list[Finding]:
             subject=DETECTABILITY,
             count=n,
             message=f"{boxes} no detectability, of {int(np.count_nonzero(~truth.ignore)):,}.",
-            advice=f"Encounters in which it is unknown until the {one} is near enough to count are "
-            "counted apart.",
+            advice=f"Encounters in which it is unknown until the {noun} is near enough to count "
+            "are counted apart.",
             example=place_of_frame(dataset, int(truth.frame_index[row])),
             cases=Cases("boxes", np.flatnonzero(is_unknown) + truth.first_row),
         )

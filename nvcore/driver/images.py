@@ -29,7 +29,7 @@ from nvcore.driver.inputs.picture_boxes import (
     picture_boxes,
     read_picture_boxes,
 )
-from nvcore.driver.settings import DriverSettings
+from nvcore.driver.settings import DriverViewSettings
 from nvcore.errors import FormatError
 from nvcore.inputs.readers.parse.table import TextTable
 from nvcore.pictures import Picture, is_below, stretch
@@ -66,7 +66,7 @@ class ImageFeatures:
     table: pd.DataFrame
     n_images: int
     n_assumed: int
-    settings: DriverSettings
+    settings: DriverViewSettings
     sizes: tuple[tuple[int, int], ...]
 
     def __repr__(self) -> str:
@@ -112,7 +112,7 @@ class ImageFeatures:
 def image_features(
     folder: Path,
     boxes: Path,
-    settings: DriverSettings | None = None,
+    settings: DriverViewSettings | None = None,
     *,
     n_threads: int | None = None,
     progress: Progress = no_progress,
@@ -134,7 +134,7 @@ def image_features(
     InputError
         If a file cannot be used; with the line of the row that names it.
     """
-    settings = settings or DriverSettings()
+    settings = settings or DriverViewSettings()
     table = read_picture_boxes(boxes)
     pedestrians = picture_boxes(table)
     box = pedestrians[[*BOX]].to_numpy(np.float64)

@@ -26,7 +26,7 @@ from nvcore.driver.notes import (
     picture_notes,
 )
 from nvcore.driver.recording import DriverRecording, open_recordings
-from nvcore.driver.settings import DriverSettings
+from nvcore.driver.settings import DriverViewSettings
 from nvcore.inputs.session import Session
 from nvcore.pictures import Picture, stretch
 from nvcore.pictures.passes import PictureClock, in_order, pictures_of
@@ -107,7 +107,7 @@ class FeatureRun:
     """
 
     recordings: tuple[RecordingFeatures, ...]
-    settings: DriverSettings
+    settings: DriverViewSettings
     n_pictures: int
     seconds: float
 
@@ -140,7 +140,7 @@ class FeatureRun:
 
 def run_features(
     dataset: Dataset,
-    settings: DriverSettings | None = None,
+    settings: DriverViewSettings | None = None,
     *,
     n_threads: int | None = None,
     progress: Progress = no_progress,
@@ -169,7 +169,7 @@ def run_features(
     """
     session = dataset.settings
     assert isinstance(session, Session)
-    settings = settings or DriverSettings()
+    settings = settings or DriverViewSettings()
     recordings = open_recordings(session, dataset)
     try:
         passes = [_Pass(recording, dataset, settings) for recording in recordings]
@@ -186,7 +186,7 @@ def run_features(
 class _Pass:
     """The pass over one recording; frames are counted from its first evaluated one."""
 
-    def __init__(self, recording: DriverRecording, dataset: Dataset, settings: DriverSettings):
+    def __init__(self, recording: DriverRecording, dataset: Dataset, settings: DriverViewSettings):
         self.recording, self.settings = recording, settings
         columns, truth = dataset.frame_columns, dataset.truth
         rows = columns.rows_of(recording.number)

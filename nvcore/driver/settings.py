@@ -14,7 +14,7 @@ from nvcore.wording import did_you_mean, listed
 
 
 @dataclass(frozen=True, kw_only=True)
-class DriverSettings:
+class DriverViewSettings:
     """How the driver's view is computed.
 
     Attributes
@@ -36,7 +36,7 @@ class DriverSettings:
 
 def settings_from(
     given: Mapping[str, Any], *, features: FeatureSettings | None = None
-) -> DriverSettings:
+) -> DriverViewSettings:
     """Settings by their names; what is not given has its default.
 
     Parameters
@@ -64,7 +64,7 @@ def settings_from(
             known = [*kinds, "fixation"]
             hint = did_you_mean(name, known, f"there are {listed(known)}")
             raise ParameterError(f"there is no setting {name!r}; {hint}")
-    return DriverSettings(
+    return DriverViewSettings(
         features=replace(features or FeatureSettings(), **values[FeatureSettings]),
         light=LightSettings(**values[LightSettings]),
         fixation=fixation,

@@ -160,12 +160,12 @@ def _without_tests(evidence: pd.DataFrame) -> pd.DataFrame:
     at_thresholds = evidence["figure"].map(lambda key: inference_of(key).test != "curve")
     has_some = np.isfinite(evidence["p"]) | np.isfinite(evidence["low"])
     is_tested = at_thresholds & evidence["unit"].isin(WHOLE) & has_some
-    kept = evidence.copy()
-    kept.loc[is_tested, ["low", "high", "p", "p_corrected", "least_p", "effect"]] = np.nan
-    kept.loc[is_tested, "method"] = ""
-    notes = [f"{note}; {UNSURE}" if note else UNSURE for note in kept.loc[is_tested, "note"]]
-    kept.loc[is_tested, "note"] = notes
-    return kept
+    table = evidence.copy()
+    table.loc[is_tested, ["low", "high", "p", "p_corrected", "least_p", "effect"]] = np.nan
+    table.loc[is_tested, "method"] = ""
+    notes = [f"{note}; {UNSURE}" if note else UNSURE for note in table.loc[is_tested, "note"]]
+    table.loc[is_tested, "note"] = notes
+    return table
 
 
 def judge_keys(

@@ -266,7 +266,7 @@ def _judge(
     measures: Iterable[UnitMeasure],
     *,
     units: Units,
-    tests: Mapping[str, Tested] = MappingProxyType({}),
+    tests: Mapping[str, MeasureTests] = MappingProxyType({}),
     shifts: Mapping[str, np.ndarray] = MappingProxyType({}),
     has_intervals: bool,
 ) -> tuple[Evidence, ...]:
@@ -361,7 +361,7 @@ def unit_measures(result: Result, units: Units) -> tuple[UnitMeasure, ...]:
 
 
 @dataclass(frozen=True, eq=False)
-class Tested:
+class MeasureTests:
     """Both tests of a measure over units.
 
     Attributes
@@ -395,14 +395,14 @@ class Judged:
     """
 
     evidence: Evidence
-    tested: Tested | None = None
+    tested: MeasureTests | None = None
 
 
 def run_together(
     measures: Iterable[UnitMeasure],
     shifts: Mapping[str, np.ndarray] = MappingProxyType({}),
-    known: Mapping[str, Tested] = MappingProxyType({}),
-) -> dict[str, Tested]:
+    known: Mapping[str, MeasureTests] = MappingProxyType({}),
+) -> dict[str, MeasureTests]:
     """Tests of measures of the same recordings, all by the same exchanges and the same draws.
 
     Parameters
@@ -427,11 +427,11 @@ def run_together(
             values = pseudo_values(of.x[own], of.y[own], of.statistic)
             parts[own, column] = values - share * of.taken_off[own]
     skewed = studentised_tests(parts, is_part)
-    tests = map(Tested, exchanges, skewed)
+    tests = map(MeasureTests, exchanges, skewed)
     return {**dict(zip((of.key for of in every), tests, strict=True)), **known}
 
 
-def correct_together(tests: Mapping[str, Tested], primary: str) -> dict[str, float]:
+def correct_together(tests: Mapping[str, MeasureTests], primary: str) -> dict[str, float]:
     """P of measures that are tested together, corrected; NaN where a measure has none.
 
     The primary measure is tested by itself. All others are claimed only where it is, and are
@@ -457,13 +457,13 @@ def correct_together(tests: Mapping[str, Tested], primary: str) -> dict[str, flo
     if primary in known:
         corrected[primary] = first
     if family:
-        found = np.fmax(*(_step_down(kind, known, family) for kind in ("exchange", "skewed")))
-        corrected.update(zip(family, np.maximum(found, first).tolist(), strict=True))
+        p_together = np.fmax(*(_step_down(kind, known, family) for kind in ("exchange", "skewed")))
+        corrected.update(zip(family, np.maximum(p_together, first).tolist(), strict=True))
     return corrected
 
 
 def _step_down(
-    kind: Literal["exchange", "skewed"], tests: Mapping[str, Tested], family: Sequence[str]
+    kind: Literal["exchange", "skewed"], tests: Mapping[str, MeasureTests], family: Sequence[str]
 ) -> np.ndarray:
     """Corrected p of the measures by one of the tests; NaN where it has no p."""
     if kind == "exchange":
@@ -482,7 +482,7 @@ def _step_down(
     return corrected
 
 
-NOT_TESTED: Final = Tested(
+NOT_TESTED: Final = MeasureTests(
     SwapTest(np.nan, 0, 0, is_exact=False, seed=SEED, reason="", sizes=np.empty(0)),
     StudentisedTest(np.nan, np.empty(0)),
 )
@@ -493,7 +493,7 @@ def judge_measure(
     measure: UnitMeasure,
     units: Units,
     *,
-    tested: Tested | None = None,
+    tested: MeasureTests | None = None,
     shift: np.ndarray | None = None,
     has_interval: bool = True,
 ) -> Evidence:

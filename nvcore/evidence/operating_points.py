@@ -21,7 +21,7 @@ from nvcore.detection.operating_point import (
 )
 from nvcore.measures.table import inference_of
 from nvcore.scoring import SystemResult
-from nvcore.sentences.facts import AsSet, AtEqualAlarms, Setting
+from nvcore.sentences.facts import AsSet, AtEqualAlarms, EqualAlarmsSetting
 from nvcore.settings import OperatingPoint
 
 
@@ -73,23 +73,23 @@ def find_equal_alarms(result: Result, previous: Result | None = None) -> Result 
         What this gave for other settings, to take stages from.
     """
     # not kept itself: as it holds the result, neither would end before the other
-    kept: dict[str, weakref.ref[Result] | None] = result.keep("equal_alarms", dict)
-    if "found" in kept and kept["found"] is None:
+    cache: dict[str, weakref.ref[Result] | None] = result.keep("equal_alarms", dict)
+    if "found" in cache and cache["found"] is None:
         return None
-    known = kept.get("found")
+    known = cache.get("found")
     equal = known() if known is not None else None
     if equal is None:
         equal = _find_equal_alarms(result, previous)
-        kept["found"] = None if equal is None else weakref.ref(equal)
+        cache["found"] = None if equal is None else weakref.ref(equal)
     return equal
 
 
 def can_be_equal(result: Result) -> bool:
     """Whether `find_equal_alarms` finds a comparison."""
-    kept: dict[str, weakref.ref[Result] | None] = result.keep("equal_alarms", dict)
-    if "found" not in kept:
+    cache: dict[str, weakref.ref[Result] | None] = result.keep("equal_alarms", dict)
+    if "found" not in cache:
         find_equal_alarms(result)
-    return kept["found"] is not None
+    return cache["found"] is not None
 
 
 def _find_equal_alarms(result: Result, previous: Result | None) -> Result | None:
@@ -138,11 +138,11 @@ def moved_of(equal: Result) -> str:
     return which_moves(equal.as_set)
 
 
-def equal_setting(equal: Result) -> Setting:
+def equal_setting(equal: Result) -> EqualAlarmsSetting:
     """How `find_equal_alarms` set X and Y alike."""
     moved = moved_of(equal)
     per_frame = count_alarms(equal.x) / max(len(equal.dataset.frames), 1)
-    return Setting(moved, equal.system(moved).threshold, per_frame)
+    return EqualAlarmsSetting(moved, equal.system(moved).threshold, per_frame)
 
 
 def which_moves(result: Result) -> str:

@@ -431,9 +431,9 @@ def step_down(draws: np.ndarray, p: np.ndarray, *, n_added: int) -> np.ndarray:
     # smallest p of the tests from this one on, in every draw
     least = np.minimum.accumulate(least[:, order][:, ::-1], axis=1)[:, ::-1]
     n_reached = np.count_nonzero(least <= p[order] + ROUNDING, axis=0)
-    found = (n_reached + n_added) / (n_draws + n_added)
+    p_in_order = (n_reached + n_added) / (n_draws + n_added)
     corrected = np.empty(n_tests)
-    corrected[order] = np.maximum(np.maximum.accumulate(found), p[order])
+    corrected[order] = np.maximum(np.maximum.accumulate(p_in_order), p[order])
     return np.minimum(corrected, 1)
 
 

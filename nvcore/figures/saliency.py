@@ -53,9 +53,9 @@ def _most_salient(result: Result, letter: str, recording: int | None, most: int)
     events = events.sort_values("saliency_s", ascending=False, kind="stable").head(most)
     names = result.dataset.recordings["name"].to_numpy()[events["recording"].to_numpy()]
     start_s = result.dataset.frames["time_s"].to_numpy()[events["first_row"].to_numpy()]
-    is_risk, one = result.params.saliency_weight == "risk", result.objects.singular
+    is_risk, noun = result.params.saliency_weight == "risk", result.objects.singular
     text = [
-        f"{letter.upper()} misses {one} {track}<br>{plain(name)} at {start:.2f} s<br>"
+        f"{letter.upper()} misses {noun} {track}<br>{plain(name)} at {start:.2f} s<br>"
         + (f"for {duration:.2f} s, weight {weight:.2f} s<br>" if is_risk else "")
         + f"{weight:.2f} s × recency {recency:.2f} = {saliency:.2f} s"
         for name, track, start, duration, weight, recency, saliency in zip(

@@ -72,7 +72,7 @@ LEGEND: Final[dict[str, Any]] = {
 
 
 @dataclass(frozen=True)
-class Look:
+class ChartLook:
     """Colours of one theme."""
 
     ink: str
@@ -99,15 +99,15 @@ class Look:
         return colour
 
 
-def _look(shade: Shade, ink: str, muted: str, grid: str, pale: str, surface: str) -> Look:
+def _look(shade: Shade, ink: str, muted: str, grid: str, pale: str, surface: str) -> ChartLook:
     systems = X_COLOUR[shade], Y_COLOUR[shade], TRUTH_COLOUR[shade]
-    return Look(ink, muted, grid, pale, surface, *systems, Scheme(shade))
+    return ChartLook(ink, muted, grid, pale, surface, *systems, Scheme(shade))
 
 
-class _Looks(dict[Theme, Look]):
+class _Looks(dict[Theme, ChartLook]):
     """The looks of both shades; of a scheme that of its shade, with the systems' own colours."""
 
-    def __missing__(self, theme: Theme) -> Look:
+    def __missing__(self, theme: Theme) -> ChartLook:
         scheme = scheme_of(theme)
         if any(scheme.names):  # no look of its own: names are many
             return self[scheme._replace(names=("", ""))]

@@ -39,7 +39,7 @@ def weightings_plot(
     weightings
         Of it, from `nvcore.tables.encounters.weightings.compare_weightings`.
     """
-    curves, look, one = weightings.curves, LOOK[theme], result.objects.singular
+    curves, look, noun = weightings.curves, LOOK[theme], result.objects.singular
     time_s = curves["time_s"].to_numpy()
     traces: list[Any] = []
     for kind, label in LABELS.items():
@@ -69,9 +69,9 @@ def weightings_plot(
     return draw(
         [half, *traces, *lanes],
         theme,
-        title=f"How near {one} {result.encounters.track[encounter]} of {name} counts",
+        title=f"How near {noun} {result.encounters.track[encounter]} of {name} counts",
         subtitle=f"{count_text(len(curves), 'frame')}, which count from k = {RELEVANT_K:g} on; "
-        f"below: those in which X and Y detect the {one}{which_is_which(theme)}",
+        f"below: those in which X and Y detect the {noun}{which_is_which(theme)}",
         height=HEIGHT_PX,
         xaxis=axis(theme, "time (s)", fixedrange=True),
         yaxis=axis(
@@ -87,12 +87,12 @@ def weightings_plot(
 
 def _lane(result: Result, weightings: Weightings, letter: str, theme: Theme) -> go.Scatter:
     """A mark for each frame in which a system detects the pedestrian."""
-    curves, look, one = weightings.curves, LOOK[theme], result.objects.singular
+    curves, look, noun = weightings.curves, LOOK[theme], result.objects.singular
     detected = curves[curves[f"matched_{letter}"]]
     return marks(
         detected["time_s"],
         np.full(len(detected), LANES[letter]),
-        [f"{letter.upper()} detects the {one}, frame {frame}" for frame in detected["frame"]],
+        [f"{letter.upper()} detects the {noun}, frame {frame}" for frame in detected["frame"]],
         name=system_label(letter, result.system(letter).name),
         showlegend=False,
         marker={

@@ -78,8 +78,8 @@ def parse_frames(text: str, folder: Path, own: np.ndarray | None = None) -> np.n
 
 def _meant(text: str) -> str:
     """What a range that is written otherwise may mean."""
-    found = re.fullmatch(r"(\d{1,15})\s*(?:-|\.\.+|to)\s*(\d{1,15})", text.rpartition("/")[2])
-    return "" if found is None else f"; did you mean {found[1]}:{found[2]}?"
+    ends = re.fullmatch(r"(\d{1,15})\s*(?:-|\.\.+|to)\s*(\d{1,15})", text.rpartition("/")[2])
+    return "" if ends is None else f"; did you mean {ends[1]}:{ends[2]}?"
 
 
 def _frames_in(text: str, own: np.ndarray | None) -> np.ndarray:

@@ -290,14 +290,18 @@ def _with_ways_taken(session: Session, loaded: Sequence[LoadedSource]) -> Sessio
 
 def _names_of_systems(session: Session) -> Mapping[str, str]:
     """Names of classes by number that lie beside the systems' files; none where two differ."""
-    found: list[Mapping[str, str]] = []
+    class_names: list[Mapping[str, str]] = []
     for source in session.systems:
         try:
             names = class_names_beside(find_files(source, session.folder, "detections")[0]).names
         except InputError:  # reported when the system is read
             continue
-        found += [names] if names else []
-    return found[0] if found and all(names == found[0] for names in found) else {}
+        class_names += [names] if names else []
+    return (
+        class_names[0]
+        if class_names and all(names == class_names[0] for names in class_names)
+        else {}
+    )
 
 
 @contextmanager

@@ -50,7 +50,7 @@ BLOCK: Final = 1 << 15
 """Boxes that are placed at a time."""
 
 
-class Places:
+class FramePlaces:
     """Where the evaluated frames of all recordings are in the frames table."""
 
     def __init__(self, names: pd.Series[str], frames: list[np.ndarray]) -> None:
@@ -160,7 +160,7 @@ def place_sources(
     keep = [i for i, numbers in enumerate(frames) if len(numbers)]
     recordings = recordings.iloc[keep].reset_index(drop=True)
     frames = [frames[i] for i in keep]
-    places = Places(recordings["name"], frames)
+    places = FramePlaces(recordings["name"], frames)
     tables: list[dict[str, np.ndarray]] = []
     left_out = []
     n_files = 0
@@ -225,7 +225,7 @@ def _joined(tables: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
 
 
 def _placed(
-    source: LoadedSource, number: int, places: Places, n_files: int
+    source: LoadedSource, number: int, places: FramePlaces, n_files: int
 ) -> tuple[dict[str, np.ndarray], pd.DataFrame]:
     """Columns of the boxes that have a place, and the rows that have none.
 

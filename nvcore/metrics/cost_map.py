@@ -80,7 +80,7 @@ class CostMap:
         }[self.basis]
 
 
-class Line(NamedTuple):
+class FootLine(NamedTuple):
     """Straight line ``at_zero + slope * foot row``."""
 
     at_zero: float
@@ -92,7 +92,7 @@ class Line(NamedTuple):
         return values
 
 
-def fit_line(foot_px: np.ndarray, value: np.ndarray, *, height: float) -> Line | None:
+def fit_line(foot_px: np.ndarray, value: np.ndarray, *, height: float) -> FootLine | None:
     """Least-squares line of a value over the foot row; None where none can be relied on.
 
     That is with fewer than `LEAST_BOXES` boxes, with feet all in about the same row, or where the
@@ -111,7 +111,7 @@ def fit_line(foot_px: np.ndarray, value: np.ndarray, *, height: float) -> Line |
     slope = float((centred * (value - value.mean())).sum() / (centred**2).sum())
     if slope <= 0:
         return None
-    return Line(float(value.mean()) - slope * float(foot_px.mean()), slope)
+    return FootLine(float(value.mean()) - slope * float(foot_px.mean()), slope)
 
 
 def map_cost(

@@ -145,8 +145,8 @@ class _Frame:
 
     def name(self, i: int) -> str:
         track = int(self.result.tracks.track[self.rows["truth"]][i])
-        one = self.result.objects.singular
-        return f"this {one}" if track < 0 else f"{one} {track}"
+        noun = self.result.objects.singular
+        return f"this {noun}" if track < 0 else f"{noun} {track}"
 
     def is_matched(self, letter: str, i: int) -> bool:
         return bool(self.truth_state[letter][i] == TruthState.MATCHED)
@@ -288,8 +288,8 @@ def _detection(frame: _Frame, letter: str, j: int) -> BoxReason:
         encounter = int(result.encounters.encounter_of[truth])
         title = f"Detection of {name}: matches {frame.name(i)}"
         return BoxReason(title, tuple(lines), encounter, int(frame.tracks[i]), i)
-    one, nobody = result.objects.singular, result.objects.say("{nobody}")
-    away = f"{nearest:.0f} px to the nearest {one}" if np.isfinite(nearest) else f"{nobody} there"
+    noun, nobody = result.objects.singular, result.objects.say("{nobody}")
+    away = f"{nearest:.0f} px to the nearest {noun}" if np.isfinite(nearest) else f"{nobody} there"
     best = f"; best IoU {overlaps.max():.2f}" if len(overlaps) and overlaps.any() else ""
     lines.append(f"Matches {nobody}: {away}{best}")
     lines.append(

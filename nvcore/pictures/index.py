@@ -29,7 +29,7 @@ _TIMES_FROM: Final = 10**9
 """From here on numbers in names are rather times, which are not even."""
 
 
-class Rule(StrEnum):
+class NumberingRule(StrEnum):
     """By what the picture of a frame is known."""
 
     GIVEN = "given"
@@ -53,17 +53,21 @@ class Rule(StrEnum):
 
 
 _TEXTS: Final = {
-    Rule.COUNT: "picture i shows frame i, both counted from 0",
-    Rule.COUNT_FROM_ONE: "picture i, counted from 0, shows frame i + 1: the frames count from 1",
-    Rule.TIME: "the time of each picture tells its frame, as pictures are missing in the video",
-    Rule.NUMBER: "the number in a picture's name is the frame",
-    Rule.NUMBER_LESS_ONE: "the number in a picture's name, minus one, is the frame (names that "
-    "count from 1)",
-    Rule.ORDER: "the pictures in their order show the listed frames",
-    Rule.ORDER_FROM_ZERO: "the pictures in their order show frame 0, 1, 2 and so on",
-    Rule.UNCLEAR: "which picture shows which frame is not clear, so that none is shown",
+    NumberingRule.COUNT: "picture i shows frame i, both counted from 0",
+    NumberingRule.COUNT_FROM_ONE: "picture i, counted from 0, shows frame i + 1: the frames "
+    "count from 1",
+    NumberingRule.TIME: "the time of each picture tells its frame, as pictures are missing in "
+    "the video",
+    NumberingRule.NUMBER: "the number in a picture's name is the frame",
+    NumberingRule.NUMBER_LESS_ONE: "the number in a picture's name, minus one, is the frame "
+    "(names that count from 1)",
+    NumberingRule.ORDER: "the pictures in their order show the listed frames",
+    NumberingRule.ORDER_FROM_ZERO: "the pictures in their order show frame 0, 1, 2 and so on",
+    NumberingRule.UNCLEAR: "which picture shows which frame is not clear, so that none is shown",
 }
-USUAL: Final = tuple(f"{capitalised(_TEXTS[rule])}." for rule in (Rule.COUNT, Rule.NUMBER))
+USUAL: Final = tuple(
+    f"{capitalised(_TEXTS[rule])}." for rule in (NumberingRule.COUNT, NumberingRule.NUMBER)
+)
 """Notes of `picture_index` that say nothing but what anybody expects."""
 
 
@@ -82,7 +86,7 @@ class FrameMap:
     """
 
     index: NDArray[np.int64]
-    rule: Rule
+    rule: NumberingRule
     is_either: bool = False
 
 
@@ -123,19 +127,19 @@ def map_frames(
     if first_picture is not None:
         by_time = _by_time(frames - first_picture, pictures, fps)
         index = frames - first_picture if by_time is None else by_time
-        return FrameMap(_within(index, pictures.n), Rule.GIVEN)
+        return FrameMap(_within(index, pictures.n), NumberingRule.GIVEN)
     every = np.union1d(frames, others)
     mapped = _of_names(every, pictures.numbers)
     if mapped is None:
         mapped = _of_count(every, pictures)
-        by_time = _by_time(every, pictures, fps) if mapped.rule is Rule.COUNT else None
+        by_time = _by_time(every, pictures, fps) if mapped.rule is NumberingRule.COUNT else None
         is_whole = np.all((mapped.index >= 0) & (mapped.index < pictures.n))
         shown = every if len(every) == pictures.n else frames
         if by_time is not None:
-            mapped = FrameMap(by_time, Rule.TIME)
+            mapped = FrameMap(by_time, NumberingRule.TIME)
         elif not (pictures.is_video and is_whole) and _is_in_order(shown, pictures):
             is_shown = np.isin(every, shown)
-            mapped = FrameMap(np.where(is_shown, np.cumsum(is_shown) - 1, -1), Rule.ORDER)
+            mapped = FrameMap(np.where(is_shown, np.cumsum(is_shown) - 1, -1), NumberingRule.ORDER)
     index = mapped.index[np.searchsorted(every, frames)]
     return FrameMap(_within(index, pictures.n), mapped.rule, mapped.is_either)
 
@@ -173,15 +177,15 @@ def map_note(
     """By which rule pictures show frames, and how many frames have none, as sentences."""
     rule = (
         f"the first picture shows frame {first_picture}, as given"
-        if mapped.rule is Rule.GIVEN
+        if mapped.rule is NumberingRule.GIVEN
         else _TEXTS[mapped.rule]
     )
     if mapped.is_either:
-        other = "minus one" if mapped.rule is Rule.NUMBER else "the number itself"
+        other = "minus one" if mapped.rule is NumberingRule.NUMBER else "the number itself"
         rule += f" ({other} would do as well: if boxes lag behind, give the first frame)"
     note = f"{capitalised(rule)}."
     n_without = int(np.count_nonzero(mapped.index < 0))
-    if mapped.rule is Rule.UNCLEAR:
+    if mapped.rule is NumberingRule.UNCLEAR:
         note += f" {capitalised(why_unclear(frames, pictures))}."
     elif n_without:
         note += (
@@ -226,8 +230,8 @@ def _of_names(frames: NDArray[np.int64], numbers: NDArray[np.int64] | None) -> F
     is_either = bool(n_as_named == n_less_one and numbers.min() == 1)
     is_counted = is_either and frames[0] == 0
     if fits_less_one and (n_less_one > n_as_named or is_counted or not fits_as_named):
-        return FrameMap(less_one, Rule.NUMBER_LESS_ONE, is_either)
-    return FrameMap(as_named, Rule.NUMBER, is_either) if fits_as_named else None
+        return FrameMap(less_one, NumberingRule.NUMBER_LESS_ONE, is_either)
+    return FrameMap(as_named, NumberingRule.NUMBER, is_either) if fits_as_named else None
 
 
 def _fits(frames: NDArray[np.int64], numbers: NDArray[np.int64], n_hits: int) -> bool:
@@ -271,17 +275,17 @@ def _of_count(frames: NDArray[np.int64], pictures: Pictures) -> FrameMap:
     """
     n = pictures.n
     if len(frames) and frames[0] >= 1 and frames[-1] == n:
-        return FrameMap(frames - 1, Rule.COUNT_FROM_ONE)
+        return FrameMap(frames - 1, NumberingRule.COUNT_FROM_ONE)
     if pictures.is_video:
-        return FrameMap(frames.copy(), Rule.COUNT)
+        return FrameMap(frames.copy(), NumberingRule.COUNT)
     numbers = pictures.numbers
     is_whole = not len(frames) or (frames[0] >= 0 and frames[-1] < n)
     if numbers is not None and len(frames):
         is_other = not np.isin(frames, numbers).any() and _is_even(numbers)
         is_whole = is_whole and is_other and frames[-1] >= _NEARLY_ALL * (n - 1)
     if is_whole:
-        return FrameMap(frames.copy(), Rule.ORDER_FROM_ZERO)
-    return FrameMap(np.full(len(frames), -1, dtype=np.int64), Rule.UNCLEAR)
+        return FrameMap(frames.copy(), NumberingRule.ORDER_FROM_ZERO)
+    return FrameMap(np.full(len(frames), -1, dtype=np.int64), NumberingRule.UNCLEAR)
 
 
 def _by_time(

@@ -16,7 +16,7 @@ from nvcore.errors import MediaError
 from nvcore.findings import Step
 from nvcore.inputs.session import Session
 from nvcore.pictures.base import Pictures
-from nvcore.pictures.index import FrameMap, Rule, map_frames, map_note, size_note
+from nvcore.pictures.index import FrameMap, NumberingRule, map_frames, map_note, size_note
 from nvcore.pictures.open import open_pictures
 from nvcore.pictures.stretch import STRETCH
 from nvcore.wording import MOST_NAMED, listed, one_line
@@ -83,7 +83,7 @@ class RecordingPictures:
             number: note
             for number, note in self.notes.items()
             if number not in self.sources
-            or (number in self.frame_maps and self.frame_maps[number].rule is Rule.UNCLEAR)
+            or (number in self.frame_maps and self.frame_maps[number].rule is NumberingRule.UNCLEAR)
         }
 
     def why_none(self, *others: RecordingPictures, how: str) -> str:

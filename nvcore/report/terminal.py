@@ -258,8 +258,8 @@ def _venn(result: Result) -> str:
         f"severity (1 s: {result.objects.say('{a_one}')} straight ahead and near is missed for "
         f"1 s), of encounters detected by {weights}",
     ]
-    said = missed(result), parted(result)
-    lines.append("".join(phrase(fact, result.objects, TERMINAL) for fact in said))
+    facts = missed(result), parted(result)
+    lines.append("".join(phrase(fact, result.objects, TERMINAL) for fact in facts))
     lines.append(phrase(lead(result), result.objects, TERMINAL))
     for lines_of in contributed("lines"):
         lines += lines_of(result)

@@ -17,7 +17,7 @@ from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.units import MIN_RECORDINGS, WHOLE, count_whole
 from nvcore.measures.table import doubt_of, inference_of, measure_of, shown_as
 from nvcore.measures.values import duration_of_recordings
-from nvcore.sentences.facts import Chip, Interval
+from nvcore.sentences.facts import Chip, DifferenceInterval
 from nvcore.wording import difference, duration_text, minus, number
 
 REACH: Final = 1.12
@@ -59,7 +59,7 @@ class Tile:
     x: str
     y: str
     difference: str
-    interval: Interval | None
+    interval: DifferenceInterval | None
     bar: tuple[float, float, float] | None
     better: str
     winner: str
@@ -159,7 +159,9 @@ def _tile(
     interval = _no_interval(row)
     if row is not None and math.isfinite(row["low"]):
         low, middle, high = (times * float(row[name]) for name in ("low", "difference", "high"))
-        interval = Interval("ends", _interval_text(low, high, ".1f" if is_count else kind.form))
+        interval = DifferenceInterval(
+            "ends", _interval_text(low, high, ".1f" if is_count else kind.form)
+        )
         ends = _bar(low, middle, high, is_lower=is_lower)
     winner = next((claim.winner for claim in support.claims if claim.key == kind.judged), "")
     return Tile(
@@ -187,11 +189,11 @@ def _tile(
     )
 
 
-def _no_interval(row: Mapping[Hashable, Any] | None) -> Interval:
+def _no_interval(row: Mapping[Hashable, Any] | None) -> DifferenceInterval:
     if row is None or row["unit"] not in WHOLE or row["n"] >= MIN_UNITS:
-        return Interval("none")
+        return DifferenceInterval("none")
     noun = str(row["unit"]).removesuffix("s")
-    return Interval("few", n=int(row["n"]), n_needed=MIN_UNITS, noun=noun)
+    return DifferenceInterval("few", n=int(row["n"]), n_needed=MIN_UNITS, noun=noun)
 
 
 def _interval_text(low: float, high: float, form: str) -> str:

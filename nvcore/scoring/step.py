@@ -62,7 +62,7 @@ class SystemInputs(Inputs):
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class ScoringStep:
     """One step.
 
     Attributes
@@ -117,7 +117,7 @@ class Made(Mapping[str, Any]):
 
     def __init__(
         self,
-        steps: Sequence[Step],
+        steps: Sequence[ScoringStep],
         inputs: Inputs,
         memo: Memo,
         *,
@@ -150,7 +150,9 @@ class Made(Mapping[str, Any]):
         return len(self._steps)
 
 
-def steps_of(kind: Literal["truth", "system", "both"], own: Sequence[Step]) -> tuple[Step, ...]:
+def steps_of(
+    kind: Literal["truth", "system", "both"], own: Sequence[ScoringStep]
+) -> tuple[ScoringStep, ...]:
     """The core's own steps of a kind, and then those of subjects."""
     return tuple(step for step in chain(own, *contributed("steps")) if step.of == kind)
 

@@ -25,7 +25,7 @@ from nvcore.metrics.similarity import (
 )
 from nvcore.params import Params
 from nvcore.scoring.result import SystemResult
-from nvcore.scoring.step import Made, Memo, Step, SystemInputs, steps_of
+from nvcore.scoring.step import Made, Memo, ScoringStep, SystemInputs, steps_of
 from nvcore.stages import (
     DISTANCES,
     ENCOUNTERS,
@@ -109,78 +109,82 @@ def _summarise_alarms(
     )
 
 
-STEPS: Final[tuple[Step, ...]] = (
-    Step(
+STEPS: Final[tuple[ScoringStep, ...]] = (
+    ScoringStep(
         "matches",
         lambda at: match_system(at.dataset, at.name, at.threshold, at.params),
         (MATCH,),
     ),
-    Step("is_counted", lambda _, matches: matches.is_counted, (MATCH,), ("matches",)),
-    Step(
+    ScoringStep("is_counted", lambda _, matches: matches.is_counted, (MATCH,), ("matches",)),
+    ScoringStep(
         "n_det",
         lambda at, is_counted: count_per_frame(at.detections, is_counted),
         (MATCH,),
         ("is_counted",),
     ),
-    Step(
+    ScoringStep(
         "matched",
         lambda at, matches: count_per_frame(at.truth, matches.is_matched),
         (MATCH,),
         ("matches",),
     ),
-    Step("false_alarms", lambda _, n_det, matched: n_det - matched, (MATCH,), ("n_det", "matched")),
-    Step(
+    ScoringStep(
+        "false_alarms", lambda _, n_det, matched: n_det - matched, (MATCH,), ("n_det", "matched")
+    ),
+    ScoringStep(
         "episodes",
         lambda at, matches: find_episodes(at.detections, matches.is_false_alarm, at.frames),
         (MATCH,),
         ("matches",),
     ),
-    Step("false_alarm_summary", _summarise_alarms, (MATCH,), ("false_alarms", "episodes")),
-    Step(
+    ScoringStep("false_alarm_summary", _summarise_alarms, (MATCH,), ("false_alarms", "episodes")),
+    ScoringStep(
         "nearest",
         lambda at, matches: nearest_of(at.dataset, at.name, matches, at.params),
         (NEAREST,),
         ("matches",),
     ),
-    Step(
+    ScoringStep(
         "weights",
         lambda at, is_counted: weigh_proximity(at.detections, is_counted, at.frames, at.params),
         (MATCH, PROXIMITY),
         ("is_counted",),
     ),
-    Step("distances", _measure_sets, (DISTANCES,), ("k_miss", "weights", "is_counted", "nearest")),
-    Step(
+    ScoringStep(
+        "distances", _measure_sets, (DISTANCES,), ("k_miss", "weights", "is_counted", "nearest")
+    ),
+    ScoringStep(
         "similarity",
         lambda at, distances: trace_similarity(distances, at.frames, alpha=at.params.alpha),
         (SIMILARITY,),
         ("distances",),
     ),
-    Step(
+    ScoringStep(
         "summary",
         lambda at, similarity: summarise_similarity(similarity, low=at.params.low),
         (LOW,),
         ("similarity",),
     ),
-    Step(
+    ScoringStep(
         "salient_row",
         lambda at, distances: qualify(distances, at.frames, tolerance=at.params.tolerance),
         (SALIENT,),
         ("distances",),
     ),
-    Step(
+    ScoringStep(
         "events",
         _find_events,
         (EVENTS,),
         ("k_truth", "k_miss", "nearest", "distances", "salient_row"),
     ),
-    Step(
+    ScoringStep(
         "saliency_s",
         lambda at, events: mean_saliency(events, at.frames, aggregate=at.params.saliency_aggregate),
         (SALIENCY,),
         ("events",),
     ),
-    Step("encounters", _judge_encounters, (ENCOUNTERS,), ("k_truth", "matches")),
-    Step("failures", _weigh_failures, (SEVERITY,), ("k_truth", "cost", "matches")),
+    ScoringStep("encounters", _judge_encounters, (ENCOUNTERS,), ("k_truth", "matches")),
+    ScoringStep("failures", _weigh_failures, (SEVERITY,), ("k_truth", "cost", "matches")),
 )
 """The core's own; those of subjects follow (`steps_of`)."""
 

@@ -87,10 +87,10 @@ class Parted(Fact):
     is_as_set: bool
 
     @property
-    def split(self) -> Split:
+    def split(self) -> ExclusiveEncounters:
         """How they are split."""
         n = self.x + self.y
-        return Split("many" if n > 1 else "x" if self.x else "y", n, self.x, self.y)
+        return ExclusiveEncounters("many" if n > 1 else "x" if self.x else "y", n, self.x, self.y)
 
     @property
     def test(self) -> Test | None:
@@ -99,7 +99,7 @@ class Parted(Fact):
 
 
 @dataclass(frozen=True)
-class Split(Fact):
+class ExclusiveEncounters(Fact):
     """Encounters that only one system detects; a single one by ``x`` or ``y``."""
 
     kind: Literal["many", "x", "y"]
@@ -230,7 +230,7 @@ TEXTS: Final[Texts] = {
         "chance": "{fact.split}: two equally good systems could well differ this much by chance "
         "(exact McNemar test within these drives, p = {p:.2g}).",
     },
-    Split: {
+    ExclusiveEncounters: {
         "many": "of the {n} encounters that only one system detects, X detects {x} and Y {y}",
         "x": "only one encounter is detected by a single system, by X",
         "y": "only one encounter is detected by a single system, by Y",

@@ -52,7 +52,7 @@ class Named(Fact):
 
 
 @dataclass(frozen=True)
-class Compared(Named):
+class BetterMeasure(Named):
     """Such a measure with the value of the better system and of the other."""
 
     better: Amount
@@ -182,7 +182,7 @@ class AsSet(Fact):
 
 
 @dataclass(frozen=True)
-class Setting(Fact):
+class EqualAlarmsSetting(Fact):
     """How X and Y are set to equal false alarms: the system that is moved, and its threshold."""
 
     moved: str
@@ -206,7 +206,7 @@ class AtEqualAlarms(Fact):
     """
 
     kind: Literal["above", "numbers", "claims"]
-    setting: Setting
+    setting: EqualAlarmsSetting
 
 
 @dataclass(frozen=True)
@@ -267,7 +267,7 @@ class Cost(Fact):
 
 
 @dataclass(frozen=True)
-class Weights(Fact):
+class EncounterWeights(Fact):
     """What the encounters weigh that only one system detects."""
 
     costs: tuple[Cost, ...]
@@ -325,7 +325,7 @@ class Has(Fact):
 
 
 @dataclass(frozen=True)
-class Share(Fact):
+class SystemShare(Fact):
     """A share of what is a system's."""
 
     letter: str
@@ -336,7 +336,7 @@ class Share(Fact):
 class FarAway(Fact):
     """How little of the saliency events' time is about objects that count."""
 
-    shares: tuple[Share, ...]
+    shares: tuple[SystemShare, ...]
 
 
 @dataclass(frozen=True)
@@ -361,7 +361,7 @@ class MoreThanChance(Fact):
 
 
 @dataclass(frozen=True)
-class Reason(Fact):
+class WithheldReason(Fact):
     """Why a difference is not claimed although its p is small.
 
     Attributes
@@ -386,14 +386,14 @@ class Unclaimed(Fact):
     """Measures of which nothing is claimed for the same reason."""
 
     measures: tuple[Named, ...]
-    reason: Reason
+    reason: WithheldReason
 
 
 @dataclass(frozen=True)
 class UnclaimedOfPair(Named):
     """A measure of which nothing is claimed, of two systems with names."""
 
-    reason: Reason
+    reason: WithheldReason
 
 
 @dataclass(frozen=True)
@@ -421,7 +421,7 @@ class Unfiltered(Fact):
 
 
 @dataclass(frozen=True)
-class Interval(Fact):
+class DifferenceInterval(Fact):
     """The 95 % interval of a difference with its ends; or that there is none, for want of units.
 
     Attributes
@@ -455,7 +455,7 @@ class Chip(Fact):
         "few", "unsure", "same", "not shown",
     ]  # fmt: skip
     winner: str = ""
-    reason: Reason | None = None
+    reason: WithheldReason | None = None
     n: int = 0
     n_needed: int = 0
     noun: str = "recording"

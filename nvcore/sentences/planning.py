@@ -121,7 +121,7 @@ class Assumed(Fact):
 
 
 @dataclass(frozen=True)
-class Extent(Fact):
+class StudyExtent(Fact):
     """Size of a study."""
 
     n_recordings: int
@@ -149,7 +149,7 @@ class Size(Fact):
 
     sought: Sought
     assumed: Assumed | None
-    extent: Extent | None = None
+    extent: StudyExtent | None = None
     power: float = 0.0
     simulated: tuple[float, float, float] = (0.0, 0.0, 0.0)
     n_pilot: int = 0
@@ -166,7 +166,7 @@ class Size(Fact):
 
 
 @dataclass(frozen=True)
-class Level(Fact):
+class SignificanceLevel(Fact):
     """When a study shows it: a ``margin``, a difference by itself (``alone``) or beside others."""
 
     kind: Literal["margin", "alone", "corrected"]
@@ -189,10 +189,10 @@ class Advice(Fact):
 
 
 @dataclass(frozen=True)
-class Needed(Fact):
+class NeededRecordings(Fact):
     """How many recordings would show a difference as found, for the verdict."""
 
-    extent: Extent
+    extent: StudyExtent
     noun: str
     apart: Apart
     significant: float
@@ -237,7 +237,8 @@ TEXTS: Final[Texts] = {
         "equal": "if X and Y are equal",
         "found": "if the difference is as found here ({apart})",
     },
-    Extent: "{n_recordings!n:recording} like these ({n_encounters!n:encounter}, {duration_s!d})",
+    StudyExtent: "{n_recordings!n:recording} like these ({n_encounters!n:encounter}, "
+    "{duration_s!d})",
     Size: {
         "some": "{assumed:, }about {extent} would show {sought} in {power!p} of studies "
         "(simulated: {simulated[0]!p}, {simulated[1]!p} to {simulated[2]!p}). Judged by "
@@ -245,7 +246,7 @@ TEXTS: Final[Texts] = {
         "none": "{sought}: – ({reason}).",
         "none assumed": "{assumed}: – ({reason}).",
     },
-    Level: {
+    SignificanceLevel: {
         "margin": "a study shows it where the whole 95 % interval is on the better side of the "
         "margin: a one-sided test at 2.5 %.",
         "alone": "a study shows it where p, of this measure by itself, is at most 0.05: tested "
@@ -262,6 +263,6 @@ TEXTS: Final[Texts] = {
         "fresh": "this is the size of a study of its own, whose end is set before it begins: "
         "recordings added until p is small enough show differences that are not there.",
     },
-    Needed: "about {extent} would show a difference in the {noun} as large as here ({apart}; p at "
-    "most {significant:g} by itself) in {power!p} of studies.",
+    NeededRecordings: "about {extent} would show a difference in the {noun} as large as here "
+    "({apart}; p at most {significant:g} by itself) in {power!p} of studies.",
 }

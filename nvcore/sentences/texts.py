@@ -56,7 +56,7 @@ HEADLINES: Final = {
 
 TEXTS: Final[Texts] = {
     facts.Named: "{key!m}",
-    facts.Compared: "{key!m} ({better.number} against {other})",
+    facts.BetterMeasure: "{key!m} ({better.number} against {other})",
     facts.OfBoth: "{key!m} (X {x.number}, Y {y})",
     facts.Better: "{winner!u} is better on {won}",
     facts.Conclusion: CONCLUSIONS,
@@ -89,7 +89,7 @@ TEXTS: Final[Texts] = {
         "and Y as set.",
         "claims": "claims are about X and Y at equal false alarms ({setting}).",
     },
-    facts.Setting: {
+    facts.EqualAlarmsSetting: {
         "all": "{moved!u} with all detections, each {per_frame:.3g} false boxes per frame",
         "some": "{moved!u} with scores of {threshold:g} or more, each {per_frame:.3g} false boxes "
         "per frame",
@@ -111,7 +111,7 @@ TEXTS: Final[Texts] = {
         "one": "the one encounter that only {finder!u} detects costs {loser!u} {seconds:.1f} s",
         "many": "the {n} encounters that only {finder!u} detects cost {loser!u} {seconds:.1f} s",
     },
-    facts.Weights: "weighted by severity, {costs}.",
+    facts.EncounterWeights: "weighted by severity, {costs}.",
     facts.WorstFailure: "the worst single failure is {letter!u}'s: {one} {track} in {recording}, "
     "{seconds:.1f} s.",
     facts.Measured: {
@@ -132,7 +132,7 @@ TEXTS: Final[Texts] = {
         "same log_average_miss_rate": "log-average miss rate ({better})",
     },
     facts.Has: {"one": "{system!u} has {measured}.", "both": "both have the same {measured}."},
-    facts.Share: "{share!p} of {letter!u}'s",
+    facts.SystemShare: "{share!p} of {letter!u}'s",
     facts.FarAway: "of the time in saliency events, {shares} is about {many} that count; in the "
     "rest, {people} are too far away.",
     facts.Shown: {
@@ -140,7 +140,7 @@ TEXTS: Final[Texts] = {
         "p": "{key!m} ({winner!u} better, {p})",
     },
     facts.MoreThanChance: "more than chance: {shown}.",
-    facts.Reason: {
+    facts.WithheldReason: {
         "pending": "not yet compared at equal false alarms",
         "equal": "not shown at equal false alarms",
         "strict": "the other way round if paired strictly",
@@ -160,7 +160,7 @@ TEXTS: Final[Texts] = {
     facts.Strict: "with strict pairing, where a false alarm cannot stand in for a match, it is the "
     "other way round: {better}.",
     facts.Unfiltered: "every detection of {letters!u} counts, however low its score.",
-    facts.Interval: {
+    facts.DifferenceInterval: {
         "ends": "95 % interval {ends}",
         "few": "no interval: {n!n:{noun}}, {n_needed} needed",
         "none": "no interval",
@@ -187,7 +187,7 @@ TEXTS: Final[Texts] = {
 """Those of the core."""
 
 IN_SHORT: Final[Texts] = {
-    facts.Compared: "{key!m}",
+    facts.BetterMeasure: "{key!m}",
     facts.Conclusion: {
         "claimed": "{better}",
         "untested": "X and Y have not been tested against each other",

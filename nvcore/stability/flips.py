@@ -53,7 +53,7 @@ class Flip:
 
 
 @dataclass(frozen=True)
-class Interval:
+class FlipInterval:
     """How far one setting can be moved alone, all else as analysed, before the verdict flips.
 
     Attributes
@@ -139,7 +139,7 @@ def find_plausible_flip(field: Field, verdict: Winner, is_candidate: np.ndarray)
     return next(_by_distance(field, verdict, is_candidate, is_plausible_only=True), None)
 
 
-def find_interval(field: Field, verdict: Winner, i: int, present: Sequence[int]) -> Interval:
+def find_interval(field: Field, verdict: Winner, i: int, present: Sequence[int]) -> FlipInterval:
     """How far the verdict holds along axis i from the analysed point, an index on every axis."""
     line = field.difference[
         tuple(slice(None) if j == i else index for j, index in enumerate(present))
@@ -165,7 +165,7 @@ def find_interval(field: Field, verdict: Winner, i: int, present: Sequence[int])
         # a tie at a single point of a continuous setting is a flip to the winner after it
         return after if field.is_continuous[i] and is_crossing else winner
 
-    return Interval(
+    return FlipInterval(
         axis=i,
         low=float(values[first]),
         high=float(values[last]),

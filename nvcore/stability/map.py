@@ -28,7 +28,7 @@ from nvcore.stability.equal_alarms import (
 from nvcore.stability.flips import (
     Field,
     Flip,
-    Interval,
+    FlipInterval,
     Winner,
     combine_axes,
     find_flips,
@@ -181,7 +181,7 @@ class StabilityMap:
         return Field(self.axes, self.difference, self.winner, is_continuous)
 
     @cached_property
-    def intervals(self) -> tuple[Interval, ...]:
+    def intervals(self) -> tuple[FlipInterval, ...]:
         """For each numeric axis that matters, how far the verdict holds along it alone.
 
         Empty if the verdict is undefined or the analysed setting is not a single point of the map.

@@ -13,7 +13,7 @@ import pandas as pd
 
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.stability.axes import Axis, Plane
-from nvcore.stability.flips import Flip, Interval, Winner, winners
+from nvcore.stability.flips import Flip, FlipInterval, Winner, winners
 from nvcore.stability.map import StabilityMap
 from nvcore.stability.scores import MEASURE_OF, Criterion
 from nvcore.wording import capitalised, count_text, listed, p_text
@@ -244,7 +244,7 @@ def _present(stability: StabilityMap) -> list[str]:
     return sentences
 
 
-def _interval(stability: StabilityMap, interval: Interval) -> str:
+def _interval(stability: StabilityMap, interval: FlipInterval) -> str:
     """Where the verdict holds along one axis alone, and where it flips."""
     axis = stability.axes[interval.axis]
     flips = [

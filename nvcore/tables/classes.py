@@ -13,19 +13,19 @@ from nvcore.metrics.matching import Matches, match_boxes
 from nvcore.metrics.shares import Share, share_of
 from nvcore.schema import NO_LABEL
 from nvcore.scoring import SystemResult
-from nvcore.tables.column import Column, Kind
+from nvcore.tables.column import CellKind, Column
 
 CLASS_COLUMNS: Final[tuple[Column, ...]] = (
-    Column("system", Kind.TEXT, "", "Which system it is about: `x` or `y`."),
-    Column("truth_class", Kind.TEXT, "", "Class of the {many} in the truth."),
+    Column("system", CellKind.TEXT, "", "Which system it is about: `x` or `y`."),
+    Column("truth_class", CellKind.TEXT, "", "Class of the {many} in the truth."),
     Column(
         "read_class",
-        Kind.TEXT,
+        CellKind.TEXT,
         "",
         "Class that the system gives the detections which match them.",
         empty="it gives none",
     ),
-    Column("n", Kind.INTEGER, "boxes", "{Many} of the one class matched as the other."),
+    Column("n", CellKind.INTEGER, "boxes", "{Many} of the one class matched as the other."),
 )
 """Columns of `classes_table`."""
 

@@ -9,7 +9,7 @@ from typing import Final
 from nvcore.measures.entry import Condition, Measure
 
 
-class Kind(StrEnum):
+class CellKind(StrEnum):
     """What the cells of a column are."""
 
     TEXT = "text"
@@ -42,7 +42,7 @@ class Column:
     """
 
     name: str
-    kind: Kind
+    kind: CellKind
     unit: str
     meaning: str
     better: str = ""
@@ -54,7 +54,7 @@ def measure_column(measure: Measure) -> Column:
     """The column of a measure for a system over all recordings."""
     return Column(
         measure.key,
-        Kind.INTEGER if measure.form == "d" else Kind.NUMBER,
+        CellKind.INTEGER if measure.form == "d" else CellKind.NUMBER,
         measure.unit,
         measure.meaning,
         measure.better.removesuffix("er"),
@@ -70,4 +70,4 @@ def of_both(*columns: Column) -> tuple[Column, ...]:
     )
 
 
-RECORDING: Final = Column("recording", Kind.TEXT, "", "Name of the recording.")
+RECORDING: Final = Column("recording", CellKind.TEXT, "", "Name of the recording.")

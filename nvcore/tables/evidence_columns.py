@@ -6,9 +6,9 @@ from dataclasses import replace
 from typing import Final
 
 from nvcore.measures.table import MEASURES
-from nvcore.tables.column import Column, Kind
+from nvcore.tables.column import CellKind, Column
 
-_TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
+_TEXT, _INTEGER, _NUMBER = CellKind.TEXT, CellKind.INTEGER, CellKind.NUMBER
 
 _TOO_FEW = "too few data for one (`note`)"
 _NO_MCNEMAR, _NO_DETECTED, _NO_SIMILARITY = (
@@ -161,7 +161,7 @@ MATRIX_COLUMNS: Final[tuple[Column, ...]] = (
     ),
     Column(
         "is_unequal",
-        Kind.TRUTH_VALUE,
+        CellKind.TRUTH_VALUE,
         "",
         "1: at unequal operating points, where p and claims are at equal false alarms, all else is "
         "as set.",

@@ -105,8 +105,8 @@ def other_leads_text(result: Result) -> str:
             stays["X" if lead > 0 else "Y"].append(name)
         else:
             rests.append(name)
-    kept = [f"{letter} stays ahead in {listed(names)}" for letter, names in stays.items() if names]
-    said = [f"With any one left out, {', and '.join(kept)}."] if kept else []
+    leads = [f"{letter} stays ahead in {listed(names)}" for letter, names in stays.items() if names]
+    sentences = [f"With any one left out, {', and '.join(leads)}."] if leads else []
     if rests:
-        said.append(f"Who is ahead in {listed(rests)} rests on one recording.")
-    return " ".join(said)
+        sentences.append(f"Who is ahead in {listed(rests)} rests on one recording.")
+    return " ".join(sentences)

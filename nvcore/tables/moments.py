@@ -304,7 +304,7 @@ def _miss_reason(
     rows, frame_row = encounters.order[slice(*inside)], encounters.frame_index[slice(*inside)]
     track = int(encounters.track[encounter])
     height = f"up to {result.dataset.truth.h[rows].max():.0f} px tall"
-    one = f"{result.objects.singular} {track} ({height})"
+    who = f"{result.objects.singular} {track} ({height})"
     missed_rows, rival_missed_rows = (
         # a track that occurs twice in a frame is matched if either box is
         np.setdiff1d(frame_row, frame_row[scored.matches.truth_det[rows] >= 0])
@@ -312,7 +312,7 @@ def _miss_reason(
     )
     if not len(missed_rows):
         apart_px = system.nearest.truth[rows].max()
-        return track, f"{letter}'s nearest detection is up to {apart_px:.0f} px from {one}."
+        return track, f"{letter}'s nearest detection is up to {apart_px:.0f} px from {who}."
     rival_matched_rows = np.setdiff1d(missed_rows, rival_missed_rows)
     if not len(rival_matched_rows):
         does = "misses it, too"
@@ -323,7 +323,7 @@ def _miss_reason(
     else:
         does = f"finds it for {_seconds(_time_s(result, rival_matched_rows))} of that time"
     lasts = _share(_time_s(result, missed_rows), _span_s(result, span))
-    return track, f"{letter} misses {one} for {lasts}; {other} {does}."
+    return track, f"{letter} misses {who} for {lasts}; {other} {does}."
 
 
 def _nearer(apart_px: float, rival_px: float) -> str:

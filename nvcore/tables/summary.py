@@ -18,11 +18,11 @@ from nvcore.measures.table import MEASURES
 from nvcore.schema import Category
 from nvcore.scoring import SystemResult
 from nvcore.subjects import contributed
-from nvcore.tables.column import Column, Kind, measure_column
+from nvcore.tables.column import CellKind, Column, measure_column
 from nvcore.tables.columns import VENN_COLUMNS
-from nvcore.tables.summary_entry import Entry
+from nvcore.tables.summary_entry import SummaryEntry
 
-_TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
+_TEXT, _INTEGER, _NUMBER = CellKind.TEXT, CellKind.INTEGER, CellKind.NUMBER
 _NO_LEAD: Final = "no such encounter"
 
 _OF_SYSTEM: Final = {measure.key: measure for measure in MEASURES if measure.meaning and measure.of}
@@ -55,7 +55,7 @@ def _severity_of(result: Result, *, kind: Category, letter: str) -> float:
 
 _NOT_BORROWED: Final = "`missing_distance` is not `borrow`, or `proximity` not `distance`"
 _BORROWED: Final = (
-    Entry(
+    SummaryEntry(
         Column(
             "truth.boxes_reported_distance",
             _INTEGER,
@@ -65,7 +65,7 @@ _BORROWED: Final = (
         ),
         lambda result: result.borrowed and result.borrowed.n_reported,
     ),
-    Entry(
+    SummaryEntry(
         Column(
             "truth.boxes_between_distances",
             _INTEGER,
@@ -75,10 +75,10 @@ _BORROWED: Final = (
         ),
         lambda result: result.borrowed and result.borrowed.n_between,
     ),
-    Entry(
+    SummaryEntry(
         Column(
             "truth.distances_lent",
-            Kind.TABLE,
+            CellKind.TABLE,
             "boxes",
             "How many of the reported distances are from each system, by its name; several may "
             "report one.",
@@ -86,7 +86,7 @@ _BORROWED: Final = (
         ),
         lambda result: result.borrowed and result.borrowed.lent,
     ),
-    Entry(
+    SummaryEntry(
         Column(
             "truth.distance_spread",
             _NUMBER,
@@ -104,9 +104,9 @@ def _threshold_as_set(result: Result, letter: str) -> float | None:
     return (result.as_set or result).system(letter).threshold
 
 
-_ENTRIES: Final[tuple[Entry, ...]] = (
-    Entry(Column("version", _TEXT, "", "Version of nvcore."), lambda _: __version__),
-    Entry(
+_ENTRIES: Final[tuple[SummaryEntry, ...]] = (
+    SummaryEntry(Column("version", _TEXT, "", "Version of nvcore."), lambda _: __version__),
+    SummaryEntry(
         Column(
             "fingerprint",
             _TEXT,
@@ -116,17 +116,17 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
         ),
         lambda result: result.dataset.fingerprint,
     ),
-    Entry(
+    SummaryEntry(
         Column(
             "parameters",
-            Kind.TABLE,
+            CellKind.TABLE,
             "",
             "Every parameter by name, those that act on what not all data have only where it is "
             "there or they were changed; null where it has no value.",
         ),
         lambda result: result.params.stated(result.dataset),
     ),
-    Entry(
+    SummaryEntry(
         Column(
             "operating_point",
             _TEXT,
@@ -137,7 +137,7 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
         lambda result: "as-set" if result.as_set is None else "equal-alarms",
     ),
     *(
-        Entry(
+        SummaryEntry(
             Column(
                 f"as_set.threshold_{letter}",
                 _NUMBER,
@@ -149,24 +149,24 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
         )
         for letter in "xy"
     ),
-    Entry(
+    SummaryEntry(
         Column("recordings", _INTEGER, "recordings", "Recordings compared."),
         lambda result: len(result.dataset.recordings),
     ),
-    Entry(
+    SummaryEntry(
         Column("frames", _INTEGER, "frames", "Evaluated frames."),
         lambda result: len(result.dataset.frames),
     ),
-    Entry(Column("duration_s", _NUMBER, "s", "Sum of their time steps.")),
-    Entry(
+    SummaryEntry(Column("duration_s", _NUMBER, "s", "Sum of their time steps.")),
+    SummaryEntry(
         Column("truth.boxes", _INTEGER, "boxes", "Annotated {many}, ignore regions left out."),
         lambda result: int(result.n_truth.sum()),
     ),
-    Entry(
+    SummaryEntry(
         Column("truth.boxes_ignored", _INTEGER, "boxes", "Ignore regions."),
         lambda result: int(np.count_nonzero(result.dataset.truth.ignore)),
     ),
-    Entry(
+    SummaryEntry(
         Column(
             "truth.encounters",
             _INTEGER,
@@ -175,7 +175,7 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
         ),
         lambda result: len(result.encounters),
     ),
-    Entry(
+    SummaryEntry(
         Column(
             "truth.recordings_with_linked_tracks",
             _INTEGER,
@@ -185,7 +185,7 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
         ),
         lambda result: len(result.tracks.linked_recordings),
     ),
-    Entry(
+    SummaryEntry(
         Column(
             "truth.boxes_without_distance",
             _INTEGER,
@@ -195,17 +195,17 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
         lambda result: result.k_truth.n_without_distance,
     ),
     *_BORROWED,
-    Entry(
-        Column("x", Kind.TABLE, "", "System X; the keys are those of each system, below."),
+    SummaryEntry(
+        Column("x", CellKind.TABLE, "", "System X; the keys are those of each system, below."),
         lambda result: system_summary(result, result.x),
     ),
-    Entry(
-        Column("y", Kind.TABLE, "", "System Y; the same keys."),
+    SummaryEntry(
+        Column("y", CellKind.TABLE, "", "System Y; the same keys."),
         lambda result: system_summary(result, result.y),
     ),
-    *(Entry(replace(column, name=f"venn.{column.name}")) for column in VENN_COLUMNS),
+    *(SummaryEntry(replace(column, name=f"venn.{column.name}")) for column in VENN_COLUMNS),
     *(
-        Entry(
+        SummaryEntry(
             Column(
                 f"venn_severity_s.{kind.value}_{letter}",
                 _NUMBER,
@@ -219,7 +219,7 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
         if kind is not Category.DISTANT
         for letter in "xy"
     ),
-    Entry(
+    SummaryEntry(
         Column(
             "dominant",
             _TEXT,
@@ -229,22 +229,22 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
         ),
         lambda result: result.venn.dominant,
     ),
-    Entry(
+    SummaryEntry(
         Column(
             "exclusivity.missed_by_x", _INTEGER, "encounters", "Encounters that X missed.", "low"
         )
     ),
-    Entry(
+    SummaryEntry(
         Column(
             "exclusivity.missed_by_y", _INTEGER, "encounters", "Encounters that Y missed.", "low"
         )
     ),
-    Entry(
+    SummaryEntry(
         Column(
             "exclusivity.missed_by_both", _INTEGER, "encounters", "Those that both missed.", "low"
         )
     ),
-    Entry(
+    SummaryEntry(
         Column(
             "exclusivity.jaccard",
             _NUMBER,
@@ -253,7 +253,7 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
             empty="no misses",
         )
     ),
-    Entry(
+    SummaryEntry(
         Column(
             "exclusivity.phi",
             _NUMBER,
@@ -262,7 +262,7 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
             empty="a system misses none or all",
         )
     ),
-    Entry(
+    SummaryEntry(
         Column(
             "exclusivity.mcnemar_p",
             _NUMBER,
@@ -273,11 +273,13 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
         ),
         attrgetter("mcnemar_p"),
     ),
-    Entry(Column("boxes.both", _INTEGER, "boxes", "{One} boxes that both systems matched.")),
-    Entry(Column("boxes.x_only", _INTEGER, "boxes", "{One} boxes that only X matched.")),
-    Entry(Column("boxes.y_only", _INTEGER, "boxes", "{One} boxes that only Y matched.")),
-    Entry(Column("boxes.neither", _INTEGER, "boxes", "{One} boxes that neither system matched.")),
-    Entry(
+    SummaryEntry(Column("boxes.both", _INTEGER, "boxes", "{One} boxes that both systems matched.")),
+    SummaryEntry(Column("boxes.x_only", _INTEGER, "boxes", "{One} boxes that only X matched.")),
+    SummaryEntry(Column("boxes.y_only", _INTEGER, "boxes", "{One} boxes that only Y matched.")),
+    SummaryEntry(
+        Column("boxes.neither", _INTEGER, "boxes", "{One} boxes that neither system matched.")
+    ),
+    SummaryEntry(
         Column(
             "lead_time_s.encounters",
             _INTEGER,
@@ -286,7 +288,7 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
         ),
         lambda result: len(_lead_s(result)),
     ),
-    Entry(
+    SummaryEntry(
         Column(
             "lead_time_s.mean",
             _NUMBER,
@@ -296,23 +298,23 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
         ),
         lambda result: float(lead_s.mean()) if len(lead_s := _lead_s(result)) else None,
     ),
-    Entry(
+    SummaryEntry(
         Column("lead_time_s.median", _NUMBER, "s", "Its median.", empty=_NO_LEAD),
         lambda result: float(np.median(lead_s)) if len(lead_s := _lead_s(result)) else None,
     ),
-    Entry(
-        Column("fusion.x_or_y", Kind.TABLE, "", "What `X or Y` would do; the same keys."),
+    SummaryEntry(
+        Column("fusion.x_or_y", CellKind.TABLE, "", "What `X or Y` would do; the same keys."),
         lambda result: system_summary(result.fusion, result.fusion.x),
     ),
-    Entry(
-        Column("fusion.x_and_y", Kind.TABLE, "", "What `X and Y` would do; the same keys."),
+    SummaryEntry(
+        Column("fusion.x_and_y", CellKind.TABLE, "", "What `X and Y` would do; the same keys."),
         lambda result: system_summary(result.fusion, result.fusion.y),
     ),
 )
 
 
 @cache
-def entries() -> tuple[Entry, ...]:
+def entries() -> tuple[SummaryEntry, ...]:
     """The keys of ``summary.json`` with their values: the core's own, then those of subjects.
 
     Nested ones with dots; those of a system are `SYSTEM_KEYS`.

@@ -10,7 +10,7 @@ from nvcore.comparison import Result
 from nvcore.tables.column import Column
 
 
-class Entry(NamedTuple):
+class SummaryEntry(NamedTuple):
     """A key and its value, by default the result's attribute of that name.
 
     None or NaN where it is undefined.

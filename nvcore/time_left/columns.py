@@ -10,13 +10,13 @@ import numpy as np
 from nvcore.comparison import Result
 from nvcore.measures.values import per_recording
 from nvcore.tables.added import Columns
-from nvcore.tables.column import Column, Kind, of_both
+from nvcore.tables.column import CellKind, Column, of_both
 from nvcore.tables.result import frame_numbers
-from nvcore.tables.summary_entry import Entry
+from nvcore.tables.summary_entry import SummaryEntry
 from nvcore.time_left.kinds import Urgency
 from nvcore.time_left.steps import confirmed_by, time_left_in, time_left_of
 
-_TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
+_TEXT, _INTEGER, _NUMBER = CellKind.TEXT, CellKind.INTEGER, CellKind.NUMBER
 _NOT_URGENT: Final = "`urgency` is not `urgent`"
 
 _ENCOUNTERS: Final = (
@@ -147,7 +147,7 @@ def _count(result: Result, *, kind: Urgency) -> int:
 
 ENTRIES: Final = (
     *(
-        Entry(Column(key, _INTEGER, "encounters", meaning), partial(_count, kind=kind))
+        SummaryEntry(Column(key, _INTEGER, "encounters", meaning), partial(_count, kind=kind))
         for key, kind, meaning in (
             (
                 "urgent",
@@ -174,7 +174,7 @@ ENTRIES: Final = (
             ),
         )
     ),
-    Entry(
+    SummaryEntry(
         Column(
             "recordings_with_assumed_speed",
             _INTEGER,

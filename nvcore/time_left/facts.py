@@ -45,7 +45,7 @@ class Confirmed(Fact):
 
 
 @dataclass(frozen=True)
-class Reason(Fact):
+class UnknownReason(Fact):
     """Why time to contact is unknown: frames are ``sampled``, tracks ``linked`` by us or ``short``.
 
     Where there are several reasons, of `n` encounters each.
@@ -59,11 +59,11 @@ class Reason(Fact):
 class Unknown(Fact):
     """Why: in brackets."""
 
-    reasons: tuple[Reason, ...]
+    reasons: tuple[UnknownReason, ...]
 
 
 @dataclass(frozen=True)
-class Kind(Fact):
+class NotUrgent(Fact):
     """Encounters that are not urgent, by why not."""
 
     kind: Literal["no chance", "outside", "not urgent", "unknown"]
@@ -75,7 +75,7 @@ class Kind(Fact):
 class Others(Fact):
     """Encounters that are not urgent."""
 
-    kinds: tuple[Kind, ...]
+    kinds: tuple[NotUrgent, ...]
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ class NobodyMet(Fact):
 
 
 @dataclass(frozen=True)
-class Needed(Fact):
+class NeededWarning(Fact):
     """When a warning must come for the car to stop; seconds, and m/s²."""
 
     speed_kmh: float
@@ -215,7 +215,7 @@ class Equal(Fact):
 
 
 @dataclass(frozen=True)
-class Order(Fact):
+class OrderOverSpeed(Fact):
     """Which system is ahead at which speed of the car.
 
     Attributes
@@ -265,7 +265,7 @@ TEXTS: Final[Texts] = {
         "y": f"{_ONLY} Y, not by X; {_IMPACT}",
         "neither": f"{_ONLY} neither; {_IMPACT}",
     },
-    Reason: {
+    UnknownReason: {
         "sampled": "not every frame is evaluated",
         "linked": "the truth has no track ids",
         "short": "too short, or cut by the picture's edge",
@@ -274,7 +274,7 @@ TEXTS: Final[Texts] = {
         "n short": "{n} as too short, or cut by the picture's edge",
     },
     Unknown: " ({reasons:, })",
-    Kind: {
+    NotUrgent: {
         "no chance": "{n} without a chance (too near to stop when first known)",
         "outside": "{n} outside the corridor",
         "not urgent": "{n} not urgent",
@@ -289,9 +289,9 @@ TEXTS: Final[Texts] = {
         "many": "{n:,} encounters are urgent {speed}{others}{among}",
     },
     NobodyMet: "no {one} is met",
-    Needed: "at {speed_kmh:g} km/h the car still stops before {a_one} if the warning comes more "
-    "than {needed_s:.1f} s before contact: {reaction_s:g} s pass until the brakes act, then it "
-    "brakes with {deceleration:g} m/s². The first frame with less time left is the last chance.",
+    NeededWarning: "at {speed_kmh:g} km/h the car still stops before {a_one} if the warning comes "
+    "more than {needed_s:.1f} s before contact: {reaction_s:g} s pass until the brakes act, then "
+    "it brakes with {deceleration:g} m/s². The first frame with less time left is the last chance.",
     FewUrgent: {
         "one": f"the only urgent encounter says {_HAPPENED}",
         "many": f"{{n}} urgent encounters are few: they say {_HAPPENED}",
@@ -328,7 +328,7 @@ TEXTS: Final[Texts] = {
         "but": " but {n} of {n_all}, at which X and Y are equal",
         "addition": "; at {n} of {n_all} speeds X and Y are equal",
     },
-    Order: {
+    OrderOverSpeed: {
         "same": "{measure} of X and Y is the same at every speed.",
         "always": "{ahead} at every speed{equal}.",
         "once": "below {turns_kmh[0]:g} km/h {ahead}, from there on {second!u}{equal}.",

@@ -14,5 +14,5 @@ POINTS: Final = (PointOf("Time left", confirmed, after="Severity"),)
 
 def lines(result: Result) -> list[str]:
     """Which encounters are urgent, for the terminal."""
-    said = urgent(result)
-    return [f"time left: {phrase(said, result.objects)}"] if said else []
+    fact = urgent(result)
+    return [f"time left: {phrase(fact, result.objects)}"] if fact else []

@@ -16,17 +16,17 @@ from nvcore.time_left.facts import (
     Confirmed,
     Equal,
     FewUrgent,
-    Kind,
     LastChance,
-    Needed,
-    Order,
+    NeededWarning,
+    NotUrgent,
+    OrderOverSpeed,
     Others,
     OverSpeed,
-    Reason,
     Response,
     Speed,
     SpeedOfOne,
     Unknown,
+    UnknownReason,
     Urgent,
     WhyUnknown,
 )
@@ -67,10 +67,10 @@ def urgent(result: Result) -> Urgent | None:
     if n_of[Urgency.NOT_URGENT] == n_all:
         return Urgent("none", speed)
     every = (
-        Kind("no chance", n_of[Urgency.NO_CHANCE]),
-        Kind("outside", n_of[Urgency.OUTSIDE]),
-        Kind("not urgent", n_of[Urgency.NOT_URGENT]),
-        Kind("unknown", n_of[Urgency.UNKNOWN], unknown),
+        NotUrgent("no chance", n_of[Urgency.NO_CHANCE]),
+        NotUrgent("outside", n_of[Urgency.OUTSIDE]),
+        NotUrgent("not urgent", n_of[Urgency.NOT_URGENT]),
+        NotUrgent("unknown", n_of[Urgency.UNKNOWN], unknown),
     )
     kinds = tuple(kind for kind in every if kind.n)
     n_distant = result.venn.distant  # which the Venn diagram beside it leaves out
@@ -105,21 +105,21 @@ def _unknown(result: Result) -> Unknown | None:
         )
     )
     if (n_sampled > 0) + (n_linked > 0) + (n_short > 0) == 1:
-        only = Reason("sampled" if n_sampled else "linked" if n_linked else "short", 0)
+        only = UnknownReason("sampled" if n_sampled else "linked" if n_linked else "short", 0)
         return Unknown((only,))
     every = (
-        Reason("n sampled", n_sampled),
-        Reason("n linked", n_linked),
-        Reason("n short", n_short),
+        UnknownReason("n sampled", n_sampled),
+        UnknownReason("n linked", n_linked),
+        UnknownReason("n short", n_short),
     )
     reasons = tuple(reason for reason in every if reason.n)
     return Unknown(reasons) if reasons else None
 
 
-def needed(params: Params) -> Needed:
+def needed(params: Params) -> NeededWarning:
     """What the last chance is, with the settings at hand."""
     needed_s = float(needed_time(np.array(params.speed_kmh), params))
-    return Needed(params.speed_kmh, needed_s, params.reaction_s, params.deceleration)
+    return NeededWarning(params.speed_kmh, needed_s, params.reaction_s, params.deceleration)
 
 
 def few_urgent(result: Result) -> tuple[FewUrgent, ...]:
@@ -201,7 +201,7 @@ def _speed_of(result: Result, encounter: int) -> SpeedOfOne:
     return SpeedOfOne("own", float(result.dataset.frame_columns.speed_kmh[recording]))
 
 
-def orders(curve: pd.DataFrame) -> tuple[Order, ...]:
+def orders(curve: pd.DataFrame) -> tuple[OrderOverSpeed, ...]:
     """Who is ahead at which speed, in both measures; none where nobody is urgent at any.
 
     Parameters
@@ -216,16 +216,16 @@ def orders(curve: pd.DataFrame) -> tuple[Order, ...]:
 
 def _order(
     curve: pd.DataFrame, measure: Literal["share_in_time", "mean_impact_kmh"], sign: int
-) -> Order:
+) -> OrderOverSpeed:
     """Who is ahead in a measure; `sign` is that of X - Y where X is."""
     difference = sign * np.nan_to_num(curve[f"{measure}_x"] - curve[f"{measure}_y"])
     apart = np.flatnonzero(np.abs(difference) > 1e-9)
     if not len(apart):
-        return Order("same", OverSpeed(measure))
+        return OrderOverSpeed("same", OverSpeed(measure))
     turns_kmh = tuple(turning_speeds(curve, measure))
     first, second = "xy" if difference[apart[0]] > 0 else "yx"
     n_equal = int(np.count_nonzero(curve["urgent"])) - len(apart)
-    return Order(
+    return OrderOverSpeed(
         "often" if len(turns_kmh) > 1 else "once" if turns_kmh else "always",
         OverSpeed(measure),
         Ahead(measure, first),

@@ -12,7 +12,7 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.metrics.matching import Matches
-from nvcore.scoring import Inputs, Step, SystemInputs, SystemResult
+from nvcore.scoring import Inputs, ScoringStep, SystemInputs, SystemResult
 from nvcore.time_left.judging import (
     Contact,
     Judgement,
@@ -48,10 +48,10 @@ def _judge(at: SystemInputs, urgency: pd.DataFrame, confirmed: pd.DataFrame) -> 
 
 
 STEPS: Final = (
-    Step("contact", _measure_contact, (CONTACT,), of="truth"),
-    Step("urgency", _find_urgent, (URGENCY,), ("contact",), of="truth"),
-    Step("confirmed", _confirm, (CONTACT, CONFIRMED), ("contact", "matches")),
-    Step("time_left", _judge, (TIME_LEFT,), ("urgency", "confirmed")),
+    ScoringStep("contact", _measure_contact, (CONTACT,), of="truth"),
+    ScoringStep("urgency", _find_urgent, (URGENCY,), ("contact",), of="truth"),
+    ScoringStep("confirmed", _confirm, (CONTACT, CONFIRMED), ("contact", "matches")),
+    ScoringStep("time_left", _judge, (TIME_LEFT,), ("urgency", "confirmed")),
 )
 
 

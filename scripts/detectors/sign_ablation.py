@@ -156,8 +156,8 @@ def ablation(of: Examples, scenes: list[SignScene]) -> list[str]:
 
 
 def _trained(of: Examples, settings: IcfSettings, *, crops: bool, seed: int) -> IcfDetector:
-    kept = of if crops else replace(of, crops=[])
-    return IcfDetector(train_signs(kept, settings, seed=seed))
+    sample = of if crops else replace(of, crops=[])
+    return IcfDetector(train_signs(sample, settings, seed=seed))
 
 
 def _line(row: Row, m: Measured, seconds: float | None) -> str:

@@ -128,14 +128,14 @@ def held_out(crops: Sequence[Crop]) -> tuple[list[Crop], list[Crop]]:
 def unlike(crops: Sequence[Crop], scenes: Sequence[SignScene]) -> tuple[list[Crop], list[str]]:
     """Crops that resemble no speed limit of these scenes, and the names of the others."""
     reference = np.concatenate([signs_of(scene) for scene in scenes])
-    kept, alike = [], []
+    distinct, alike = [], []
     for crop in crops:
         best = (reference @ standardised(read_rgb(crop.path), crop.box)).max()
         if crop.is_speed_limit and best > ALIKE:
             alike.append(crop.path.name)
         else:
-            kept.append(crop)
-    return kept, alike
+            distinct.append(crop)
+    return distinct, alike
 
 
 def unlike_scenes(
@@ -147,8 +147,8 @@ def unlike_scenes(
     """
     reference = np.concatenate([signs_of(scene) for scene in tested])
     is_alike = [(signs_of(scene) @ reference.T).max(initial=-1) > ALIKE for scene in trained]
-    kept = [scene for scene, out in zip(trained, is_alike, strict=True) if not out]
-    return kept, [scene.path.name for scene, out in zip(trained, is_alike, strict=True) if out]
+    distinct = [scene for scene, out in zip(trained, is_alike, strict=True) if not out]
+    return distinct, [scene.path.name for scene, out in zip(trained, is_alike, strict=True) if out]
 
 
 def signs_of(scene: SignScene) -> np.ndarray:

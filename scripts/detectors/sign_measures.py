@@ -55,14 +55,14 @@ def run(scenes: Sequence[SignScene], detector: IcfDetector) -> Run:
         start = process_time()
         maps = detector.score_maps(picture)
         settings = detector.model.settings
-        kept = suppress(detector.candidates(maps), settings.overlap, settings.overlap_of)
-        kept = detector.classified(picture, kept)
+        detections = suppress(detector.candidates(maps), settings.overlap, settings.overlap_of)
+        detections = detector.classified(picture, detections)
         seconds += process_time() - start
         n_windows += sum(score_map.n_windows for score_map in maps)
         n_features += sum(score_map.n_features for score_map in maps)
-        limits = [""] * len(kept) if kept.label is None else kept.label
+        limits = [""] * len(detections) if detections.label is None else detections.label
         kinds = [f"speed limit {limit}" for limit in limits]
-        columns = (kept.x, kept.y, kept.w, kept.h, kept.score, kinds)
+        columns = (detections.x, detections.y, detections.w, detections.h, detections.score, kinds)
         boxes += [(frame, *box) for box in zip(*columns, strict=True)]
     return Run(
         pd.DataFrame(truth, columns=["frame", "x", "y", "w", "h", "ignore", "class"]),

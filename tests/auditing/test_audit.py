@@ -52,7 +52,9 @@ def test_an_unknown_system_is_an_error() -> None:
 def test_x_is_the_first_system_that_is_not_y() -> None:
     made = dataset(x=walk(), y=walk())
     findings = audit(made, Params(threshold_x=9.0), y="x")
-    kept_nothing = [one.subject for one in findings if one.code == "threshold-keeps-nothing"]
+    kept_nothing = [
+        finding.subject for finding in findings if finding.code == "threshold-keeps-nothing"
+    ]
     assert kept_nothing == ["y"]
 
 

@@ -103,7 +103,7 @@ def exact(x: list[Box], y: list[Box], truth: list[Box] | None = None) -> Dataset
 
 
 def same(made: Dataset, params: Params | None = None, **names: Any) -> list[Finding]:
-    return [one for one in audit(made, params, **names) if one.code == "same-boxes"]
+    return [finding for finding in audit(made, params, **names) if finding.code == "same-boxes"]
 
 
 def test_x_and_y_with_the_same_boxes_are_a_warning() -> None:

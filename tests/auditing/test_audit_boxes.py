@@ -115,7 +115,7 @@ def test_boxes_mostly_outside_count_when_the_size_is_in_doubt() -> None:
     # x = 100 + 3 f, 40 px wide, of 190 px: less than half is inside from frame 24 on. X has four
     # such boxes of 28, none wholly outside, and one that is
     made = dataset(x=[*walk(stop=28), walk()[39]], width=190.0, height=480.0)
-    findings = {one.code: one for one in audit(made) if one.subject == "x"}
+    findings = {finding.code: finding for finding in audit(made) if finding.subject == "x"}
     for code, count in (("outside-picture", 1), ("mostly-outside-picture", 4)):
         assert findings[code].count == count
         assert findings[code].steps == (Step(Remedy.SIZE),)
@@ -129,7 +129,7 @@ def test_a_few_boxes_mostly_outside_do_not_put_the_size_in_doubt() -> None:
 def test_boxes_to_be_ignored_bridge_the_gap_of_a_track():
     seen = [Box(frame, 10, 10, 40, 100, track=1) for frame in (*range(10), *range(200, 210))]
     ignored = [Box(frame, 10, 10, 40, 100, track=1, ignore=True) for frame in range(10, 200)]
-    found = [Box(frame, 10, 10, 40, 100) for frame in range(210)]
+    detections = [Box(frame, 10, 10, 40, 100) for frame in range(210)]
     places = [Place(range(210), fps=20.0)]
-    assert "track-reused" in codes(make_dataset(seen, found, places=places))
-    assert "track-reused" not in codes(make_dataset(seen + ignored, found, places=places))
+    assert "track-reused" in codes(make_dataset(seen, detections, places=places))
+    assert "track-reused" not in codes(make_dataset(seen + ignored, detections, places=places))

@@ -65,7 +65,7 @@ def test_rows_that_could_not_be_placed_are_listed_as_they_stand_in_the_file():
     assert entries["frame"].tolist() == [77, 3]
     assert entries["line"].tolist() == [1, 2]
     assert entries["finding"].tolist() == [1, 2]
-    assert [entry_frames(made, one.cases).tolist() for one in findings] == [[-1], [-1]]
+    assert [entry_frames(made, finding.cases).tolist() for finding in findings] == [[-1], [-1]]
 
 
 def test_a_left_out_row_of_an_evaluated_frame_leads_to_that_frame():
@@ -76,7 +76,7 @@ def test_a_left_out_row_of_an_evaluated_frame_leads_to_that_frame():
 def test_a_finding_about_an_input_as_a_whole_has_no_entries():
     made = dataset()
     findings = audit(made, Params(threshold_x=2.0))
-    (whole,) = [one for one in findings if one.code == "threshold-keeps-nothing"]
+    (whole,) = [finding for finding in findings if finding.code == "threshold-keeps-nothing"]
     assert whole.cases is None
     assert finding_entries(made, [whole]).empty
 
@@ -88,8 +88,8 @@ def test_every_finding_that_counts_boxes_lists_as_many(n: int):
 
 
 def test_cases_do_not_make_equal_findings_differ():
-    one = Finding(Severity.NOTE, "a", "truth", 1, "m", "a")
-    assert one == dataclasses.replace(one, cases=Cases("boxes", np.arange(1)))
+    finding = Finding(Severity.NOTE, "a", "truth", 1, "m", "a")
+    assert finding == dataclasses.replace(finding, cases=Cases("boxes", np.arange(1)))
 
 
 def test_annotators_get_the_frames_and_boxes_as_cvat(tmp_path: Path):

@@ -70,7 +70,9 @@ def test_both_speeds_are_named_with_their_recordings():
 def test_speeds_are_told_in_the_words_of_the_objects():
     made = dataset(nearing(4, 4, 4))
     of_animals = replace(made, settings=replace(made.settings, objects=objects_from("animal")))
-    (message,) = (found.message for found in audit(of_animals) if found.code == "closing-speed")
+    (message,) = (
+        finding.message for finding in audit(of_animals) if finding.code == "closing-speed"
+    )
     assert "In 1 recording animals come nearer" in message
 
 

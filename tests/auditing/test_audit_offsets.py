@@ -20,7 +20,7 @@ SUSPICIONS = {"time-offset", "pixel-offset", "scale-mismatch"}
 
 
 def suspicions(dataset: Dataset, params: Params | None = None, **names: str) -> list[Finding]:
-    return [one for one in audit(dataset, params, **names) if one.code in SUSPICIONS]
+    return [finding for finding in audit(dataset, params, **names) if finding.code in SUSPICIONS]
 
 
 def moved(
@@ -99,7 +99,7 @@ def test_irregularly_listed_frames_tell_nothing_of_time() -> None:
     truth = [box._replace(frame=numbers[box.frame]) for box in WALKS]
     late = [box._replace(frame=numbers[box.frame]) for box in moved(WALKS, frames=2)]
     made = make_dataset(truth, late, frames=numbers, width=640, height=480)
-    assert "time-offset" not in [one.code for one in suspicions(made)]
+    assert "time-offset" not in [finding.code for finding in suspicions(made)]
 
 
 def test_a_pixel_offset_is_found_with_its_value() -> None:
@@ -116,7 +116,7 @@ def test_a_pixel_offset_so_large_that_no_box_overlaps_is_found() -> None:
 
 def test_scattered_boxes_have_no_constant_offset() -> None:
     scattered = [box._replace(x=box.x + (15, -15, 12, -9)[box.frame % 4]) for box in moved(WALKS)]
-    assert "pixel-offset" not in [one.code for one in suspicions(compare(scattered))]
+    assert "pixel-offset" not in [finding.code for finding in suspicions(compare(scattered))]
 
 
 @pytest.mark.parametrize(
@@ -130,7 +130,7 @@ def test_a_time_offset_is_found_beside_another_fault(
     change: dict[str, float], suggestion: tuple
 ) -> None:
     findings = suspicions(compare(moved(WALKS, frames=2, **change)))
-    assert {one.suggestion for one in findings} == {(("offset_frames", -2.0),), suggestion}
+    assert {finding.suggestion for finding in findings} == {(("offset_frames", -2.0),), suggestion}
     assert findings[0].code == ("scale-mismatch" if "scale" in change else "time-offset")
 
 
@@ -199,9 +199,9 @@ def test_overlaps_at_the_ends_of_recordings_are_not_known() -> None:
 
 def test_a_threshold_keeps_detections_without_a_score() -> None:
     boxes = [Box(0, 1, 1, 1, 1, score=s) for s in (0.2, float("nan"), 0.8)]
-    kept = above_threshold(make_dataset([], boxes).system("x"), 0.5)
-    np.testing.assert_equal(kept.score, [np.nan, 0.8])
-    assert kept.offsets.tolist() == [0, 2]
+    above = above_threshold(make_dataset([], boxes).system("x"), 0.5)
+    np.testing.assert_equal(above.score, [np.nan, 0.8])
+    assert above.offsets.tolist() == [0, 2]
 
 
 # real recordings
@@ -242,4 +242,4 @@ def test_two_offsets_that_cancel_are_not_found_where_the_boxes_fit_well() -> Non
     truth = [Box(f, 100 + 3 * f, 200, 40, 100, track=1) for f in range(120)]
     x = [box._replace(x=box.x + 0.5, track=-1, score=0.9) for box in truth]
     made = make_dataset(truth, x, x, n_frames=120, width=640, height=480)
-    assert not {"time-offset", "pixel-offset"} & {one.code for one in audit(made)}
+    assert not {"time-offset", "pixel-offset"} & {finding.code for finding in audit(made)}

@@ -38,7 +38,7 @@ def numbers_shown(dataset: Dataset) -> list[int]:
     return [NONE if i < 0 else number_in(opened.sources[0].read(int(i))) for i in opened.indices[0]]
 
 
-def found(dataset: Dataset) -> dict[str, Finding]:
+def by_code(dataset: Dataset) -> dict[str, Finding]:
     return {finding.code: finding for finding in picture_findings(dataset)}
 
 
@@ -70,7 +70,7 @@ def test_two_kinds_of_pictures_are_an_error_whose_step_shows_one(tmp_path: Path)
         names = [f"FLIR_{n:05}{ending}" for n in range(60)]
         write_folder(tmp_path / "two", names, range(first, first + 60))
     dataset = drive(tmp_path, "two")
-    finding = found(dataset)["pictures-unreadable"]
+    finding = by_code(dataset)["pictures-unreadable"]
     assert finding.severity is Severity.ERROR
     png = Step(Remedy.PICTURES, "two/*.png", "drive")
     assert png in finding.steps
@@ -82,15 +82,15 @@ def test_two_kinds_of_pictures_are_an_error_whose_step_shows_one(tmp_path: Path)
     assert session is not None
     again = load(session)
     assert numbers_shown(again) == [*range(60)]
-    assert found(again) == {}
-    assert "missing-pictures" not in {one.code for one in again.findings}
+    assert by_code(again) == {}
+    assert "missing-pictures" not in {finding.code for finding in again.findings}
 
 
 def test_every_second_frame_exported_is_shown_in_order_and_told(tmp_path: Path):
     write_folder(tmp_path / "half", [f"frame_{n:04}.png" for n in range(1, 61)], range(0, 120, 2))
     dataset = drive(tmp_path, "half", range(0, 120, 2))
     assert numbers_shown(dataset) == [*range(0, 120, 2)]
-    finding = found(dataset)["pictures-in-order"]
+    finding = by_code(dataset)["pictures-in-order"]
     assert finding.severity is Severity.NOTE
     result = nvcore("check", tmp_path / "session.toml")
     assert (result.exit_code, finding.message in result.stdout) == (0, True)
@@ -104,7 +104,7 @@ def test_each_page_of_a_tiff_shows_its_frame(tmp_path: Path):
     dataset = drive(tmp_path, "seq.tif")
     assert numbers_shown(dataset) == [*range(60)]
     result = nvcore("check", tmp_path / "session.toml")
-    assert (result.exit_code, found(dataset)) == (0, {})
+    assert (result.exit_code, by_code(dataset)) == (0, {})
     assert "frame 30 shows picture 30" in result.stdout
 
 
@@ -113,7 +113,7 @@ def test_a_picture_that_makes_the_others_unreadable_is_named(tmp_path: Path):
     (tmp_path / "img" / "img_00000.png").write_bytes(b"")
     assert (
         "img: img_00000.png: is no PNG"
-        in found(drive(tmp_path, "img"))["pictures-unreadable"].message
+        in by_code(drive(tmp_path, "img"))["pictures-unreadable"].message
     )
 
 
@@ -121,7 +121,7 @@ def test_a_video_that_cannot_be_read_is_an_error(tmp_path: Path):
     path = write_numbered_video(tmp_path / "drive.mp4", n=60)
     content = path.read_bytes()
     path.write_bytes(content[: content.index(b"moov")])
-    finding = found(drive(tmp_path, "drive.mp4"))["pictures-unreadable"]
+    finding = by_code(drive(tmp_path, "drive.mp4"))["pictures-unreadable"]
     assert finding.severity is Severity.ERROR
     assert "no table of contents" in finding.message
     for command in ("check", "compare"):
@@ -136,14 +136,14 @@ def test_a_video_that_cannot_be_read_is_an_error(tmp_path: Path):
 def test_pictures_that_are_not_there_are_one_finding(tmp_path: Path):
     dataset = drive(tmp_path, "none.mp4")
     assert [finding.code for finding in dataset.findings] == ["missing-pictures"]
-    assert found(dataset) == {}
+    assert by_code(dataset) == {}
 
 
 def test_pictures_that_fit_no_frames_are_not_shown_and_the_first_is_asked_for(tmp_path: Path):
     write_folder(tmp_path / "img", [f"{n:05}.png" for n in range(30, 100)], range(70))
     dataset = drive(tmp_path, "img")
     assert numbers_shown(dataset) == [NONE] * 60
-    finding = found(dataset)["pictures-unclear"]
+    finding = by_code(dataset)["pictures-unclear"]
     assert (finding.severity, finding.count) == (Severity.ERROR, 60)
     assert finding.steps == (Step(Remedy.FIRST_PICTURE, subject="drive"),)
     assert nvcore("check", tmp_path / "session.toml").exit_code == 1
@@ -174,13 +174,13 @@ def test_numbers_of_another_drive_taken_in_order_are_a_warning(tmp_path: Path):
     write_folder(tmp_path / "img", [f"{n:05}.png" for n in range(500, 561)], range(61))
     dataset = drive(tmp_path, "img")
     assert numbers_shown(dataset) == [*range(60)]
-    assert found(dataset)["pictures-in-order"].severity is Severity.WARNING
+    assert by_code(dataset)["pictures-in-order"].severity is Severity.WARNING
 
 
 def test_pictures_of_another_shape_are_a_warning(tmp_path: Path):
     for n in range(60):
         write_picture(tmp_path / "img" / f"{n}.png", np.zeros((40, 90), np.uint8))
-    assert "90 x 40 px" in found(drive(tmp_path, "img"))["pictures-other-shape"].message
+    assert "90 x 40 px" in by_code(drive(tmp_path, "img"))["pictures-other-shape"].message
 
 
 @pytest.mark.parametrize("trait", PictureTrait)
@@ -245,7 +245,7 @@ def test_names_with_accents_as_a_mac_stores_them_are_found(tmp_path: Path):
     write_folder(tmp_path / "Stra\u00dfe_gru\u0308n", [f"{n}.png" for n in range(60)], range(60))
     dataset = drive(tmp_path, "Stra\u00dfe_gr\u00fcn")
     assert numbers_shown(dataset) == [*range(60)]
-    assert (dataset.findings, found(dataset)) == ((), {})
+    assert (dataset.findings, by_code(dataset)) == ((), {})
 
 
 def test_the_table_names_three_frames_of_each_recording(tmp_path: Path):

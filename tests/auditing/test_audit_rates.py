@@ -55,21 +55,21 @@ def n_matched(session: Session) -> int:
 
 def test_half_the_rate_is_an_error_that_names_the_factor_and_no_offset(tmp_path):
     session = of_scene(tmp_path, lambda i: i % 2 == 0, lambda i: i // 2)
-    found = findings_of(session)
-    assert found["frame-rate"].severity is Severity.ERROR
-    assert "frame = 2 x number they fit" in found["frame-rate"].message
-    assert found["frame-rate"].suggestion == (("frame_step", 2.0),)
-    assert found["frame-rate"].steps == (Step(Remedy.FRAME_STEP, "2", "Y"),)
-    assert "time-offset" not in found
+    by_code = findings_of(session)
+    assert by_code["frame-rate"].severity is Severity.ERROR
+    assert "frame = 2 x number they fit" in by_code["frame-rate"].message
+    assert by_code["frame-rate"].suggestion == (("frame_step", 2.0),)
+    assert by_code["frame-rate"].steps == (Step(Remedy.FRAME_STEP, "2", "Y"),)
+    assert "time-offset" not in by_code
 
 
 def test_detections_in_a_part_only_are_not_told_beside_the_rate_that_explains_it(tmp_path):
     session = of_scene(tmp_path, lambda i: i % 2 == 0, lambda i: i // 2)
     dataset = load(session)
     assert PART_CODE in {finding.code for finding in audit_inputs(dataset)}
-    found = {finding.code for finding in audit(dataset)}
-    assert RATE_CODE in found
-    assert PART_CODE not in found
+    codes = {finding.code for finding in audit(dataset)}
+    assert RATE_CODE in codes
+    assert PART_CODE not in codes
 
 
 def test_with_the_factor_the_boxes_match_and_nothing_is_found(tmp_path):
@@ -147,7 +147,7 @@ def test_of_several_numbers_that_come_to_one_frame_the_nearest_stays(tmp_path):
 
 
 def test_recordings_too_short_for_any_drift_have_no_other_rate():
-    truth_boxes, found = (
+    truth_boxes, system_boxes = (
         [
             Box(frame, 100 * i + 5 * frame + shift, 10, 20, 40, recording=recording)
             for recording in (0, 1)
@@ -156,5 +156,5 @@ def test_recordings_too_short_for_any_drift_have_no_other_rate():
         ]
         for shift in (0, 50)
     )
-    made = make_dataset(truth_boxes, found, places=[Place(range(6)), Place(range(6))])
+    made = make_dataset(truth_boxes, system_boxes, places=[Place(range(6)), Place(range(6))])
     assert RATE_CODE not in [finding.code for finding in audit(made)]

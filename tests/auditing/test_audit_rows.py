@@ -80,14 +80,14 @@ def test_rows_between_and_outside_sampled_frames_are_told_apart() -> None:
 
 def test_rows_of_frames_that_were_not_given_are_a_note(tmp_path: Path) -> None:
     session = session_of(drive(tmp_path), frames="0:18")
-    found = {finding.subject: finding for finding in audit_left_out(load(session))}
-    assert {finding.code for finding in found.values()} == {"left-out-by-choice"}
-    assert {name: finding.count for name, finding in found.items()} == {
+    by_subject = {finding.subject: finding for finding in audit_left_out(load(session))}
+    assert {finding.code for finding in by_subject.values()} == {"left-out-by-choice"}
+    assert {name: finding.count for name, finding in by_subject.items()} == {
         "truth": 2,
         "fir": 2,
         "nir": 1,
     }
-    assert "not among those given" in found["truth"].message
+    assert "not among those given" in by_subject["truth"].message
 
 
 def test_given_frames_beside_those_of_the_truth_are_a_warning(tmp_path: Path) -> None:

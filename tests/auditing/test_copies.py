@@ -70,7 +70,7 @@ def test_the_same_truth_twice_is_an_error_that_names_both(second: list[Box], cop
     (finding,) = audit_copies(dataset)
     assert finding.severity is Severity.ERROR
     assert "r0 and r1 (" in finding.message
-    assert finding.code in {found.code for found in audit_inputs(dataset)}
+    assert finding.code in {finding.code for finding in audit_inputs(dataset)}
     assert units_of(dataset).tolist() == ["r0", "r0", ""]
 
 
@@ -118,9 +118,9 @@ def test_one_recording_copied_ten_times_is_one_unit_and_supports_nothing():
     findings = audit_inputs(result.dataset)
     evidence, companions = judge_both(result)
     assert evidence["p_corrected"].isna().all()
-    said = verdict(result, findings, evidence=evidence, companions=companions)
-    assert said.headline.kind == "wrong inputs"
-    assert said.claims == ()
+    conclusion = verdict(result, findings, evidence=evidence, companions=companions)
+    assert conclusion.headline.kind == "wrong inputs"
+    assert conclusion.claims == ()
     alone = verdict(result, evidence=evidence, companions=companions)
     assert alone.claims == ()
 
@@ -152,8 +152,8 @@ def test_a_verdict_by_units_says_so():
     evidence, companions = judge_both(result)
     by_unit = evidence.set_index("figure").loc["severity_s_per_encounter"]
     assert (by_unit["unit"], by_unit["n"]) == (UNITS, 8)
-    said = verdict(result, evidence=evidence, companions=companions)
-    assert "more than chance over 8 units" in said.say(said.headline)
+    conclusion = verdict(result, evidence=evidence, companions=companions)
+    assert "more than chance over 8 units" in conclusion.say(conclusion.headline)
 
 
 @pytest.mark.parametrize(
@@ -168,8 +168,8 @@ def test_a_verdict_by_units_says_so():
 def test_names_that_look_like_pieces_are_asked_about(names: list[str], n: int):
     dataset = dataset_of(*map(drive, range(len(names))))
     named = replace(dataset, recordings=dataset.recordings.assign(name=names))
-    found = [*audit_pieces(named)]
-    assert [(finding.severity, finding.count) for finding in found] == [(Severity.NOTE, n)] * (
+    findings = [*audit_pieces(named)]
+    assert [(finding.severity, finding.count) for finding in findings] == [(Severity.NOTE, n)] * (
         n > 0
     )
     assert [*audit_pieces(with_units(named, *names))] == []

@@ -115,7 +115,7 @@ def test_a_changed_input_is_reported(folder: Path, tmp_path: Path):
 def test_every_live_parameter_is_a_flag_and_stands_in_the_written_session(
     folder: Path, tmp_path: Path
 ):
-    given = [str(one) for name, value in OTHER.items() for one in (flag_of(name), value)]
+    given = [str(part) for name, value in OTHER.items() for part in (flag_of(name), value)]
     result = nvcore("compare", *flags(folder), *given, "--out", tmp_path / "a")
     assert result.exit_code == 0, result.output
     assert written(tmp_path / "a")["parameters"] == OTHER
@@ -245,7 +245,9 @@ def test_bad_input_gives_exit_code_2_and_one_line(
     write(folder / "broken.csv", "recording,frame,x,y,w,h,score", "urban,zero,1,1,1,1,1")
     write(folder / "tale.txt", "once upon a time")
     good = ("--truth", "truth.csv", "--x", "fir.csv", "--y", "nir.csv", *FACTS)
-    given = [part for one in arguments for part in (good if one == "GOOD" else (one,))]
+    given = [
+        part for argument in arguments for part in (good if argument == "GOOD" else (argument,))
+    ]
     result = nvcore("compare", *given)
     assert result.exit_code == 2
     (error,) = [line for line in result.stderr.splitlines() if line.startswith("Error: ")]

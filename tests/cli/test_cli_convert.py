@@ -64,7 +64,7 @@ def test_results_that_name_pictures_by_number_need_the_truth(tmp_path: Path):
     convert(*arguments, "--truth", DATA / "coco" / "kaist.json")
     # picture number 1 is the image of id 0, number 3 that of id 2
     written = json.loads((tmp_path / "out.json").read_text())
-    assert [one["image_id"] for one in written] == [0, 2, 2]
+    assert [record["image_id"] for record in written] == [0, 2, 2]
 
 
 def test_the_conversion_and_oddities_of_the_input_are_told(tmp_path: Path):
@@ -244,7 +244,12 @@ def test_coco_lists_frames_without_boxes_between_annotated_ones(tmp_path: Path):
     rows = [f"{frame},1,2,30,60" for frame in (3, 6)]
     convert(write(tmp_path / "a.csv", "frame,x,y,w,h", *rows), tmp_path / "a.json", "coco")
     images = json.loads((tmp_path / "a.json").read_text())["images"]
-    assert [(one["id"], one["frame_index"]) for one in images] == [(1, 3), (2, 4), (3, 5), (4, 6)]
+    assert [(image["id"], image["frame_index"]) for image in images] == [
+        (1, 3),
+        (2, 4),
+        (3, 5),
+        (4, 6),
+    ]
 
 
 def test_a_given_size_is_written_to_coco_which_needs_it(tmp_path: Path):
@@ -255,7 +260,7 @@ def test_a_given_size_is_written_to_coco_which_needs_it(tmp_path: Path):
     assert "warning" not in convert(*arguments, "--size", "640x480", "--force")
     document = json.loads((tmp_path / "a.json").read_text())
     entries = [*document["images"], *document["videos"]]
-    assert {(one["width"], one["height"]) for one in entries} == {(640, 480)}
+    assert {(entry["width"], entry["height"]) for entry in entries} == {(640, 480)}
 
 
 def test_a_given_size_that_contradicts_the_data_is_told_and_not_written(tmp_path: Path):
@@ -263,7 +268,7 @@ def test_a_given_size_that_contradicts_the_data_is_told_and_not_written(tmp_path
     assert "another size than the given one for 2 of 2 recordings; theirs is written" in (
         convert(source, target, "coco", "--size", "10x10")
     )
-    assert {one["width"] for one in json.loads(target.read_text())["images"]} == {640}
+    assert {image["width"] for image in json.loads(target.read_text())["images"]} == {640}
 
 
 @pytest.mark.parametrize(

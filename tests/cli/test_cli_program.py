@@ -167,21 +167,21 @@ def test_a_path_with_control_characters_is_printed_harmlessly(tmp_path: Path):
 
 def headings(command: str) -> dict[str, list[str]]:
     """Flags of a command by the heading that they stand under."""
-    found: dict[str, list[str]] = {}
+    by_heading: dict[str, list[str]] = {}
     heading = ""
     for line in nvcore(command, "--help").stdout.splitlines():
         if re.fullmatch(r"[A-Z][\w ]+:", line):
             heading = line.rstrip(":")
         flag = re.match(r"  (?:-h, )?(--[a-z-]+)", line)
         if flag:
-            found.setdefault(heading, []).append(flag[1])
-    return found
+            by_heading.setdefault(heading, []).append(flag[1])
+    return by_heading
 
 
 def test_every_parameter_stands_under_its_group():
-    found = headings("compare")
+    by_heading = headings("compare")
     for name, setting in SETTINGS.items():
-        assert flag_of(name) in found[setting.group]
+        assert flag_of(name) in by_heading[setting.group]
 
 
 @pytest.mark.parametrize("command", ["compare", "check"])
@@ -189,5 +189,9 @@ def test_every_option_stands_under_a_heading_once(command: str):
     by_heading = headings(command)
     assert by_heading["Other"] == ["--help"]
     shown = [flag for flags in by_heading.values() for flag in flags]
-    known = [one.opts[0] for one in main.commands[command].params if isinstance(one, click.Option)]
+    known = [
+        option.opts[0]
+        for option in main.commands[command].params
+        if isinstance(option, click.Option)
+    ]
     assert sorted(shown) == sorted([*known, "--help"])

@@ -163,11 +163,11 @@ def written_anew() -> str:
     """The page with the help of today."""
     shared = shared_groups()
 
-    def section(found: re.Match[str]) -> str:
-        blocks = blocks_of(help_of(found[1]))
+    def section(match: re.Match[str]) -> str:
+        blocks = blocks_of(help_of(match[1]))
         own = "\n\n".join(block for block in blocks if block not in shared.values())
         titles = [title for title in map(title_of, blocks) if shared.get(title) in blocks]
-        body = HELP.sub(lambda _: f"```text\n{own}\n```", TAKEN.sub("", found[2]))
+        body = HELP.sub(lambda _: f"```text\n{own}\n```", TAKEN.sub("", match[2]))
         if titles:
             links = ", ".join(f"[{title}](#{title.lower().replace(' ', '-')})" for title in titles)
             lines = textwrap.fill(f"{links}.", 100, break_on_hyphens=False, break_long_words=False)
@@ -175,7 +175,7 @@ def written_anew() -> str:
             body = re.sub(
                 r"(^```text\n.*?^```$)\n", lambda m: m[1] + taken, body, flags=re.DOTALL | re.M
             )
-        return f"## {found[1]}{body}"
+        return f"## {match[1]}{body}"
 
     page = SECTION.sub(section, PAGE.read_text(encoding="utf-8"))
     (old,) = SHARED.findall(page)

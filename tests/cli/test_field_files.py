@@ -25,8 +25,10 @@ def test_files_give_the_right_values_or_say_what_is_wrong(case: Case, tmp_path: 
             "false_alarms": "false_alarms",
             "encounters": "encounters_detected",
         }
-        found = {name: tuple(summary[letter][key] for letter in "xy") for name, key in keys.items()}
-        assert found == case.right
+        counts = {
+            name: tuple(summary[letter][key] for letter in "xy") for name, key in keys.items()
+        }
+        assert counts == case.right
 
 
 def test_numbers_given_for_results_are_those_of_the_results(tmp_path: Path):

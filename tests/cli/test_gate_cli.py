@@ -79,8 +79,8 @@ def test_the_protocol_changes_the_figures_of_the_curve(folder: Path):
     every = nvcore("gate", *flags(folder), "--list").stdout
     far = nvcore("gate", *flags(folder), "--list", "--protocol", "far").stdout
     differing = {
-        one.split()[0] for one, other in zip(every.splitlines(), far.splitlines(), strict=True)
-        if one != other
+        line.split()[0] for line, far_line in zip(every.splitlines(), far.splitlines(), strict=True)
+        if line != far_line
     }  # fmt: skip
     assert "lamr_x" in differing
     assert "mean_similarity_x" not in differing
@@ -197,8 +197,8 @@ def test_results_that_cannot_be_written_are_told(folder: Path):
     assert "cannot be written" in (folder / "gate.md").read_text()
 
 
-def kept(folder: Path) -> dict[str, bytes]:
-    return {one.name: one.read_bytes() for one in folder.iterdir()}
+def contents(folder: Path) -> dict[str, bytes]:
+    return {file.name: file.read_bytes() for file in folder.iterdir()}
 
 
 def linked(folder: Path) -> Path:
@@ -225,22 +225,22 @@ def linked(folder: Path) -> Path:
      "rules.txt", "session.toml"],
 )  # fmt: skip
 def test_no_input_is_written_over(folder: Path, name: str):
-    before = kept(linked(folder))
+    before = contents(linked(folder))
     for flag in ("--junit", "--markdown"):
         given = [folder / "session.toml", "--rules", folder / "rules.txt", flag, f"{folder}/{name}"]
         ran = nvcore("gate", *given)
         assert ran.exit_code == 2
         assert f"{name}: is an input, and would be replaced; give another file" in ran.stderr
-        assert kept(folder) == before
+        assert contents(folder) == before
 
 
 def test_an_input_that_only_a_broken_session_names_is_not_written_over(folder: Path):
-    before = kept(linked(folder))
+    before = contents(linked(folder))
     broken = write(folder.parent / "broken.toml", '[truth]\npath = "drive/truth.csv')
     for given in ([broken], [*flags(folder), "--no-such-flag"]):
         ran = nvcore("gate", *given, *HOLDS, "--markdown", folder / "truth.csv")
         assert ran.exit_code == 2
-        assert kept(folder) == before
+        assert contents(folder) == before
 
 
 def test_results_beside_the_inputs_may_be_written_again(folder: Path):
@@ -252,7 +252,7 @@ def test_compare_and_report_write_over_no_input(folder: Path):
     text = (folder / "truth.csv").read_text()
     write(folder / "summary.json", text)
     write(folder / "truth.html", text)
-    before = kept(folder)
+    before = contents(folder)
     for command, truth, out in (
         ("compare", "summary.json", folder),
         ("report", "truth.html", folder / "truth.html"),
@@ -262,4 +262,4 @@ def test_compare_and_report_write_over_no_input(folder: Path):
         ran = nvcore(command, *given)
         assert ran.exit_code == 2, ran.output
         assert f"{truth}: is an input, and would be replaced" in ran.stderr
-    assert kept(folder) == before
+    assert contents(folder) == before

@@ -54,12 +54,12 @@ def coco_ap(
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("iou", [0.3, 0.5, 0.75])
 def test_ap_agrees_with_another_program(seed, iou):
-    truth, found, places = random_boxes(seed, n_frames=80)
+    truth, detections, places = random_boxes(seed, n_frames=80)
     if iou != 0.5:  # regions absorb from a share of 0.5 on; COCO's absorb from the IoU on
         truth = [box for box in truth if not box.ignore]
-    dataset = make_dataset(truth, found, places=places)
+    dataset = make_dataset(truth, detections, places=places)
     ours = average_precision_coco(detection_curve(dataset, "x", Params(iou=iou)))
-    assert ours == pytest.approx(coco_ap(truth, found, 80, iou), abs=1e-6)
+    assert ours == pytest.approx(coco_ap(truth, detections, 80, iou), abs=1e-6)
     assert 0.02 < ours < 0.9  # not an empty agreement
 
 
@@ -68,20 +68,20 @@ def test_ap_agrees_where_recalls_fall_on_the_101_points(n_truth):
     # every recall i / n that COCO compares with its own i * 0.01
     truth = [Box(f, 10, 10, 20, 40) for f in range(n_truth)]
     rng = np.random.default_rng(n_truth)
-    found = [Box(f, 10, 10, 20, 40, score=1 - f / n_truth) for f in range(n_truth)]
-    found += [Box(f, 60, 10, 20, 40, score=float(rng.random())) for f in range(n_truth)]
-    ours = average_precision_coco(detection_curve(make_dataset(truth, found), "x", Params()))
-    assert ours == pytest.approx(coco_ap(truth, found, n_truth, 0.5), abs=1e-6)
+    detections = [Box(f, 10, 10, 20, 40, score=1 - f / n_truth) for f in range(n_truth)]
+    detections += [Box(f, 60, 10, 20, 40, score=float(rng.random())) for f in range(n_truth)]
+    ours = average_precision_coco(detection_curve(make_dataset(truth, detections), "x", Params()))
+    assert ours == pytest.approx(coco_ap(truth, detections, n_truth, 0.5), abs=1e-6)
 
 
 def test_ap_counts_every_detection_of_a_picture():
     truth = [Box(0, 10, 5 * i, 20, 40) for i in range(30)]
     rng = np.random.default_rng(5)
-    found = [Box(0, 10, 5 * i, 20, 40, score=float(rng.random())) for i in range(30)]
-    found += [Box(0, 100 + i, 300, 20, 40, score=float(rng.random())) for i in range(170)]
-    ours = average_precision_coco(detection_curve(make_dataset(truth, found), "x", Params()))
-    assert ours == pytest.approx(coco_ap(truth, found, 1, 0.5, most=200), abs=1e-6)
-    assert ours > coco_ap(truth, found, 1, 0.5) + 0.01  # with COCO's own limit of 100
+    detections = [Box(0, 10, 5 * i, 20, 40, score=float(rng.random())) for i in range(30)]
+    detections += [Box(0, 100 + i, 300, 20, 40, score=float(rng.random())) for i in range(170)]
+    ours = average_precision_coco(detection_curve(make_dataset(truth, detections), "x", Params()))
+    assert ours == pytest.approx(coco_ap(truth, detections, 1, 0.5, most=200), abs=1e-6)
+    assert ours > coco_ap(truth, detections, 1, 0.5) + 0.01  # with COCO's own limit of 100
 
 
 def test_average_precision_counted_by_hand():

@@ -70,15 +70,15 @@ def test_the_operating_point_is_that_of_the_lowest_score_that_passes(threshold, 
 @pytest.mark.parametrize("match", ["iou", "lateral"])
 @pytest.mark.parametrize("n_scores", [None, 7])
 def test_every_point_is_what_plain_loops_find_at_its_threshold(match, n_scores):
-    truth, found, places = random_boxes(3, n_scores=n_scores)
+    truth, detections, places = random_boxes(3, n_scores=n_scores)
     params = Params(match=match, iou=0.4)
-    curve = detection_curve(make_dataset(truth, found, places=places), "x", params)
+    curve = detection_curve(make_dataset(truth, detections, places=places), "x", params)
     keys = [(r, f) for r, place in enumerate(places) for f in place.frames]
     for i in range(0, len(curve), max(len(curve) // 12, 1)):
         tp = fp = 0
         for r, f in keys:
             G = [b for b in truth if (b.recording, b.frame) == (r, f)]
-            D = [b for b in found if (b.recording, b.frame) == (r, f)]
+            D = [b for b in detections if (b.recording, b.frame) == (r, f)]
             pairs, alarms = match_by_oracle(G, D, places[r], params, float(curve.threshold[i]))
             tp, fp = tp + len(pairs), fp + len(alarms)
         assert (curve.tp[i], curve.fp[i]) == (tp, fp)
@@ -86,14 +86,14 @@ def test_every_point_is_what_plain_loops_find_at_its_threshold(match, n_scores):
 
 
 def test_equal_scores_are_one_point_whatever_their_order_in_the_file():
-    truth, found, places = random_boxes(7, n_scores=5)
-    one, other = (
+    truth, detections, places = random_boxes(7, n_scores=5)
+    as_read, by_score = (
         detection_curve(make_dataset(truth, boxes, places=places), "x", Params())
-        for boxes in (found, sorted(found, key=lambda box: (box.frame, box.score)))
+        for boxes in (detections, sorted(detections, key=lambda box: (box.frame, box.score)))
     )
-    assert len(one) == 5
-    assert one.tp.tolist() == other.tp.tolist()
-    assert one.fp.tolist() == other.fp.tolist()
+    assert len(as_read) == 5
+    assert as_read.tp.tolist() == by_score.tp.tolist()
+    assert as_read.fp.tolist() == by_score.fp.tolist()
 
 
 def test_counts_only_grow_with_falling_threshold():
@@ -114,8 +114,8 @@ def test_a_system_without_scores_is_one_point():
 
 
 def test_a_system_with_and_without_scores_is_matched_anew_at_each_point():
-    truth, found, places = random_boxes(4, share_scored=0.6, n_frames=30)
-    dataset = make_dataset(truth, found, places=places)
+    truth, detections, places = random_boxes(4, share_scored=0.6, n_frames=30)
+    dataset = make_dataset(truth, detections, places=places)
     curve = detection_curve(dataset, "x", Params())
     assert len(curve) == 25
     assert curve.threshold[0] == math.inf

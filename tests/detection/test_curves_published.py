@@ -29,14 +29,14 @@ def curve_of(dataset: Dataset, system: str, subset: str) -> DetectionCurve:
 
 
 def test_the_subsets_have_the_published_numbers_of_images(kaist: Dataset):
-    found = {
+    subsets = {
         name: filter_truth(kaist, replace(PROTOCOLS["kaist-reasonable"], tags=tags))
         for name, tags in SUBSETS.items()
     }
-    assert {name: one.n_images for name, one in found.items()} == {
+    assert {name: subset.n_images for name, subset in subsets.items()} == {
         "all": 2252, "day": 1455, "night": 797,
     }  # fmt: skip
-    assert found["all"].n_truth == found["day"].n_truth + found["night"].n_truth
+    assert subsets["all"].n_truth == subsets["day"].n_truth + subsets["night"].n_truth
 
 
 @pytest.mark.parametrize("system", PUBLISHED | MEASURED)

@@ -59,8 +59,8 @@ def test_the_table_of_kaist_is_what_the_tests_hold(system):
 @pytest.mark.realdata
 def test_the_example_of_the_validation_page_gives_gaff_s_figures(realdata, monkeypatch, capsys):
     text = (DOCS / "validation.md").read_text(encoding="utf-8")
-    found = re.search(r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
-    assert found is not None
+    example = re.search(r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
+    assert example is not None
     monkeypatch.chdir(realdata)
-    exec(compile(found[1], "validation.md", "exec"), {})
+    exec(compile(example[1], "validation.md", "exec"), {})
     assert capsys.readouterr().out.split() == ["6.48", "8.35", "3.46"]

@@ -14,7 +14,7 @@ from nvcore.detectors.figures.score_map import score_map_plot
 from nvcore.detectors.figures.tree import tree_plot
 from nvcore.detectors.icf.detector import ScoreMap
 from nvcore.detectors.icf.displays import MOST_CELLS, CoarseMap, Node, Tree, WindowPath, coarse_map
-from nvcore.detectors.icf.pyramid import Level
+from nvcore.detectors.icf.pyramid import PyramidLevel
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.figures.style import LOOK, faded
 from nvcore.palette import Scheme
@@ -94,7 +94,7 @@ def test_no_box_is_no_error():
 
 
 def of_scale(score: np.ndarray, depth: np.ndarray) -> CoarseMap:
-    return coarse_map(ScoreMap(Level(2.0, 40, 30, 2.0, 2.0), score, depth))
+    return coarse_map(ScoreMap(PyramidLevel(2.0, 40, 30, 2.0, 2.0), score, depth))
 
 
 def test_a_window_stands_at_its_middle_in_the_picture():

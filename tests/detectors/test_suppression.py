@@ -35,15 +35,15 @@ def test_an_overlap_of_0_keeps_boxes_that_only_touch():
 def test_a_box_that_went_suppresses_nobody():
     # the middle one goes by the first; the last overlaps the middle one alone
     box = np.array([[0, 0, 10, 10], [4, 0, 10, 10], [8, 0, 10, 10]], float)
-    kept = suppress(sorted_detections(box, np.array([3.0, 2.0, 1.0])), 0.3)
-    assert kept.x.tolist() == [0, 8]
+    detections = suppress(sorted_detections(box, np.array([3.0, 2.0, 1.0])), 0.3)
+    assert detections.x.tolist() == [0, 8]
 
 
 def test_labels_do_not_suppress_each_other():
     label = np.array(["a", "b", "a", "a"], dtype=object)
-    kept = suppress(sorted_detections(BOXES, SCORES, label), 0.3)
-    assert kept.label is not None
-    assert kept.label.tolist() == ["b", "a", "a"]
+    detections = suppress(sorted_detections(BOXES, SCORES, label), 0.3)
+    assert detections.label is not None
+    assert detections.label.tolist() == ["b", "a", "a"]
 
 
 @pytest.mark.parametrize("n", [0, 1])

@@ -173,22 +173,24 @@ def test_why_the_estimator_is_to_be_doubted_is_said_and_recorded(place: Path):
     with (place / "session.toml").open("a") as session:
         session.write('[[system]]\nname = "RGB"\npath = "truth.csv"\n')
     written = estimate_driver(place / "session.toml", place / "m.npz", place / "out")
-    said = "learnt from simulated subjects by a quick search and no better than a constant at 0.5 s"
-    assert f"estimates are {said}" in str(written.run)
+    caution = (
+        "learnt from simulated subjects by a quick search and no better than a constant at 0.5 s"
+    )
+    assert f"estimates are {caution}" in str(written.run)
     record = json.loads(written.record.read_text())
     assert record["estimator"]["no_better_at_s"] == [0.5]
     assert record["estimator"]["search"] == "quick"
     dataset = load(read_session(written.session))
     assert dataset.of("driver") is not None
-    assert dataset.of("driver").caution == said
-    assert said in dataset.inputs["conversion"].iloc[-1]
-    assert source(compare(dataset))[0].made_by[-1] == said
+    assert dataset.of("driver").caution == caution
+    assert caution in dataset.inputs["conversion"].iloc[-1]
+    assert source(compare(dataset))[0].made_by[-1] == caution
     assert "no better" not in str(run(place, estimator()))
 
 
 def trained_on(width: int, feature: str = "height_px") -> Estimator:
-    one = estimator(FEATURE_KEYS.index(feature))
-    return replace(one, origin=replace(origin(), picture_px=(width, 48)))
+    plain = estimator(FEATURE_KEYS.index(feature))
+    return replace(plain, origin=replace(origin(), picture_px=(width, 48)))
 
 
 @pytest.mark.parametrize(("width", "is_other"), [(128, True), (48, True), (70, False), (58, True)])
@@ -261,9 +263,9 @@ def test_files_are_a_session_that_names_the_estimates(place: Path):
     ]
     assert len(pd.read_csv(written.features)) == 40
     record = json.loads(written.record.read_text())
-    said = record["estimator"]
-    assert (said["name"], said["simulated"], said["n_subjects"]) == ("test", "no", 4)
-    assert said["features"] == ["luminance_contrast"]
+    model = record["estimator"]
+    assert (model["name"], model["simulated"], model["n_subjects"]) == ("test", "no", 4)
+    assert model["features"] == ["luminance_contrast"]
     digest = hashlib.sha256(written.detectability.read_bytes()).hexdigest()
     assert record["files"]["detectability.csv"] == digest
 

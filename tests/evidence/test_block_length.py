@@ -18,22 +18,22 @@ def whole(trace: np.ndarray) -> np.ndarray:
 
 def test_autocovariance_of_a_trace_by_hand() -> None:
     # mean 2.5: -1.5, -0.5, 0.5, 1.5
-    found = autocovariance(np.array([1.0, 2, 3, 4]), np.array([0, 4]), n_lags=2)
-    assert found.tolist() == pytest.approx([5 / 4, (0.75 - 0.25 + 0.75) / 4, (-0.75 - 0.75) / 4])
+    by_lag = autocovariance(np.array([1.0, 2, 3, 4]), np.array([0, 4]), n_lags=2)
+    assert by_lag.tolist() == pytest.approx([5 / 4, (0.75 - 0.25 + 0.75) / 4, (-0.75 - 0.75) / 4])
 
 
 def test_lags_never_cross_recordings() -> None:
     # two recordings of two frames, one of none: lag 1 has two products, lag 2 has none
-    found = autocovariance(np.array([1.0, 2, 3, 4]), np.array([0, 2, 2, 4]), n_lags=3)
-    assert found.tolist() == pytest.approx([5 / 4, (0.75 + 0.75) / 4])
+    by_lag = autocovariance(np.array([1.0, 2, 3, 4]), np.array([0, 2, 2, 4]), n_lags=3)
+    assert by_lag.tolist() == pytest.approx([5 / 4, (0.75 + 0.75) / 4])
 
 
 @pytest.mark.parametrize(("memory", "n"), [(0.8, 20_000)])
 def test_a_trace_with_memory_gets_the_length_that_theory_gives(memory: float, n: int) -> None:
     # Lahiri (1999) for blocks that do not overlap, with G / g(0) = 2 rho / (1 - rho^2)
     expected = (2 * memory / (1 - memory**2)) ** (2 / 3) * n ** (1 / 3)
-    found = [block_length(walk(seed, n, memory), np.array([0, n])) for seed in range(5)]
-    assert np.median(found) == pytest.approx(expected, rel=0.3)
+    lengths = [block_length(walk(seed, n, memory), np.array([0, n])) for seed in range(5)]
+    assert np.median(lengths) == pytest.approx(expected, rel=0.3)
 
 
 def naive_length(trace: np.ndarray) -> int:

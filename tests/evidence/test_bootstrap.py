@@ -29,13 +29,13 @@ def draw(seed: int, n: int) -> tuple[np.ndarray, np.ndarray]:
 def test_the_difference_is_of_the_measure_over_all_units() -> None:
     x = np.array([[9, 10], [10, 30], *[[1, 1]] * 6])  # 25 / 46
     y = np.array([[8, 10], [16, 30], *[[0, 1]] * 6])  # 24 / 46
-    found = bootstrap_difference(x, y)
-    assert (found.x, found.y) == (25 / 46, 24 / 46)
-    assert found.difference == pytest.approx(1 / 46)
-    assert found.low < found.difference < found.high
-    assert (found.n_units, found.n_resamples) == (8, 10_000)
-    assert found.seed == 110360
-    assert (found.method, found.reason) == ("BCa bootstrap", "")
+    interval = bootstrap_difference(x, y)
+    assert (interval.x, interval.y) == (25 / 46, 24 / 46)
+    assert interval.difference == pytest.approx(1 / 46)
+    assert interval.low < interval.difference < interval.high
+    assert (interval.n_units, interval.n_resamples) == (8, 10_000)
+    assert interval.seed == 110360
+    assert (interval.method, interval.reason) == ("BCa bootstrap", "")
 
 
 def test_units_of_equal_size_give_scipy_s_interval_of_the_mean_difference() -> None:
@@ -46,10 +46,10 @@ def test_units_of_equal_size_give_scipy_s_interval_of_the_mean_difference() -> N
         (x[:, 0] - y[:, 0],), np.mean, confidence_level=level, n_resamples=10_000, method="BCa",
         rng=np.random.default_rng(5),
     ).confidence_interval  # fmt: skip
-    found = bootstrap_difference(x, y)
+    interval = bootstrap_difference(x, y)
     width = expected.high - expected.low
-    assert found.low == pytest.approx(expected.low, abs=0.03 * width)
-    assert found.high == pytest.approx(expected.high, abs=0.03 * width)
+    assert interval.low == pytest.approx(expected.low, abs=0.03 * width)
+    assert interval.high == pytest.approx(expected.high, abs=0.03 * width)
 
 
 def test_swapping_x_and_y_turns_the_sign() -> None:
@@ -79,10 +79,10 @@ def test_a_measure_of_a_whole_curve_can_be_resampled() -> None:
     def least(sums: np.ndarray) -> np.ndarray:
         return ratio(sums).min(axis=-1)
 
-    found = bootstrap_difference(x, y, least)
+    interval = bootstrap_difference(x, y, least)
     expected = (x.sum(0)[:, 0] / x.sum(0)[:, 1]).min() - (y.sum(0)[:, 0] / y.sum(0)[:, 1]).min()
-    assert found.difference == pytest.approx(expected)
-    assert 0 < found.low < expected < found.high
+    assert interval.difference == pytest.approx(expected)
+    assert 0 < interval.low < expected < interval.high
 
 
 SHARED, _ = draw(7, 12)
@@ -108,11 +108,11 @@ ONLY_ONE[0] = 1, 4
 def test_without_an_interval_there_are_words(
     x: np.ndarray, y: np.ndarray, difference: float, reason: str
 ) -> None:
-    found = bootstrap_difference(x, y)
-    assert found.difference == pytest.approx(difference, nan_ok=True, abs=1e-4)
-    assert np.isnan([found.low, found.high]).all()
-    assert reason in found.reason
-    assert found.method == ""
+    interval = bootstrap_difference(x, y)
+    assert interval.difference == pytest.approx(difference, nan_ok=True, abs=1e-4)
+    assert np.isnan([interval.low, interval.high]).all()
+    assert reason in interval.reason
+    assert interval.method == ""
 
 
 def test_what_bca_cannot_correct_has_the_plain_interval_and_says_so() -> None:
@@ -122,10 +122,10 @@ def test_what_bca_cannot_correct_has_the_plain_interval_and_says_so() -> None:
     def jagged(sums: np.ndarray) -> np.ndarray:
         return ratio(sums) + np.isclose(sums[..., 0], x[:, 0].sum(), rtol=1e-12) * 100
 
-    found = bootstrap_difference(x, y, jagged)
-    assert found.method == "percentile bootstrap"
-    assert found.difference > 99
-    assert found.low < found.high < 1
+    interval = bootstrap_difference(x, y, jagged)
+    assert interval.method == "percentile bootstrap"
+    assert interval.difference > 99
+    assert interval.low < interval.high < 1
 
 
 def test_drawn_units_are_counted() -> None:
@@ -144,8 +144,8 @@ def test_intervals_hold_the_true_difference_about_as_often_as_they_say(
     held = 0
     for differences in draws:
         shared = rng.normal(5, 3, n)  # what recordings share falls out of the pairs
-        found = bootstrap_difference(rates(shared + differences), rates(shared), n_resamples=599)
-        held += found.low <= 0 <= found.high
+        interval = bootstrap_difference(rates(shared + differences), rates(shared), n_resamples=599)
+        held += interval.low <= 0 <= interval.high
     assert least <= held / len(draws) <= 0.98
 
 

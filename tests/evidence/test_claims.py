@@ -42,7 +42,7 @@ from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
 from nvcore.report.gate.measures import gate_measures
 from nvcore.report.verdict import verdict
-from nvcore.sentences.facts import Reason
+from nvcore.sentences.facts import WithheldReason
 
 
 def detector(
@@ -316,7 +316,7 @@ def test_where_strict_pairing_turns_it_round_it_is_no_claim():
     assert result.x.summary.mean < result.y.summary.mean
     assert strict.x.summary.mean > strict.y.summary.mean
     support = support_of(result)
-    assert support.withheld["mean_similarity"] == Reason("strict")
+    assert support.withheld["mean_similarity"] == WithheldReason("strict")
     assert "mean_similarity" not in {claim.key for claim in support.claims}
 
 
@@ -326,7 +326,9 @@ def test_a_miss_rate_in_doubt_is_withheld_with_the_reason():
     is_miss_rate = evidence["figure"] == "log_average_miss_rate"
     evidence.loc[is_miss_rate, "doubt"] = "the list ends early"
     support = find_claims(result, evidence, find_companions(result, evidence))
-    assert support.withheld["log_average_miss_rate"] == Reason("doubt", doubt="the list ends early")
+    assert support.withheld["log_average_miss_rate"] == WithheldReason(
+        "doubt", doubt="the list ends early"
+    )
     assert "log_average_miss_rate" not in {claim.key for claim in support.claims}
 
 

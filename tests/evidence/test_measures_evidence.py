@@ -219,7 +219,7 @@ def test_swapping_x_and_y_turns_the_signs_and_nothing_else() -> None:
 def test_the_order_of_the_recordings_changes_nothing() -> None:
     dataset = drives(18)  # more than 16: random exchanges as well
     order = np.random.default_rng(1).permutation(18)
-    there, back = (by_figure(result_of(one)) for one in (dataset, reordered(dataset, order)))
+    there, back = (by_figure(result_of(drawn)) for drawn in (dataset, reordered(dataset, order)))
     assert not np.array_equal(order, np.arange(18))
     for name in NUMBERS:
         assert back[name].tolist() == pytest.approx(there[name].tolist(), rel=1e-9, nan_ok=True), (
@@ -321,8 +321,8 @@ def test_blocks_hold_the_true_difference_and_keep_the_level_about_as_they_say() 
         block = np.arange(n) * n_blocks // n
         sums, size = np.bincount(block, weights=trace), np.bincount(block)
         x, y = np.column_stack([sums, size]), np.column_stack([0 * sums, size])
-        found = bootstrap_difference(x, y, n_resamples=599)
-        held += found.low <= 0 <= found.high
+        interval = bootstrap_difference(x, y, n_resamples=599)
+        held += interval.low <= 0 <= interval.high
         held_by_frames += abs(trace.mean()) <= 1.96 * trace.std() / np.sqrt(n)
         rejected += swap_test(x, y, ratio, n_permutations=599).p <= 0.05
     assert 0.90 <= held / n_runs <= 0.98

@@ -56,8 +56,8 @@ def test_resamples_come_near_what_their_own_curve_gives():
     for _ in range(5):
         drawn = rng.integers(0, len(units), len(units))
         times = count_units(drawn[None], len(units))[0]
-        found = float(_log_average(times @ measure.x))
-        assert found == pytest.approx(plain_lamr(result, units, times), abs=0.01)
+        rate = float(_log_average(times @ measure.x))
+        assert rate == pytest.approx(plain_lamr(result, units, times), abs=0.01)
 
 
 def plain_lamr(result, units, times):
@@ -80,18 +80,18 @@ def test_levels_up_to_a_limit_are_counted_as_by_search(n: int):
     rng = np.random.default_rng(n)
     values = np.cumsum(rng.integers(0, 3, (20, n)), axis=1).astype(float)
     limits = rng.integers(-1, n + 2, (20, 9)).astype(float)
-    found = _count_up_to(values, limits)
+    counts = _count_up_to(values, limits)
     plain = [
         np.searchsorted(row, limit, side="right") for row, limit in zip(values, limits, strict=True)
     ]
-    assert np.array_equal(found, plain)
+    assert np.array_equal(counts, plain)
 
 
 def test_at_references_that_no_level_reaches_everybody_is_missed():
     # 100 images, 10 pedestrians; at two levels 5 and 50 false positives, 3 and 4 matches
-    found = _rates(np.array([100.0, 10, 5, 50, 3, 4]))
+    rates = _rates(np.array([100.0, 10, 5, 50, 3, 4]))
     # the references allow 1, 1.8, 3.2, 5.6, 10, 17.8, 31.6, 56.2 and 100 false positives
-    assert found.tolist() == pytest.approx([1, 1, 1, 0.7, 0.7, 0.7, 0.7, 0.6, 0.6])
+    assert rates.tolist() == pytest.approx([1, 1, 1, 0.7, 0.7, 0.7, 0.7, 0.6, 0.6])
 
 
 def test_without_scores_there_is_no_measure_and_the_reason_stands_in_its_place():

@@ -47,7 +47,7 @@ from nvcore.evidence.planning.thresholds import (
     vary_thresholds,
 )
 from nvcore.evidence.units import find_units
-from nvcore.sentences.planning import Advice, Apart, Excluded, Extent, NotWorse, Size, Sought
+from nvcore.sentences.planning import Advice, Apart, Excluded, NotWorse, Size, Sought, StudyExtent
 
 
 def normal_pilot(n: int = 60, difference: float = 0.5, seed: int = 5) -> Pilot:
@@ -227,9 +227,9 @@ def test_unequal_operating_points_show_no_noninferiority():
     y = truth + [at(f, 5, recording=r) for r in range(8) for f in range(6)]
     result = result_of(make_dataset(truth, x, y, places=[Place(range(6))] * 8))
     plan = plan_recordings(result, PlanArguments("mean_similarity", margin=0.5))
-    said = facts_of_plan(plan)
-    assert Advice("unequal") in said
-    (answered,) = (fact for fact in said if isinstance(fact, NotWorse))
+    facts = facts_of_plan(plan)
+    assert Advice("unequal") in facts
+    (answered,) = (fact for fact in facts if isinstance(fact, NotWorse))
     assert (answered.kind, answered.candidate, answered.margin.value) == ("open", "y", 0.5)
 
 
@@ -280,7 +280,7 @@ def test_a_plan_says_recordings_encounters_and_time():
     _, ends, size, _, *advice = facts_of_plan(plan)
     assert (ends.kind, ends.n, ends.low) == ("also 0", 12, Apart(plan.evidence.low, key))
     assert size.sought == Sought("named", Apart(0.2, key))
-    assert size.extent == Extent(n, 5 * n, named.duration_s)
+    assert size.extent == StudyExtent(n, 5 * n, named.duration_s)
     assert [fact for fact in advice if isinstance(fact, Advice)] == [Advice("fresh")]
     again = plan_recordings(result, asking(difference=0.2))
     assert again.sizes == plan.sizes  # the seed is fixed
@@ -468,8 +468,8 @@ def test_a_threshold_that_cannot_give_the_alarms_sets_nothing_alike(
     alarms, parts = rng.poisson(4, (1, 30)).astype(float), rng.normal(1, 0.1, (1, 30))
     laxer = Curve(scale * np.concatenate([0 * alarms, alarms]), np.concatenate([parts, parts + 1]))
     thresholds = Thresholds((Curve(alarms, parts), Curve(alarms / 2, parts)), (None, laxer))
-    found, *_ = parts_at_equal_alarms(thresholds, np.ones((1, 30), dtype=int))
-    assert np.isfinite(found).all() == is_alike
+    own_parts, *_ = parts_at_equal_alarms(thresholds, np.ones((1, 30), dtype=int))
+    assert np.isfinite(own_parts).all() == is_alike
 
 
 def test_exchanged_systems_have_the_parts_with_the_other_sign() -> None:

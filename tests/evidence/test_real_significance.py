@@ -26,11 +26,11 @@ def test_a_shared_threshold_tells_kaist_s_systems_apart_but_for_two(kaist: Datas
         # every second of the drives is annotated: few pedestrians are there twice
         assert "most encounters are one frame long" in row["mcnemar_note"]
     assert pairs["mcnemar_p"].isna().all()
-    found = pairs.set_index(["x", "y"])
-    alike = found.loc[("MLPD", "GAFF")]
+    by_pair = pairs.set_index(["x", "y"])
+    alike = by_pair.loc[("MLPD", "GAFF")]
     assert alike["detected_by_unit_p_holm"] > 0.5
     assert alike["detected_by_unit_low"] < 0 < alike["detected_by_unit_high"]
-    assert found.loc[("MLPD", "YOLOv3-visible"), "detected_by_unit_p_holm"] < 0.05
+    assert by_pair.loc[("MLPD", "YOLOv3-visible"), "detected_by_unit_p_holm"] < 0.05
 
 
 ROW = re.compile(

@@ -80,14 +80,14 @@ def test_useful_alerts_are_split_as_they_are_compared_and_all_else_as_the_group(
 def test_the_row_of_all_is_that_of_the_whole_comparison(table: pd.DataFrame):
     whole = evidence_table(drives()).set_index("figure")
     everybody = table[table["factor"] == "all"].set_index("figure")
-    shared = [one for one in whole.columns if one != "p_corrected"]
+    shared = [column for column in whole.columns if column != "p_corrected"]
     keys = list(evidence_keys(drives()))
     pd.testing.assert_frame_equal(everybody.loc[keys, shared], whole.loc[keys, shared])
 
 
 def test_a_tag_of_all_recordings_has_the_measures_of_all_by_blocks():
     table = subgroup_table(drives(n=3, night=1)).set_index(["group", "figure"])
-    same = [one for one in table.columns if one not in ("factor", "p_corrected")]
+    same = [column for column in table.columns if column not in ("factor", "p_corrected")]
     tag = table.loc["all of them", same]
     pd.testing.assert_frame_equal(tag, table.loc["all", same])
     assert np.isfinite(tag["x"]).all()
@@ -99,7 +99,7 @@ def test_a_tag_has_the_measures_of_its_recordings_alone(table: pd.DataFrame):
     table["note"] = table["note"].str.removesuffix(f"; {AS_SET}")
     boxes_by_day = drives(n=NIGHT, night=0)
     alone = subgroup_table(boxes_by_day).set_index(["group", "figure"])
-    same = [one for one in table.columns if one not in ("factor", "p_corrected")]
+    same = [column for column in table.columns if column not in ("factor", "p_corrected")]
     pd.testing.assert_frame_equal(table.loc["day", same], alone.loc["all", same])
 
 

@@ -41,15 +41,18 @@ def detected(result: Result) -> pd.DataFrame:
 
 
 def parts(result: Result) -> dict[tuple[str, str], int]:
-    return {(one.factor, one.group): int(one.is_member.sum()) for one in find_subgroups(result)}
+    return {
+        (subgroup.factor, subgroup.group): int(subgroup.is_member.sum())
+        for subgroup in find_subgroups(result)
+    }
 
 
 def test_encounters_are_divided_by_the_ground_truth() -> None:
-    found = parts(people())
-    assert found["distance", "near"] == found["distance", "far"] == 12
-    assert found["place", "centre"] == found["place", "edge"] == 12
-    assert found["occlusion", "visible"] == found["occlusion", "occluded"] == 12
-    assert ("occlusion", "unknown") not in found
+    sizes = parts(people())
+    assert sizes["distance", "near"] == sizes["distance", "far"] == 12
+    assert sizes["place", "centre"] == sizes["place", "edge"] == 12
+    assert sizes["occlusion", "visible"] == sizes["occlusion", "occluded"] == 12
+    assert ("occlusion", "unknown") not in sizes
 
 
 def test_the_first_row_is_all_encounters_and_parts_add_up_to_it() -> None:
@@ -84,21 +87,21 @@ def test_near_is_twice_as_high_as_a_box_that_counts_half() -> None:
 def test_distant_encounters_are_in_no_subgroup() -> None:
     result = people(midpoint=30, spread=1)
     assert result.venn.distant == 12
-    assert all(one.is_member.sum() <= 12 for one in find_subgroups(result))
+    assert all(subgroup.is_member.sum() <= 12 for subgroup in find_subgroups(result))
     assert detected(result)["n"].iloc[0] == 12
 
 
 def test_unknown_occlusion_is_no_factor() -> None:
     truth = [at(frame, 50, track=1, recording=r) for r in range(12) for frame in range(3)]
     result = result_of(make_dataset(truth, truth, truth, places=[Place(range(3))] * 12))
-    assert "occlusion" not in {one.factor for one in find_subgroups(result)}
+    assert "occlusion" not in {subgroup.factor for subgroup in find_subgroups(result)}
 
 
 def test_tags_of_recordings_are_subgroups_and_may_overlap() -> None:
     tags = [("night", "rain")] * 6 + [("night",)] * 6 + [("day",)] * 12
     result = result_of(tagged(crowd(), *tags), proximity="height")
-    found = {group: n for (factor, group), n in parts(result).items() if factor == "tag"}
-    assert found == {"day": 12, "night": 12, "rain": 6}
+    sizes = {group: n for (factor, group), n in parts(result).items() if factor == "tag"}
+    assert sizes == {"day": 12, "night": 12, "rain": 6}
 
 
 def test_classes_that_the_truth_names_are_groups_derived_ones_are_not() -> None:

@@ -40,7 +40,7 @@ def test_zeros_stand_at_the_edge_of_a_logarithmic_axis() -> None:
     assert list(trace(figure, "Y: y").y) == pytest.approx([0.75, bottom])  # its last has no miss
     reached = trace(figure, "Y at the edge")
     assert (reached.x[0], reached.y[0]) == pytest.approx((0.01, bottom))
-    assert not [one for one in figure.data if one.name == "X at the edge"]
+    assert not [part for part in figure.data if part.name == "X at the edge"]
 
 
 def test_a_perfect_system_is_drawn_and_in_the_legend() -> None:
@@ -145,9 +145,9 @@ def test_a_figure_with_nothing_to_draw_says_why(
 
 def test_a_click_tells_whose_threshold_it_is_and_a_point_without_scores_sets_none() -> None:
     figure = curve_plot((X, POINT), (None, None), "miss_rate", theme="light", objects=PEDESTRIAN)
-    clicked = [list(one) for one in trace(figure, "X, points").customdata]
+    clicked = [list(point) for point in trace(figure, "X, points").customdata]
     assert clicked == [["x", 1], ["x", 1 / 2], ["x", 1 / 3]]
-    assert [list(one) for one in trace(figure, "Y, points").customdata] == [["y", None]]
+    assert [list(point) for point in trace(figure, "Y, points").customdata] == [["y", None]]
 
 
 def test_the_threshold_in_use_has_a_mark_which_is_promised_only_where_it_is() -> None:
@@ -158,7 +158,7 @@ def test_the_threshold_in_use_has_a_mark_which_is_promised_only_where_it_is() ->
     assert "large marks: thresholds in use; click" in words(used)
     # above all scores there is no precision, but everybody is missed
     above = curve_plot((X, Y), (2.0, 2.0), "precision_recall", theme="light", objects=PEDESTRIAN)
-    assert not [one for one in above.data if one.name.endswith("as set")]
+    assert not [part for part in above.data if part.name.endswith("as set")]
     assert "large mark" not in words(above)
     figure = curve_plot((X, Y), (2.0, None), "miss_rate", theme="light", objects=PEDESTRIAN)
     mark = trace(figure, "X as set")
@@ -189,9 +189,9 @@ def test_a_published_point_is_marked_where_both_of_its_values_are_known() -> Non
         figure = curve_plot(
             (X, Y), (None, None), kind, theme="dark", published=points, objects=PEDESTRIAN
         )
-        named = [one for one in figure.data if str(one.name).endswith("(published)")]
-        assert all(one.showlegend and "<b>" not in one.name for one in named)
-        return {one.name.partition(" ")[0]: (one.x[0], one.y[0]) for one in named}
+        named = [part for part in figure.data if str(part.name).endswith("(published)")]
+        assert all(part.showlegend and "<b>" not in part.name for part in named)
+        return {part.name.partition(" ")[0]: (part.x[0], part.y[0]) for part in named}
 
     assert marked("precision_recall") == {"report": pytest.approx((0.9, 0.2))}
     miss_rate = curve_plot(

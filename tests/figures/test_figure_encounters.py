@@ -104,7 +104,7 @@ def test_a_small_lead_in_the_bin_of_zero_is_still_a_lead() -> None:
         pd.DataFrame({"lead_time_s": lead_s}), theme="light", objects=PEDESTRIAN
     )
     count = {
-        one.name: dict(zip(one.x.tolist(), one.y.tolist(), strict=True)) for one in figure.data
+        part.name: dict(zip(part.x.tolist(), part.y.tolist(), strict=True)) for part in figure.data
     }
     assert count["at the same time"] == {0: 1}
     assert count["Y first"] == {0: 1}
@@ -122,12 +122,12 @@ def test_the_bins_of_lead_time_are_few_hold_all_and_one_is_centred_at_zero(reach
     figure = lead_time_plot(
         pd.DataFrame({"lead_time_s": lead_s}), theme="light", objects=PEDESTRIAN
     )
-    assert sum(int(one.y.sum()) for one in figure.data) == len(lead_s)
+    assert sum(int(part.y.sum()) for part in figure.data) == len(lead_s)
 
 
 def test_the_map_marks_each_encounter_by_who_misses_it() -> None:
     figure = position_map(SIX, theme="light", objects=PEDESTRIAN)
-    rows = {one.name: one.customdata.tolist() for one in figure.data}
+    rows = {part.name: part.customdata.tolist() for part in figure.data}
     assert rows == {
         "distant (1)": [15], "detected by both (2)": [10, 11], "missed by X (1)": [13],
         "missed by Y (1)": [12], "missed by both (1)": [14],
@@ -135,15 +135,15 @@ def test_the_map_marks_each_encounter_by_who_misses_it() -> None:
     missed = trace(figure, "missed by X (1)")
     assert (missed.x.tolist(), missed.y.tolist()) == ([pytest.approx(0.3)], [pytest.approx(30)])
     assert "&lt;b&gt;r" in missed.text[0]
-    assert len({one.marker.symbol for one in figure.data[1:]}) == 4  # told without colour
+    assert len({part.marker.symbol for part in figure.data[1:]}) == 4  # told without colour
 
 
 def test_marks_of_the_map_are_larger_the_more_the_failure_weighs() -> None:
     figure = position_map(SIX, theme="light", objects=PEDESTRIAN)
     by_row = {
         row: size
-        for one in figure.data
-        for row, size in zip(one.customdata, one.marker.size, strict=True)
+        for part in figure.data
+        for row, size in zip(part.customdata, part.marker.size, strict=True)
     }
     assert by_row[10] == by_row[15] == module.MAP_SIZES[0]  # no severity, distant
     assert by_row[14] == module.MAP_SIZES[1]
@@ -210,7 +210,7 @@ def test_of_many_recordings_those_with_the_largest_differences_are_drawn(
 
 def test_fusion_shows_encounters_against_false_alerts() -> None:
     figure = fusion_plot(fusion(), theme="light")
-    assert {one.name: (one.x[0], one.y[0]) for one in figure.data} == {
+    assert {part.name: (part.x[0], part.y[0]) for part in figure.data} == {
         "X": (30, 7), "Y": (60, 6), "X or Y": (90, 9), "X and Y": (0, 4),
     }  # fmt: skip
     assert "&lt;b&gt;" in trace(figure, "X or Y").hovertext[0]

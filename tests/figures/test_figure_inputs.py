@@ -109,4 +109,4 @@ def test_without_pedestrians_or_weights_it_says_so() -> None:
 def test_recordings_of_two_sizes_have_two_sigmoids() -> None:
     places = [Place([0], height=100), Place([0], height=300), Place([0], height=100)]
     figure = proximity_plot(make_dataset(TRUTH, places=places), Params(), theme="light")
-    assert [one.x[0] for one in figure.data if one.name == "midpoint"] == [10, 30]
+    assert [part.x[0] for part in figure.data if part.name == "midpoint"] == [10, 30]

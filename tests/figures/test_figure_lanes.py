@@ -20,7 +20,7 @@ Y = [at(i, 50) for i in (0, 1, 4, 5)]
 def test_a_run_is_one_bar_from_its_first_frame_to_the_end_of_its_last() -> None:
     figure = lanes_figure(result_of(make_dataset(TRUTH, TRUTH, Y)), 0, theme="light", cursor_row=2)
     # a state that never holds is not in the legend
-    assert [one.name for one in figure.data] == ["X matched", "Y matched", "Y missed", "frames"]
+    assert [part.name for part in figure.data] == ["X matched", "Y matched", "Y missed", "frames"]
     corners = trace(figure, "Y missed").x
     assert corners[:5] == pytest.approx([0.2, 0.4, 0.4, 0.2, 0.2])
     assert np.isnan(corners[5])
@@ -54,12 +54,12 @@ def test_lanes_are_named_and_the_most_severe_failure_is_on_top() -> None:
 
 def test_lanes_can_be_those_with_misses_alone() -> None:
     truth = TRUTH + [at(i, 20, track=12) for i in range(6)]
-    found = [at(i, 50) for i in range(6)]
-    result = result_of(make_dataset(truth, found, found))
+    detections = [at(i, 50) for i in range(6)]
+    result = result_of(make_dataset(truth, detections, detections))
     figure = lanes_figure(result, 0, theme="light", only_missed=True)
     assert figure.layout.yaxis.ticktext == ("ped 12",)
     assert "1 pedestrian with misses" in words(figure)
-    all_found = result_of(make_dataset(TRUTH, found, found))
+    all_found = result_of(make_dataset(TRUTH, detections, detections))
     none = lanes_figure(all_found, 0, theme="light", only_missed=True)
     assert "Nobody near enough to count is missed" in words(none)
 
@@ -88,8 +88,8 @@ def test_a_gap_in_a_track_is_not_annotated() -> None:
 
 def test_some_of_the_lanes_can_be_drawn() -> None:
     truth = TRUTH + [at(i, 20, track=12) for i in range(6)]
-    found = [at(i, 50) for i in range(6)]
-    result = result_of(make_dataset(truth, found, found))
+    detections = [at(i, 50) for i in range(6)]
+    result = result_of(make_dataset(truth, detections, detections))
     figure = lanes_figure(result, 0, theme="light", most=1)
     assert figure.layout.yaxis.ticktext == ("ped 12",)
     assert "2 pedestrians, most severe on top, 1 to 1 drawn" in words(figure)

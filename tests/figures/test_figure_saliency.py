@@ -54,7 +54,7 @@ def test_events_of_one_recording_alone_can_be_shown() -> None:
 
 def test_an_event_is_taken_apart_into_duration_and_what_recency_leaves() -> None:
     figure = parts_plot(missed(), theme="light")
-    pale, solid = (one for one in figure.data if one.name == "X: x" and one.orientation == "h")
+    pale, solid = (part for part in figure.data if part.name == "X: x" and part.orientation == "h")
     assert pale.x == pytest.approx([0.2, 0.2])
     assert solid.x == pytest.approx([0.2 * 0.99331, 0.2 * 0.26894], abs=1e-5)
     assert solid.customdata.tolist() == [18, 12]

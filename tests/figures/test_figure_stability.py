@@ -18,73 +18,73 @@ from nvcore.stability.map import StabilityMap, map_stability
 
 
 @pytest.fixture(scope="module")
-def found() -> StabilityMap:
+def stability() -> StabilityMap:
     """A map on which either system is better somewhere."""
     result = compare(draw_scene(44).dataset(), Params(midpoint=40.0))
     return map_stability(result, "alpha-midpoint", "similarity", n_points=9)
 
 
-def test_the_map_has_the_differences_in_the_systems_colours(found: StabilityMap) -> None:
-    figure = stability_map(found, theme="light")
+def test_the_map_has_the_differences_in_the_systems_colours(stability: StabilityMap) -> None:
+    figure = stability_map(stability, theme="light")
     heat = trace(figure, "difference")
-    assert np.array_equal(heat.z, found.difference.T)
-    assert heat.x.tolist() == found.axes[0].values.tolist()
-    assert heat.y.tolist() == found.axes[1].values.tolist()
-    assert heat.zmax == -heat.zmin == np.abs(found.difference).max()
+    assert np.array_equal(heat.z, stability.difference.T)
+    assert heat.x.tolist() == stability.axes[0].values.tolist()
+    assert heat.y.tolist() == stability.axes[1].values.tolist()
+    assert heat.zmax == -heat.zmin == np.abs(stability.difference).max()
     ends = (heat.colorscale[0][1], heat.colorscale[-1][1])
     assert ends == (Y_COLOUR["light"], X_COLOUR["light"])
     assert figure.layout.xaxis.title.text == "Misses against false alarms (alpha)"
-    start = found.axes[1].values[0]
+    start = stability.axes[1].values[0]
     assert figure.layout.yaxis.title.text == f"Counts half at (midpoint, px), from {start:.2g}"
 
 
-def test_a_click_gives_the_cell(found: StabilityMap) -> None:
-    clicks = trace(stability_map(found, theme="light"), "settings")
-    assert clicks.customdata.tolist() == list(range(found.difference.size))
-    for cell in (0, 13, found.difference.size - 1):
-        settings = found.settings(cell)
+def test_a_click_gives_the_cell(stability: StabilityMap) -> None:
+    clicks = trace(stability_map(stability, theme="light"), "settings")
+    assert clicks.customdata.tolist() == list(range(stability.difference.size))
+    for cell in (0, 13, stability.difference.size - 1):
+        settings = stability.settings(cell)
         assert (clicks.x[cell], clicks.y[cell]) == (settings["alpha"], settings["midpoint"])
         assert f"alpha {settings['alpha']:.4g}" in clicks.text[cell]
-    assert "X has the higher mean similarity, by" in clicks.text[found.difference.argmax()]
-    assert "Y has the higher mean similarity, by" in clicks.text[found.difference.argmin()]
+    assert "X has the higher mean similarity, by" in clicks.text[stability.difference.argmax()]
+    assert "Y has the higher mean similarity, by" in clicks.text[stability.difference.argmin()]
 
 
 def test_the_analysed_setting_and_the_nearest_overturning_one_are_marked(
-    found: StabilityMap,
+    stability: StabilityMap,
 ) -> None:
-    figure = stability_map(found, theme="dark")
+    figure = stability_map(stability, theme="dark")
     marker = trace(figure, "as analysed")
     assert (marker.x, marker.y) == ((0.9,), (40.0,))
-    assert found.overturn is not None
+    assert stability.overturn is not None
     other = trace(figure, "nearest that overturns it")
-    assert (other.x[0], other.y[0]) == tuple(found.overturn.settings.values())
+    assert (other.x[0], other.y[0]) == tuple(stability.overturn.settings.values())
     frame = shape(figure, "plausible range")
     assert (frame.x0, frame.x1) == (0.5, 1.0)
-    assert (frame.y0, frame.y1) == found.axes[1].plausible
+    assert (frame.y0, frame.y1) == stability.axes[1].plausible
     text = words(figure)
-    assert f"holds in {100 * found.share_held:.0f} % of the plausible range" in text
-    assert f"{found.difference.size} settings" in text
+    assert f"holds in {100 * stability.share_held:.0f} % of the plausible range" in text
+    assert f"{stability.difference.size} settings" in text
 
 
-def test_the_line_of_no_difference_goes_around_ties(found: StabilityMap) -> None:
-    line = trace(stability_map(found, theme="light"), "verdict turns")
+def test_the_line_of_no_difference_goes_around_ties(stability: StabilityMap) -> None:
+    line = trace(stability_map(stability, theme="light"), "verdict turns")
     assert (line.contours.start, line.contours.end, line.contours.coloring) == (0, 0, "none")
-    assert np.array_equal(line.z, found.difference.T)
-    winner = found.winner.copy()
+    assert np.array_equal(line.z, stability.difference.T)
+    winner = stability.winner.copy()
     winner[0, 0] = "even"
-    line = trace(stability_map(replace(found, winner=winner), theme="light"), "verdict turns")
+    line = trace(stability_map(replace(stability, winner=winner), theme="light"), "verdict turns")
     assert (line.contours.start, line.contours.end) == (-0.5, 0.5)
     assert set(np.unique(line.z)) == {-1, 0, 1}
 
 
-def test_regions_are_named_where_they_are(found: StabilityMap) -> None:
+def test_regions_are_named_where_they_are(stability: StabilityMap) -> None:
     names = {"X better": "x", "Y better": "y"}
-    figure = stability_map(found, theme="light")
-    assert {one.text for one in figure.layout.annotations} == set(names)
-    for one in figure.layout.annotations:
-        i = int(np.flatnonzero(found.axes[0].values == one.x)[0])
-        j = int(np.flatnonzero(found.axes[1].values == one.y)[0])
-        assert found.winner[i, j] == names[one.text]
+    figure = stability_map(stability, theme="light")
+    assert {note.text for note in figure.layout.annotations} == set(names)
+    for note in figure.layout.annotations:
+        i = int(np.flatnonzero(stability.axes[0].values == note.x)[0])
+        j = int(np.flatnonzero(stability.axes[1].values == note.y)[0])
+        assert stability.winner[i, j] == names[note.text]
 
 
 def test_a_name_stands_above_the_mark_of_the_only_cell_that_it_could_stand_in() -> None:
@@ -108,30 +108,30 @@ def test_equal_false_alarms_are_a_dashed_line_over_both_thresholds() -> None:
         for scale in (1, 2)
     )
     result = result_of(make_dataset([at(f, 50) for f in range(40)], x, y))
-    found = map_stability(result, "thresholds", "similarity")
-    line = trace(stability_map(found, theme="light"), "equal false alarms per frame")
+    stability = map_stability(result, "thresholds", "similarity")
+    line = trace(stability_map(stability, theme="light"), "equal false alarms per frame")
     assert line.line.dash == "dash"
     assert line.y == pytest.approx(line.x / 2)
-    for axis, along in zip(found.axes, (line.x, line.y), strict=True):
+    for axis, along in zip(stability.axes, (line.x, line.y), strict=True):
         assert axis.values[0] <= along.min() <= along.max() <= axis.values[-1]
     other = stability_map(map_stability(result, "edge-weight", "similarity"), theme="light")
-    assert "equal false alarms per frame" not in [one.name for one in other.data]
+    assert "equal false alarms per frame" not in [part.name for part in other.data]
 
 
 def test_choices_are_named_on_their_axis() -> None:
     data = make_dataset([at(0, 50, w=20.0, track=1)], [at(0, 50, w=4.0)], [])
     figure = stability_map(map_stability(result_of(data), "matching", "encounters"), theme="light")
     assert figure.layout.yaxis.ticktext == ("overlap<br>of the boxes", "sideways<br>position")
-    assert "verdict turns" not in [one.name for one in figure.data]
+    assert "verdict turns" not in [part.name for part in figure.data]
     frame = shape(figure, "plausible range")
     assert (frame.y0, frame.y1) == (-0.5, 1.5)
 
 
 def test_one_setting_is_a_curve_filled_on_the_winners_side() -> None:
     data = make_dataset([at(0, 50)], [], [at(0, 50, score=0.9), at(0, 25, score=0.4)])
-    found = map_stability(result_of(data), "alpha-midpoint", "similarity", n_points=5)
-    figure = stability_map(found, theme="light")
-    assert trace(figure, "difference").y.tolist() == found.difference.tolist()
+    stability = map_stability(result_of(data), "alpha-midpoint", "similarity", n_points=5)
+    figure = stability_map(stability, theme="light")
+    assert trace(figure, "difference").y.tolist() == stability.difference.tolist()
     assert (trace(figure, "X better").y >= 0).all()
     assert (trace(figure, "Y better").y <= 0).all()
     assert trace(figure, "settings").customdata.tolist() == list(range(6))  # 5 and 0.9
@@ -146,16 +146,16 @@ def test_settings_of_each_recordings_own_are_a_line_between_the_ends() -> None:
     places = [Place([0], height=100), Place([0], height=300)]
     truth = [at(0, 50, recording=0), at(0, 50, recording=1)]
     result = compare(make_dataset(truth, truth, [], places=places), Params())
-    found = map_stability(result, "alpha-midpoint", "similarity", n_points=5)
-    marker = trace(stability_map(found, theme="light"), "as analysed")
+    stability = map_stability(result, "alpha-midpoint", "similarity", n_points=5)
+    marker = trace(stability_map(stability, theme="light"), "as analysed")
     assert (marker.x, marker.y, marker.mode) == ((0.9, 0.9), (10, 30), "markers+lines")
 
 
 def test_an_undefined_map_says_why_and_one_with_undefined_cells_is_drawn(
-    found: StabilityMap,
+    stability: StabilityMap,
 ) -> None:
-    partly = np.where(found.winner == "y", np.nan, found.difference)
-    figure = stability_map(replace(found, difference=partly), theme="light")
+    partly = np.where(stability.winner == "y", np.nan, stability.difference)
+    figure = stability_map(replace(stability, difference=partly), theme="light")
     assert np.array_equal(trace(figure, "difference").z, partly.T, equal_nan=True)
     nothing = map_stability(result_of(make_dataset(n_frames=0)), "edge-weight", "similarity")
     assert "there are no frames" in words(stability_map(nothing, theme="dark"))

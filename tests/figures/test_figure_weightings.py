@@ -40,7 +40,7 @@ def test_what_is_not_known_has_no_curve_and_detections_stand_below() -> None:
     truth = [Box(i, 300, 200, 40, 60, track=1) for i in range(3)]
     dataset = make_dataset(truth, [truth[1]._replace(track=-1)], width=640, height=480)
     _, figure = drawn(compare(dataset))
-    names = [one.name for one in figure.data]
+    names = [part.name for part in figure.data]
     assert "by height" in names
     assert not {"by horizon", "by distance"} & {*names}
     lane = trace(figure, "X: x")

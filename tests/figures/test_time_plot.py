@@ -30,7 +30,7 @@ def test_the_traces_hold_the_similarity_of_every_frame() -> None:
     assert [trace(figure, name).line.dash for name in ("X: x", "Y: y")] == ["solid", "dash"]
     assert shape(figure, "cursor").x0 == shape(figure, "cursor").x1 == pytest.approx(0.4)
     elsewhere = similarity_plot(result, 0, theme="light", cursor_row=99)
-    assert [one.name for one in elsewhere.layout.shapes] == ["low limit"]
+    assert [part.name for part in elsewhere.layout.shapes] == ["low limit"]
 
 
 def test_a_recording_of_a_single_frame_is_drawn_and_without_frames_it_says_so() -> None:
@@ -111,7 +111,7 @@ def test_a_long_recording_is_drawn_by_at_most_4000_points_a_line() -> None:
     truth = [at(i, 50, track=3) for i in range(9000)]
     y = [at(i, 50) for i in range(9000) if i != 4321]
     figure = similarity_plot(result_of(make_dataset(truth, truth, y)), 0, theme="light")
-    assert max(len(one.x) for one in figure.data) <= 4000
+    assert max(len(part.x) for part in figure.data) <= 4000
     drawn = trace(figure, "Y, frame by frame")
     assert drawn.y.min() == pytest.approx(0.1)
     assert 432.1 in drawn.x.tolist()

@@ -80,7 +80,7 @@ def codes(made: Dataset, params: Params | None = None, **names: str) -> list[str
 
 def find(made: Dataset, code: str, params: Params | None = None, **names: str) -> Finding:
     """The only finding of that code."""
-    (finding,) = [one for one in audit(made, params, **names) if one.code == code]
+    (finding,) = [finding for finding in audit(made, params, **names) if finding.code == code]
     return finding
 
 

@@ -27,7 +27,7 @@ def random_boxes(
     `n_scores`: so many different scores only; None: all differ.
     """
     rng = np.random.default_rng(seed)
-    truth, found = [], []
+    truth, boxes = [], []
     for frame in range(n_frames):
         recording = frame % 2
         for _ in range(rng.integers(0, 5)):
@@ -36,16 +36,16 @@ def random_boxes(
                              occlusion=int(rng.integers(-1, 3)), recording=recording))  # fmt: skip
             for _ in range(rng.integers(0, 3)):
                 dx, dy, dw, dh = rng.normal(0, 2.5, 4)
-                found.append(Box(frame, x + dx, y + dy, abs(w + dw) + 1, abs(h + dh) + 1,
+                boxes.append(Box(frame, x + dx, y + dy, abs(w + dw) + 1, abs(h + dh) + 1,
                                  recording=recording))  # fmt: skip
         for _ in range(rng.integers(0, 3)):
-            found.append(Box(frame, *rng.uniform([0, 0, 8, 15], [80, 70, 20, 60]),
+            boxes.append(Box(frame, *rng.uniform([0, 0, 8, 15], [80, 70, 20, 60]),
                              recording=recording))  # fmt: skip
-    score = rng.permutation(len(found)) / len(found)
+    score = rng.permutation(len(boxes)) / len(boxes)
     if n_scores is not None:
         score = np.floor(score * n_scores) / n_scores
-    score[rng.random(len(found)) >= share_scored] = np.nan
-    scored = [box._replace(score=float(s)) for box, s in zip(found, score, strict=True)]
+    score[rng.random(len(boxes)) >= share_scored] = np.nan
+    scored = [box._replace(score=float(s)) for box, s in zip(boxes, score, strict=True)]
     places = [Place(range(i, n_frames, 2)) for i in (0, 1)]
     return truth, scored, places
 

@@ -17,7 +17,7 @@ DETECTIONS = "frame,x,y,w,h,score"
 
 def nvcore(*arguments: object) -> Result:
     """Run the command line; errors that no user can mend are raised."""
-    result = CliRunner().invoke(main, [str(one) for one in arguments])
+    result = CliRunner().invoke(main, [str(part) for part in arguments])
     if result.exception is not None and not isinstance(result.exception, SystemExit):
         raise result.exception
     return result
@@ -52,7 +52,7 @@ def drive(folder: Path) -> Path:
 def flags(folder: Path, *more: object) -> list[str]:
     """Flags that compare the systems of `drive`."""
     files = ("--truth", folder / "truth.csv", "--x", folder / "fir.csv", "--y", folder / "nir.csv")
-    return [str(one) for one in (*files, *FACTS, *more)]
+    return [str(part) for part in (*files, *FACTS, *more)]
 
 
 def mot_layout(folder: Path, names: tuple[str, ...] = ("A", "B")) -> Path:
@@ -77,7 +77,7 @@ def session_of(
     folder: Path, truth: str = "truth.csv", *systems: str | SystemSource, **facts: object
 ) -> Session:
     """A session in memory; size and fps are given unless said otherwise."""
-    sources = [SystemSource((one,)) if isinstance(one, str) else one for one in systems]
+    sources = [SystemSource((system,)) if isinstance(system, str) else system for system in systems]
     chosen = {"size": (640, 480), "fps": 20.0, **facts}
     default = (SystemSource(("fir.csv",)), SystemSource(("nir.csv",)))
     return Session(folder, Source((truth,)), tuple(sources) or default, **chosen)

@@ -54,8 +54,8 @@ class Installed:
         packages = self.folder / "-".join(("packages", *extras))
         if not packages.exists():
             _link_packages(Requirement(f"nvcore[{','.join(extras)}]"), self.site, packages)
-        kept = {name: value for name, value in os.environ.items() if "PYTHON" not in name}
-        return {**kept, "PYTHONPATH": str(packages)}
+        environment = {name: value for name, value in os.environ.items() if "PYTHON" not in name}
+        return {**environment, "PYTHONPATH": str(packages)}
 
     def run(self, *arguments: object, extras: tuple[str, ...] = ()) -> subprocess.CompletedProcess:
         """``nvcore`` with these arguments, in an environment with these extras."""
@@ -104,16 +104,16 @@ def _needed(requirement: Requirement, root: Distribution) -> Iterator[Distributi
     while todo:
         wanted = todo.pop()
         is_root = wanted.name == requirement.name
-        one = root if is_root else distribution(wanted.name)
+        installed = root if is_root else distribution(wanted.name)
         for extra in wanted.extras or {""}:
             if (wanted.name, extra) in seen:
                 continue
             seen.add((wanted.name, extra))
-            further = map(Requirement, one.requires or ())
+            further = map(Requirement, installed.requires or ())
             todo += [
                 need
                 for need in further
                 if need.marker is None or need.marker.evaluate({"extra": extra})
             ]
         if not is_root:
-            yield one
+            yield installed

@@ -229,7 +229,7 @@ def events(
 ) -> list[tuple[int, int, int, float, float]]:  # fmt: skip
     """Events of one pedestrian: track, position of first and last frame, duration, saliency."""
     step = steps(place)
-    found = []
+    rows = []
     i = 0
     while i < len(effect):
         j = i
@@ -253,9 +253,9 @@ def events(
             duration = weighs = sum(step[i : j + 1])
             if params.saliency_weight == "risk":
                 weighs = sum((effect[p] or 0.0) * step[p] for p in range(i, j + 1))
-            found.append((track, i, j, duration, weighs * recency))
+            rows.append((track, i, j, duration, weighs * recency))
         i = j + 1
-    return found
+    return rows
 
 
 def severity(

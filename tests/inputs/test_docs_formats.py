@@ -28,11 +28,13 @@ def rows_of(heading: str) -> list[list[str]]:
 
 def test_the_table_lists_every_format_in_the_order_in_which_they_are_asked():
     rows = rows_of("## The formats")
-    assert [re.sub(r"[\[\]`]|\(.*\)", "", row[0]) for row in rows] == [one.name for one in FORMATS]
-    assert [(row[1], row[2], row[4]) for row in rows] == [
-        (one.title, ", ".join(one.roles), ", ".join(one.suffixes)) for one in FORMATS
+    assert [re.sub(r"[\[\]`]|\(.*\)", "", row[0]) for row in rows] == [
+        form.name for form in FORMATS
     ]
-    missing = [one.name for one in FORMATS if f"\n### `{one.name}`\n" not in PAGE]
+    assert [(row[1], row[2], row[4]) for row in rows] == [
+        (form.title, ", ".join(form.roles), ", ".join(form.suffixes)) for form in FORMATS
+    ]
+    missing = [form.name for form in FORMATS if f"\n### `{form.name}`\n" not in PAGE]
     assert missing == [], "no section about these formats"
 
 

@@ -46,8 +46,8 @@ def test_mot_layout_is_found_below_a_folder_with_brackets_in_its_name(
 def test_a_file_that_was_named_is_read_whatever_its_ending_and_signs(tmp_path: Path):
     for name in ("rec[1].csv", "b.res"):
         write(tmp_path / name, DETECTION)
-    found = names(tmp_path, "rec[1].csv", "b.res", role="detections")
-    assert [name.rpartition("/")[2] for name in found] == ["rec[1].csv", "b.res"]
+    listed = names(tmp_path, "rec[1].csv", "b.res", role="detections")
+    assert [name.rpartition("/")[2] for name in listed] == ["rec[1].csv", "b.res"]
 
 
 @pytest.mark.parametrize(

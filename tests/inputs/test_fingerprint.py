@@ -78,7 +78,7 @@ def test_tables_without_tags_context_and_speed_have_none_and_keep_their_fingerpr
 
 def test_a_changed_input_is_a_finding(tmp_path: Path):
     session = replace(session_of(drive(tmp_path)), hashes={"truth": "0" * 64, "gone": "1"})
-    found = load(session).findings
-    assert [(one.code, one.subject, one.file[-9:]) for one in found] == [
+    findings = load(session).findings
+    assert [(finding.code, finding.subject, finding.file[-9:]) for finding in findings] == [
         ("input-changed", "truth", "truth.csv")
     ]

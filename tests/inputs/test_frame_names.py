@@ -256,8 +256,8 @@ def test_a_long_gap_in_a_list_of_pictures_is_asked_about(tmp_path):
     numbers, dataset = compared(tmp_path, names, frame_names="scenes")
     assert numbers["matched"] == RIGHT["matched"]
     assert dataset.recordings["name"].tolist() == ["scene_1", "scene_2"]
-    one = compared(tmp_path, names, frame_names="numbers")[1]
-    assert one.frame_columns.frame.tolist() == [*range(20), *range(5000, 5020)]
+    numbered = compared(tmp_path, names, frame_names="numbers")[1]
+    assert numbered.frame_columns.frame.tolist() == [*range(20), *range(5000, 5020)]
 
 
 def test_the_command_line_asks_with_exit_code_2_and_the_flag(tmp_path):

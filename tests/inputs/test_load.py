@@ -306,22 +306,28 @@ def test_frames_with_other_classes_only_are_annotated_frames(
 
 def test_a_given_size_and_rate_that_contradict_the_data_are_reported(tmp_path: Path):
     session = replace(mot_session(mot_layout(tmp_path), ".", "."), size=(11, 12), fps=99.0)
-    findings = [one for one in load(session).findings if one.code == "contradicted-fact"]
-    assert [one.count for one in findings] == [2, 2]
-    assert any("frame rate given (99) is not that of the data" in one.message for one in findings)
+    findings = [
+        finding for finding in load(session).findings if finding.code == "contradicted-fact"
+    ]
+    assert [finding.count for finding in findings] == [2, 2]
+    assert any(
+        "frame rate given (99) is not that of the data" in finding.message for finding in findings
+    )
     findings = load(replace(session, size=(640, 480), fps=10.0)).findings
-    assert "contradicted-fact" not in {one.code for one in findings}
+    assert "contradicted-fact" not in {finding.code for finding in findings}
 
 
 def test_pictures_that_are_not_there_are_reported(tmp_path: Path):
     one_box(tmp_path)
     entry = RecordingEntry("truth", pictures="frames/night")
     session = replace(session_of(tmp_path, "truth.csv", "fir.csv"), recordings=(entry,))
-    (finding,) = [one for one in load(session).findings if one.code == "missing-pictures"]
+    (finding,) = [
+        finding for finding in load(session).findings if finding.code == "missing-pictures"
+    ]
     assert (finding.severity, finding.count, finding.file) == ("warning", 1, "frames/night")
     assert "pictures named that are not there" in finding.message
     (tmp_path / "frames" / "night").mkdir(parents=True)
-    assert "missing-pictures" not in {one.code for one in load(session).findings}
+    assert "missing-pictures" not in {finding.code for finding in load(session).findings}
 
 
 def test_frame_numbers_are_moved_by_the_offset(tmp_path: Path):

@@ -50,7 +50,7 @@ def test_a_packed_file_of_every_format_is_read_as_its_content(
     file_format = detect_format([plain], role)
     assert detect_format([file], role) is file_format
     options = ReadOptions(role=role, size=(640, 480))
-    ours, theirs = (file_format.read([one], options) for one in (file, plain))
+    ours, theirs = (file_format.read([source_file], options) for source_file in (file, plain))
     assert ours.boxes.equals(theirs.boxes)
     assert ours.recordings["name"].tolist() == theirs.recordings["name"].tolist()
     # nothing lies beside the packed file, such as MOTChallenge's seqinfo.ini

@@ -115,9 +115,9 @@ def test_objects_may_be_named_by_a_singular_alone(tmp_path: Path):
 
 def test_what_is_written_reads_back_as_the_same_session(tmp_path: Path):
     again = written(FULL, tmp_path)
-    paths = [one.path for one in (again.truth, *again.systems)]
+    paths = [source.path for source in (again.truth, *again.systems)]
     assert paths == [
-        tuple(f"/drives/{path}" for path in one.path) for one in (FULL.truth, *FULL.systems)
+        tuple(f"/drives/{path}" for path in source.path) for source in (FULL.truth, *FULL.systems)
     ]
     assert again.frames == "/drives/lists/all.txt"
     assert again.recordings[0].frames == "/drives/frames.txt"

@@ -142,11 +142,14 @@ def test_low_intervals_and_the_moving_mean_agree(scene: Scene, params: Params) -
             values = system.similarity[rows].tolist()  # a value beside the limit is decided once
             assert values == pytest.approx(trace.similarity)
             expected = oracle.intervals(place, values, params.low)
-            found = system.intervals[system.intervals["recording"] == recording]
-            found = found.assign(**{
-                name: found[name] - rows.start for name in ("first_row", "last_row", "worst_row")
-            })  # fmt: skip
-            assert found[oracle.INTERVAL].to_numpy(float) == pytest.approx(
+            intervals = system.intervals[system.intervals["recording"] == recording]
+            intervals = intervals.assign(
+                **{
+                    name: intervals[name] - rows.start
+                    for name in ("first_row", "last_row", "worst_row")
+                }
+            )
+            assert intervals[oracle.INTERVAL].to_numpy(float) == pytest.approx(
                 np.array(expected, float).reshape(-1, len(oracle.INTERVAL)), abs=1e-9
             )
             means = oracle.moving_mean(place, values, params.window)
@@ -224,8 +227,8 @@ def test_truth_without_tracks_is_linked_as_specified(seed: int, is_crowded: bool
         expected = [number for numbers in oracle.link(frames) for number in numbers]
         truth = result.dataset.truth
         here = result.dataset.frame_columns.recording[truth.frame_index] == recording
-        found = result.tracks.track[here & ~truth.ignore]
-        assert (found - found.min(initial=2**62)).tolist() == expected
+        track = result.tracks.track[here & ~truth.ignore]
+        assert (track - track.min(initial=2**62)).tolist() == expected
         assert (recording in result.tracks.linked_recordings) == bool(expected)
 
 
@@ -249,8 +252,8 @@ def test_false_alert_episodes_agree(
                 n_boxes = sum(numbers.count(number) for numbers in linked)
                 expected.append((seen[0] + start, seen[-1] + start, n_boxes, duration))
             table = system.episodes[system.episodes["recording"] == recording]
-            found = table[["first_row", "last_row", "n_boxes", "duration_s"]].to_numpy()
-            assert found == pytest.approx(np.array(expected).reshape(-1, 4))
+            episodes = table[["first_row", "last_row", "n_boxes", "duration_s"]].to_numpy()
+            assert episodes == pytest.approx(np.array(expected).reshape(-1, 4))
 
 
 @thoroughly
@@ -266,11 +269,11 @@ def test_fused_systems_agree_with_fusing_by_hand(
         for in_x, in_y in zip(
             scene.by_frame(scene.x, recording), scene.by_frame(scene.y, recording), strict=True
         ):
-            kept = [
+            above = [
                 [b for b in boxes if threshold is None or not b.score < threshold]
                 for boxes in (in_x, in_y)
             ]
-            parts = oracle.fuse(kept[0], kept[1], iou)
+            parts = oracle.fuse(above[0], above[1], iou)
             either += parts[0]
             both += parts[1]
     by_hand = compare(Scene(scene.places, scene.truth, either, both).dataset(), Params(iou=iou))

@@ -24,9 +24,9 @@ PAGE = (ROOT / "docs" / "metrics.md").read_text(encoding="utf-8")
 
 def section(title: str) -> str:
     """Text below a heading, up to the next heading of any level."""
-    found = re.search(rf"^#+ {re.escape(title)}\n(.*?)(?=^#+ |\Z)", PAGE, re.DOTALL | re.MULTILINE)
-    assert found is not None, f"no section {title!r}"
-    return found[1]
+    body = re.search(rf"^#+ {re.escape(title)}\n(.*?)(?=^#+ |\Z)", PAGE, re.DOTALL | re.MULTILINE)
+    assert body is not None, f"no section {title!r}"
+    return body[1]
 
 
 def rows_of(title: str) -> list[list[str]]:

@@ -55,13 +55,13 @@ def test_fused_systems_have_the_same_parameters_and_no_threshold_again() -> None
     assert fusion.y.similarity.tolist() == [0.5]  # nothing that both saw
 
 
-def assert_same(one: SystemResult, other: SystemResult) -> None:
-    assert one.n_det.tolist() == other.n_det.tolist()
-    assert one.similarity.tolist() == other.similarity.tolist()
-    assert one.encounters.equals(other.encounters)
-    assert one.events.equals(other.events)
-    assert one.episodes.equals(other.episodes)
-    assert repr(one.false_alarm_summary) == repr(other.false_alarm_summary)
+def assert_same(system: SystemResult, other: SystemResult) -> None:
+    assert system.n_det.tolist() == other.n_det.tolist()
+    assert system.similarity.tolist() == other.similarity.tolist()
+    assert system.encounters.equals(other.encounters)
+    assert system.events.equals(other.events)
+    assert system.episodes.equals(other.episodes)
+    assert repr(system.false_alarm_summary) == repr(other.false_alarm_summary)
 
 
 def without_scores(seed: int) -> Scene:

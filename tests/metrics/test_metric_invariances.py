@@ -83,10 +83,10 @@ def test_another_detection_never_raises_the_effect_of_misses(
 @often
 @given(FRAMES)
 def test_exchanging_the_two_sets_exchanges_the_two_distances(sets: Sets) -> None:
-    one = score_sets(sets).distances
-    other = score_sets([(S, G) for G, S in sets]).distances
-    assert one.d_miss.tolist() == other.d_false.tolist()
-    assert one.d_false.tolist() == other.d_miss.tolist()
+    given_sets = score_sets(sets).distances
+    swapped = score_sets([(S, G) for G, S in sets]).distances
+    assert given_sets.d_miss.tolist() == swapped.d_false.tolist()
+    assert given_sets.d_false.tolist() == swapped.d_miss.tolist()
 
 
 @often
@@ -102,14 +102,14 @@ def transformed(scene: Scene, move: object) -> Scene:
     return Scene(scene.places, truth, x, y)
 
 
-def assert_same_verdict(one: Result, other: Result, *, factor: float = 1.0) -> None:
-    for a, b in ((one.x, other.x), (one.y, other.y)):
+def assert_same_verdict(result: Result, other: Result, *, factor: float = 1.0) -> None:
+    for a, b in ((result.x, other.x), (result.y, other.y)):
         assert b.similarity == pytest.approx(a.similarity, abs=1e-9)
         assert b.distances.d_miss == pytest.approx(factor * a.distances.d_miss, abs=1e-7)
         assert b.distances.d_false == pytest.approx(factor * a.distances.d_false, abs=1e-7)
         assert b.encounters["miss_class"].tolist() == a.encounters["miss_class"].tolist()
         assert b.n_det.tolist() == a.n_det.tolist()
-    assert one.venn == other.venn
+    assert result.venn == other.venn
 
 
 @often
@@ -120,10 +120,10 @@ def test_mirroring_changes_nothing(seed: int) -> None:
     def mirror(box: Box) -> Box:
         return box._replace(x=scene.places[box.recording].width - box.x - box.w)
 
-    one, other = compare(scene.dataset()), compare(transformed(scene, mirror).dataset())
-    assert_same_verdict(one, other)
-    assert other.encounters.lateral_position == pytest.approx(-one.encounters.lateral_position)
-    assert other.encounters.lateral_offset == pytest.approx(one.encounters.lateral_offset)
+    plain, mirrored = compare(scene.dataset()), compare(transformed(scene, mirror).dataset())
+    assert_same_verdict(plain, mirrored)
+    assert mirrored.encounters.lateral_position == pytest.approx(-plain.encounters.lateral_position)
+    assert mirrored.encounters.lateral_offset == pytest.approx(plain.encounters.lateral_offset)
 
 
 @often
@@ -139,9 +139,9 @@ def test_reordering_boxes_changes_nothing(seed: int) -> None:
     shuffled = Scene(scene.places, *(
         [boxes[i] for i in rng.permutation(len(boxes))] for boxes in (scene.truth, scene.x, scene.y)
     ))  # fmt: skip
-    one, other = compare(scene.dataset()), compare(shuffled.dataset())
-    assert_same_verdict(one, other)
-    assert other.x.events["track"].tolist() == one.x.events["track"].tolist()
+    plain, reordered = compare(scene.dataset()), compare(shuffled.dataset())
+    assert_same_verdict(plain, reordered)
+    assert reordered.x.events["track"].tolist() == plain.x.events["track"].tolist()
 
 
 @often
@@ -200,9 +200,9 @@ def test_frames_without_boxes_anywhere_leave_the_others_as_they_are(seed: int) -
         p._replace(frames=[*p.frames, *range(p.frames[-1] + 500, p.frames[-1] + 503)])
         for p in scene.places
     ]
-    one, other = scene.dataset(), Scene(more, scene.truth, scene.x, scene.y).dataset()
+    plain, longer = scene.dataset(), Scene(more, scene.truth, scene.x, scene.y).dataset()
     key = ["recording", "frame"]
-    is_old = other.frames[key].apply(tuple, axis=1).isin(one.frames[key].apply(tuple, axis=1))
-    similarity = compare(other, PLAIN).x.similarity
-    assert similarity[is_old].tolist() == compare(one, PLAIN).x.similarity.tolist()
+    is_old = longer.frames[key].apply(tuple, axis=1).isin(plain.frames[key].apply(tuple, axis=1))
+    similarity = compare(longer, PLAIN).x.similarity
+    assert similarity[is_old].tolist() == compare(plain, PLAIN).x.similarity.tolist()
     assert (similarity[~is_old] == 1).all()

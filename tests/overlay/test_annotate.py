@@ -88,9 +88,9 @@ def test_labels_are_written_if_asked_for():
 def test_a_dim_picture_is_stretched(tmp_path: Path):
     picture = numbered(5) // 8
     pictures = open_pictures(write_picture(tmp_path / "0.png", picture))
-    kept = annotate(result(2), pictures, 0, 0, layers=(), caption=False)
+    unspread = annotate(result(2), pictures, 0, 0, layers=(), caption=False)
     spread = annotate(result(2), pictures, 0, 0, layers=(), caption=False, lo=0, hi=99)
-    assert (kept.max(), spread.max()) == (31, 255)
+    assert (unspread.max(), spread.max()) == (31, 255)
 
 
 def test_a_picture_that_cannot_be_decoded_leaves_a_dark_blank(tmp_path: Path):

@@ -50,12 +50,12 @@ def test_a_missed_pedestrian_who_counts_says_what_is_near_him():
     assert "X: not detected, 6 px to the nearest detection" in eight.lines[1]
     assert "Y in the whole encounter: not detected in any frame that counts" in eight.lines[-1]
     assert (seven.encounter, eight.encounter) == (0, 1)
-    assert [one.title for one in detections] == [
+    assert [reason.title for reason in detections] == [
         "Detection of X: matches pedestrian 7",
         "Detection of X: false alarm",
         "Detection of Y: matches pedestrian 7",
     ]
-    assert [one.truth for one in detections] == [0, -1, 0]
+    assert [reason.truth for reason in detections] == [0, -1, 0]
     assert "6 px to the nearest pedestrian" in detections[1].lines[1]
 
 
@@ -85,7 +85,7 @@ def test_boxes_are_explained_in_the_order_in_which_they_are_drawn():
     boxes, reasons = gather_boxes(result, 1, 2), explain_boxes(result, 1)
     assert len(reasons) == len(boxes.truth.frame) + len(boxes.x.frame) + len(boxes.y.frame) == 4
     assert reasons[1].title == "Ignored by the ground truth"
-    assert [one.title for one in reasons[2:]] == [
+    assert [reason.title for reason in reasons[2:]] == [
         "Detection of X on an ignored region",
         "Detection of X: matches pedestrian 1",
     ]

@@ -26,9 +26,9 @@ def matched_detections(xywh: np.ndarray, labels: list[str]) -> DrawnDetections:
     return DrawnDetections(xywh, np.full(len(xywh), DetectionState.MATCHED, np.int8), labels)
 
 
-def changed(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+def changed(picture: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Where two drawings differ."""
-    return np.any(one != other, axis=2)
+    return np.any(picture != other, axis=2)
 
 
 def test_the_first_free_place_is_taken():
@@ -76,12 +76,12 @@ def test_in_a_crowd_every_missed_one_keeps_its_label_and_nobody_is_covered():
 
 
 def test_labels_of_matched_boxes_are_left_out_where_there_is_no_room():
-    one = draw_boxes(None, 960, 720, truth=pedestrians(CROWD[:1], MATCHED, ["123"]))
+    single = draw_boxes(None, 960, 720, truth=pedestrians(CROWD[:1], MATCHED, ["123"]))
     same = np.repeat(CROWD[:1], 30, axis=0)
     many = draw_boxes(None, 960, 720, truth=pedestrians(same, MATCHED, ["123"] * 30))
     plain = draw_boxes(None, 960, 720, truth=pedestrians(CROWD[:1], MATCHED, []))
-    assert changed(one, plain).any()
-    assert changed(many, plain).sum() <= 4 * changed(one, plain).sum()
+    assert changed(single, plain).any()
+    assert changed(many, plain).sum() <= 4 * changed(single, plain).sum()
 
 
 def test_a_score_at_the_left_edge_is_written_inside_the_picture():

@@ -55,8 +55,8 @@ def test_a_stage_depends_on_its_own_settings_and_those_of_all_before() -> None:
 def test_settings_for_a_stage_are_kept_and_all_others_are_the_defaults(names: set[str]) -> None:
     params = Params(**{name: OTHER[name] for name in names})
     for stage in {setting.stage for setting in SETTINGS.values()}:
-        kept = {name: OTHER[name] for name in names if name in settings_for(stage)}
-        assert params.only_for(stage) == Params(**kept)
+        own = {name: OTHER[name] for name in names if name in settings_for(stage)}
+        assert params.only_for(stage) == Params(**own)
         assert params.only_for(stage).values_for(stage) == params.values_for(stage)
 
 

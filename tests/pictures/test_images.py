@@ -61,7 +61,7 @@ def test_an_archive_is_read_without_unpacking(tmp_path: Path):
     path = write_zip(tmp_path / "a.zip", {**members, "__MACOSX/seq/._2.png": b"x", "notes": b"y"})
     pictures = open_pictures(path)
     assert [number_in(pictures.read(index)) for index in (0, 1)] == [2, 11]
-    assert sorted(one.name for one in tmp_path.iterdir()) == ["a.zip"]
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["a.zip"]
 
 
 @pytest.mark.parametrize("ending", [".png", ".tiff"])

@@ -15,7 +15,7 @@ from picture_files import number_in, numbered, write_numbered_video, write_pictu
 
 import nvcore as nv
 from nvcore.pictures import Pictures, open_pictures, picture_index, size_note
-from nvcore.pictures.index import Rule, map_frames
+from nvcore.pictures.index import NumberingRule, map_frames
 from nvcore.pictures.recordings import RecordingPictures, picture_names
 
 
@@ -166,10 +166,10 @@ def test_every_frame_shows_its_own_picture_or_none(
 ):
     index, rule = mapped(frames, numbers)
     assert index == [*right]
-    assert (rule is Rule.UNCLEAR) == ({*right} == {-1})
+    assert (rule is NumberingRule.UNCLEAR) == ({*right} == {-1})
 
 
-def mapped(frames: Sequence[int], numbers: Sequence[int]) -> tuple[list[int], Rule]:
+def mapped(frames: Sequence[int], numbers: Sequence[int]) -> tuple[list[int], NumberingRule]:
     pictures = cast(
         Pictures, SimpleNamespace(n=len(numbers), numbers=np.array(numbers), is_video=False)
     )
@@ -181,7 +181,7 @@ def mapped(frames: Sequence[int], numbers: Sequence[int]) -> tuple[list[int], Ru
 def test_names_from_one_begin_with_the_first_frame_also_where_the_last_ones_are_missing(first: int):
     index, rule = mapped(range(200), range(first, first + 100))
     assert index == [*range(100), *[-1] * 100]
-    assert rule is (Rule.NUMBER_LESS_ONE if first else Rule.NUMBER)
+    assert rule is (NumberingRule.NUMBER_LESS_ONE if first else NumberingRule.NUMBER)
 
 
 def test_what_does_not_fit_is_said_with_its_numbers(tmp_path: Path):

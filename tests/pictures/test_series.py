@@ -15,7 +15,7 @@ from nvcore.errors import MediaError
 from nvcore.findings import Remedy, Step
 from nvcore.pictures import open_pictures
 from nvcore.pictures.base import Pictures
-from nvcore.pictures.index import Rule, map_frames
+from nvcore.pictures.index import NumberingRule, map_frames
 from nvcore.pictures.notes import PictureNote, PictureTrait
 from nvcore.pictures.series import natural_order, series_of
 
@@ -92,7 +92,7 @@ def test_times_in_names_are_one_series_in_their_order(name: Callable[[int], str]
     assert (series.names, series.passed_over) == (names, ("calib.png",))
     pictures = SimpleNamespace(n=n, numbers=series.numbers, is_video=False)
     frames = map_frames(np.arange(0, 2 * n, 2), cast(Pictures, pictures))
-    assert (frames.rule, frames.index.tolist()) == (Rule.ORDER, [*range(n)])
+    assert (frames.rule, frames.index.tolist()) == (NumberingRule.ORDER, [*range(n)])
 
 
 @pytest.mark.parametrize(

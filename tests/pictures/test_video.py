@@ -68,8 +68,8 @@ def test_several_threads_read_the_right_pictures(tmp_path: Path):
     video = Video(write_numbered_video(tmp_path / "a.mp4", g="20"))
     asked = random.Random(1).choices(range(100), k=80)
     with ThreadPoolExecutor(4) as pool:
-        found = list(pool.map(lambda index: number_in(video.read(index)), asked))
-    assert found == asked
+        shown = list(pool.map(lambda index: number_in(video.read(index)), asked))
+    assert shown == asked
 
 
 def test_a_picture_cannot_be_changed_by_who_reads_it(tmp_path: Path):

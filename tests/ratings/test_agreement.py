@@ -53,8 +53,8 @@ def test_w_is_the_textbooks_with_ties(seed):
 
 def test_p_of_chance_is_spread_evenly():
     rng = np.random.default_rng(1)
-    found = [measure_agreement(rank_ratings(table(rng.random((5, 12))))).p for _ in range(40)]
-    assert 0.02 <= np.mean(np.array(found) < 0.1) <= 0.18
+    p = [measure_agreement(rank_ratings(table(rng.random((5, 12))))).p for _ in range(40)]
+    assert 0.02 <= np.mean(np.array(p) < 0.1) <= 0.18
 
 
 def test_who_goes_the_other_way_is_an_outlier():
@@ -71,19 +71,19 @@ def test_who_goes_the_other_way_is_an_outlier():
 def test_nobody_is_an_outlier_among_few(n):
     clips = np.arange(12.0)
     ratings = [*(clips for _ in range(n - 1)), -clips]
-    found = measure_agreement(rank_ratings(table(ratings)))
-    assert found.participants["agreement"].min() < 0
-    assert not found.knows_outliers
-    assert not found.participants["is_outlier"].any()
+    agreement = measure_agreement(rank_ratings(table(ratings)))
+    assert agreement.participants["agreement"].min() < 0
+    assert not agreement.knows_outliers
+    assert not agreement.participants["is_outlier"].any()
 
 
 def test_nobody_is_an_outlier_where_people_agree_by_chance_only():
     ratings = np.random.default_rng(11).random((6, 8))
-    found = measure_agreement(rank_ratings(table(ratings)))
-    assert found.p > 0.05
-    assert (found.participants["agreement"] <= 0).any()
-    assert not found.is_more_than_chance
-    assert not found.participants["is_outlier"].any()
+    agreement = measure_agreement(rank_ratings(table(ratings)))
+    assert agreement.p > 0.05
+    assert (agreement.participants["agreement"] <= 0).any()
+    assert not agreement.is_more_than_chance
+    assert not agreement.participants["is_outlier"].any()
 
 
 @pytest.mark.parametrize(
@@ -96,10 +96,10 @@ def test_nobody_is_an_outlier_where_people_agree_by_chance_only():
     ],
 )
 def test_undefined_agreement_says_why(ratings, words):
-    found = measure_agreement(rank_ratings(table(ratings)))
-    assert np.isnan(found.w)
-    assert np.isnan(found.p)
-    assert words in found.method
+    agreement = measure_agreement(rank_ratings(table(ratings)))
+    assert np.isnan(agreement.w)
+    assert np.isnan(agreement.p)
+    assert words in agreement.method
 
 
 def test_w_with_gaps_is_that_of_all_pairs_one_by_one():
@@ -111,9 +111,9 @@ def test_w_with_gaps_is_that_of_all_pairs_one_by_one():
     for i in range(9):
         for j in range(i):
             both = ~np.isnan(ratings[i]) & ~np.isnan(ratings[j])
-            one, other = ratings[i, both], ratings[j, both]
-            if both.sum() >= 3 and np.ptp(one) > 0 and np.ptp(other) > 0:
-                correlations.append(stats.spearmanr(one, other).statistic)
+            own, theirs = ratings[i, both], ratings[j, both]
+            if both.sum() >= 3 and np.ptp(own) > 0 and np.ptp(theirs) > 0:
+                correlations.append(stats.spearmanr(own, theirs).statistic)
     expected = (1 + 8 * np.mean(correlations)) / 9
     assert measure_agreement(rank_ratings(table(ratings))).w == pytest.approx(expected)
 

@@ -27,8 +27,8 @@ def clips(n: int = 12) -> pd.DataFrame:
 
 def test_each_clip_stands_at_its_rank_and_saliency_with_the_coefficient_told() -> None:
     table = clips()
-    found = correlate(table["saliency_s"].to_numpy(), table["mean_rank"].to_numpy())
-    figure = rating_plot(table, found, ("FIR", "NIR"), theme="light")
+    correlations = correlate(table["saliency_s"].to_numpy(), table["mean_rank"].to_numpy())
+    figure = rating_plot(table, correlations, ("FIR", "NIR"), theme="light")
     of_x = trace(figure, "X: FIR")
     assert list(of_x.x) == [1, 3, 5, 7, 9, 11]
     assert list(of_x.y) == [1, 9, 25, 49, 81, 121]

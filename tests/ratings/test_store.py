@@ -75,11 +75,11 @@ def test_the_table_is_what_a_file_of_it_gives(store, tmp_path):
 
 
 def test_studies_do_not_see_each_other(store):
-    one, other = store.begin("print", CLIPS), store.begin("print", CLIPS)
-    store.order(one, "P1")
-    store.rate(one, "P1", 0, 3)
-    assert len(store.ratings(one)) == 1
-    assert len(store.ratings(other)) == 0
+    first, second = store.begin("print", CLIPS), store.begin("print", CLIPS)
+    store.order(first, "P1")
+    store.rate(first, "P1", 0, 3)
+    assert len(store.ratings(first)) == 1
+    assert len(store.ratings(second)) == 0
     assert store.study("x' OR '1'='1") is None
 
 
@@ -165,11 +165,11 @@ def test_a_changed_rating_tells_the_first_one_and_plays_add_up(store):
     for rating, n_plays in ((5, 2), (5, None), (3, 1), (4, 0)):
         store.rate(study, "P1", 0, rating, n_plays=n_plays)
     store.rate(study, "P1", 1, 6)
-    kept = store.ratings(study)
-    assert kept["rating"].tolist() == [4, 6]
-    assert kept["first_rating"].to_list()[0] == 5
-    assert kept["n_plays"].to_list()[0] == 3
-    assert kept[["n_plays", "first_rating"]].isna().to_numpy()[1].all()
+    ratings = store.ratings(study)
+    assert ratings["rating"].tolist() == [4, 6]
+    assert ratings["first_rating"].to_list()[0] == 5
+    assert ratings["n_plays"].to_list()[0] == 3
+    assert ratings[["n_plays", "first_rating"]].isna().to_numpy()[1].all()
 
 
 def test_names_in_other_capitals_are_one_participant(store):
@@ -203,11 +203,11 @@ def test_a_file_of_an_earlier_version_is_gone_on_with(store, tmp_path):
     assert (known.consent, known.ends_at) == ("", None)  # nobody was asked, and it does not end
     assert again.may_rate(known, "anna")
     again.rate(study, "anna", 0, 5, n_plays=1)
-    kept = again.ratings(study)
-    assert kept["participant"].tolist() == ["Anna", "anna"]
-    assert kept["rating"].tolist() == [3, 5]
-    assert kept["n_plays"].isna().tolist() == [True, False]
-    assert RatingStore(path).ratings(study).equals(kept)
+    ratings = again.ratings(study)
+    assert ratings["participant"].tolist() == ["Anna", "anna"]
+    assert ratings["rating"].tolist() == [3, 5]
+    assert ratings["n_plays"].isna().tolist() == [True, False]
+    assert RatingStore(path).ratings(study).equals(ratings)
 
 
 NOW = datetime(2026, 3, 1, tzinfo=UTC)

@@ -112,39 +112,39 @@ def test_ratings_of_other_clips_are_set_apart():
 
 def test_coefficients_are_scipys_with_intervals_around_them():
     rng = np.random.default_rng(3)
-    one = rng.random(25).round(1)  # with ties
-    other = one + rng.normal(0, 0.2, 25)
-    pearson, spearman, kendall = correlate(one, other)
-    assert pearson.value == pytest.approx(stats.pearsonr(one, other).statistic)
-    assert spearman.value == pytest.approx(stats.spearmanr(one, other).statistic)
-    assert kendall.value == pytest.approx(stats.kendalltau(one, other).statistic)
-    for found in (pearson, spearman, kendall):
-        assert -1 <= found.low < found.value < found.high <= 1
-        assert found.p < 0.001
+    saliency = rng.random(25).round(1)  # with ties
+    rank = saliency + rng.normal(0, 0.2, 25)
+    pearson, spearman, kendall = correlate(saliency, rank)
+    assert pearson.value == pytest.approx(stats.pearsonr(saliency, rank).statistic)
+    assert spearman.value == pytest.approx(stats.spearmanr(saliency, rank).statistic)
+    assert kendall.value == pytest.approx(stats.kendalltau(saliency, rank).statistic)
+    for correlation in (pearson, spearman, kendall):
+        assert -1 <= correlation.low < correlation.value < correlation.high <= 1
+        assert correlation.p < 0.001
 
 
 def test_the_interval_is_that_of_the_plain_bootstrap():
     rng = np.random.default_rng(4)
-    one = rng.random(12)
-    other = one + rng.normal(0, 0.5, 12)
-    for found, find in zip(
-        correlate(one, other), (stats.pearsonr, stats.spearmanr, stats.kendalltau), strict=True
+    saliency = rng.random(12)
+    rank = saliency + rng.normal(0, 0.5, 12)
+    for correlation, find in zip(
+        correlate(saliency, rank), (stats.pearsonr, stats.spearmanr, stats.kendalltau), strict=True
     ):
         plain = stats.bootstrap(
-            (one, other), lambda a, b, find=find: find(a, b).statistic, paired=True,
+            (saliency, rank), lambda a, b, find=find: find(a, b).statistic, paired=True,
             vectorized=False, n_resamples=1000, method="BCa", rng=np.random.default_rng(5),
         ).confidence_interval  # fmt: skip
-        assert found.low == pytest.approx(plain.low, abs=0.08)
-        assert found.high == pytest.approx(plain.high, abs=0.08)
+        assert correlation.low == pytest.approx(plain.low, abs=0.08)
+        assert correlation.high == pytest.approx(plain.high, abs=0.08)
 
 
 @pytest.mark.parametrize(
-    ("one", "words"), [(np.arange(4.0), "4 clips"), (np.zeros(9), "same value")]
+    ("saliency", "words"), [(np.arange(4.0), "4 clips"), (np.zeros(9), "same value")]
 )
-def test_undefined_correlation_says_why(one, words):
-    found = correlate(one, np.arange(len(one), dtype=float))
-    assert all(np.isnan(each.value) for each in found)
-    assert all(words in each.note for each in found)
+def test_undefined_correlation_says_why(saliency, words):
+    correlations = correlate(saliency, np.arange(len(saliency), dtype=float))
+    assert all(np.isnan(each.value) for each in correlations)
+    assert all(words in each.note for each in correlations)
 
 
 def test_a_fit_finds_the_settings_that_the_ratings_were_made_with(result):
@@ -258,8 +258,8 @@ def test_each_pair_is_judged_without_its_recordings(result):
     total = 0.0
     for i in range(10):
         for j in range(10):
-            kept = ~np.isin(recording, [recording[i], recording[j]])
-            best = cube[:, kept][:, :, kept].sum(axis=(1, 2)).argmax()
+            is_other = ~np.isin(recording, [recording[i], recording[j]])
+            best = cube[:, is_other][:, :, is_other].sum(axis=(1, 2)).argmax()
             total += cube[best, i, j]
     assert module._agreement_held_out(sums).sum() == pytest.approx(total)
 
@@ -277,11 +277,11 @@ def test_many_clips_counted_by_sorting_have_the_same_intervals(monkeypatch):
     from nvcore.ratings import validation as module
 
     rng = np.random.default_rng(9)
-    one = np.round(rng.normal(size=20), 1)
-    other = np.round(one + rng.normal(size=20), 1)
-    by_pairs = correlate(one, other)
+    saliency = np.round(rng.normal(size=20), 1)
+    rank = np.round(saliency + rng.normal(size=20), 1)
+    by_pairs = correlate(saliency, rank)
     monkeypatch.setattr(module, "MOST_IN_PAIRS", 10)
-    by_sorting = correlate(one, other)
+    by_sorting = correlate(saliency, rank)
     assert by_sorting[2].low == pytest.approx(by_pairs[2].low)
     assert by_sorting[2].high == pytest.approx(by_pairs[2].high)
 
@@ -308,12 +308,14 @@ def test_the_interval_of_the_share_is_that_of_recordings_drawn_one_by_one():
     for _ in range(1500):
         right = total = 0.0
         drawn = rng.integers(0, 9, 9)
-        for i, one in enumerate(drawn):
-            for j, other in enumerate(drawn):
-                if i != j and one == other:
+        for i, first in enumerate(drawn):
+            for j, second in enumerate(drawn):
+                if i != j and first == second:
                     continue  # a recording and its copy
-                right += sums[one, other]
-                total += np.abs(wanted)[2 * one : 2 * one + 2, 2 * other : 2 * other + 2].sum()
+                right += sums[first, second]
+                total += np.abs(wanted)[
+                    2 * first : 2 * first + 2, 2 * second : 2 * second + 2
+                ].sum()
         shares.append(0.5 + 0.5 * right / total)
     assert reason == ""
     assert gain == (0, 0)

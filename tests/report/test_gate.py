@@ -21,7 +21,7 @@ from nvcore.protocols import PROTOCOLS
 from nvcore.report.gate import audit_rules, run_gate
 from nvcore.report.gate.details import encounters_of, explain
 from nvcore.report.gate.measures import SUMMARY_NAMES, gate_measures, measure_names
-from nvcore.report.gate.outcomes import Outcome, judge, value_text
+from nvcore.report.gate.outcomes import RuleOutcome, judge, value_text
 from nvcore.report.gate.results import (
     is_gate_result,
     junit_error,
@@ -150,14 +150,14 @@ def test_the_rules_to_copy_from_the_page_can_be_judged():
 )
 def test_comparisons(comparison, passes):
     outcomes = [judge([parse_rule(f"a {comparison} 2")], {"a": value})[0] for value in (1, 2, 3)]
-    assert [one.value for one in outcomes if one.is_passed] == passes
+    assert [outcome.value for outcome in outcomes if outcome.is_passed] == passes
 
 
 def test_the_audit_is_judged_by_rules_that_a_rule_can_replace():
     given = [parse_rule("audit_errors <= 2")]
-    assert [one.text for one in audit_rules([], strict=False)] == ["audit_errors == 0"]
-    assert [one.text for one in audit_rules(given, strict=False)] == []
-    assert [one.text for one in audit_rules(given, strict=True)] == ["audit_warnings == 0"]
+    assert [rule.text for rule in audit_rules([], strict=False)] == ["audit_errors == 0"]
+    assert [rule.text for rule in audit_rules(given, strict=False)] == []
+    assert [rule.text for rule in audit_rules(given, strict=True)] == ["audit_warnings == 0"]
 
 
 def scene(n_recordings: int = 1):
@@ -180,15 +180,15 @@ def test_a_failed_rule_has_what_it_counts_and_a_passed_one_has_nothing():
     wanted = [rule.name for rule in rules]
     values = gate_measures(result, [WARNING], PROTOCOLS["all"], wanted)
     outcomes = explain(judge(rules, values), result, [WARNING])
-    assert [one.is_passed for one in outcomes] == [False, True, False, True, False]
+    assert [outcome.is_passed for outcome in outcomes] == [False, True, False, True, False]
     assert outcomes[0].details == ("r0, track 7, frames 3 to 5",)
     assert outcomes[2].details == ("NIR: Three are odd.",)
-    assert [len(one.details) for one in outcomes] == [1, 0, 1, 0, 0]
+    assert [len(outcome.details) for outcome in outcomes] == [1, 0, 1, 0, 0]
 
 
-def outcomes() -> list[Outcome]:
-    passed = Outcome(Rule("a", "<", 1, "a < 1"), 0.5, True)
-    return [passed, Outcome(Rule("b", "<", 1, "b < 1"), 2.0, False, ("one", HOSTILE))]
+def outcomes() -> list[RuleOutcome]:
+    passed = RuleOutcome(Rule("a", "<", 1, "a < 1"), 0.5, True)
+    return [passed, RuleOutcome(Rule("b", "<", 1, "b < 1"), 2.0, False, ("one", HOSTILE))]
 
 
 def test_the_terminal_shows_what_failed_rules_count_one_line_each():
@@ -214,7 +214,7 @@ def test_junit_has_a_case_for_each_rule_and_the_audit_beside():
 
 
 def test_markdown_names_the_failing_rules_first_and_what_they_count():
-    undefined = Outcome(Rule("c", "<", 1, "c < 1"), np.nan, False)
+    undefined = RuleOutcome(Rule("c", "<", 1, "c < 1"), np.nan, False)
     lines = markdown([*outcomes(), undefined], "X|Y").splitlines()
     assert lines[0] == "## Gate: 2 of 3 rules failed"
     assert lines[2] == r"X\|Y"
@@ -225,7 +225,7 @@ def test_markdown_names_the_failing_rules_first_and_what_they_count():
     ]
     assert lines[10:13] == ["`b < 1` failed:", "", "- one"]
     assert lines[-1] == "### Audit: nothing found"
-    failed = Outcome(parse_rule("audit_warnings == 0"), 1, False, ("NIR: Three are odd.",))
+    failed = RuleOutcome(parse_rule("audit_warnings == 0"), 1, False, ("NIR: Three are odd.",))
     text = markdown([failed], "X", [WARNING])
     assert "### Audit: 1 warning\n\n- warning, NIR: Three are odd\\." in text
     assert text.count("Three are odd") == 1  # not under its rule as well
@@ -251,9 +251,9 @@ def test_a_gate_that_cannot_be_run_is_an_error_for_ci():
 def test_the_results_of_a_gate_are_told_from_other_files():
     own = [junit_xml(outcomes(), "X"), markdown([], "X").encode(), junit_error("a"),
            markdown_error("a").encode()]  # fmt: skip
-    assert all(is_gate_result(one) for one in own)
+    assert all(is_gate_result(content) for content in own)
     others = [b"", b"recording,frame\n", b"## Gate rules\n", b"<?xml version='1.0'?><annotation/>"]
-    assert not any(is_gate_result(one) for one in others)
+    assert not any(is_gate_result(content) for content in others)
 
 
 def test_how_much_worse_a_system_may_be_is_the_end_of_the_interval_over_recordings_against_it():

@@ -65,8 +65,8 @@ def test_both_claims_are_named_with_the_better_value_first():
 
 def test_at_unequal_operating_points_no_value_as_set_stands_beside_the_claim():
     values = {"detected_x": 0.5, "detected_y": 0.75, "detected_by_unit_p": 0.01}
-    found = pair(is_unequal=True, detects_more="NIR", detected_by_unit_p_holm=0.02, **values)
-    assert pair_text(found) == (
+    row = pair(is_unequal=True, detects_more="NIR", detected_by_unit_p_holm=0.02, **values)
+    assert pair_text(row) == (
         "At equal false alarms: NIR detects more encounters (p = 0.02 corrected)."
     )
 

@@ -71,8 +71,8 @@ def test_folder_and_zip_hold_the_same_files_and_name_each_as_they_write(
     with zipfile.ZipFile(io.BytesIO(packed)) as archive:
         assert archive.namelist() == [*FILES, MANIFEST]
         assert {name: archive.read(name) for name in archive.namelist()} == written
-        assert {one.date_time for one in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
-        assert {one.external_attr >> 16 for one in archive.infolist()} == {0o644}
+        assert {entry.date_time for entry in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
+        assert {entry.external_attr >> 16 for entry in archive.infolist()} == {0o644}
 
 
 def test_the_same_input_gives_the_same_bytes(session: Session, contents: dict[str, bytes]):
@@ -117,7 +117,7 @@ def test_every_report_carries_parameters_version_fingerprint_and_systems(
     session = tomllib.loads(contents["session.toml"].decode())
     assert session["written"]["fingerprint"] == result.dataset.fingerprint
     assert set(session["written"]["sha256"]) == {"truth", "fir", "nir"}
-    assert [one["name"] for one in session["system"]] == ["fir", "nir"]
+    assert [system["name"] for system in session["system"]] == ["fir", "nir"]
     assert (summary["x"]["name"], summary["y"]["name"]) == ("fir", "nir")
 
 

@@ -18,7 +18,7 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.report.tiles import Tile, tiles
 from nvcore.report.verdict import verdict
-from nvcore.sentences.facts import Chip, Conclusion, Interval, Reason
+from nvcore.sentences.facts import Chip, Conclusion, DifferenceInterval, WithheldReason
 
 FOUND, MISSED, ALERTS, WORST = range(4)
 
@@ -48,18 +48,22 @@ def test_the_values_are_those_of_the_scorecard(
     assert [tile.title for tile in four] == [
         "Pedestrians found", "Time missed", "False-alert episodes", "Worst miss"
     ]  # fmt: skip
-    found, _, _, worst = four
-    assert (found.x, found.y, found.difference, found.better) == ("30", "27", "+3", "x")
-    assert found.unit == "encounters detected, of 38"
-    assert (worst.interval, worst.bar, worst.chip) == (Interval("none"), None, Chip("single"))
+    detected, _, _, worst = four
+    assert (detected.x, detected.y, detected.difference, detected.better) == ("30", "27", "+3", "x")
+    assert detected.unit == "encounters detected, of 38"
+    assert (worst.interval, worst.bar, worst.chip) == (
+        DifferenceInterval("none"),
+        None,
+        Chip("single"),
+    )
 
 
 def test_the_interval_of_encounters_counts_them_and_its_bar_is_right_where_x_is_better(
     sample: tuple[Result, pd.DataFrame, Companions],
 ):
-    found = tile_of(sample, "encounters_detected_by_unit", low=-0.1, difference=0.1, high=0.3)
-    assert found.interval == Interval("ends", "−3.8 to +11.4")
-    low, middle, high = found.bar
+    tile = tile_of(sample, "encounters_detected_by_unit", low=-0.1, difference=0.1, high=0.3)
+    assert tile.interval == DifferenceInterval("ends", "−3.8 to +11.4")
+    low, middle, high = tile.bar
     assert low < 0.5 < middle < high < 1
     missed = tile_of(sample, "severity_s_per_encounter", low=0.1, difference=0.2, high=0.4)
     low, middle, high = missed.bar
@@ -82,7 +86,7 @@ def test_ends_of_an_interval_do_not_read_alike_or_as_0(
     tile = tile_of(
         sample, "severity_s_per_encounter", low=low, difference=(low + high) / 2, high=high
     )
-    assert tile.interval == Interval("ends", text)
+    assert tile.interval == DifferenceInterval("ends", text)
 
 
 def test_without_an_interval_for_want_of_recordings_a_tile_says_so(
@@ -90,7 +94,7 @@ def test_without_an_interval_for_want_of_recordings_a_tile_says_so(
 ):
     row = {"low": np.nan, "high": np.nan, "n": 7, "unit": "recordings"}
     tile = tile_of(sample, "severity_s_per_encounter", **row)
-    assert (tile.interval, tile.bar) == (Interval("few", n=7, n_needed=8), None)
+    assert (tile.interval, tile.bar) == (DifferenceInterval("few", n=7, n_needed=8), None)
 
 
 @pytest.mark.parametrize(
@@ -100,7 +104,7 @@ def test_without_an_interval_for_want_of_recordings_a_tile_says_so(
         ({"p_corrected": 0.01, "difference": -0.1, "unit": "recordings"}, Chip("better", "y"), "y"),
         ({"p_corrected": 0.2, "unit": "recordings"}, Chip("not shown"), ""),
         ({"p_corrected": 0.01, "unit": "recordings", "doubt": "odd"},
-         Chip("withheld", reason=Reason("doubt", doubt="odd")), ""),
+         Chip("withheld", reason=WithheldReason("doubt", doubt="odd")), ""),
         ({"p_corrected": np.nan, "unit": "blocks"}, Chip("few", n=10, n_needed=6), ""),
         ({"x": 0.5, "y": 0.5, "p_corrected": 1.0, "unit": "recordings"}, Chip("same"), ""),
     ],
@@ -148,11 +152,11 @@ def test_few_false_alarms_are_why_a_tile_is_not_tested(
     assert (count_alarms(result.x), count_alarms(result.y)) == (13, 13)
     evidence = evidence_table(result)
     companions = find_companions(result, evidence)
-    found, missed, *_ = tiles(result, evidence, companions)
-    assert (found.interval, found.chip) == (Interval("none"), Chip("unsure"))
-    assert (missed.interval, missed.chip) == (Interval("none"), Chip("unsure"))
-    said = verdict(result, evidence=evidence, companions=companions)
-    assert said.headline.conclusion == Conclusion("unsure")
+    detected, missed, *_ = tiles(result, evidence, companions)
+    assert (detected.interval, detected.chip) == (DifferenceInterval("none"), Chip("unsure"))
+    assert (missed.interval, missed.chip) == (DifferenceInterval("none"), Chip("unsure"))
+    conclusion = verdict(result, evidence=evidence, companions=companions)
+    assert conclusion.headline.conclusion == Conclusion("unsure")
 
 
 def test_what_is_not_tested_yet_says_so(sample: tuple[Result, pd.DataFrame, Companions]):

@@ -89,14 +89,14 @@ def test_nothing_is_claimed_before_the_companions_are_known(better_x: Result):
     assert not text.claims
     assert conclusion_of(text) == facts.Conclusion("pending")
     named = facts.Named(BY_UNIT), facts.Named("mean_similarity")
-    assert said(text, "Chance") == (facts.Unclaimed(named, facts.Reason("pending")),)
+    assert said(text, "Chance") == (facts.Unclaimed(named, facts.WithheldReason("pending")),)
     assert said(text, "Encounters")[0].test is None  # its p is withheld
 
 
 def test_what_failures_weigh_and_the_worst_of_them(better_x: Result):
     # proximity "none": 0.1 s of each frame in full; four pedestrians of three frames
     weights, worst = said(verdict_by(better_x), "Severity")
-    assert weights == facts.Weights((facts.Cost("x", "y", 4, pytest.approx(1.2)),))
+    assert weights == facts.EncounterWeights((facts.Cost("x", "y", 4, pytest.approx(1.2)),))
     assert worst == facts.WorstFailure("y", "2", "r0", pytest.approx(0.3))
     both_ways = said(verdict_by(detecting(9, range(6), range(3, 9))), "Severity")[0]
     assert [(cost.finder, cost.loser, cost.n) for cost in both_ways.costs] == [
@@ -186,7 +186,7 @@ SIMILAR = facts.Named("mean_similarity")
             {},
             (
                 facts.Unclaimed((facts.Named("log_average_miss_rate"),),
-                                facts.Reason("doubt", doubt="X ends early")),
+                                facts.WithheldReason("doubt", doubt="X ends early")),
                 facts.OthersNotShown(),
             ),
         ),
@@ -214,7 +214,7 @@ def won_in(conclusion: facts.Conclusion) -> dict[str, list[str]]:
 def test_the_headline_begins_with_the_strongest_difference(better_x: Result):
     rows = row_of("mean_similarity", 0.04), row_of("saliency", 0.01, better="lower")
     y, x = conclusion_of(verdict_by(better_x, *rows, row_of(BY_UNIT, 0.03))).better
-    first = facts.Compared("saliency", Amount(2.0, ".2f", " s"), Amount(1.0, ".2f", " s"))
+    first = facts.BetterMeasure("saliency", Amount(2.0, ".2f", " s"), Amount(1.0, ".2f", " s"))
     assert y == facts.Better("y", (first,))
     assert x == facts.Better("x", (facts.Named(BY_UNIT), SIMILAR))
 
@@ -251,7 +251,7 @@ def test_within_one_recording_clear_differences_are_said_and_nothing_of_others(
     assert not text.claims
     conclusion = conclusion_of(text)
     assert (conclusion.kind, won_in(conclusion)) == ("within" if winners else "few", winners)
-    assert all(type(named) is facts.Compared for of in conclusion.better for named in of.won)
+    assert all(type(named) is facts.BetterMeasure for of in conclusion.better for named in of.won)
 
 
 def test_within_one_recording_nothing_is_said_that_the_companions_do_not_bear_out():

@@ -10,7 +10,7 @@ from nvcore.evidence.claims import Basis
 from nvcore.evidence.measures import significance_table
 from nvcore.evidence.operating_points import find_equal_alarms
 from nvcore.report.verdict import verdict
-from nvcore.sentences.facts import AtEqualAlarms, Headline, Reason, Unclaimed
+from nvcore.sentences.facts import AtEqualAlarms, Headline, Unclaimed, WithheldReason
 
 
 def test_unequal_operating_points_lead_and_the_comparison_is_at_equal_false_alarms():
@@ -64,5 +64,5 @@ def test_where_strict_pairing_disagrees_it_is_said_and_nothing_claimed():
     assert ("x", "mean_similarity") in {(of.winner, of.won[0].key) for of in strict.better}
     unclaimed = [fact for fact in said(text, "Chance") if type(fact) is Unclaimed]
     reasons = {named.key: fact.reason for fact in unclaimed for named in fact.measures}
-    assert reasons["mean_similarity"] == Reason("strict")
+    assert reasons["mean_similarity"] == WithheldReason("strict")
     assert "mean_similarity" not in {claim.key for claim in text.claims}

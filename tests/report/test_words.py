@@ -27,7 +27,16 @@ from nvcore.sentences.encounters import Gain, NoFusion
 from nvcore.sentences.facts import AtBest
 from nvcore.sentences.saliency import End, Relevance, Weight
 from nvcore.tables.encounters.miss_classes import fusion_table
-from nvcore.time_left.facts import Among, Confirmed, Kind, Others, Reason, Speed, Unknown, Urgent
+from nvcore.time_left.facts import (
+    Among,
+    Confirmed,
+    NotUrgent,
+    Others,
+    Speed,
+    Unknown,
+    UnknownReason,
+    Urgent,
+)
 from nvcore.time_left.said import confirmed, urgent
 
 
@@ -68,8 +77,8 @@ def test_whether_both_miss_the_same_pedestrians(
 
 def test_misses_in_words(nothing: Result):
     venn = Venn(5, 2, 2, 1, distant=0)
-    said = misses(replace(nothing, venn=venn, exclusivity=measure_exclusivity(venn)))
-    assert [say(fact, PEDESTRIAN) for fact in said] == [
+    facts = misses(replace(nothing, venn=venn, exclusivity=measure_exclusivity(venn)))
+    assert [say(fact, PEDESTRIAN) for fact in facts] == [
         "Of 10 encounters that count, X does not detect 3 and Y does not detect 3; 1 of the 5 that "
         "at least one misses are missed by both (Jaccard index 0.20).",
         "Too few misses to say whether those of X and Y go together (phi +0.05).",
@@ -100,10 +109,10 @@ def test_lead_time_is_told_by_mean_and_median(lead_s: tuple[float, ...], kind: s
         [box for box in truth if box.frame >= 10 * max(0, sign * lead_s[box.track])]
         for sign in (-1, 1)
     )
-    said = lead(result_of(make_dataset(truth, x, y), proximity="none"))
-    assert (said.kind, said.n) == (kind, len(lead_s))
+    fact = lead(result_of(make_dataset(truth, x, y), proximity="none"))
+    assert (fact.kind, fact.n) == (kind, len(lead_s))
     if kind == "clear":
-        assert say(said, PEDESTRIAN) == (
+        assert say(fact, PEDESTRIAN) == (
             "Of 3 encounters that both match, X matches 3 first, Y 0, and both match 0 at the same "
             "time. X's lead is +0.40 s on average, median +0.40 s."
         )
@@ -204,26 +213,26 @@ def test_who_is_urgent_at_which_speed_and_why_others_are_not():
     ]
     tall = PLACE._replace(height=4000.0)
     result = result_of(make_dataset(sorted(people), places=[tall]))
-    said = urgent(result)
-    assert (said.kind, {kind.kind: kind.n for kind in said.others.kinds}) == (
+    fact = urgent(result)
+    assert (fact.kind, {kind.kind: kind.n for kind in fact.others.kinds}) == (
         "one",
         {"no chance": 1, "not urgent": 1, "unknown": 1},
     )
-    assert said.others.kinds[-1].unknown == Unknown((Reason("short", 0),))
+    assert fact.others.kinds[-1].unknown == Unknown((UnknownReason("short", 0),))
     corridor = result_of(result.dataset, corridor=0.5)
     assert urgent(corridor).kind == "none"
-    assert Kind("outside", 1) in urgent(corridor).others.kinds
+    assert NotUrgent("outside", 1) in urgent(corridor).others.kinds
 
 
 def test_distant_encounters_are_said_to_be_among_those_counted():
     far = [at(f, 85, track=2, h=5) for f in range(40)]
     result = compare(make_dataset([*approach(range(40), 5), *far], places=[PLACE]))
     assert result.venn.distant == 1
-    said = urgent(result)
-    assert said == Urgent(
-        "one", Speed("assumed", 50.0), 1, Others((Kind("not urgent", 1),)), Among(2, 1)
+    fact = urgent(result)
+    assert fact == Urgent(
+        "one", Speed("assumed", 50.0), 1, Others((NotUrgent("not urgent", 1),)), Among(2, 1)
     )
-    assert say(said, result.objects) == (
+    assert say(fact, result.objects) == (
         "1 encounter is urgent at 50 km/h (assumed); 1 not urgent (of all 2 encounters, 1 distant "
         "one among them)"
     )
@@ -235,10 +244,10 @@ def test_nobody_urgent_and_nothing_known_are_told_apart():
     assert confirmed(still) == ()
     sampled = Place(range(0, 40, 2))
     result = result_of(make_dataset(approach(range(0, 40, 2), 5), places=[sampled]))
-    assert urgent(result).unknown == Unknown((Reason("sampled", 0),))
+    assert urgent(result).unknown == Unknown((UnknownReason("sampled", 0),))
     linked = [box._replace(track=-1) for box in approach(range(40), 5)]
     result = result_of(make_dataset(linked, places=[PLACE]))
-    assert urgent(result).unknown == Unknown((Reason("linked", 0),))
+    assert urgent(result).unknown == Unknown((UnknownReason("linked", 0),))
 
 
 def test_the_verdict_tells_who_leaves_time_to_stop():

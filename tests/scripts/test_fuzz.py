@@ -85,8 +85,8 @@ def test_a_fault_is_kept_once_for_its_place_by_its_smallest_input(trial_of, tmp_
     trial.note()
     counts = json.loads((tmp_path / "rules.json").read_text("utf-8"))
     assert [counts[name] for name in ("read", "refused", "faults")] == [1, 1, 4]
-    kept = {file.read_bytes() for file in (tmp_path / "faults" / "rules").glob("*[!t]")}
-    assert kept == {b"bad", b"worse"}
+    contents = {file.read_bytes() for file in (tmp_path / "faults" / "rules").glob("*[!t]")}
+    assert contents == {b"bad", b"worse"}
     notes = [file.read_text("utf-8") for file in (tmp_path / "faults" / "rules").glob("*.txt")]
     assert sorted(note.split()[0] for note in notes) == ["AssertionError", "KeyError"]
 

@@ -38,7 +38,7 @@ def test_of_pictures_of_different_height_every_default_and_every_preset_is_plaus
     assert axis.is_present_plausible
     assert "6 % of the lowest picture's height to 15 % of the tallest's" in axis.reason
     assert axis.is_plausible(0.1 * np.array([120, 480, 576])).all()
-    assert axis.is_plausible([one.midpoint_share * 576 for one in PRESETS]).all()
+    assert axis.is_plausible([preset.midpoint_share * 576 for preset in PRESETS]).all()
 
 
 @pytest.mark.parametrize("share", [0.06, 0.15])

@@ -77,13 +77,13 @@ def test_a_system_that_scores_the_same_otherwise_is_even_along_the_line() -> Non
     truth = [at(f, 50) for f in range(N_FRAMES)]
     x = [at(f, c, score=float(s)) for c in (50, 10) for f, s in enumerate(rng.random(N_FRAMES))]
     y = [box._replace(score=box.score - 0.4) for box in x]
-    found = map_stability(result_of(make_dataset(truth, x, y)), "thresholds", "similarity")
-    assert found.equal_alarms is not None
-    assert found.equal_alarms.share("even") == 1
-    assert (found.winner != "even").mean() > 0.8
-    said = " ".join(describe_stability(found))
-    assert "per frame, X and Y have the same mean similarity in all of these pairs" in said
-    assert "all pairs of a strict threshold with a lax one among them" in said
+    stability = map_stability(result_of(make_dataset(truth, x, y)), "thresholds", "similarity")
+    assert stability.equal_alarms is not None
+    assert stability.equal_alarms.share("even") == 1
+    assert (stability.winner != "even").mean() > 0.8
+    text = " ".join(describe_stability(stability))
+    assert "per frame, X and Y have the same mean similarity in all of these pairs" in text
+    assert "all pairs of a strict threshold with a lax one among them" in text
 
 
 def test_systems_that_never_have_as_many_false_alarms_have_no_line() -> None:
@@ -94,13 +94,13 @@ def test_systems_that_never_have_as_many_false_alarms_have_no_line() -> None:
     )  # fmt: skip
     result = result_of(make_dataset(truth, x, y, n_frames=N_FRAMES))
     assert equal_alarm_thresholds(result).empty
-    found = map_stability(result, "thresholds", "similarity", n_points=5)
+    stability = map_stability(result, "thresholds", "similarity", n_points=5)
     assert (
         "No thresholds give X and Y equally many false alarms; as analysed, X has 0.02 and Y"
-        in (" ".join(describe_stability(found)))
+        in (" ".join(describe_stability(stability)))
     )
-    assert found.equal_alarms is not None
-    assert np.isnan(found.equal_alarms.share("x"))
+    assert stability.equal_alarms is not None
+    assert np.isnan(stability.equal_alarms.share("x"))
 
 
 def test_without_scores_of_both_there_is_no_line() -> None:

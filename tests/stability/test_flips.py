@@ -57,68 +57,71 @@ def axes(draw: st.DrawFn, name: str) -> Axis:
 @st.composite
 def maps(draw: st.DrawFn) -> StabilityMap:
     names = draw(st.permutations(NAMES))[: draw(st.integers(1, 2))]
-    found = tuple(draw(axes(name)) for name in names)
-    size = int(np.prod([len(axis) for axis in found]))
+    drawn_axes = tuple(draw(axes(name)) for name in names)
+    size = int(np.prod([len(axis) for axis in drawn_axes]))
     cells = st.sampled_from([-2.0, -0.5, 0.0, 0.25, 1.0, 3.0, np.nan])
     field = np.array(draw(st.lists(cells, min_size=size, max_size=size)))
-    field = field.reshape([len(axis) for axis in found])
-    return make_map(found, field, draw(st.sampled_from(CRITERIA)))
+    field = field.reshape([len(axis) for axis in drawn_axes])
+    return make_map(drawn_axes, field, draw(st.sampled_from(CRITERIA)))
 
 
 @few
 @given(maps())
-def test_no_cell_that_overturns_is_nearer_than_the_nearest(found: StabilityMap) -> None:
-    other = {"x": ["y"], "y": ["x"], "even": ["x", "y"], "undefined": []}[found.verdict]
-    cells = np.argwhere(np.isin(found.winner.astype(str), other))
-    assert (found.overturn is None) == (len(cells) == 0)
+def test_no_cell_that_overturns_is_nearer_than_the_nearest(stability: StabilityMap) -> None:
+    other = {"x": ["y"], "y": ["x"], "even": ["x", "y"], "undefined": []}[stability.verdict]
+    cells = np.argwhere(np.isin(stability.winner.astype(str), other))
+    assert (stability.overturn is None) == (len(cells) == 0)
     for cell in cells:
         apart = [
             abs(axis.values[i] - axis.present[0]) / (axis.plausible[1] - axis.plausible[0])
-            for axis, i in zip(found.axes, cell, strict=True)
+            for axis, i in zip(stability.axes, cell, strict=True)
         ]
-        assert found.overturn.distance <= np.hypot.reduce(apart) + 1e-8
+        assert stability.overturn.distance <= np.hypot.reduce(apart) + 1e-8
 
 
 @few
 @given(maps())
-def test_inside_or_outside_is_that_of_the_numbers_told(found: StabilityMap) -> None:
-    for turn in (*found.overturns, found.plausible_overturn, found.end):
+def test_inside_or_outside_is_that_of_the_numbers_told(stability: StabilityMap) -> None:
+    for turn in (*stability.overturns, stability.plausible_overturn, stability.end):
         if turn is None:
             continue
         inside = [
             axis.plausible[0] - 1e-6 <= value <= axis.plausible[1] + 1e-6
-            for axis, value in zip(found.axes, turn.place, strict=True)
+            for axis, value in zip(stability.axes, turn.place, strict=True)
         ]
         assert turn.is_plausible == all(inside)
-        names = [axis.name for axis in found.axes]
+        names = [axis.name for axis in stability.axes]
         assert turn.settings == dict(zip(names, turn.place, strict=True))
 
 
 @few
 @given(maps())
-def test_a_share_of_all_goes_with_no_turn_inside_and_less_with_one(found: StabilityMap) -> None:
-    if found.verdict == "undefined" or np.isnan(found.share_held):
+def test_a_share_of_all_goes_with_no_turn_inside_and_less_with_one(stability: StabilityMap) -> None:
+    if stability.verdict == "undefined" or np.isnan(stability.share_held):
         return
     ends_inside = [
-        winner not in (found.verdict, "undefined")
-        and all(axis.is_plausible(axis.values[i]) for axis, i in zip(found.axes, at, strict=True))
-        for at, winner in np.ndenumerate(found.winner)
+        winner not in (stability.verdict, "undefined")
+        and all(
+            axis.is_plausible(axis.values[i]) for axis, i in zip(stability.axes, at, strict=True)
+        )
+        for at, winner in np.ndenumerate(stability.winner)
     ]
-    assert (found.share_held > 1 - 1e-9) == (not any(ends_inside))
-    if found.plausible_overturn is not None:
-        assert found.share_held < 1 - 1e-9
-        assert found.overturn.distance <= found.plausible_overturn.distance + 1e-8
+    assert (stability.share_held > 1 - 1e-9) == (not any(ends_inside))
+    if stability.plausible_overturn is not None:
+        assert stability.share_held < 1 - 1e-9
+        assert stability.overturn.distance <= stability.plausible_overturn.distance + 1e-8
 
 
 @few
 @given(maps())
-def test_the_sentences_give_the_nearest_number_of_the_map(found: StabilityMap) -> None:
-    said = " ".join(describe_stability(found))
-    assert ("overturns this: " in said or "ends the tie: " in said) == bool(found.overturns)
-    assert ("within the plausible range" in said) == (
-        found.plausible_overturn is not None and found.plausible_overturn != found.overturn
+def test_the_sentences_give_the_nearest_number_of_the_map(stability: StabilityMap) -> None:
+    text = " ".join(describe_stability(stability))
+    assert ("overturns this: " in text or "ends the tie: " in text) == bool(stability.overturns)
+    assert ("within the plausible range" in text) == (
+        stability.plausible_overturn is not None
+        and stability.plausible_overturn != stability.overturn
     )
-    assert ("also better in" in said) == (len(found.overturns) > 1)
+    assert ("also better in" in text) == (len(stability.overturns) > 1)
 
 
 OBLIQUE = [[8, 8, 8, -8], [8, 8, -1, -8], [8, -8, -8, -8], [-8, -8, -8, -8]]
@@ -146,38 +149,38 @@ def test_the_nearest_turn_is_where_the_difference_is_zero(
 
 
 def test_where_the_difference_makes_steps_the_point_beyond_is_told() -> None:
-    found = replace(plain_map([[9, 9], [3, -1]], (1, 0)), criterion="encounters")
-    assert found.overturn is not None
-    assert (found.overturn.place, found.overturn.difference) == ((1.0, 1.0), -1)
+    stability = replace(plain_map([[9, 9], [3, -1]], (1, 0)), criterion="encounters")
+    assert stability.overturn is not None
+    assert (stability.overturn.place, stability.overturn.difference) == ((1.0, 1.0), -1)
 
 
 def test_every_separate_part_of_the_map_is_told() -> None:
-    found = plain_map([[-1, 1, 1, 1, 1], [1, 1, 1, 1, 1], [1, 1, 1, 1, -3]], (1, 3))
-    assert [turn.cell for turn in found.overturns] == [14, 0]
-    said = describe_stability(found)[-1]
-    assert said.startswith("Y is also better in another part of this map, nearest: alpha 0")
-    assert "where it turns to Y, inside the plausible range and" in said
+    stability = plain_map([[-1, 1, 1, 1, 1], [1, 1, 1, 1, 1], [1, 1, 1, 1, -3]], (1, 3))
+    assert [turn.cell for turn in stability.overturns] == [14, 0]
+    sentence = describe_stability(stability)[-1]
+    assert sentence.startswith("Y is also better in another part of this map, nearest: alpha 0")
+    assert "where it turns to Y, inside the plausible range and" in sentence
 
 
 def test_parts_that_touch_at_a_corner_are_one() -> None:
-    found = plain_map([[1, 1, 1], [1, -1, 1], [1, 1, -1]], (0, 0))
-    assert len(found.overturns) == 1
+    stability = plain_map([[1, 1, 1], [1, -1, 1], [1, 1, -1]], (0, 0))
+    assert len(stability.overturns) == 1
 
 
 def test_a_turn_among_the_recordings_own_values_is_no_distance_away() -> None:
-    found = plain_map([[3, 1, -1, 3]] * 2, (0, 0))
-    own = replace(found.axes[1], present=(0.0, 3.0))
-    found = replace(found, axes=(found.axes[0], own))
-    assert found.overturn is not None
-    assert found.overturn.distance == 0
-    assert describe_stability(found)[-1].endswith(
+    stability = plain_map([[3, 1, -1, 3]] * 2, (0, 0))
+    own = replace(stability.axes[1], present=(0.0, 3.0))
+    stability = replace(stability, axes=(stability.axes[0], own))
+    assert stability.overturn is not None
+    assert stability.overturn.distance == 0
+    assert describe_stability(stability)[-1].endswith(
         "inside the plausible range and among the recordings' own values."
     )
 
 
 def test_a_tie_that_ends_on_several_sides_names_no_winner_for_all_of_them() -> None:
-    found = plain_map([[0, 0, 2, 0, -2, 0, -1], [0] * 7], (0, 0))
-    *_, nearest, others = describe_stability(found)
+    stability = plain_map([[0, 0, 2, 0, -2, 0, -1], [0] * 7], (0, 0))
+    *_, nearest, others = describe_stability(stability)
     assert "ends the tie: alpha 0 and midpoint 2 (X ahead by 2.0000)" in nearest
     assert others.startswith(
         "X or Y is also better in 2 other parts of this map, nearest: alpha 0 and midpoint 4 (Y"

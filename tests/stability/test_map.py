@@ -31,16 +31,16 @@ def turning() -> Result:
 
 
 def test_the_verdict_turns_where_the_means_cross() -> None:
-    found = map_stability(turning(), "alpha-midpoint", "similarity")
-    assert [axis.name for axis in found.axes] == ["alpha"]  # without proximity: no midpoint
-    assert found.difference == pytest.approx(0.5 - 1.5 * np.linspace(0, 1, 41))
-    assert (found.verdict, found.share_held) == ("y", 1.0)
-    (interval,) = found.intervals
+    stability = map_stability(turning(), "alpha-midpoint", "similarity")
+    assert [axis.name for axis in stability.axes] == ["alpha"]  # without proximity: no midpoint
+    assert stability.difference == pytest.approx(0.5 - 1.5 * np.linspace(0, 1, 41))
+    assert (stability.verdict, stability.share_held) == ("y", 1.0)
+    (interval,) = stability.intervals
     assert (interval.low, interval.high) == (pytest.approx(0.35), 1.0)
     assert interval.flips_below == pytest.approx(1 / 3)
     assert interval.below == "x"
     assert np.isnan(interval.flips_above)
-    overturn = found.overturn
+    overturn = stability.overturn
     assert overturn is not None
     assert overturn.settings == {"alpha": pytest.approx(1 / 3)}
     assert (overturn.winner, overturn.difference) == ("x", 0)
@@ -59,32 +59,32 @@ def tied() -> Result:
 
 
 def test_a_tie_holds_as_long_as_nobody_is_better() -> None:
-    found = map_stability(tied(), "edge-weight", "similarity")
-    assert found.winner.tolist() == ["even"] * 21 + ["y"] * 20
-    assert found.verdict == "even"
+    stability = map_stability(tied(), "edge-weight", "similarity")
+    assert stability.winner.tolist() == ["even"] * 21 + ["y"] * 20
+    assert stability.verdict == "even"
     # 0 stands for half a step, 0.5 for one: 20.5 of 40 steps
-    assert found.share_held == pytest.approx(20.5 / 40)
-    assert found.overturn == found.end
-    assert found.overturn is not None
-    assert found.overturn.settings == {"edge_weight": pytest.approx(0.525)}
-    assert found.overturn.winner == "y"
+    assert stability.share_held == pytest.approx(20.5 / 40)
+    assert stability.overturn == stability.end
+    assert stability.overturn is not None
+    assert stability.overturn.settings == {"edge_weight": pytest.approx(0.525)}
+    assert stability.overturn.winner == "y"
 
 
 def test_a_system_that_is_always_better_is_never_overturned() -> None:
     result = result_of(make_dataset([at(0, 50)], [at(0, 50)], []))
-    found = map_stability(result, "edge-weight", "similarity")
-    assert set(found.winner) == {"x"}
-    assert (found.share_held, found.overturn, found.end) == (1.0, None, None)
+    stability = map_stability(result, "edge-weight", "similarity")
+    assert set(stability.winner) == {"x"}
+    assert (stability.share_held, stability.overturn, stability.end) == (1.0, None, None)
 
 
 def test_a_tie_ends_a_verdict_without_overturning_it() -> None:
     # false alarms only, and Y has none: even at alpha 0
     result = result_of(make_dataset([at(0, 50)], [at(0, 50)], []))
-    found = map_stability(result, "alpha-midpoint", "similarity")
-    assert found.winner.tolist() == ["even"] + ["x"] * 40
-    assert found.overturn is None
-    assert found.end is not None
-    assert (found.end.settings, found.end.winner) == ({"alpha": 0.0}, "even")
+    stability = map_stability(result, "alpha-midpoint", "similarity")
+    assert stability.winner.tolist() == ["even"] + ["x"] * 40
+    assert stability.overturn is None
+    assert stability.end is not None
+    assert (stability.end.settings, stability.end.winner) == ({"alpha": 0.0}, "even")
 
 
 def pedestrians(scores: list[float]) -> list[Box]:
@@ -99,58 +99,60 @@ def test_encounters_by_threshold_are_counted_as_by_hand() -> None:
     data = make_dataset(
         pedestrians(x), [*pedestrians(x), *alarms], [*pedestrians(y), *alarms], n_frames=5
     )
-    found = map_stability(result_of(data), "thresholds", "encounters", n_points=4)
-    for axis in found.axes:
+    stability = map_stability(result_of(data), "thresholds", "encounters", n_points=4)
+    for axis in stability.axes:
         assert axis.values.tolist() == [0.2, 0.4, 0.6, 0.8]  # the very scores, not a bit more
     n_x, n_y = np.array([4, 3, 2, 1]), np.array([4, 4, 4, 1])
-    assert found.difference.tolist() == (n_x[:, None] - n_y[None, :]).tolist()
-    assert (found.verdict, found.present_cell) == ("even", 0)
+    assert stability.difference.tolist() == (n_x[:, None] - n_y[None, :]).tolist()
+    assert (stability.verdict, stability.present_cell) == ("even", 0)
 
 
 def test_a_system_without_scores_has_no_threshold_to_move() -> None:
     data = make_dataset([at(0, 50)], [at(0, 50, score=0.5), at(0, 20, score=0.7)], [at(0, 50)])
-    found = map_stability(result_of(data), "thresholds", "similarity", n_points=3)
-    assert [axis.name for axis in found.axes] == ["threshold_x"]
+    stability = map_stability(result_of(data), "thresholds", "similarity", n_points=3)
+    assert [axis.name for axis in stability.axes] == ["threshold_x"]
     with pytest.raises(InputError, match="neither system has scores that differ"):
         map_stability(result_of(make_dataset([at(0, 50)], [at(0, 50)], [])), "thresholds")
 
 
 def test_the_share_is_that_of_random_plausible_settings() -> None:
     result = compare(draw_scene(44).dataset(), Params(midpoint=40.0))
-    found = map_stability(result, "alpha-midpoint", "similarity", n_points=9)
+    stability = map_stability(result, "alpha-midpoint", "similarity", n_points=9)
     rng = np.random.default_rng(1)
-    drawn = [rng.uniform(*axis.plausible, 50_000) for axis in found.axes]
+    drawn = [rng.uniform(*axis.plausible, 50_000) for axis in stability.axes]
     at_cell = tuple(
         np.abs(axis.values[:, None] - values).argmin(axis=0)
-        for axis, values in zip(found.axes, drawn, strict=True)
+        for axis, values in zip(stability.axes, drawn, strict=True)
     )
-    share = float((found.winner[at_cell] == found.verdict).mean())
+    share = float((stability.winner[at_cell] == stability.verdict).mean())
     assert 0 < share < 1
-    assert found.share_held == pytest.approx(share, abs=0.01)
+    assert stability.share_held == pytest.approx(share, abs=0.01)
 
 
 def test_recordings_of_different_height_have_no_single_midpoint() -> None:
     truth = [at(0, 50, recording=0), at(0, 50, recording=1)]
     places = [Place([0], height=100), Place([0], height=300)]
     data = make_dataset(truth, [truth[0]], [], places=places)
-    found = map_stability(compare(data, Params()), "alpha-midpoint", "similarity", n_points=11)
-    assert found.axes[1].present == (10, 30)
-    assert found.present_cell is None
-    assert found.intervals == ()
-    assert found.axes[1].distance(np.array([9.0, 10, 20, 30, 40])) == pytest.approx(
+    stability = map_stability(compare(data, Params()), "alpha-midpoint", "similarity", n_points=11)
+    assert stability.axes[1].present == (10, 30)
+    assert stability.present_cell is None
+    assert stability.intervals == ()
+    assert stability.axes[1].distance(np.array([9.0, 10, 20, 30, 40])) == pytest.approx(
         [1 / 39, 0, 0, 0, 10 / 39]  # plausible: 6 to 45 px
     )
-    assert found.verdict == "x"  # from the comparison itself
+    assert stability.verdict == "x"  # from the comparison itself
 
 
 @pytest.mark.parametrize("criterion", CRITERIA)
 def test_without_frames_nothing_is_defined(criterion: Criterion) -> None:
-    found = map_stability(result_of(make_dataset(n_frames=0)), "edge-weight", criterion, n_points=3)
-    assert np.isnan(found.difference).all()
-    assert set(found.winner) == {"undefined"} == {found.verdict}
-    assert np.isnan(found.share_held)
-    assert found.overturn is None
-    assert found.intervals == ()
+    stability = map_stability(
+        result_of(make_dataset(n_frames=0)), "edge-weight", criterion, n_points=3
+    )
+    assert np.isnan(stability.difference).all()
+    assert set(stability.winner) == {"undefined"} == {stability.verdict}
+    assert np.isnan(stability.share_held)
+    assert stability.overturn is None
+    assert stability.intervals == ()
 
 
 def test_only_what_a_setting_changes_is_repeated(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -176,8 +178,8 @@ def test_only_what_a_setting_changes_is_repeated(monkeypatch: pytest.MonkeyPatch
     assert counts("edge-weight-alpha", "similarity") == {"measure_sets": 8}
     assert counts("matching", "similarity") == {}  # no ignore region: the sets stay
     assert counts("matching", "encounters") == {"match_system": 2 * (5 + 1)}
-    found = counts("thresholds", "encounters")
-    assert found == {"match_system": 1}  # X is cut by its threshold; Y is matched in full already
+    n_calls = counts("thresholds", "encounters")
+    assert n_calls == {"match_system": 1}  # X is cut by its threshold; Y is matched in full already
 
 
 def test_threads_give_the_same_map() -> None:
@@ -227,13 +229,13 @@ def test_a_map_cancelled_beforehand_does_nothing(monkeypatch: pytest.MonkeyPatch
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "words"),
     [
         ({"plane": "alpha"}, "plane: expected one of alpha-midpoint"),
         ({"plane": "matching", "criterion": "f1"}, "criterion: expected one of similarity"),
         ({"plane": "edge-weight", "n_points": 2}, "n_points: expected at least 3, got 2"),
     ],
 )
-def test_a_map_that_does_not_exist_is_refused(arguments: dict[str, Any], said: str) -> None:
-    with pytest.raises(ParameterError, match=said):
+def test_a_map_that_does_not_exist_is_refused(arguments: dict[str, Any], words: str) -> None:
+    with pytest.raises(ParameterError, match=words):
         map_stability(tied(), **arguments)

@@ -30,14 +30,16 @@ def difference_of(result: Result, criterion: Criterion) -> float:
     return float(counts) if len(near) else np.nan
 
 
-def assert_cells_are_comparisons(found: StabilityMap, result: Result, cells: np.ndarray) -> None:
+def assert_cells_are_comparisons(
+    stability: StabilityMap, result: Result, cells: np.ndarray
+) -> None:
     names = (result.x.name, result.y.name)
     for cell in cells:
-        params = replace(result.params, **found.settings(int(cell)))
+        params = replace(result.params, **stability.settings(int(cell)))
         there = compare(result.dataset, params, x=names[0], y=names[1])
-        assert found.difference.ravel()[cell] == pytest.approx(
-            difference_of(there, found.criterion), abs=1e-12, nan_ok=True
-        ), (found.plane, found.criterion, found.settings(int(cell)))
+        assert stability.difference.ravel()[cell] == pytest.approx(
+            difference_of(there, stability.criterion), abs=1e-12, nan_ok=True
+        ), (stability.plane, stability.criterion, stability.settings(int(cell)))
 
 
 SETTINGS: list[dict[str, Any]] = [
@@ -63,9 +65,9 @@ def test_every_cell_is_the_comparison_at_its_setting(plane: Plane, number: int) 
     rng = np.random.default_rng(number)
     result = compare(draw_scene(40 + number).dataset(), Params(**SETTINGS[number]))
     for criterion in CRITERIA:
-        found = map_stability(result, plane, criterion, n_points=4)
-        cells = rng.choice(found.difference.size, 4, replace=False)
-        assert_cells_are_comparisons(found, result, cells)
+        stability = map_stability(result, plane, criterion, n_points=4)
+        cells = rng.choice(stability.difference.size, 4, replace=False)
+        assert_cells_are_comparisons(stability, result, cells)
 
 
 def test_one_matching_gives_every_threshold_where_all_detections_have_scores() -> None:
@@ -73,5 +75,5 @@ def test_one_matching_gives_every_threshold_where_all_detections_have_scores() -
     scene.x = [box._replace(score=0.3 if np.isnan(box.score) else box.score) for box in scene.x]
     result = compare(scene.dataset(), Params(threshold_x=0.5))
     for criterion in CRITERIA:
-        found = map_stability(result, "thresholds", criterion, n_points=4)
-        assert_cells_are_comparisons(found, result, np.arange(found.difference.size))
+        stability = map_stability(result, "thresholds", criterion, n_points=4)
+        assert_cells_are_comparisons(stability, result, np.arange(stability.difference.size))

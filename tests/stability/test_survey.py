@@ -57,22 +57,22 @@ def test_every_map_is_told_and_drawn(case: str) -> None:
         if plane == "thresholds" and case in WITHOUT_THRESHOLDS:
             continue
         for criterion in get_args(Criterion):
-            found = map_stability(result, plane, criterion, n_points=5)
-            chance = describe_chance(found, evidence)
-            sentences = (*describe_stability(found), *filter(None, [chance]))
+            stability = map_stability(result, plane, criterion, n_points=5)
+            chance = describe_chance(stability, evidence)
+            sentences = (*describe_stability(stability), *filter(None, [chance]))
             assert sentences[0].startswith("As analysed")
-            assert all(one.endswith(".") and "  " not in one for one in sentences)
-            drawn = stability_map(found, theme="dark").to_plotly_json()
+            assert all(sentence.endswith(".") and "  " not in sentence for sentence in sentences)
+            drawn = stability_map(stability, theme="dark").to_plotly_json()
             text = str(drawn["layout"])
-            if not np.isfinite(found.difference).any():
+            if not np.isfinite(stability.difference).any():
                 assert "The comparison is undefined here" in text
                 continue
             assert f"Who is better by {CRITERIA[criterion]}" in text
-            held = f"holds in {share_text(found.share_held)} of the plausible range"
-            assert (held in text) == np.isfinite(found.share_held)
-            marked = {one["name"] for one in drawn["data"]} & {AS_ANALYSED, OVERTURNING}
-            expected = {AS_ANALYSED: np.isfinite(found.present_difference),
-                        OVERTURNING: found.overturn is not None}  # fmt: skip
+            held = f"holds in {share_text(stability.share_held)} of the plausible range"
+            assert (held in text) == np.isfinite(stability.share_held)
+            marked = {part["name"] for part in drawn["data"]} & {AS_ANALYSED, OVERTURNING}
+            expected = {AS_ANALYSED: np.isfinite(stability.present_difference),
+                        OVERTURNING: stability.overturn is not None}  # fmt: skip
             assert marked == {name for name, is_there in expected.items() if is_there}
 
 
@@ -102,10 +102,10 @@ def test_the_row_says_what_the_map_says() -> None:
 
 def test_a_verdict_is_undefined_where_its_map_is() -> None:
     rows = survey_stability(CASES["all distant"])
-    assert {held_text(one) for one in rows if one.criterion == "encounters"} == {"undefined"}
+    assert {held_text(row) for row in rows if row.criterion == "encounters"} == {"undefined"}
     near = compare(make_dataset([at(0, 50, h=5.0)], [at(0, 50, h=5.0)], []), Params(midpoint=4.0))
-    found = map_stability(near, "alpha-midpoint", "encounters")  # 100 px high picture
-    assert held_text(SurveyRow("alpha-midpoint", "encounters", found)) == "undefined there"
+    stability = map_stability(near, "alpha-midpoint", "encounters")  # 100 px high picture
+    assert held_text(SurveyRow("alpha-midpoint", "encounters", stability)) == "undefined there"
 
 
 def test_progress_runs_over_all_maps() -> None:

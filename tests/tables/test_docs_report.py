@@ -31,7 +31,7 @@ from nvcore.subjects import contributed
 from nvcore.tables.added import added_columns
 from nvcore.tables.boxes.matches import MATCH_COLUMNS, MATCHES
 from nvcore.tables.classes import classes_table
-from nvcore.tables.column import Column, Kind
+from nvcore.tables.column import CellKind, Column
 from nvcore.tables.columns import report_columns
 from nvcore.tables.evidence_columns import MATRIX_COLUMNS
 from nvcore.tables.summary import SYSTEM_KEYS, summary_keys
@@ -113,7 +113,7 @@ def expected_table(title: str) -> str:
     if title in VALUES:
         head = "| Value | Meaning |\n|---|---|\n"
         rows = VALUES[title].items()
-        return head + "".join(f"| `{one}` | {PEDESTRIAN.say(text)} |\n" for one, text in rows)
+        return head + "".join(f"| `{value}` | {PEDESTRIAN.say(text)} |\n" for value, text in rows)
     is_json = title not in TABLES
     text = f"| {'Key' if is_json else 'Column'} | Unit | Type | Better | Meaning | "
     text += f"{'Null' if is_json else 'Empty'} |\n|---|---|---|---|---|---|\n"
@@ -130,8 +130,8 @@ def expected_table(title: str) -> str:
 def written_anew() -> str:
     """The page with the tables of today."""
 
-    def section(found: re.Match[str]) -> str:
-        hashes, title, body = found.groups()
+    def section(match: re.Match[str]) -> str:
+        hashes, title, body = match.groups()
         if title in COLUMNS or title in VALUES:
             body = TABLE.sub(lambda _: expected_table(title), body, count=1)
         return f"{hashes} {title}\n{body}"
@@ -151,7 +151,7 @@ def flat(content: dict[str, Any], before: str = "") -> list[str]:
 
 @pytest.mark.parametrize("title", [*COLUMNS, *VALUES])
 def test_the_page_has_the_table_of_the_code(title: str):
-    bodies = {found[2]: found[3] for found in SECTION.finditer(PAGE.read_text(encoding="utf-8"))}
+    bodies = {match[2]: match[3] for match in SECTION.finditer(PAGE.read_text(encoding="utf-8"))}
     assert TABLE.findall(bodies[title])[0] == expected_table(title)
 
 
@@ -177,10 +177,10 @@ def test_only_columns_documented_so_have_empty_cells(report, file: str):
 @pytest.mark.parametrize("file", TABLES)
 def test_the_cells_are_of_the_documented_type(report, file: str):
     patterns = {
-        Kind.TEXT: r".+",
-        Kind.INTEGER: r"-?\d+",
-        Kind.NUMBER: r"-?\d+(\.\d+)?(e[-+]?\d+)?",
-        Kind.TRUTH_VALUE: r"[01]",
+        CellKind.TEXT: r".+",
+        CellKind.INTEGER: r"-?\d+",
+        CellKind.NUMBER: r"-?\d+(\.\d+)?(e[-+]?\d+)?",
+        CellKind.TRUTH_VALUE: r"[01]",
     }
     table = table_of(report, file)
     for column in TABLES[file]:
@@ -232,7 +232,7 @@ def test_the_shown_columns_of_systems_are_all_of_x_before_all_of_y():
         for file, columns in report_columns().items()
     ]
     for columns in (*own, *(part.columns for part in added)):
-        letters = [one.name[-1] for one in columns if one.name.endswith(("_x", "_y"))]
+        letters = [column.name[-1] for column in columns if column.name.endswith(("_x", "_y"))]
         assert letters == sorted(letters)
 
 

@@ -192,9 +192,9 @@ def test_missing_figures_are_missing_and_not_zero(result: Result):
 
 
 def test_findings_are_rows_in_the_order_given():
-    one = Finding(Severity.ERROR, "no-area", "truth", 3, "What.", "Do.", "gt.txt", "line 4")
-    two = Finding(Severity.NOTE, "constant-score", "FIR", 1, "What.", "Do.")
-    table = findings_table((one, two))
+    error = Finding(Severity.ERROR, "no-area", "truth", 3, "What.", "Do.", "gt.txt", "line 4")
+    note = Finding(Severity.NOTE, "constant-score", "FIR", 1, "What.", "Do.")
+    table = findings_table((error, note))
     assert table.iloc[0].tolist() == [
         "error", "no-area", "truth", 3, "gt.txt", "line 4", "What.", "Do.",
     ]  # fmt: skip

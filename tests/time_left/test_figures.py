@@ -103,12 +103,12 @@ def test_the_curve_over_speed_has_the_numbers_and_marks_speed_and_turn():
     place = y.x.tolist().index(50)
     assert y.text[place].startswith("50 km/h: 1 urgent<br>Y: 0 in time (0 %), mean impact 31")
     assert shape(figure, "speed").x0 == 50
-    assert [one.name for one in figure.layout.shapes] == ["speed"]
+    assert [part.name for part in figure.layout.shapes] == ["speed"]
     swapped = curve.assign(
         share_in_time_x=np.where(curve["speed_kmh"] < 90, 1.0, 0.0), share_in_time_y=0.5
     )
     turned = over_speed_plot(swapped, ("a", "b"), speed_kmh=None, theme="light")
-    assert [one.name for one in turned.layout.shapes] == ["turn 90"]
+    assert [part.name for part in turned.layout.shapes] == ["turn 90"]
     assert "turns at 90" in words(turned)
     assert "1 urgent encounter at" in words(figure)
     assert figure.layout.xaxis.title.text == "speed of the car (km/h)"
@@ -183,7 +183,7 @@ def test_of_very_many_encounters_the_fastest_impacts_are_drawn(monkeypatch):
     monkeypatch.setattr(margins, "MOST_MARKS", 1)
     result = met((ALL, ALL), (ALL, NEVER))
     figure = margins_plot(result, urgent_encounters(result), theme="light")
-    drawn = [one.name for one in figure.data if one.mode == "markers"]
+    drawn = [part.name for part in figure.data if part.mode == "markers"]
     assert drawn == ["only X in time (1)"]
     assert "both in time 1" in words(figure)
     assert "the 1 with the fastest impacts drawn" in words(figure)
@@ -226,4 +226,4 @@ def test_where_nobody_is_approached_there_are_lanes_alone():
     still = result_of(make_dataset([at(frame, 50, track=1) for frame in range(20)]))
     figure = lanes_figure(still, 0, theme="light")
     assert "yaxis2" not in figure.layout.to_plotly_json()
-    assert {"time to contact", "last chance to stop"}.isdisjoint(one.name for one in figure.data)
+    assert {"time to contact", "last chance to stop"}.isdisjoint(part.name for part in figure.data)

@@ -16,7 +16,7 @@ from nvcore.time_left.facts import (
     Equal,
     FewUrgent,
     LastChance,
-    Order,
+    OrderOverSpeed,
     OverSpeed,
     SpeedOfOne,
     WhyUnknown,
@@ -29,8 +29,8 @@ ASSUMED = SpeedOfOne("assumed", 50)
 
 def met(boxes=None, place=PLACE, **params) -> Result:
     boxes = approach(range(40), 5) if boxes is None else boxes
-    found = only(boxes, range(10, 40))
-    return result_of(make_dataset(boxes, found, places=[place]), **params)
+    detections = only(boxes, range(10, 40))
+    return result_of(make_dataset(boxes, detections, places=[place]), **params)
 
 
 def test_an_urgent_encounter_says_when_and_what_each_system_did():
@@ -91,17 +91,17 @@ def test_who_is_ahead_at_which_speed():
     speeds, measure = curve["speed_kmh"].to_numpy(), OverSpeed("share_in_time")
     x = Ahead("share_in_time", "x")
     first, second = orders(curve)
-    assert first == Order("always", measure, x, "y")
+    assert first == OrderOverSpeed("always", measure, x, "y")
     assert (second.kind, second.ahead) == ("always", Ahead("mean_impact_kmh", "x"))
     even = curve.assign(share_in_time_y=curve["share_in_time_x"])
-    assert orders(even)[0] == Order("same", measure)
+    assert orders(even)[0] == OrderOverSpeed("same", measure)
     once = curve.assign(share_in_time_x=0.5, share_in_time_y=np.where(speeds < 90, 0.0, 1.0))
-    assert orders(once)[0] == Order("once", measure, x, "y", (90,))
+    assert orders(once)[0] == OrderOverSpeed("once", measure, x, "y", (90,))
     some = curve.assign(share_in_time_x=1.0, share_in_time_y=np.where(speeds < 20, 1.0, 0.0))
-    assert orders(some)[0] == Order("always", measure, x, "y", equal=Equal("but", 2, 25))
+    assert orders(some)[0] == OrderOverSpeed("always", measure, x, "y", equal=Equal("but", 2, 25))
     share = np.select([speeds < 50, speeds < 90], [0.0, 0.5], 1.0)
     tied = orders(curve.assign(share_in_time_x=0.5, share_in_time_y=share))[0]
-    assert tied == Order("once", measure, x, "y", (90,), Equal("addition", 8, 25))
+    assert tied == OrderOverSpeed("once", measure, x, "y", (90,), Equal("addition", 8, 25))
     assert say(tied, PEDESTRIAN) == (
         "Below 90 km/h X confirms the larger share in time, from there on Y; at 8 of 25 speeds X "
         "and Y are equal."

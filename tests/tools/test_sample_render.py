@@ -49,8 +49,8 @@ def test_the_same_recording_gives_the_same_pictures(rural: Recording, first: np.
 
 def test_the_noise_changes_from_frame_to_frame_while_the_car_stands(rural: Recording) -> None:
     still = replace(rural, speed=((0, 0), (15, 0)), people=(), cars=())
-    one, two = islice(pictures(still), 2)
-    difference = one.astype(float) - two
+    picture, following = islice(pictures(still), 2)
+    difference = picture.astype(float) - following
     assert 0.5 < difference.std() < 4
 
 

@@ -44,7 +44,7 @@ def is_template(text: str) -> bool:
 
 def templates() -> dict[str, str]:
     """Every text of the source with a word of the objects, and where it stands."""
-    found = {}
+    places = {}
     for path, tree in trees():
         in_f_strings = {
             id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr)
@@ -53,8 +53,8 @@ def templates() -> dict[str, str]:
         for node in ast.walk(tree):
             is_text = isinstance(node, ast.Constant) and isinstance(node.value, str)
             if is_text and id(node) not in in_f_strings and is_template(node.value):
-                found[node.value] = f"{path}:{node.lineno}"
-    return found
+                places[node.value] = f"{path}:{node.lineno}"
+    return places
 
 
 def filled(text: str, objects: Objects) -> str:
@@ -96,12 +96,14 @@ def test_each_value_of_a_template_is_given_and_no_other():
 
 
 def test_templates_say_it_of_all_kinds_of_objects():
-    found = templates()
-    assert len(found) > 200
-    for text, place in found.items():
-        said = {objects: filled(text, objects) for objects in (PEDESTRIAN, SPEED_SIGN, ANIMAL)}
-        assert "{" not in said[PEDESTRIAN], place
-        assert not re.search(r"\b[Aa] animal", said[ANIMAL]), place
+    places = templates()
+    assert len(places) > 200
+    for text, place in places.items():
+        by_objects = {
+            objects: filled(text, objects) for objects in (PEDESTRIAN, SPEED_SIGN, ANIMAL)
+        }
+        assert "{" not in by_objects[PEDESTRIAN], place
+        assert not re.search(r"\b[Aa] animal", by_objects[ANIMAL]), place
 
 
 @pytest.mark.parametrize(
@@ -141,8 +143,8 @@ def test_a_word_that_there_is_not_is_an_error():
 def test_settings_and_measures_speak_of_cars():
     texts = [text for known in SETTINGS.values() for text in (known.meaning, known.label)]
     texts += [measure.meaning for measure in MEASURES]
-    said = [CAR.say(text) for text in texts]
-    assert [text for text in said if OF_PEOPLE.search(text.replace("by himself", ""))] == []
+    wordings = [CAR.say(text) for text in texts]
+    assert [text for text in wordings if OF_PEOPLE.search(text.replace("by himself", ""))] == []
     assert CAR.say(SETTINGS["missing_distance"].meaning) == (
         "What weighs a car that has no distance in the ground truth: its height (height), or the "
         "distance that the systems report of it, borrowed along its track (borrow)."

@@ -37,7 +37,7 @@ def forget_outcome(place: str) -> None:
 
 
 @dataclass(frozen=True)
-class Form:
+class OpeningForm:
     """What is to be opened, besides the files of the truth and of the systems."""
 
     names: list[str]
@@ -128,7 +128,7 @@ def finish_form(
     pictures: ChosenPictures,
     checks: Mapping[str, FileCheck | None],
     objects: Objects,
-) -> Form:
+) -> OpeningForm:
     """Ask what the files leave open, and say why they could not be opened.
 
     The `checks` are by what the page calls the files, those of the ground truth first.
@@ -144,7 +144,7 @@ def finish_form(
     if unknown:
         typed = before.draw(place, first, table.entries, facts, others)
     draw_trouble(place)
-    return Form(
+    return OpeningForm(
         names=names,
         recording=recording,
         frames=frames,

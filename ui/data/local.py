@@ -17,7 +17,7 @@ from nvcore.wording import count_text
 from ui.access.files import Entry, LocalRoot, check_confined
 from ui.confined.reading import find_confined, session_confined, with_recordings_confined
 from ui.data.file_check import FileCheck, check_files, draw_file_check
-from ui.data.form import Form, finish_form, forget_outcome
+from ui.data.form import OpeningForm, finish_form, forget_outcome
 from ui.data.frames import FRAMES_HELP, FRAMES_LABEL, FrameList, check_frame_list, draw_frame_list
 from ui.data.missing_inputs import MissingInputs, ask_for_missing
 from ui.data.names import draw_recording, draw_system_name, proposed_names
@@ -76,7 +76,7 @@ def draw(root: LocalRoot) -> None:
         )
 
 
-def _draw_form(root: LocalRoot, entries: list[Entry]) -> tuple[dict[str, list[str]], Form]:
+def _draw_form(root: LocalRoot, entries: list[Entry]) -> tuple[dict[str, list[str]], OpeningForm]:
     paths_of: dict[str, list[str]] = {}
     checks: list[FileCheck | None] = []
     name_fields = []
@@ -262,7 +262,7 @@ def _with_recordings(root: LocalRoot, session: Session) -> Session:
     return session
 
 
-def _session(root: LocalRoot, paths_of: dict[str, list[str]], form: Form) -> Session:
+def _session(root: LocalRoot, paths_of: dict[str, list[str]], form: OpeningForm) -> Session:
     systems = [
         SystemSource(path=tuple(paths_of[key]), name=name)
         for key, name in zip(SYSTEMS, form.names, strict=True)

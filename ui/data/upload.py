@@ -18,7 +18,7 @@ from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.objects import Objects
 from nvcore.wording import MOST_NAMED, listed
 from ui.data.file_check import FileCheck, check_files, draw_file_check
-from ui.data.form import Form, finish_form, forget_outcome
+from ui.data.form import OpeningForm, finish_form, forget_outcome
 from ui.data.frames import FRAMES_HELP, FRAMES_LABEL, FrameList, check_frame_list, draw_frame_list
 from ui.data.inputs import sent_pictures
 from ui.data.missing_inputs import draw_reading
@@ -358,7 +358,9 @@ def _check(
     )
 
 
-def _session(truth: _Field, systems: Sequence[_Field], stored: StoredForm, form: Form) -> Session:
+def _session(
+    truth: _Field, systems: Sequence[_Field], stored: StoredForm, form: OpeningForm
+) -> Session:
     sent = [pair for pair in zip(systems, form.names, strict=True) if pair[0].files]
     form.check(has_truth=bool(truth.files), has_systems=bool(sent))
     notes = state.workspace().notes

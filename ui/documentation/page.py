@@ -46,7 +46,7 @@ _SIGHT: Final = st.components.v2.component(
 
 
 @dataclass(frozen=True)
-class Section:
+class DocsSection:
     """A heading in Markdown (level 1: the page's title) and what follows it up to the next one.
 
     The anchor is as other renderers of Markdown make it, so that links between the pages hold.
@@ -93,14 +93,14 @@ def _draw_body(body: str) -> None:
 
 
 @st.cache_data(show_spinner=False)
-def sections_of(name: str) -> list[Section]:
+def sections_of(name: str) -> list[DocsSection]:
     """Sections of a page, with links as the app needs them."""
     return split_sections((FOLDER / f"{name}.md").read_text(encoding="utf-8"), name)
 
 
-def split_sections(text: str, name: str) -> list[Section]:
+def split_sections(text: str, name: str) -> list[DocsSection]:
     """A Markdown text cut at its headings; anchors of equal titles are numbered."""
-    sections: list[Section] = []
+    sections: list[DocsSection] = []
     level, title = 1, ""
     lines: list[str] = []
     used: dict[str, int] = {}
@@ -112,7 +112,7 @@ def split_sections(text: str, name: str) -> list[Section]:
         used[anchor] = n_before + 1
         own = f"{anchor}-{n_before}" if n_before else anchor
         body = in_app_links("\n".join(lines).strip(), name)
-        sections.append(Section(level, title, own, body))
+        sections.append(DocsSection(level, title, own, body))
 
     for line in text.splitlines():
         heading = None if is_code else _HEADING.fullmatch(line)

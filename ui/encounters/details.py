@@ -140,8 +140,8 @@ def _why(result: Result, row: pd.Series[Any], shown_row: int, is_missed: bool) -
         state.say("missing the {one}") if x == y else f"{heavier.upper()}'s failure, the heavier,"
     )
     is_peak = shown_row == result.system(heavier).failures["peak_row"].iloc[int(str(row.name))]
-    one = result.objects.singular
-    while_seen = "" if is_peak else f" while {other.upper()} detects the {one}"
+    noun = result.objects.singular
+    while_seen = "" if is_peak else f" while {other.upper()} detects the {noun}"
     return f"where {what} costs most{while_seen}"
 
 

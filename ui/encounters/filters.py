@@ -434,5 +434,5 @@ def _choose_among(name: str, names: Sequence[str]) -> None:
     chosen, waiting = choice.get() or [], wish.get() or []
     if not {*chosen} <= {*names} or not {*waiting}.isdisjoint(names):
         wanted = [*chosen, *waiting]
-        choice.set([one for one in names if one in wanted])
-        wish.set([one for one in wanted if one not in names])
+        choice.set([value for value in names if value in wanted])
+        wish.set([value for value in wanted if value not in names])

@@ -25,7 +25,7 @@ from ui.widgets.buttons import button
 from ui.widgets.text import docs_link, plain
 
 
-class Room:
+class VerdictBox:
     """The box of the verdict: what is known at once, the rest later; nothing moves then."""
 
     def __init__(self, result: Result) -> None:

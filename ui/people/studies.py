@@ -28,7 +28,7 @@ ON_SCREEN: Final = "on_screen"
 LOCAL: Final = ("localhost", "127.0.0.1", "::1")
 
 
-class Study(Protocol):
+class AnyStudy(Protocol):
     """A study, with its names in addresses."""
 
     @property
@@ -47,7 +47,7 @@ class Store(Protocol):
         """The study of a conductor's name; None: there is none."""
 
 
-StudyKind = TypeVar("StudyKind", bound=Study)
+StudyKind = TypeVar("StudyKind", bound=AnyStudy)
 StoreKind = TypeVar("StoreKind", bound=Store)
 
 

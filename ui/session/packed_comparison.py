@@ -177,17 +177,17 @@ def _boxes(
 ) -> dict[str, np.ndarray]:
     """Columns of boxes: where they are, and what their weight is a function of."""
     params, frames = result.params, result.dataset.frame_columns
-    kept = boxes.only(is_kept)
-    recording = frames.recording[kept.frame_index]
+    own_boxes = boxes.only(is_kept)
+    recording = frames.recording[own_boxes.frame_index]
     columns = {
-        "offsets": kept.offsets,
-        "size": kept.y + kept.h if params.proximity == "horizon" else kept.h,
-        "centre": np.clip(kept.x + 0.5 * kept.w, 0, frames.width[recording]),
+        "offsets": own_boxes.offsets,
+        "size": own_boxes.y + own_boxes.h if params.proximity == "horizon" else own_boxes.h,
+        "centre": np.clip(own_boxes.x + 0.5 * own_boxes.w, 0, frames.width[recording]),
     }
     if params.proximity == "distance":
         columns["metres"] = (result.weighed_truth if name == "truth" else boxes).distance_m[is_kept]
     if params.distance == "ground":
-        columns["foot"] = kept.y + kept.h
+        columns["foot"] = own_boxes.y + own_boxes.h
     return {f"{name}_{column}": values for column, values in columns.items()}
 
 

@@ -58,8 +58,8 @@ class Entry(Generic[T]):
 
     def setdefault(self, value: T) -> T:
         """The value, which is this one if there was none."""
-        kept: T = st.session_state.setdefault(self.key, value)
-        return kept
+        current: T = st.session_state.setdefault(self.key, value)
+        return current
 
     def pop(self) -> T:
         """The value, which is forgotten."""

@@ -154,7 +154,7 @@ def draw_questions() -> None:
 
 def _lacking() -> dict[str, str]:
     """What the comparison would need for the pages that it has nothing for, by their keys."""
-    return {page.key: said for page in _PAGES if page.lacks and (said := page.lacks())}
+    return {page.key: need for page in _PAGES if page.lacks and (need := page.lacks())}
 
 
 def _links(pages: dict[str, list[StreamlitPage]]) -> dict[str, StreamlitPage]:

@@ -46,8 +46,8 @@ class Review:
     @cached_property
     def frame_row(self) -> int:
         """Row of the entry's frame in the frames table; `NO_ROW`: it is not evaluated."""
-        one = Cases(self.cases.table, np.asarray(self.cases.rows)[self.at : self.at + 1])
-        return int(entry_frames(state.opened().dataset, one)[0])
+        case = Cases(self.cases.table, np.asarray(self.cases.rows)[self.at : self.at + 1])
+        return int(entry_frames(state.opened().dataset, case)[0])
 
     @property
     def entry(self) -> pd.Series[Any]:

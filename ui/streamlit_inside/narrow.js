@@ -1,7 +1,7 @@
 const NARROW_PX = 1100;
 const FOLD = '[data-testid="stSidebarCollapseButton"] button[aria-expanded="true"]';
 const KEPT = "stSidebarCollapsed-"; // where Streamlit keeps it for all windows of the browser
-const kept = () => {
+const foldStates = () => {
   try { return Object.entries(localStorage).filter(([name]) => name.startsWith(KEPT)); }
   catch { return []; } // storage is not allowed
 };
@@ -9,8 +9,8 @@ export default function () {
   if (window.nvcoreNarrow) return;
   window.nvcoreNarrow = true;
   if (window.innerWidth >= NARROW_PX) return;
-  const before = kept();
+  const before = foldStates();
   document.querySelector(FOLD)?.click();
-  kept().forEach(([name]) => localStorage.removeItem(name));
+  foldStates().forEach(([name]) => localStorage.removeItem(name));
   before.forEach((entry) => localStorage.setItem(...entry));
 }

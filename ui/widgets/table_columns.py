@@ -9,7 +9,7 @@ from pandas.api.types import is_bool_dtype
 
 from nvcore.figures.encounters import CLASS_WORDS
 from nvcore.figures.venn import WORDS
-from nvcore.tables.column import Column, Kind
+from nvcore.tables.column import CellKind, Column
 from nvcore.tables.columns import report_columns
 from ui.session import state
 from ui.subjects import ColumnLook, contributed
@@ -113,6 +113,6 @@ def _column(column: Column) -> TableColumn:
     return TableColumn(
         heading(column.name),
         state.say(text),
-        form=form if column.kind is Kind.NUMBER else "",
+        form=form if column.kind is CellKind.NUMBER else "",
         is_head=column.name in ("recording", "track"),
     )

@@ -18,8 +18,8 @@ from nvcore.detectors.icf.features import corner_offsets, has_differences
 from nvcore.detectors.icf.kernels.pictures import scan
 from nvcore.detectors.icf.model import IcfModel
 from nvcore.detectors.icf.model_file import fingerprint
-from nvcore.detectors.icf.pyramid import Level, levels, planes_of
-from nvcore.detectors.icf.regions import Places, places
+from nvcore.detectors.icf.pyramid import PyramidLevel, levels, planes_of
+from nvcore.detectors.icf.regions import OpenWindows, places
 from nvcore.detectors.suppression import suppress
 from nvcore.pictures import Picture
 
@@ -41,7 +41,7 @@ class ScoreMap:
         Trees that each window came through, 0: not looked at; int32, (rows, columns).
     """
 
-    level: Level
+    level: PyramidLevel
     score: NDArray[np.float64]
     depth: NDArray[np.int32]
 
@@ -145,7 +145,7 @@ class IcfDetector:
         return Detections(x[order], y[order], w[order], h[order], score[order])
 
     def _maps(
-        self, picture: Bytes, group: tuple[Level, ...], where: Places, look: Look | None
+        self, picture: Bytes, group: tuple[PyramidLevel, ...], where: OpenWindows, look: Look | None
     ) -> Iterator[ScoreMap]:
         model, settings = self.model, self.model.settings
         lowest, restarts = floors(settings, model.calibration)

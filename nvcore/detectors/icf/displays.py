@@ -21,7 +21,7 @@ from nvcore.detectors.icf.channels import (
 from nvcore.detectors.icf.detector import IcfDetector, ScoreMap
 from nvcore.detectors.icf.features import values_at
 from nvcore.detectors.icf.model import IcfModel
-from nvcore.detectors.icf.pyramid import Level, levels, planes_of, rescaled
+from nvcore.detectors.icf.pyramid import PyramidLevel, levels, planes_of, rescaled
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.detectors.icf.windows import Scene, is_background
 from nvcore.errors import ParameterError
@@ -51,7 +51,7 @@ class CoarseMap:
         Of all windows: looked at, came through, and features evaluated.
     """
 
-    level: Level
+    level: PyramidLevel
     step: int
     score: NDArray[np.float64]
     depth: NDArray[np.int32]
@@ -335,7 +335,7 @@ def tree(model: IcfModel, index: int) -> Tree:
     return Tree(root, left, right, (a, b, c, d))
 
 
-def _at_scale(model: IcfModel, picture: Picture, scale: float) -> tuple[Level, Bytes]:
+def _at_scale(model: IcfModel, picture: Picture, scale: float) -> tuple[PyramidLevel, Bytes]:
     """The level, its channels computed there, and the picture as the channels take it."""
     picture = check_picture(picture, model.is_colour)
     single = model.run_with(scales=(float(scale),)).settings
@@ -345,7 +345,7 @@ def _at_scale(model: IcfModel, picture: Picture, scale: float) -> tuple[Level, B
     return groups[0][0], picture
 
 
-def _group_of(model: IcfModel, picture: Picture, scale: float) -> tuple[Level, ...]:
+def _group_of(model: IcfModel, picture: Picture, scale: float) -> tuple[PyramidLevel, ...]:
     """The level of a scale, behind that from which a run makes its channels, if there is one."""
     alone, _ = _at_scale(model, picture, scale)
     for group in levels(picture.shape[1], picture.shape[0], model.settings):
@@ -355,7 +355,7 @@ def _group_of(model: IcfModel, picture: Picture, scale: float) -> tuple[Level, .
     return (alone,)
 
 
-def _planes_at(model: IcfModel, picture: Picture, scale: float) -> tuple[Level, Bytes]:
+def _planes_at(model: IcfModel, picture: Picture, scale: float) -> tuple[PyramidLevel, Bytes]:
     """The level of a scale, and its channels as a run has them."""
     group = _group_of(model, picture, scale)
     pixels = check_picture(picture, model.is_colour)

@@ -30,7 +30,7 @@ _DIVERSE: Final = 0.6
 
 
 @dataclass(frozen=True, eq=False)
-class Task:
+class MiningTask:
     """What all steps of one training share; `backgrounds` are the scenes with background."""
 
     scenes: Sequence[Scene]
@@ -69,7 +69,7 @@ class Task:
 
 
 def mine(
-    task: Task, boosting: BoostingRound, objects: NDArray[np.int32], progress: Progress
+    task: MiningTask, boosting: BoostingRound, objects: NDArray[np.int32], progress: Progress
 ) -> NDArray[np.int32]:
     """Background that the trees take for objects: the most confident windows that are found.
 
@@ -116,7 +116,7 @@ class _Hard:
         return _Hard(self.boxes[:, index], self.score[index], self.values[index])
 
 
-def _nothing(task: Task) -> _Hard:
+def _nothing(task: MiningTask) -> _Hard:
     return _Hard(np.empty((4, 0)), np.empty(0), np.empty((0, len(task.features)), np.int32))
 
 
@@ -136,7 +136,7 @@ def _differing(
     return order[staying_boxes(boxes[:, order], _DIVERSE)][:most]
 
 
-def _hardest(detector: IcfDetector, scene: Scene, task: Task, most: int) -> _Hard:
+def _hardest(detector: IcfDetector, scene: Scene, task: MiningTask, most: int) -> _Hard:
     """The most confident windows of a scene's background that differ in place."""
     parts: dict[float, _Hard] = {}
     settings = detector.model.settings

@@ -30,7 +30,7 @@ _RATIOS: Final = (1 / np.sqrt(2), 0.5)
 
 
 @dataclass(frozen=True, eq=False)
-class Level:
+class PyramidLevel:
     """A picture at one scale.
 
     Attributes
@@ -76,7 +76,7 @@ class Level:
         return np.stack([left, top, width, np.full(len(row), s.object_height * self.down)])
 
 
-def levels(width: int, height: int, settings: IcfSettings) -> list[tuple[Level, ...]]:
+def levels(width: int, height: int, settings: IcfSettings) -> list[tuple[PyramidLevel, ...]]:
     """Levels of a picture of a size that hold a window; those of a tuple share their channels.
 
     The first of a tuple is computed, the others are approximated from it.
@@ -105,14 +105,17 @@ def levels(width: int, height: int, settings: IcfSettings) -> list[tuple[Level, 
     return [group for group in groups if group]
 
 
-def _level(width: int, height: int, scale: float) -> Level:
+def _level(width: int, height: int, scale: float) -> PyramidLevel:
     w, h = (math.floor(side / scale + _TINY) for side in (width, height))
-    return Level(scale, w, h, width / max(w, 1), height / max(h, 1))
+    return PyramidLevel(scale, w, h, width / max(w, 1), height / max(h, 1))
 
 
 def planes_of(
-    picture: Bytes, group: tuple[Level, ...], settings: IcfSettings, powers: NDArray[np.float64]
-) -> Iterator[tuple[Level, Bytes]]:
+    picture: Bytes,
+    group: tuple[PyramidLevel, ...],
+    settings: IcfSettings,
+    powers: NDArray[np.float64],
+) -> Iterator[tuple[PyramidLevel, Bytes]]:
     """Each level of a group with its channels, uint8, (n_channels, h, w).
 
     Parameters

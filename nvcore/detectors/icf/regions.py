@@ -66,7 +66,7 @@ def learn_band(row: NDArray[np.float64], height: NDArray[np.float64]) -> Band:
 
 
 @dataclass(frozen=True, eq=False)
-class Places:
+class OpenWindows:
     """Which windows of a picture are looked at.
 
     Attributes
@@ -118,13 +118,13 @@ class Places:
         return is_open
 
 
-def places(picture: Bytes, settings: IcfSettings, band: Band) -> Places:
+def places(picture: Bytes, settings: IcfSettings, band: Band) -> OpenWindows:
     """Which windows of a picture are looked at; a grey one has no red places and is all open."""
     height, width = picture.shape[:2]
     red = None
     if settings.proposals == "red" and picture.ndim == 3:
         red = integral_images(is_red(picture).astype(np.uint8)[None])[0]
-    return Places(settings, band, width, height, red)
+    return OpenWindows(settings, band, width, height, red)
 
 
 def is_red(picture: Bytes) -> NDArray[np.bool_]:

@@ -16,7 +16,7 @@ from nvcore.detectors.icf.boosting import BoostingRound, boost
 from nvcore.detectors.icf.cascade import Calibration, calibrate, lower
 from nvcore.detectors.icf.channels import check_picture, has_colour, plane_names
 from nvcore.detectors.icf.features import draw_features
-from nvcore.detectors.icf.mining import Task, mine
+from nvcore.detectors.icf.mining import MiningTask, mine
 from nvcore.detectors.icf.model import IcfModel
 from nvcore.detectors.icf.pyramid import scaling_powers
 from nvcore.detectors.icf.regions import Band, learn_band
@@ -80,7 +80,7 @@ def train(
     survey = _survey(scenes, held_out, reading)
     is_colour = survey.is_colour
     features = draw_features(settings, len(plane_names(settings, is_colour)), seed)
-    task = Task(scenes, survey.backgrounds, settings, features, is_colour, seed)
+    task = MiningTask(scenes, survey.backgrounds, settings, features, is_colour, seed)
     objects = object_values(_with_objects(scenes, cutting), settings, features, is_colour, seed)
     unseen = object_values(_with_objects(held_out), settings, features, is_colour, seed + 1)
     background = _first_background(task, part_of(progress, _CUTTING, _WINDOWS))
@@ -209,7 +209,7 @@ def _survey(scenes: Sequence[Scene], held_out: Sequence[Scene], progress: Progre
     return _Survey(is_colour, digest.hexdigest(), band, backgrounds, len(classes - {""}))
 
 
-def _first_background(task: Task, progress: Progress) -> NDArray[np.int32]:
+def _first_background(task: MiningTask, progress: Progress) -> NDArray[np.int32]:
     """Windows of background drawn at random, about as many from each scene."""
     n_scenes = len(task.backgrounds)
     each = -(-task.settings.negatives // max(n_scenes, 1))
@@ -224,7 +224,7 @@ def _first_background(task: Task, progress: Progress) -> NDArray[np.int32]:
 
 
 def _rounds(
-    task: Task, objects: NDArray[np.int32], background: NDArray[np.int32], progress: Progress
+    task: MiningTask, objects: NDArray[np.int32], background: NDArray[np.int32], progress: Progress
 ) -> tuple[list[BoostingRound], NDArray[np.int32]]:
     """What each round gave, and the background of the last.
 
@@ -257,7 +257,7 @@ def _rounds(
     return rounds, background
 
 
-def _some_pictures(task: Task) -> Iterator[NDArray[np.uint8]]:
+def _some_pictures(task: MiningTask) -> Iterator[NDArray[np.uint8]]:
     """At most 20 scenes with background, evenly spread."""
     for i in task.backgrounds[:: max(1, -(-len(task.backgrounds) // _FOR_POWERS))]:
         yield check_picture(task.scenes[i].picture, task.is_colour)

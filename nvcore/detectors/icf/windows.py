@@ -18,7 +18,7 @@ from nvcore.detectors.icf.channels import (
     integral_images,
 )
 from nvcore.detectors.icf.features import Features, values_at
-from nvcore.detectors.icf.pyramid import Level, levels, planes_of
+from nvcore.detectors.icf.pyramid import PyramidLevel, levels, planes_of
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.pictures import Picture
 
@@ -164,7 +164,7 @@ def random_background(
 
 def level_values(
     picture: Bytes,
-    level: Level,
+    level: PyramidLevel,
     row: NDArray[np.int64],
     column: NDArray[np.int64],
     settings: IcfSettings,

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 from nvcore.dataset.provenance import About, Setting
 from nvcore.detectors.base import Detections, DetectorError
 from nvcore.detectors.onnx.external import MAX_BYTES, external_files
-from nvcore.detectors.onnx.inputs import Form, network_input
+from nvcore.detectors.onnx.inputs import PictureForm, network_input
 from nvcore.detectors.onnx.layouts import (
     PRESETS,
     Candidates,
-    Layout,
+    OutputLayout,
     activated,
     corners,
     recognise,
@@ -258,7 +258,7 @@ class OnnxDetector:
         return bool(np.abs(box).max(initial=0.0, where=np.isfinite(box)) <= LARGEST_SHARE)
 
 
-def _form(part: Any, settings: OnnxSettings, name: str) -> Form:
+def _form(part: Any, settings: OnnxSettings, name: str) -> PictureForm:
     """What the network's input wants; DetectorError if it is no picture."""
     shape = [side if isinstance(side, int) and side > 0 else None for side in part.shape]
     has_batch = len(shape) == 4
@@ -281,7 +281,7 @@ def _form(part: Any, settings: OnnxSettings, name: str) -> Form:
         _side("width", own_width, settings.width, name),
         _side("height", own_height, settings.height, name),
     )
-    return Form(
+    return PictureForm(
         size=size,
         n_channels=n_channels or 3,
         is_last=is_last,
@@ -328,7 +328,7 @@ def _names(session: Any, settings: OnnxSettings) -> dict[int, str]:
 
 
 def _classes(
-    settings: OnnxSettings, layout: Layout, names: Mapping[int, str], file: str
+    settings: OnnxSettings, layout: OutputLayout, names: Mapping[int, str], file: str
 ) -> dict[int, str]:
     """The classes that count: number and name."""
     texts = [text.strip() for text in settings.classes.split(",") if text.strip()]

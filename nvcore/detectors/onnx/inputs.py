@@ -19,7 +19,7 @@ SPREAD: Final = (0.229, 0.224, 0.225)
 
 
 @dataclass(frozen=True)
-class Form:
+class PictureForm:
     """How a network wants its pictures; see `OnnxSettings`.
 
     Attributes
@@ -62,7 +62,7 @@ class Fitting:
         return sides
 
 
-def network_input(picture: Picture, form: Form) -> tuple[NDArray[Any], Fitting]:
+def network_input(picture: Picture, form: PictureForm) -> tuple[NDArray[Any], Fitting]:
     """The array for a picture, and where the picture lies in it."""
     picture = _coloured(to_8_bits(picture, always=form.stretch_8_bit), form)
     resized, fitting = _resized(picture, form)
@@ -75,7 +75,7 @@ def network_input(picture: Picture, form: Form) -> tuple[NDArray[Any], Fitting]:
     return np.ascontiguousarray(array, dtype=form.dtype), fitting
 
 
-def _coloured(picture: Picture, form: Form) -> Picture:
+def _coloured(picture: Picture, form: PictureForm) -> Picture:
     n_own = 1 if picture.ndim == 2 else 3
     if n_own == form.n_channels:
         return picture[..., ::-1] if n_own == 3 and form.colour == "bgr" else picture
@@ -84,7 +84,7 @@ def _coloured(picture: Picture, form: Form) -> Picture:
     return coloured
 
 
-def _resized(picture: Picture, form: Form) -> tuple[Picture, Fitting]:
+def _resized(picture: Picture, form: PictureForm) -> tuple[Picture, Fitting]:
     (width, height), (own_height, own_width) = form.size, picture.shape[:2]
     new = width, height
     if form.fit != "stretch":
@@ -102,7 +102,7 @@ def _resized(picture: Picture, form: Form) -> tuple[Picture, Fitting]:
     return resized, Fitting(new[0] / own_width, new[1] / own_height, left, top)
 
 
-def _scaled(values: NDArray[np.uint8], form: Form) -> NDArray[Any]:
+def _scaled(values: NDArray[np.uint8], form: PictureForm) -> NDArray[Any]:
     if form.values == "0..255" or form.dtype.kind == "u":
         return values
     shares = values.astype(np.float32) / np.float32(255)

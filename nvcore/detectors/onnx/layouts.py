@@ -1,7 +1,7 @@
 """Outputs of the common families of networks as boxes, scores of classes.
 
 Every reader returns boxes as the network has them, shape (n, 4), and scores, shape (n, c); what is
-given by label alone (SSD) as scores of its own class. `Layout` says what is usual beside.
+given by label alone (SSD) as scores of its own class. `OutputLayout` says what is usual beside.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Candidates:
 
 
 @dataclass(frozen=True)
-class Layout:
+class OutputLayout:
     """How a family lays out its outputs, and what is usual for it.
 
     Attributes
@@ -255,15 +255,15 @@ def corners(box: NDArray[np.float64], form: str) -> NDArray[np.float64]:
     return np.column_stack([b, a, d, c]) if form == "yxyx" else box
 
 
-PRESETS: Final[dict[str, Layout]] = {
-    "yolov5": Layout(_yolov5),
-    "yolov8": Layout(_yolov8),
-    "yolox": Layout(_yolox, fit="corner", values="0..255", colour="bgr"),
-    "end_to_end": Layout(_end_to_end, box="xyxy", suppresses=True),
-    "ssd": Layout(
+PRESETS: Final[dict[str, OutputLayout]] = {
+    "yolov5": OutputLayout(_yolov5),
+    "yolov8": OutputLayout(_yolov8),
+    "yolox": OutputLayout(_yolox, fit="corner", values="0..255", colour="bgr"),
+    "end_to_end": OutputLayout(_end_to_end, box="xyxy", suppresses=True),
+    "ssd": OutputLayout(
         _ssd, box="xyxy", fit="stretch", unit="auto", suppresses=True, person=1, threshold=0.5
     ),
-    "detr": Layout(
+    "detr": OutputLayout(
         _detr,
         fit="stretch",
         values="imagenet",
@@ -273,7 +273,7 @@ PRESETS: Final[dict[str, Layout]] = {
         person=1,
         threshold=0.5,
     ),
-    "rtdetr": Layout(
+    "rtdetr": OutputLayout(
         _detr,
         fit="stretch",
         activation="sigmoid",

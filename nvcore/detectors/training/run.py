@@ -93,16 +93,14 @@ class Training:
     def _calibrated(self) -> str:
         """How many held-out boxes come through; a calibrated cascade is made to keep its share."""
         settings = self.model.settings
-        found = (
+        text = (
             f"{self.n_found:,} of {count_text(self.n_held_out, 'held-out box', 'held-out boxes')} "
             f"reach the threshold ({settings.threshold:g}) in a window of their own"
         )
         if settings.cascade in ("calibrated", "hard"):
             share = f"{100 * settings.kept_share:g} %"
-            return (
-                f"{found}; the cascade was calibrated to let {share} of the held-out ones through"
-            )
-        return f"{found}; the cascade lets {self.n_kept:,} through"
+            return f"{text}; the cascade was calibrated to let {share} of the held-out ones through"
+        return f"{text}; the cascade lets {self.n_kept:,} through"
 
 
 def train_on(

@@ -23,11 +23,11 @@ from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.measures.values import per_recording
 from nvcore.schema import integers_of
 from nvcore.tables.added import Columns
-from nvcore.tables.column import Column, Kind
+from nvcore.tables.column import CellKind, Column
 from nvcore.tables.result import frame_numbers, truth_values
-from nvcore.tables.summary_entry import Entry
+from nvcore.tables.summary_entry import SummaryEntry
 
-_TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
+_TEXT, _INTEGER, _NUMBER = CellKind.TEXT, CellKind.INTEGER, CellKind.NUMBER
 _SHARE: Final = "0 to 1"
 _NOT_URGENT: Final = "`urgency` is not `urgent`"
 _UNKNOWN: Final = "too far to count, or known in no frame up to then"
@@ -56,7 +56,7 @@ _ENCOUNTERS: Final = (
     ),
     Column(
         "outside_training",
-        Kind.TRUTH_VALUE,
+        CellKind.TRUTH_VALUE,
         "",
         "Whether what decides was estimated outside the range of the training: `detectability`, "
         "which is of one frame, and where it is below `driver_threshold` that of any frame up to "
@@ -65,7 +65,7 @@ _ENCOUNTERS: Final = (
     ),
     Column(
         "adapted_eyes",
-        Kind.TRUTH_VALUE,
+        CellKind.TRUTH_VALUE,
         "",
         "Whether `detectability` was estimated for adapted eyes, since no change from bright to "
         "dark is known before: in bright light it says little.",
@@ -73,7 +73,7 @@ _ENCOUNTERS: Final = (
     ),
     Column(
         "within_sd",
-        Kind.TRUTH_VALUE,
+        CellKind.TRUTH_VALUE,
         "",
         "Whether `detectability` is no further than `detectability_sd` from the parameter "
         "`driver_threshold`: whether the driver sees the {one} is open then.",
@@ -81,7 +81,7 @@ _ENCOUNTERS: Final = (
     ),
     Column(
         "driver_sees",
-        Kind.TRUTH_VALUE,
+        CellKind.TRUTH_VALUE,
         "",
         "Whether the driver sees the {one} unaided: detectability reaches the parameter "
         "`driver_threshold` in a frame up to the first that counts.",
@@ -103,7 +103,7 @@ _ENCOUNTERS: Final = (
     ),
     Column(
         "driver_in_time",
-        Kind.TRUTH_VALUE,
+        CellKind.TRUTH_VALUE,
         "",
         "Whether detectability reaches `driver_threshold` in a frame before `urgent_frame`, also "
         "where that is after the first that counts, so that `driver_frame` is empty.",
@@ -121,7 +121,7 @@ _ENCOUNTERS: Final = (
 _VIEWS: Final = (
     Column(
         "has_visible",
-        Kind.TRUTH_VALUE,
+        CellKind.TRUTH_VALUE,
         "",
         "Whether the session names pictures of visible light, by `visible`.",
     ),
@@ -133,7 +133,7 @@ _VIEWS: Final = (
         "those pictures.",
         empty="the session names neither",
     ),
-    Column("has_gaze", Kind.TRUTH_VALUE, "", "Whether a file says where the driver looked."),
+    Column("has_gaze", CellKind.TRUTH_VALUE, "", "Whether a file says where the driver looked."),
 )
 
 _KNOWN: Final = (
@@ -222,9 +222,9 @@ def _entry(
     *,
     unit: str = "encounters",
     empty: str = "",
-) -> Entry:
-    column = Column(key, Kind.INTEGER, unit, meaning, empty=empty, only_if=KNOWN)
-    return Entry(column, of)
+) -> SummaryEntry:
+    column = Column(key, CellKind.INTEGER, unit, meaning, empty=empty, only_if=KNOWN)
+    return SummaryEntry(column, of)
 
 
 ENTRIES: Final = (

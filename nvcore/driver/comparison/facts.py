@@ -170,7 +170,7 @@ class SeenTooLate(Fact):
 
 
 @dataclass(frozen=True)
-class Source(Fact):
+class DetectabilitySource(Fact):
     """Where detectability comes from, and what is called seen.
 
     Attributes
@@ -192,7 +192,7 @@ class Source(Fact):
 
 
 @dataclass(frozen=True)
-class Extent(Fact):
+class KnownExtent(Fact):
     """Of how many boxes it is known, where not of nearly all; of how many encounters it is not."""
 
     n_known: int
@@ -208,13 +208,13 @@ class Extent(Fact):
         return "both" if self.n_unknown else "boxes"
 
     @property
-    def left_out(self) -> LeftOut:
+    def left_out(self) -> NotCounted:
         """The encounters."""
-        return LeftOut("one" if self.n_unknown == 1 else "many", self.n_unknown)
+        return NotCounted("one" if self.n_unknown == 1 else "many", self.n_unknown)
 
 
 @dataclass(frozen=True)
-class LeftOut(Fact):
+class NotCounted(Fact):
     """Encounters that are not counted."""
 
     kind: Literal["one", "many"]

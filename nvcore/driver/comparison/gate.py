@@ -39,7 +39,7 @@ def _undefined(result: Result) -> Set[str]:
     return OF_DRIVER - OF_ANY_ESTIMATOR if doubt_of_seen(result) else frozenset()
 
 
-def _said(result: Result, name: str) -> tuple[Fact, ...]:
+def _facts(result: Result, name: str) -> tuple[Fact, ...]:
     if name not in OF_DRIVER or not driver_in(result).has_any:
         return ()
     return known(result, of_urgent=name in OF_URGENT), *no_claim(result)
@@ -51,7 +51,7 @@ def _is_in(result: Result, *, regions: tuple[DriverRegion, ...]) -> np.ndarray:
 
 RULES: Final = RulesOf(
     undefined=_undefined,
-    said=_said,
+    facts=_facts,
     counted={
         **{
             f"driver_venn.{region.value}": partial(_is_in, regions=(region,))

@@ -60,7 +60,7 @@ def is_in_time_alone(result: Result, system: SystemResult) -> np.ndarray:
     return is_alone
 
 
-class InTime(NamedTuple):
+class InTimeVenn(NamedTuple):
     """Urgent encounters of which it is known, each in the part of who confirms it in time.
 
     Attributes
@@ -83,11 +83,11 @@ class InTime(NamedTuple):
         return sum(self)
 
 
-def count_in_time(result: Result) -> InTime:
+def count_in_time(result: Result) -> InTimeVenn:
     """Who confirms the urgent encounters in time, among those of which it is known."""
     is_left = is_judged_in_time(result) & ~is_driver_in_time(result)
     by_x, by_y = (is_in_time(system) for _, system in result.sides)
     alone_x, alone_y = (is_in_time_alone(result, system) for _, system in result.sides)
     both, nobody = is_left & by_x & by_y, is_left & ~by_x & ~by_y
     parts = is_driver_in_time(result), both, alone_x, alone_y, nobody
-    return InTime(*(int(np.count_nonzero(part)) for part in parts))
+    return InTimeVenn(*(int(np.count_nonzero(part)) for part in parts))

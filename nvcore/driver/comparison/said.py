@@ -21,9 +21,10 @@ from nvcore.driver.comparison.facts import (
     Alerts,
     Caution,
     Counts,
-    Extent,
+    DetectabilitySource,
     InTime,
     Known,
+    KnownExtent,
     LightUnknown,
     NoClaim,
     NothingKnown,
@@ -33,7 +34,6 @@ from nvcore.driver.comparison.facts import (
     SeenBy,
     SeenTooLate,
     Seldom,
-    Source,
     Weighting,
     Word,
 )
@@ -173,9 +173,11 @@ def source(result: Result) -> tuple[Fact, ...]:
     estimate, threshold = result.dataset.of("driver"), result.params.driver_threshold
     n_estimated, n_stated = count_origins(result)
     if estimate is None or is_stated(result):
-        return (Source("truth", threshold), *_extent(result))
+        return (DetectabilitySource("truth", threshold), *_extent(result))
     made_by = tuple(filter(None, (estimate.made_by or "estimated", estimate.caution)))
-    kind = Source("both" if n_stated else "estimates", threshold, made_by, n_estimated, n_stated)
+    kind = DetectabilitySource(
+        "both" if n_stated else "estimates", threshold, made_by, n_estimated, n_stated
+    )
     return (kind, *_extent(result))
 
 
@@ -186,7 +188,7 @@ def _extent(result: Result) -> tuple[Fact, ...]:
     n_boxes = n_known + count_unknown(result.dataset)
     is_small = n_known < (1 - SMALL_SHARE) * n_boxes
     n_unknown = driver_in(result).venn.counts[DriverRegion.UNKNOWN]
-    return (Extent(n_known, n_boxes, is_small, n_unknown),) if is_small or n_unknown else ()
+    return (KnownExtent(n_known, n_boxes, is_small, n_unknown),) if is_small or n_unknown else ()
 
 
 def _outside(result: Result) -> tuple[Fact, ...]:
@@ -230,12 +232,12 @@ def _adapted(result: Result) -> tuple[Fact, ...]:
     record = result.dataset.of("driver")
     if record is None or is_stated(result):
         return ()
-    said: list[Fact] = []
+    facts: list[Fact] = []
     if record.n_light_unknown > SMALL_SHARE * record.n_estimates:
-        said.append(LightUnknown(record.n_light_unknown / record.n_estimates))
+        facts.append(LightUnknown(record.n_light_unknown / record.n_estimates))
     if n_adapted := int(np.count_nonzero(driver_in(result).is_adapted)):
-        said.append(Adapted(n_adapted, driver_in(result).venn.n_known))
-    return tuple(said)
+        facts.append(Adapted(n_adapted, driver_in(result).venn.n_known))
+    return tuple(facts)
 
 
 def seen_by(result: Result) -> SeenBy:

@@ -17,8 +17,8 @@ from nvcore.wording import number
 
 def driver_section(result: Result) -> Section:
     """The eight regions of driver, X and Y, and the urgent encounters that one alone saves."""
-    said = tuple(say(fact, result.objects) for fact in driver_facts(result))
-    blocks: list[Sentences | Table] = [Sentences(said), _regions(result)]
+    sentences = tuple(say(fact, result.objects) for fact in driver_facts(result))
+    blocks: list[Sentences | Table] = [Sentences(sentences), _regions(result)]
     saved = _saved(result)
     if saved.rows:
         blocks.append(saved)

@@ -45,7 +45,7 @@ def describe_change(
     objects
         What is to be seen.
     """
-    one, he, him = objects.singular, objects.say("{he}"), objects.say("{him}")
+    noun, he, him = objects.singular, objects.say("{he}"), objects.say("{him}")
     is_after = simulated["is_simulated"].to_numpy(bool)
     head = f"Simulated: dark from {change_s:.2f} s on."
     if not is_after.any():
@@ -63,12 +63,12 @@ def describe_change(
     parts = [head, f"Estimates are {caution}." if caution else ""]
     if len(seen) and is_up_to[seen[0]]:
         parts.append(objects.say(SEEN_BEFORE, time_s=time_s[seen[0]]))
-    text = " ".join(filter(None, [*parts, _compared(one, him, soon, before, again=len(seen) > 0)]))
+    text = " ".join(filter(None, [*parts, _compared(noun, him, soon, before, again=len(seen) > 0)]))
     if not is_up_to.any():
         return f"{text} The encounter is distant: there is no frame by which that matters."
     relevant_s = float(time_s[is_up_to][-1])
     seen_was, seen_would = (_is_seen(share[is_up_to], threshold) for share in (was, would))
-    in_time = _in_time(one, seen_was, seen_would)
+    in_time = _in_time(noun, seen_was, seen_would)
     return f"{text} By the first frame that counts, at {relevant_s:.2f} s, {in_time}"
 
 
@@ -111,14 +111,14 @@ def _when(
     return f"{sooner}{frames} after {he} appears, {seconds} after the change"
 
 
-def _compared(one: str, him: str, soon: str, before: str, *, again: bool) -> str:
+def _compared(noun: str, him: str, soon: str, before: str, *, again: bool) -> str:
     """When he would see the pedestrian, beside when he does, and whether that is not the first."""
     if not soon:
-        return f"Whether the driver would see the {one} is not known in any frame after it."
+        return f"Whether the driver would see the {noun} is not known in any frame after it."
     sees_then = f" the driver sees {him} {before}" if before else ", it is not known"
     without = f"; without the change{sees_then}"
     same = ", as without the change"
-    sees = f"would see the {one} again" if again else f"would see the {one}"
+    sees = f"would see the {noun} again" if again else f"would see the {noun}"
     return f"After it the driver {sees} {soon}{same if soon == before else without}."
 
 
@@ -127,14 +127,14 @@ def _is_seen(share: NDArray[np.float64], threshold: float) -> bool | None:
     return bool((share >= threshold).any()) if np.isfinite(share).any() else None
 
 
-def _in_time(one: str, was: bool | None, would: bool | None) -> str:
+def _in_time(noun: str, was: bool | None, would: bool | None) -> str:
     if would is None:
-        return f"it is not known whether the driver would have seen the {one}."
+        return f"it is not known whether the driver would have seen the {noun}."
     if was == would:
         negated = "" if would else "not "
-        return f"the driver would {negated}have seen the {one}, with the change or without."
+        return f"the driver would {negated}have seen the {noun}, with the change or without."
     negated = "" if would else "**not** "
-    text = f"the driver would {negated}have seen the {one}; without the change"
+    text = f"the driver would {negated}have seen the {noun}; without the change"
     if was is None:
         return f"{text} it is not known."
     return f"{text} the driver would {'have' if was else 'not have'}."

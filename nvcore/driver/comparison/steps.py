@@ -11,14 +11,14 @@ from nvcore.driver.comparison.judging import DriverView, judge_driver, weigh_uns
 from nvcore.driver.comparison.settings import DRIVER
 from nvcore.metrics.proximity import Weights
 from nvcore.schema import Category
-from nvcore.scoring import Inputs, MissWeights, Step
+from nvcore.scoring import Inputs, MissWeights, ScoringStep
 
 
 def _judge(at: Inputs, k_truth: Weights) -> pd.DataFrame:
     return judge_driver(at.dataset.detectability, at.encounters, k_truth.k, at.params)
 
 
-STEPS: Final = (Step("detectable", _judge, (DRIVER,), ("k_truth",), of="truth"),)
+STEPS: Final = (ScoringStep("detectable", _judge, (DRIVER,), ("k_truth",), of="truth"),)
 MISS_WEIGHTS: Final = MissWeights("(1 - detectability)", weigh_unseen)
 
 

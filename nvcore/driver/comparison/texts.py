@@ -67,18 +67,18 @@ TEXTS: Final[Texts] = {
     "in {driver:,}; of the others, both systems are in {both:,}, X alone in {x:,}, Y alone in "
     "{y:,}, none of them in {neither:,}.",
     facts.SeenTooLate: "{n:,} that the driver sees are seen too late to stop.",
-    facts.Source: {
+    facts.DetectabilitySource: {
         "truth": f"detectability is as the ground truth states it; {_SEEN}",
         "estimates": f"detectability is {{fact.how}}; {_SEEN}",
         "both": "detectability is {fact.how}, in {n_estimated!n:recording}, and as the ground "
         f"truth states it in {{n_stated}}; {_SEEN}",
     },
-    facts.Extent: {
+    facts.KnownExtent: {
         "boxes": "it is known of {n_known:,} of {n_boxes:,} {one} boxes.",
         "both": "it is known of {n_known:,} of {n_boxes:,} {one} boxes; {fact.left_out}.",
         "encounters": "{fact.left_out}.",
     },
-    facts.LeftOut: {
+    facts.NotCounted: {
         "one": "1 encounter of which it is unknown is not counted here",
         "many": "{n!n:encounter} of which it is unknown are not counted here",
     },

@@ -260,8 +260,8 @@ def _check_values(arrays: Mapping[str, NDArray[Any]]) -> None:
 def _check_range(name: str, values: NDArray[Any], low: float, high: float) -> None:
     is_wrong = (values < low) | (values > high)
     if is_wrong.any():
-        found = values[is_wrong.argmax()]
-        raise BadArchiveError(f"{name}: expected {low:g} to {high:g}, found {found:g}")
+        value = values[is_wrong.argmax()]
+        raise BadArchiveError(f"{name}: expected {low:g} to {high:g}, found {value:g}")
 
 
 def _check_relations(arrays: Mapping[str, NDArray[Any]]) -> None:

@@ -15,7 +15,15 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from nvcore.driver.estimators.model import Regression
-from nvcore.driver.estimators.search import PAIRS, Check, Choice, Columns, Search, choose, fit
+from nvcore.driver.estimators.search import (
+    PAIRS,
+    Check,
+    Columns,
+    FeatureChoices,
+    Search,
+    choose,
+    fit,
+)
 from nvcore.driver.features import FEATURE_KEYS
 from nvcore.driver.inputs.picture_boxes import PEDESTRIAN
 from nvcore.driver.trials.table import TrainingTable
@@ -344,7 +352,7 @@ def _estimate_pairs(
     left_out: NDArray[np.float64],
     features: NDArray[np.float64],
     target: NDArray[np.float64],
-    choice: Choice,
+    choice: FeatureChoices,
 ) -> None:
     """Fill in the estimates of the rows left out by each pair of features."""
     for columns, settings in zip(choice.sets, choice.settings, strict=True):

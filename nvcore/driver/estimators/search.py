@@ -157,7 +157,7 @@ def folds_of(groups: NDArray[np.int64], n_folds: int, seed: int) -> NDArray[np.i
 
 
 @dataclass(frozen=True)
-class Choice:
+class FeatureChoices:
     """What the inner cross-validation says of each choice of features.
 
     Attributes
@@ -187,7 +187,7 @@ def choose(
     search: Search,
     *,
     check: Check,
-) -> Choice:
+) -> FeatureChoices:
     """The best settings for each choice of features, by cross-validation.
 
     Parameters
@@ -214,4 +214,4 @@ def choose(
                 residual = regression.predict(features[test]) - target[test]
                 squares[i, j] += residual @ residual
     best = squares.argmin(axis=1)
-    return Choice(sets, tuple(drawn[j] for j in best), squares.min(axis=1) / len(target))
+    return FeatureChoices(sets, tuple(drawn[j] for j in best), squares.min(axis=1) / len(target))

@@ -20,7 +20,7 @@ from nvcore.findings import Finding
 from nvcore.inputs.added import Input
 from nvcore.inputs.files import digest
 from nvcore.inputs.hashes import changed_input
-from nvcore.inputs.placing import REASONS, Places
+from nvcore.inputs.placing import REASONS, FramePlaces
 from nvcore.inputs.readers.base import SourceFile, warning
 from nvcore.inputs.session import Session
 from nvcore.metrics.kernels import over_ranges
@@ -87,7 +87,7 @@ def _join(dataset: Dataset, recording: Any, estimates: _Estimates) -> tuple[np.n
     table = estimates.table.assign(recording=recording)
     frames, truth = dataset.frame_columns, dataset.truth
     listed = [frames.frame[start:stop] for start, stop in pairwise(frames.first)]
-    frame_row, fault = Places(dataset.recordings["name"], listed).of(table)
+    frame_row, fault = FramePlaces(dataset.recordings["name"], listed).of(table)
     placed = np.flatnonzero(fault == 0)
     placed = placed[np.argsort(frame_row[placed], kind="stable")]
     row = np.full(len(placed), -1)

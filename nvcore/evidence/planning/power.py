@@ -88,9 +88,9 @@ def count_differences_shown(
     rng = np.random.default_rng([SEED, n_recordings])
     drawn = rng.multinomial(n_recordings, np.full(n, 1 / n), size=n_studies)
     drawn = drawn[drawn @ pilot.differs.astype(np.int64) >= MIN_SWAPPED]
-    found = partial(_better, rng, weights=pilot.weights, level=level)
+    better_in = partial(_better, rng, weights=pilot.weights, level=level)
     if pilot.thresholds is None:
-        return _count_claims(found(drawn, pilot.parts_for(difference)), difference)
+        return _count_claims(better_in(drawn, pilot.parts_for(difference)), difference)
     thresholds = pilot.thresholds.widened(pilot.widening)
     x, y = thresholds.as_set
     as_set = x.parts[0] - y.parts[0]
@@ -98,8 +98,8 @@ def count_differences_shown(
     missing = pilot.missing(difference)
     is_open = np.isfinite(of_all).all(axis=1)
     at_equal = np.zeros(len(drawn))
-    at_equal[is_open] = found(drawn[is_open], of_all[is_open] + missing)
-    better = found(drawn, as_set + missing)
+    at_equal[is_open] = better_in(drawn[is_open], of_all[is_open] + missing)
+    better = better_in(drawn, as_set + missing)
     closed = np.where(is_unequal | (pilot.sign * better == more), 0, better)
     both = np.where(is_unequal, at_equal, np.where(better == at_equal, better, 0))
     return _count_claims(np.where(is_open, both, closed), difference)
@@ -340,8 +340,8 @@ def count_noninferior(
     drawn = rng.multinomial(n_recordings, np.full(n, 1 / n), size=n_studies)
     with np.errstate(invalid="ignore", divide="ignore"):
         if pilot.thresholds is not None:
-            found, *_ = parts_at_equal_alarms(pilot.thresholds.widened(pilot.widening), drawn)
-            parts = found + pilot.missing(difference)
+            of_all, *_ = parts_at_equal_alarms(pilot.thresholds.widened(pilot.widening), drawn)
+            parts = of_all + pilot.missing(difference)
         total = drawn @ weights
         ratio = (drawn * parts).sum(axis=1) / total
         rest = parts - ratio[:, np.newaxis] * weights

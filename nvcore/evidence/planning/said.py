@@ -17,14 +17,14 @@ from nvcore.sentences.planning import (
     Apart,
     Assumed,
     Excluded,
-    Extent,
     FewDiffer,
     Found,
-    Level,
-    Needed,
+    NeededRecordings,
     NotWorse,
+    SignificanceLevel,
     Size,
     Sought,
+    StudyExtent,
 )
 from nvcore.wording import difference
 
@@ -65,10 +65,10 @@ def facts_of_plan(plan: Plan) -> tuple[Fact, ...]:
         facts.append(_not_worse(answer, row))
     facts += [excluded(row), *(_size(plan, size) for size in plan.sizes)]
     if any(size.n_recordings is not None for size in plan.sizes):
-        of_difference = Level(
+        of_difference = SignificanceLevel(
             "alone" if plan.n_tests == 1 else "corrected", plan.n_tests, plan.level
         )
-        facts.append(of_difference if answer is None else Level("margin"))
+        facts.append(of_difference if answer is None else SignificanceLevel("margin"))
         if [size.assumption for size in plan.sizes] == ["as found"]:
             facts.append(Advice("optimistic"))
         facts.append(Advice("fresh"))
@@ -84,7 +84,7 @@ def facts_for_verdict(plan: Plan) -> tuple[Fact, ...]:
         return ends
     noun = row.label.partition(", by ")[0].partition(" (")[0]
     apart = Apart(size.difference, row.figure)
-    return Needed(extent, noun, apart, SIGNIFICANT, plan.power), *ends
+    return NeededRecordings(extent, noun, apart, SIGNIFICANT, plan.power), *ends
 
 
 def excluded(row: Evidence) -> Excluded:
@@ -131,7 +131,7 @@ def _size(plan: Plan, size: PlanSize) -> Size:
     )
 
 
-def _extent(size: PlanSize) -> Extent | None:
+def _extent(size: PlanSize) -> StudyExtent | None:
     if size.n_recordings is None or size.n_encounters is None:
         return None
-    return Extent(size.n_recordings, size.n_encounters, size.duration_s)
+    return StudyExtent(size.n_recordings, size.n_encounters, size.duration_s)

@@ -112,8 +112,8 @@ def vary_thresholds(result: Result, units: Units) -> dict[str, Thresholds]:
         if has_scores(as_set, letter):
             ends = max(min(n_of.values()) / REACH, 1.0), max(REACH * max(n_of.values()), 2.0)
             numbers = np.unique(np.geomspace(*ends, N_THRESHOLDS).round().astype(int)).tolist()
-            found = [threshold_for(as_set, letter, n, "round") for n in numbers]
-            thresholds[letter] = [*dict.fromkeys(found)]  # from few alarms to many
+            candidates = [threshold_for(as_set, letter, n, "round") for n in numbers]
+            thresholds[letter] = [*dict.fromkeys(candidates)]  # from few alarms to many
     measured = [_sides(as_set, units)]
     for step in range(max(map(len, thresholds.values()), default=0)):
         changed = {
@@ -182,9 +182,9 @@ def parts_at_equal_alarms(
         curve, other_curve = thresholds.curves[::sign]
         other = thresholds.as_set[::sign][1]
         if curve is not None and moves.any():
-            found, error = _parts_of(curve, other_curve, other, drawn[moves])
-            found[is_unequal[moves] & (error > MOST_ERROR)] = np.nan
-            parts[moves] = sign * found
+            own_parts, error = _parts_of(curve, other_curve, other, drawn[moves])
+            own_parts[is_unequal[moves] & (error > MOST_ERROR)] = np.nan
+            parts[moves] = sign * own_parts
     return parts, is_unequal, np.sign(n_x - n_y)
 
 

@@ -15,7 +15,7 @@ CurveKind = Literal["miss_rate", "precision_recall", "roc", "roc_windows", "f1"]
 
 
 @dataclass(frozen=True)
-class Kind:
+class CurveChart:
     """Title, measures on the axes with their titles, what a point says; which are logarithmic."""
 
     title: str
@@ -28,8 +28,8 @@ class Kind:
     y_log: bool = False
 
 
-KINDS: Final[dict[CurveKind, Kind]] = {
-    "miss_rate": Kind(
+KINDS: Final[dict[CurveKind, CurveChart]] = {
+    "miss_rate": CurveChart(
         "Miss rate against false positives",
         "fppi",
         "miss_rate",
@@ -40,7 +40,7 @@ KINDS: Final[dict[CurveKind, Kind]] = {
         x_log=True,
         y_log=True,
     ),
-    "precision_recall": Kind(
+    "precision_recall": CurveChart(
         "Precision against recall",
         "recall",
         "precision",
@@ -48,7 +48,7 @@ KINDS: Final[dict[CurveKind, Kind]] = {
         "precision (1 is best)",
         "recall {recall:.3f}, precision {precision:.3f}<br>{fppi:.3g} false positives per image",
     ),
-    "roc": Kind(
+    "roc": CurveChart(
         "Detection rate against false positives",
         "fppi",
         "recall",
@@ -58,7 +58,7 @@ KINDS: Final[dict[CurveKind, Kind]] = {
         "precision {precision:.3f}",
         x_log=True,
     ),
-    "roc_windows": Kind(
+    "roc_windows": CurveChart(
         "Detection rate against false positives per window",
         "fppw",
         "recall",
@@ -68,7 +68,7 @@ KINDS: Final[dict[CurveKind, Kind]] = {
         "{fppi:.3g} false positives per image, precision {precision:.3f}",
         x_log=True,
     ),
-    "f1": Kind(
+    "f1": CurveChart(
         "F1 against the threshold",
         "threshold",
         "f1",

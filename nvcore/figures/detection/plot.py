@@ -10,8 +10,8 @@ import numpy as np
 import plotly.graph_objects as go
 
 from nvcore.detection.curves import DetectionCurve
-from nvcore.figures.detection.kinds import KINDS, ON_AXES, CurveKind, Kind
-from nvcore.figures.detection.points import Points
+from nvcore.figures.detection.kinds import KINDS, ON_AXES, CurveChart, CurveKind
+from nvcore.figures.detection.points import CurvePoints
 from nvcore.figures.marks import HOVER, click_markers, marks, system_marker
 from nvcore.figures.rate_axis import LogScale, decades, log_scale
 from nvcore.figures.style import LOOK, axis, begins_at, draw, empty_figure, plain, system_label
@@ -74,12 +74,12 @@ def curve_plot(
     why_empty = _why_empty(curves, kind, windows_per_image)
     if why_empty:
         return empty_figure(why_empty, theme=theme, height=300)
-    points = [Points.along(curve, of, windows_per_image) for curve in curves]
+    points = [CurvePoints.along(curve, of, windows_per_image) for curve in curves]
     used = [
-        Points.at(curve, threshold, of, windows_per_image)
+        CurvePoints.at(curve, threshold, of, windows_per_image)
         for curve, threshold in zip(curves, thresholds, strict=False)
     ]
-    others = {point.name: Points.published(point, of) for point in published}
+    others = {point.name: CurvePoints.published(point, of) for point in published}
     x_scale, y_scale = _scales(of, [*points, *used, *others.values()])
     traces: list[list[go.Scatter]] = [[], [], [], []]
     for i, letter in enumerate("xy"[: len(curves)]):
@@ -104,7 +104,9 @@ def curve_plot(
     )
 
 
-def _line(points: Points, letter: str, name: str, theme: Theme, *, is_line: bool) -> go.Scatter:
+def _line(
+    points: CurvePoints, letter: str, name: str, theme: Theme, *, is_line: bool
+) -> go.Scatter:
     color = LOOK[theme].of(letter)
     # a line of a single point cannot be seen, and nothing at all would not be in the legend
     is_line = is_line and len(points.x) > 1
@@ -121,7 +123,9 @@ def _line(points: Points, letter: str, name: str, theme: Theme, *, is_line: bool
     )
 
 
-def _first_zero(points: Points, letter: str, scale: LogScale, theme: Theme) -> list[go.Scatter]:
+def _first_zero(
+    points: CurvePoints, letter: str, scale: LogScale, theme: Theme
+) -> list[go.Scatter]:
     """A hollow mark where a curve gets to the lower edge."""
     on_edge = np.flatnonzero(points.y == scale.edge)[:1]
     marker = {
@@ -144,7 +148,7 @@ def _first_zero(points: Points, letter: str, scale: LogScale, theme: Theme) -> l
     ]
 
 
-def _in_use(points: Points, letter: str, theme: Theme, of: Kind) -> list[go.Scatter]:
+def _in_use(points: CurvePoints, letter: str, theme: Theme, of: CurveChart) -> list[go.Scatter]:
     """A large mark at the threshold in use; none where a measure is undefined."""
     marker = system_marker(letter, MARKER_PX, theme, rim=2)
     return [
@@ -164,10 +168,10 @@ def _in_use(points: Points, letter: str, theme: Theme, of: Kind) -> list[go.Scat
 
 
 def _published(
-    others: Mapping[str, Points],
+    others: Mapping[str, CurvePoints],
     x_scale: LogScale | None,
     y_scale: LogScale | None,
-    of: Kind,
+    of: CurveChart,
     theme: Theme,
 ) -> list[go.Scatter]:
     """A star for each published point that this kind of curve can show, in the legend by name."""
@@ -192,7 +196,7 @@ def _published(
 
 
 def _extent(
-    curves: Sequence[DetectionCurve], used: Sequence[Points], hint: str, objects: Objects
+    curves: Sequence[DetectionCurve], used: Sequence[CurvePoints], hint: str, objects: Objects
 ) -> str:
     counted = (
         f"{count_text(curves[0].n_truth, objects.singular, objects.plural)} in "
@@ -231,7 +235,9 @@ def _why_empty(curves: Sequence[DetectionCurve], kind: CurveKind, windows: float
     return ""
 
 
-def _scales(of: Kind, points: Sequence[Points]) -> tuple[LogScale | None, LogScale | None]:
+def _scales(
+    of: CurveChart, points: Sequence[CurvePoints]
+) -> tuple[LogScale | None, LogScale | None]:
     """Of both axes; None: linear."""
     x, y = (np.concatenate([getattr(part, name) for part in points]) for name in "xy")
     x_scale = y_scale = None
@@ -253,7 +259,7 @@ def _scales(of: Kind, points: Sequence[Points]) -> tuple[LogScale | None, LogSca
 
 
 def _axes(
-    of: Kind, x_scale: LogScale | None, y_scale: LogScale | None, theme: Theme
+    of: CurveChart, x_scale: LogScale | None, y_scale: LogScale | None, theme: Theme
 ) -> dict[str, Any]:
     x: dict[str, Any] = axis(theme, of.x_title)
     y: dict[str, Any] = axis(theme, of.y_title)

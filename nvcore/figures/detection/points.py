@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.detection.curves import DetectionCurve
-from nvcore.figures.detection.kinds import Kind
+from nvcore.figures.detection.kinds import CurveChart
 from nvcore.figures.rate_axis import LogScale
 from nvcore.published import PublishedPoint
 
@@ -20,7 +20,7 @@ POINT: Final = ("threshold", "recall", "miss_rate", "precision", "f1", "fppi")
 
 
 @dataclass(frozen=True, eq=False)
-class Points:
+class CurvePoints:
     """Points of one system that can be drawn: where they are, and their values."""
 
     x: np.ndarray
@@ -28,22 +28,22 @@ class Points:
     values: Mapping[str, np.ndarray]
 
     @classmethod
-    def along(cls, curve: DetectionCurve, of: Kind, windows: float | None) -> Points:
+    def along(cls, curve: DetectionCurve, of: CurveChart, windows: float | None) -> CurvePoints:
         """All points of a curve."""
         values = {name: getattr(curve, name) for name in POINT}
         return cls._drawable(values, of, windows)
 
     @classmethod
     def at(
-        cls, curve: DetectionCurve, threshold: float | None, of: Kind, windows: float | None
-    ) -> Points:
+        cls, curve: DetectionCurve, threshold: float | None, of: CurveChart, windows: float | None
+    ) -> CurvePoints:
         """The point of a curve at a threshold."""
         point = curve.at(threshold)
         values = {name: np.array([getattr(point, name)]) for name in POINT}
         return cls._drawable(values, of, windows)
 
     @classmethod
-    def published(cls, point: PublishedPoint, of: Kind) -> Points:
+    def published(cls, point: PublishedPoint, of: CurveChart) -> CurvePoints:
         """A point of others; none where the kind of curve needs more than is known."""
         values = {name: np.array([value]) for name, value in point.values().items()}
         nothing = np.array([np.nan])
@@ -51,17 +51,19 @@ class Points:
         return points.rows(np.flatnonzero(np.isfinite(points.x) & np.isfinite(points.y)))
 
     @classmethod
-    def _drawable(cls, values: dict[str, np.ndarray], of: Kind, windows: float | None) -> Points:
+    def _drawable(
+        cls, values: dict[str, np.ndarray], of: CurveChart, windows: float | None
+    ) -> CurvePoints:
         values["fppw"] = values["fppi"] / (np.nan if windows is None else windows)
         points = cls(values[of.x], values[of.y], values)
         return points.rows(np.flatnonzero(np.isfinite(points.x) & np.isfinite(points.y)))
 
-    def rows(self, rows: np.ndarray) -> Points:
+    def rows(self, rows: np.ndarray) -> CurvePoints:
         """Some of the points."""
         values = {name: column[rows] for name, column in self.values.items()}
-        return Points(self.x[rows], self.y[rows], values)
+        return CurvePoints(self.x[rows], self.y[rows], values)
 
-    def placed(self, x_scale: LogScale | None, y_scale: LogScale | None) -> Points:
+    def placed(self, x_scale: LogScale | None, y_scale: LogScale | None) -> CurvePoints:
         """The points where they stand on the axes; None: linear."""
         return replace(
             self,
@@ -69,7 +71,7 @@ class Points:
             y=self.y if y_scale is None else y_scale.place(self.y),
         )
 
-    def thinned(self, *, is_log: bool) -> Points:
+    def thinned(self, *, is_log: bool) -> CurvePoints:
         """At most `MAX_POINTS` and the first."""
         if len(self.x) <= MAX_POINTS:
             return self
@@ -80,7 +82,7 @@ class Points:
         is_last[0] = True
         return self.rows(np.flatnonzero(is_last))
 
-    def texts(self, letter: str, of: Kind) -> list[str]:
+    def texts(self, letter: str, of: CurveChart) -> list[str]:
         """What each point says when it is pointed at."""
         texts = []
         for i, threshold in enumerate(self.values["threshold"]):

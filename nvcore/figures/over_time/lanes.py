@@ -17,7 +17,7 @@ from nvcore.figures.style import (
     EDGE_PX,
     LEFT_PX,
     LOOK,
-    Look,
+    ChartLook,
     axis,
     draw,
     empty_figure,
@@ -247,7 +247,7 @@ def _bars(runs: pd.DataFrame, state: str, letters: str, label: str, theme: Theme
     return outline.update(_paint(state, letters, LOOK[theme]))
 
 
-def _paint(state: str, letters: str, look: Look) -> dict[str, Any]:
+def _paint(state: str, letters: str, look: ChartLook) -> dict[str, Any]:
     """Filled: matched. Hollow and hatched: missed. Pale: neither."""
     if state == "ignored":
         return {"fillcolor": look.pale, "line": {"width": 1, "color": look.muted}}
@@ -278,12 +278,12 @@ def _clicks(result: Result, runs: pd.DataFrame, n_lanes: int) -> go.Scatter:
     state = {letter: _state_at(runs, letter, lane, row) for letter in "xy"}
     time_s = result.dataset.frames["time_s"].to_numpy()[row]
     frame = result.dataset.frames["frame"].to_numpy()[row]
-    track, one = (
+    track, noun = (
         result.encounters.track[ends["encounter"].to_numpy()[lane]],
         result.objects.singular,
     )
     text = [
-        f"{one} {track_id}, frame {number}, {second:.2f} s<br>X: {by_x}   Y: {by_y}"
+        f"{noun} {track_id}, frame {number}, {second:.2f} s<br>X: {by_x}   Y: {by_y}"
         for track_id, number, second, by_x, by_y in zip(
             track, frame, time_s, state["x"], state["y"], strict=True
         )

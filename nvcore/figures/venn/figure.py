@@ -13,7 +13,7 @@ from nvcore.figures.style import (
     EDGE_PX,
     HIDDEN_AXIS,
     LOOK,
-    Look,
+    ChartLook,
     draw,
     empty_figure,
     faded,
@@ -21,8 +21,8 @@ from nvcore.figures.style import (
     written,
 )
 from nvcore.figures.venn.circles import Circles, Frame
-from nvcore.figures.venn.labels import BASE_PX, Label, Labels, Line, anchor_of
-from nvcore.figures.venn.plan import GAP, IN_CIRCLES, REGIONS, Plan, plan_counts, plan_marks
+from nvcore.figures.venn.labels import BASE_PX, Label, LabelLine, Labels, anchor_of
+from nvcore.figures.venn.plan import GAP, IN_CIRCLES, REGIONS, VennPlan, plan_counts, plan_marks
 from nvcore.metrics.venn import Venn
 from nvcore.objects import Objects
 from nvcore.palette import Theme
@@ -137,7 +137,7 @@ def venn_figure(
 
 
 def _labels(
-    venn: Venn, names: tuple[str, str], encounters: pd.DataFrame | None, look: Look
+    venn: Venn, names: tuple[str, str], encounters: pd.DataFrame | None, look: ChartLook
 ) -> Labels:
     """Counts with words and weights, and the systems with theirs."""
     inside, beside = {}, {}
@@ -146,15 +146,17 @@ def _labels(
         if count == "0" and kind is not Category.NEITHER:
             continue
         weights = _weights(encounters, kind)
-        small = Label((Line(f"<b>{count}</b> {WORDS[kind]}", 14), *weights))
-        large = (Line(count, 24, is_bold=True), Line(WORDS[kind], 14))
+        small = Label((LabelLine(f"<b>{count}</b> {WORDS[kind]}", 14), *weights))
+        large = (LabelLine(count, 24, is_bold=True), LabelLine(WORDS[kind], 14))
         beside[kind] = small
         inside[kind] = small if kind is Category.NEITHER else Label((*large, *weights))
     systems = (
         Label(
             (
-                Line(f"{letter.upper()}: {plain(name, max_length=18)}", 13, look.of(letter), True),
-                Line(f"{venn.both + alone:,} of {venn.n_near:,}", 13, look.of(letter)),
+                LabelLine(
+                    f"{letter.upper()}: {plain(name, max_length=18)}", 13, look.of(letter), True
+                ),
+                LabelLine(f"{venn.both + alone:,} of {venn.n_near:,}", 13, look.of(letter)),
             )
         )
         for letter, name, alone in zip("xy", names, (venn.x_only, venn.y_only), strict=True)
@@ -162,7 +164,7 @@ def _labels(
     return Labels(inside, beside, *systems)
 
 
-def _weights(encounters: pd.DataFrame | None, kind: Category) -> list[Line]:
+def _weights(encounters: pd.DataFrame | None, kind: Category) -> list[LabelLine]:
     """What the failures in a region weigh, a line for each system that fails there.
 
     A system may fail in some frames of an encounter that it detects: over all regions the weights
@@ -174,7 +176,7 @@ def _weights(encounters: pd.DataFrame | None, kind: Category) -> list[Line]:
     is_only = kind in (Category.X_ONLY, Category.Y_ONLY)
     weights_s = {letter: part[f"severity_s_{letter}"].sum() for letter in FAILING[kind]}
     return [
-        Line(f"{letter.upper()} {weight_s:.2f} s", 12)
+        LabelLine(f"{letter.upper()} {weight_s:.2f} s", 12)
         for place, (letter, weight_s) in enumerate(weights_s.items())
         if len(part) and (weight_s > 0 or not (is_only and place))
     ]
@@ -199,7 +201,9 @@ def _fill(
     figure.add_shape(type=kind, name=name, line=line, fillcolor=colour, layer="below", **sides)
 
 
-def _marks(part: pd.DataFrame, kind: Category, plan: Plan, look: Look, one: str) -> go.Scatter:
+def _marks(
+    part: pd.DataFrame, kind: Category, plan: VennPlan, look: ChartLook, noun: str
+) -> go.Scatter:
     """A mark for each encounter of a region, in the look of the system whose failure it is."""
     x_s, y_s = (part[f"severity_s_{letter}"].to_numpy() for letter in "xy")
     fails = [x_s > y_s, y_s > x_s, x_s > 0]
@@ -208,7 +212,7 @@ def _marks(part: pd.DataFrame, kind: Category, plan: Plan, look: Look, one: str)
     colour = np.select(fails, [look.x, look.y, look.ink], look.muted)
     symbol = np.select(fails, [look.symbol("x"), look.symbol("y"), "square"], "circle-open")
     text = [
-        f"{plain(row.recording)}, {one} {row.track}: {WORDS[kind]}<br>severity X "
+        f"{plain(row.recording)}, {noun} {row.track}: {WORDS[kind]}<br>severity X "
         f"{row.severity_s_x:.2f} s, Y {row.severity_s_y:.2f} s<br>peak cost X "
         f"{row.peak_cost_x:.2f}, Y {row.peak_cost_y:.2f}"
         for row in part.itertuples(index=False)
@@ -232,7 +236,9 @@ def _marks(part: pd.DataFrame, kind: Category, plan: Plan, look: Look, one: str)
     )
 
 
-def _label_texts(venn: Venn, plan: Plan, labels: Labels, look: Look) -> list[dict[str, Any]]:
+def _label_texts(
+    venn: Venn, plan: VennPlan, labels: Labels, look: ChartLook
+) -> list[dict[str, Any]]:
     """Count and words in each region, beside it with a line where it is too narrow; the names."""
     circles, frame = plan.circles, plan.frame
     texts = []
@@ -264,7 +270,7 @@ def _text(
     return written(text, size=BASE_PX, color=colour, name=name, borderpad=0, **place)
 
 
-def _clicks(venn: Venn, plan: Plan) -> go.Scatter:
+def _clicks(venn: Venn, plan: VennPlan) -> go.Scatter:
     """Invisible markers all over the diagram but on marks, each of the category at its place."""
     circles, (left, right, bottom, top) = plan.circles, plan.frame
     across, up = np.linspace(left, right, GRID[0]), np.linspace(bottom, top, GRID[1])

@@ -20,7 +20,7 @@ BASE_PX: Final = 14
 """Font size of the whole label: no line is lower."""
 
 
-class Line(NamedTuple):
+class LabelLine(NamedTuple):
     """One line of a label; names in `text` went through `nvcore.figures.style.plain`."""
 
     text: str
@@ -33,7 +33,7 @@ class Line(NamedTuple):
 class Label:
     """A text of one or more lines."""
 
-    lines: tuple[Line, ...]
+    lines: tuple[LabelLine, ...]
 
     @property
     def html(self) -> str:

@@ -35,7 +35,7 @@ MAX_GROWTHS: Final = 16
 
 
 @dataclass(frozen=True)
-class Plan:
+class VennPlan:
     """A layout of the diagram.
 
     Attributes
@@ -57,14 +57,14 @@ class Plan:
     size_px: Mapping[Category, np.ndarray] = field(default_factory=dict)
 
 
-def plan_counts(venn: Venn, labels: Labels) -> Plan:
+def plan_counts(venn: Venn, labels: Labels) -> VennPlan:
     """A layout without marks."""
     circles = circles_of(venn.both, venn.x_only, venn.y_only)
     frame = frame_of(circles)
-    return Plan(circles, frame, _inside(circles, frame, labels))
+    return VennPlan(circles, frame, _inside(circles, frame, labels))
 
 
-def plan_marks(venn: Venn, labels: Labels, severity_s: Mapping[Category, np.ndarray]) -> Plan:
+def plan_marks(venn: Venn, labels: Labels, severity_s: Mapping[Category, np.ndarray]) -> VennPlan:
     """A layout with a mark for each encounter, its area by severity.
 
     The largest marks are nearest to the count of their region. A count whose marks would be small
@@ -94,7 +94,7 @@ def plan_marks(venn: Venn, labels: Labels, severity_s: Mapping[Category, np.ndar
         places, size_px, narrow = _place_largest(rooms, sizes_px)
         if not narrow:
             x, y = ({kind: places[kind][axis] / frame.scale for kind in REGIONS} for axis in (0, 1))
-            return Plan(circles, frame, is_inside, growth == 0, x, y, size_px)
+            return VennPlan(circles, frame, is_inside, growth == 0, x, y, size_px)
         area |= {kind: area[kind] * GROWTH for kind in narrow}
     return plan_counts(venn, labels)  # not seen with up to 150 marks
 
@@ -116,7 +116,7 @@ def _sizes(severity_s: np.ndarray, largest: float, max_size: float) -> np.ndarra
     return sizes
 
 
-class Room(NamedTuple):
+class MarkRoom(NamedTuple):
     """Places in a region where a mark may stand; all px, shape (n_places,).
 
     Attributes
@@ -135,7 +135,7 @@ class Room(NamedTuple):
 
 def _rooms(
     circles: Circles, frame: Frame, labels: Labels, is_inside: Mapping[Category, bool]
-) -> dict[Category, Room]:
+) -> dict[Category, MarkRoom]:
     """The places of every region."""
     scale = frame.scale
     left, right, bottom, top = (end * scale for end in frame)
@@ -156,7 +156,7 @@ def _rooms(
         else:
             middle_x, middle_y = sum(circles.region_ends(kind)) / 2 * scale, 0.0
         apart = np.hypot(room_x - middle_x, room_y - middle_y)
-        rooms[kind] = Room(room_x, room_y, own[is_within], apart)
+        rooms[kind] = MarkRoom(room_x, room_y, own[is_within], apart)
     return rooms
 
 
@@ -164,7 +164,7 @@ Places = dict[Category, tuple[np.ndarray, np.ndarray]]
 
 
 def _place(
-    rooms: Mapping[Category, Room], size_px: Mapping[Category, np.ndarray]
+    rooms: Mapping[Category, MarkRoom], size_px: Mapping[Category, np.ndarray]
 ) -> tuple[Places, list[Category]]:
     """Places of the marks of every region, px, and which regions have no room for theirs."""
     places: Places = {}
@@ -179,7 +179,7 @@ def _place(
 
 
 def _place_largest(
-    rooms: Mapping[Category, Room], sizes_px: Sequence[Mapping[Category, np.ndarray]]
+    rooms: Mapping[Category, MarkRoom], sizes_px: Sequence[Mapping[Category, np.ndarray]]
 ) -> tuple[Places, Mapping[Category, np.ndarray], list[Category]]:
     """`_place` with the largest of `sizes_px` for which all regions have room, else the least."""
     places, narrow = _place(rooms, sizes_px[FAIR])
@@ -195,7 +195,7 @@ def _place_largest(
     return places, sizes_px[index], narrow
 
 
-def _pack(room: Room, radius: np.ndarray) -> np.ndarray | None:
+def _pack(room: MarkRoom, radius: np.ndarray) -> np.ndarray | None:
     """Which place each circle takes, the nearest that is free; None: one finds no place."""
     spots = np.empty(len(radius), dtype=np.int64)
     free = room.free

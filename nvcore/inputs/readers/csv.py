@@ -331,13 +331,13 @@ def _misspelt(source: NamedColumns, role: Role) -> list[Finding]:
         warning(
             "misspelt-column",
             1,
-            f"The column {found} is left unused; {meant}, which it may be, is missing.",
+            f"The column {name} is left unused; {meant}, which it may be, is missing.",
             f"If it is meant, call it {meant}; else there is nothing to do.",
             role=role,
             file=source.file.name,
             example="line 1",
         )
-        for found, meant in misspelt_columns(source.header, _OF_OTHERS[role])
+        for name, meant in misspelt_columns(source.header, _OF_OTHERS[role])
     ]
 
 

@@ -174,7 +174,7 @@ def misspelt_columns(header: Header, aside: Sequence[str] = ()) -> list[tuple[st
     known = {name for names in SYNONYMS.values() for name in names}
     unknown = [(name, _plain(name)) for name in header.names if _plain(name) not in known]
     close = [(name, get_close_matches(text, meant, 1, CLOSE)) for name, text in unknown]
-    return [(name, found[0]) for name, found in close if found]
+    return [(name, matches[0]) for name, matches in close if matches]
 
 
 def _plain(name: str) -> str:

@@ -31,9 +31,15 @@ from nvcore.inputs.readers.meaning.classes import (
 )
 from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.names import recording_and_frame_of, recordings_of
-from nvcore.inputs.readers.parse.text import Layout, read_numbers, read_text, stacked, whole_numbers
+from nvcore.inputs.readers.parse.text import (
+    TextLayout,
+    read_numbers,
+    read_text,
+    stacked,
+    whole_numbers,
+)
 
-LAYOUT: Final = Layout((6,), "file;x1;y1;x2;y2;class", delimiter=";", label_at=0, whole=(5,))
+LAYOUT: Final = TextLayout((6,), "file;x1;y1;x2;y2;class", delimiter=";", label_at=0, whole=(5,))
 CLASSES: Final = (
     *(f"speed limit {limit}" for limit in (20, 30, 50, 60, 70, 80)),
     *("end of speed limit 80", "speed limit 100", "speed limit 120"),

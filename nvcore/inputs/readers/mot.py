@@ -37,12 +37,12 @@ from nvcore.inputs.readers.meaning.classes import classes_left_out
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.meaning.seqinfo import sequence_info
 from nvcore.inputs.readers.meaning.values import levels_of_numbers, levels_of_visible_share
-from nvcore.inputs.readers.parse.text import Layout, NumberTable, read_numbers, whole_numbers
+from nvcore.inputs.readers.parse.text import NumberTable, TextLayout, read_numbers, whole_numbers
 from nvcore.inputs.readers.visdrone import NAMES as VISDRONE
 from nvcore.inputs.readers.visdrone import are_visdrones
 from nvcore.schema import NO_TRACK
 
-LAYOUT = Layout((7, 8, 9, 10), "frame,id,left,top,width,height,conf,...", whole=(0, 1))
+LAYOUT = TextLayout((7, 8, 9, 10), "frame,id,left,top,width,height,conf,...", whole=(0, 1))
 BLANKS = replace(LAYOUT, delimiter=" ")
 """As trackers write it that join numbers by blanks or tabs."""
 CLASSES = {

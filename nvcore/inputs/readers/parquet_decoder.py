@@ -29,7 +29,7 @@ class RefusedError(Exception):
     """A table that is whole, but not such as is read; the text says why."""
 
 
-class Table:
+class ParquetTable:
     """A Parquet file: its columns' names, and those of them that are wanted."""
 
     def __init__(self, content: bytes) -> None:
@@ -221,7 +221,7 @@ def main() -> None:
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # ^C is for whoever asks, and ends us too
     requests, answers = sys.stdin.buffer, sys.stdout.buffer
-    table: Table | None = None
+    table: ParquetTable | None = None
     while True:
         try:
             content, places, limits = pickle.load(requests)  # noqa: S301  # of our own program
@@ -232,7 +232,7 @@ def main() -> None:
         try:
             if content is not None:
                 table = None  # that of before goes first
-                table = Table(content)
+                table = ParquetTable(content)
                 answer = ("fine", table.names, {})
             else:
                 assert table is not None

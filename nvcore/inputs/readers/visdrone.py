@@ -28,7 +28,7 @@ from nvcore.inputs.readers.meaning.categories import (
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.meaning.values import levels_of_numbers
 from nvcore.inputs.readers.parse.text import (
-    Layout,
+    TextLayout,
     number_of,
     read_numbers,
     rows_of_text,
@@ -45,7 +45,7 @@ CLASSES: Final = dict(
     )
 )
 NAMES: Final[Mapping[str, str]] = {str(number): name for number, name in CLASSES.items()}
-LAYOUT: Final = Layout((8, 9), "left,top,width,height,score,class,truncation,occlusion")
+LAYOUT: Final = TextLayout((8, 9), "left,top,width,height,score,class,truncation,occlusion")
 """Of DET; some of its files end each row with a comma."""
 
 

@@ -33,8 +33,8 @@ from nvcore.inputs.readers.meaning.class_files import class_names_beside, is_cla
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.parse.text import (
-    Layout,
     NumberTable,
+    TextLayout,
     are_numbers,
     is_whole,
     number_of,
@@ -47,7 +47,7 @@ from nvcore.inputs.readers.parse.text import (
 from nvcore.schema import NO_TRACK
 from nvcore.wording import shortened
 
-LAYOUT = Layout((5, 6, 7), "class x y width height [confidence]", delimiter=" ")
+LAYOUT = TextLayout((5, 6, 7), "class x y width height [confidence]", delimiter=" ")
 MAX_SHARE: Final = 2.0
 """Largest coordinate, in shares of the picture, that can be a box that sticks out of it."""
 _INSIDE: Final = 0.01

@@ -8,7 +8,7 @@ from nvcore.comparison import Result
 from nvcore.findings import Finding
 from nvcore.report.gate.details import explain
 from nvcore.report.gate.measures import gate_measures
-from nvcore.report.gate.outcomes import Outcome, judge
+from nvcore.report.gate.outcomes import RuleOutcome, judge
 from nvcore.report.gate.rules import Rule, parse_rule
 
 
@@ -19,7 +19,7 @@ def run_gate(
     *,
     strict: bool,
     names: Iterable[str] = (),
-) -> tuple[list[Outcome], dict[str, float]]:
+) -> tuple[list[RuleOutcome], dict[str, float]]:
     """The outcomes of these rules and of those of the audit, and the measures they were judged by.
 
     Parameters

@@ -19,7 +19,7 @@ class RulesOf:
     ----------
     undefined
         Names of the measures that have a value, but one that no rule can rest on.
-    said
+    facts
         What is said of a measure in a comparison, whether or not its rule holds.
     counted
         Encounters that a measure counts, by its name; a failed rule lists them. bool, shape
@@ -29,6 +29,6 @@ class RulesOf:
     """
 
     undefined: Callable[[Result], Set[str]]
-    said: Callable[[Result, str], tuple[Fact, ...]]
+    facts: Callable[[Result, str], tuple[Fact, ...]]
     counted: Mapping[str, Callable[[Result], np.ndarray]]
     is_open: Callable[[Result], np.ndarray]

@@ -18,7 +18,7 @@ from nvcore.report.gate.measures import (
     WORSE,
     members,
 )
-from nvcore.report.gate.outcomes import Outcome
+from nvcore.report.gate.outcomes import RuleOutcome
 from nvcore.report.gate.rules import class_in
 from nvcore.schema import Category
 from nvcore.sentences import phrase, say
@@ -28,18 +28,20 @@ MAX_LISTED: Final = 10
 
 
 def explain(
-    outcomes: Iterable[Outcome], result: Result, findings: Sequence[Finding]
-) -> list[Outcome]:
-    """The outcomes with what explains them (`Outcome.details`)."""
+    outcomes: Iterable[RuleOutcome], result: Result, findings: Sequence[Finding]
+) -> list[RuleOutcome]:
+    """The outcomes with what explains them (`RuleOutcome.details`)."""
     return [replace(outcome, details=_details(outcome, result, findings)) for outcome in outcomes]
 
 
-def _details(outcome: Outcome, result: Result, findings: Sequence[Finding]) -> tuple[str, ...]:
+def _details(outcome: RuleOutcome, result: Result, findings: Sequence[Finding]) -> tuple[str, ...]:
     name = outcome.rule.name
     if name in WORSE and is_undecided(result, WORSE[name][0]):
         return (phrase(alarms_as_set(result, "rule"), result.objects),)
     of_subjects: tuple[RulesOf, ...] = contributed("rules")
-    known = tuple(say(fact, result.objects) for of in of_subjects for fact in of.said(result, name))
+    known = tuple(
+        say(fact, result.objects) for of in of_subjects for fact in of.facts(result, name)
+    )
     if outcome.is_passed:
         return known
     counted = name.partition(".")[0] if class_in(name) else name

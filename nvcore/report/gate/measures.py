@@ -30,7 +30,7 @@ from nvcore.report.gate.rules import OF_CLASSES, class_in
 from nvcore.report.verdict import verdict
 from nvcore.schema import Category
 from nvcore.subjects import contributed
-from nvcore.tables.column import Column, Kind
+from nvcore.tables.column import CellKind, Column
 from nvcore.tables.summary import SYSTEM_KEYS, summary, summary_keys, system_summary
 
 _OF_CURVE: Final = {
@@ -68,7 +68,7 @@ _OTHER_NAMES: Final = (
 
 
 def _numeric(columns: Iterable[Column]) -> list[str]:
-    return [column.name for column in columns if column.kind in (Kind.INTEGER, Kind.NUMBER)]
+    return [column.name for column in columns if column.kind in (CellKind.INTEGER, CellKind.NUMBER)]
 
 
 SUMMARY_NAMES: Final = (

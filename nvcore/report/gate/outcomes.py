@@ -15,7 +15,7 @@ def value_text(value: float) -> str:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class RuleOutcome:
     """What became of a rule.
 
     Attributes
@@ -44,7 +44,7 @@ class Outcome:
         return f"{text}; add 'or undefined' to the rule if that is fine"
 
 
-def judge(rules: Iterable[Rule], values: Mapping[str, float]) -> list[Outcome]:
+def judge(rules: Iterable[Rule], values: Mapping[str, float]) -> list[RuleOutcome]:
     """Whether each rule holds; an undefined measure breaks its rule, unless the rule allows it.
 
     Raises
@@ -61,5 +61,5 @@ def judge(rules: Iterable[Rule], values: Mapping[str, float]) -> list[Outcome]:
             if math.isnan(value)
             else COMPARISONS[rule.comparison](value, rule.limit)
         )
-        outcomes.append(Outcome(rule, value, holds))
+        outcomes.append(RuleOutcome(rule, value, holds))
     return outcomes

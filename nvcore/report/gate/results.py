@@ -14,7 +14,7 @@ from nvcore.report.gate.measures import (
     COUNTED_ENCOUNTERS,
     COUNTED_FINDINGS,
 )
-from nvcore.report.gate.outcomes import Outcome, value_text
+from nvcore.report.gate.outcomes import RuleOutcome, value_text
 from nvcore.report.gate.rules import Rule
 from nvcore.report.terminal import render_findings
 from nvcore.subjects import contributed
@@ -32,12 +32,16 @@ def _stem(name: str) -> str:
 _BLIND_TO_ALARMS: Final = {
     *map(_stem, (*COUNTED_ENCOUNTERS, "exclusivity", "boxes", "lead_time_s")),
     *(_stem(name) for of in contributed("rules") for name in of.counted),
-    *(_stem(one.rule or one.key) for one in MEASURES if not one.is_worsened_by_alarms),
+    *(
+        _stem(measure.rule or measure.key)
+        for measure in MEASURES
+        if not measure.is_worsened_by_alarms
+    ),
 }
 """Stems of measures that false alarms do not worsen."""
 _WORSENED_BY_ALARMS: Final = {
     *map(_stem, COUNTED_CLAIMS),
-    *(_stem(one.rule or one.key) for one in MEASURES if one.is_worsened_by_alarms),
+    *(_stem(measure.rule or measure.key) for measure in MEASURES if measure.is_worsened_by_alarms),
 }
 """Stems of measures that false alarms worsen."""
 
@@ -58,7 +62,7 @@ def what_is_not_asked(rules: Iterable[Rule]) -> str:
     )
 
 
-def terminal_lines(outcomes: Sequence[Outcome]) -> list[str]:
+def terminal_lines(outcomes: Sequence[RuleOutcome]) -> list[str]:
     """A line for each rule, and below it what explains the outcome; what no rule is about."""
     lines = []
     for outcome in outcomes:
@@ -69,12 +73,14 @@ def terminal_lines(outcomes: Sequence[Outcome]) -> list[str]:
     return [*lines, f"note: {gap}"] if gap else lines
 
 
-def _details(outcome: Outcome) -> tuple[str, ...]:
+def _details(outcome: RuleOutcome) -> tuple[str, ...]:
     """What explains an outcome; findings are shown with the audit."""
     return () if outcome.rule.name in COUNTED_FINDINGS else outcome.details
 
 
-def junit_xml(outcomes: Sequence[Outcome], title: str, findings: Sequence[Finding] = ()) -> bytes:
+def junit_xml(
+    outcomes: Sequence[RuleOutcome], title: str, findings: Sequence[Finding] = ()
+) -> bytes:
     """The outcomes as JUnit XML, one test case per rule; the audit is the suite's output.
 
     Parameters
@@ -131,7 +137,7 @@ def _xml(root: ElementTree.Element) -> bytes:
     return text + b"\n"
 
 
-def markdown(outcomes: Sequence[Outcome], title: str, findings: Sequence[Finding] = ()) -> str:
+def markdown(outcomes: Sequence[RuleOutcome], title: str, findings: Sequence[Finding] = ()) -> str:
     """The outcomes as Markdown: a table with failed rules first, what these count, the audit."""
     rows = sorted(outcomes, key=lambda outcome: outcome.is_passed)
     n_failed = sum(not outcome.is_passed for outcome in outcomes)

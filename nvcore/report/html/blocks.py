@@ -76,7 +76,7 @@ class Sentences:
 
 
 @dataclass(frozen=True)
-class Points:
+class Topics:
     """Topics, each with what is to be said on it."""
 
     kind: ClassVar[str] = "points"
@@ -194,7 +194,7 @@ class Fold:
     where: str = IN_THE_FILE
 
 
-Block = Sentences | Points | Table | Chart | Photos | Fold
+Block = Sentences | Topics | Table | Chart | Photos | Fold
 
 
 @dataclass(frozen=True)

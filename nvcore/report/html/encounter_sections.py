@@ -165,8 +165,8 @@ def _weightings(result: Result, encounters: pd.DataFrame) -> tuple[Fold, ...]:
         *("Nearness by", "Frames that count", "X misses", "Y misses"),
         *("Severity X (s)", "Severity Y (s)"),
     )
-    one = result.objects.singular
-    note = f"{UNDEFINED}: the horizon, or this {one}'s distance, is not known."
+    noun = result.objects.singular
+    note = f"{UNDEFINED}: the horizon, or this {noun}'s distance, is not known."
     title = "The heaviest encounter, weighted by height, horizon and distance"
     chart = Chart("weightings", figure, "The heaviest encounter's weight over time, by each")
     return (Fold(title, (chart, table(title, head, rows, right=range(1, 6), note=note))),)

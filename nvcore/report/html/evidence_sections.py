@@ -26,10 +26,10 @@ from nvcore.report.html.blocks import (
     Fold,
     Photo,
     Photos,
-    Points,
     Section,
     Sentences,
     Table,
+    Topics,
     table,
 )
 from nvcore.report.html.charts import interval_plot
@@ -72,7 +72,7 @@ def planned_verdict(
 
 def verdict_section(conclusion: Verdict) -> Section:
     """What the headline, which stands on the first page, rests on."""
-    blocks = (Points(conclusion.topics),)
+    blocks = (Topics(conclusion.topics),)
     return Section("verdict", "What the verdict rests on", words.VERDICT, blocks)
 
 

@@ -250,9 +250,9 @@ def _coverage_text(
     ]
     kind = MissClass(missed_by.encounters["miss_class"].iloc[encounter])
     failure = "" if kind is MissClass.NONE else f" ({kind.value.replace('_', ' ')})"
-    one = result.objects.say("{One}")
+    who = result.objects.say("{One}")
     return (
-        f"{one} {result.encounters.track[encounter]}: {winner} matches {percent(coverage[0])} of "
+        f"{who} {result.encounters.track[encounter]}: {winner} matches {percent(coverage[0])} of "
         f"the frames that count, {loser} {percent(coverage[1])}{failure}."
     )
 

@@ -15,7 +15,7 @@ from nvcore.evidence.measures import primary_of
 from nvcore.evidence.operating_points import are_unequal, has_scores
 from nvcore.evidence.units import MIN_RECORDINGS, WHOLE, count_whole
 from nvcore.measures.table import evidence_form, measure_of, shown_as
-from nvcore.sentences.facts import Amount, Better, Compared, Conclusion, Fact, Headline, Named
+from nvcore.sentences.facts import Amount, Better, BetterMeasure, Conclusion, Fact, Headline, Named
 from nvcore.subjects import contributed
 
 
@@ -90,8 +90,8 @@ def _conclusion(
 def _remarks(result: Result, claims: Sequence[Claim]) -> tuple[Fact, ...]:
     """What subjects say of claims about these measures."""
     measures = [measure_of(claim.key) for claim in claims]
-    said = (remarks.of_claims(result, measures) for remarks in contributed("remarks"))
-    return tuple(fact for fact in said if fact is not None)
+    remarks = (subject.of_claims(result, measures) for subject in contributed("remarks"))
+    return tuple(remark for remark in remarks if remark is not None)
 
 
 def _better(
@@ -108,7 +108,7 @@ def _better(
             return Named(key)
         form, (_, unit) = evidence_form(key), shown_as(key, result)
         x, y = (Amount(float(row[letter]), form, unit) for letter in "xy")
-        return Compared(key, x, y) if claim.winner == "x" else Compared(key, y, x)
+        return BetterMeasure(key, x, y) if claim.winner == "x" else BetterMeasure(key, y, x)
 
     by_winner = sorted(claims, key=lambda claim: claim.winner != first_winner)
     return tuple(

@@ -45,7 +45,7 @@ NAME_WIDTH: Final = 40
 EPISODES: Final = "false_alert_episodes"
 
 
-class Quality(NamedTuple):
+class QualityMeasure(NamedTuple):
     """A measure that the verdict puts side by side.
 
     Attributes
@@ -62,11 +62,11 @@ class Quality(NamedTuple):
 
 
 QUALITIES: Final = (
-    Quality("mean_similarity", ".3f"),
-    Quality("severity_s_per_encounter", ".2f", " s"),
-    Quality("saliency", ".2f", " s"),
-    Quality(EPISODES, "d"),
-    Quality(MISS_RATE, ".1%"),
+    QualityMeasure("mean_similarity", ".3f"),
+    QualityMeasure("severity_s_per_encounter", ".2f", " s"),
+    QualityMeasure("saliency", ".2f", " s"),
+    QualityMeasure(EPISODES, "d"),
+    QualityMeasure(MISS_RATE, ".1%"),
 )
 
 
@@ -124,7 +124,7 @@ def weights(result: Result) -> tuple[Fact, ...]:
         )
         if cost.n
     )
-    return (*([facts.Weights(costs)] if costs else []), *_worst_failure(result))
+    return (*([facts.EncounterWeights(costs)] if costs else []), *_worst_failure(result))
 
 
 def _worst_failure(result: Result) -> tuple[Fact, ...]:
@@ -174,7 +174,7 @@ def _extent(result: Result) -> str:
 
 def _far_away(result: Result) -> tuple[Fact, ...]:
     """How little of the saliency is of pedestrians that count; none: half or more of both's."""
-    shares = [facts.Share(letter, relevant_share(system)) for letter, system in result.sides]
+    shares = [facts.SystemShare(letter, relevant_share(system)) for letter, system in result.sides]
     if not any(of.share < HALF for of in shares):
         return ()
     return (facts.FarAway(tuple(of for of in shares if np.isfinite(of.share))),)
@@ -194,20 +194,20 @@ def chance(result: Result, evidence: pd.DataFrame | None, support: Support) -> t
     if evidence is None:
         return ()
     of_key = {row["figure"]: row for row in evidence.to_dict("records")}
-    said: list[Fact] = []
+    remarks: list[Fact] = []
     if support.claims:
         shown = (_shown(result, claim, of_key[claim.key]) for claim in support.claims)
-        said.append(facts.MoreThanChance(tuple(shown)))
+        remarks.append(facts.MoreThanChance(tuple(shown)))
     for reason in dict.fromkeys(support.withheld.values()):
         withheld = (key for key in CLAIMED if support.withheld.get(key) == reason)
-        said.append(facts.Unclaimed(tuple(map(facts.Named, withheld)), reason))
+        remarks.append(facts.Unclaimed(tuple(map(facts.Named, withheld)), reason))
     settled = {*support.withheld, *(claim.key for claim in support.claims)}
     others = [row for key, row in of_key.items() if key in CLAIMED and key not in settled]
     if settled and any(np.isfinite(row["p_corrected"]) for row in others):
-        said.append(facts.OthersNotShown())
+        remarks.append(facts.OthersNotShown())
     if result.is_short:
-        said.append(facts.ShortEncounters())
-    return tuple(said)
+        remarks.append(facts.ShortEncounters())
+    return tuple(remarks)
 
 
 def _shown(result: Result, claim: Claim, row: Mapping[Hashable, Any]) -> facts.Shown:

@@ -23,7 +23,7 @@ from nvcore.schema import (
     integers_of,
 )
 from nvcore.scoring import SystemResult
-from nvcore.tables.column import Column, Kind
+from nvcore.tables.column import CellKind, Column
 
 MATCHES: Final = "matches.parquet"
 """Name of the file."""
@@ -35,7 +35,7 @@ _NONE = "detection of the other system"
 _OF_BOTH = (
     Column(
         "outcome",
-        Kind.TEXT,
+        CellKind.TEXT,
         "",
         "Truth: `matched`, `missed`, or `not_judged` (ignore region). Detection: `matched`, "
         "`false_alarm`, `absorbed` (by an ignore region), or `below` (the threshold).",
@@ -43,7 +43,7 @@ _OF_BOTH = (
     ),
     Column(
         "match",
-        Kind.INTEGER,
+        CellKind.INTEGER,
         "",
         "`box` of the partner: the system's in rows of the truth, the truth's in those of the "
         "system.",
@@ -51,14 +51,14 @@ _OF_BOTH = (
     ),
     Column(
         "iou",
-        Kind.NUMBER,
+        CellKind.NUMBER,
         "0 to 1",
         "Overlap with the partner: intersection over union.",
         empty=f"matched with none; {_NONE}",
     ),
     Column(
         "nearest_px",
-        Kind.NUMBER,
+        CellKind.NUMBER,
         "px",
         "Distance to the nearest box of the other side that counts; strict pairing: to the "
         "partner.",
@@ -66,7 +66,7 @@ _OF_BOTH = (
     ),
     Column(
         "term",
-        Kind.NUMBER,
+        CellKind.NUMBER,
         "0 to 1",
         "k * the smaller of `border_px` and `nearest_px`, over half the width. The largest of a "
         "frame is `d_miss` (rows of the truth) or `d_false` of `frames.csv`.",
@@ -75,43 +75,43 @@ _OF_BOTH = (
     ),
 )
 MATCH_COLUMNS: Final[tuple[Column, ...]] = (
-    Column("source", Kind.TEXT, "", "Whose box it is: `truth`, `x` or `y`."),
-    Column("box", Kind.INTEGER, "", "Number of the box among those of its source, from 0."),
-    Column("recording", Kind.TEXT, "", "Name of the recording."),
-    Column("frame", Kind.INTEGER, "", "Frame number, as in `frames.csv`."),
-    Column("x", Kind.NUMBER, "px", "Left edge of the box."),
-    Column("y", Kind.NUMBER, "px", "Upper edge of the box."),
-    Column("w", Kind.NUMBER, "px", "Width of the box."),
-    Column("h", Kind.NUMBER, "px", "Height of the box."),
-    Column("score", Kind.NUMBER, "", "Score of the detection.", empty="it has none"),
+    Column("source", CellKind.TEXT, "", "Whose box it is: `truth`, `x` or `y`."),
+    Column("box", CellKind.INTEGER, "", "Number of the box among those of its source, from 0."),
+    Column("recording", CellKind.TEXT, "", "Name of the recording."),
+    Column("frame", CellKind.INTEGER, "", "Frame number, as in `frames.csv`."),
+    Column("x", CellKind.NUMBER, "px", "Left edge of the box."),
+    Column("y", CellKind.NUMBER, "px", "Upper edge of the box."),
+    Column("w", CellKind.NUMBER, "px", "Width of the box."),
+    Column("h", CellKind.NUMBER, "px", "Height of the box."),
+    Column("score", CellKind.NUMBER, "", "Score of the detection.", empty="it has none"),
     Column(
         "track",
-        Kind.INTEGER,
+        CellKind.INTEGER,
         "",
         "Track: of {a_one} as in `encounters.csv`, of a detection as in its file.",
         empty="it has none",
     ),
     Column(
         "counts",
-        Kind.TRUTH_VALUE,
+        CellKind.TRUTH_VALUE,
         "",
         "Truth: whether it is {a_one} near enough to count (k >= 0.5). Detection: whether it "
         "is matched or a false alarm.",
     ),
-    Column("k", Kind.NUMBER, "0 to 1", "Proximity weight: 0 far, 1 near."),
-    Column("border_px", Kind.NUMBER, "px", "The most that the box can count for."),
+    Column("k", CellKind.NUMBER, "0 to 1", "Proximity weight: 0 far, 1 near."),
+    Column("border_px", CellKind.NUMBER, "px", "The most that the box can count for."),
     Column(
         "cost",
-        Kind.NUMBER,
+        CellKind.NUMBER,
         "0 to 1",
         "What missing the {one} costs: k * `border_px` over half the width.",
         empty="ignore region, or a detection",
     ),
     *(replace(column, name=f"{column.name}_{side}") for side in "xy" for column in _OF_BOTH),
-    Column("file", Kind.TEXT, "", "File that it stands in.", empty="it stands in no file"),
+    Column("file", CellKind.TEXT, "", "File that it stands in.", empty="it stands in no file"),
     Column(
         "line",
-        Kind.INTEGER,
+        CellKind.INTEGER,
         "",
         "Line of that file; JSON counts records, tables from 1.",
         empty="it stands in no file",

@@ -13,7 +13,7 @@ from nvcore.measures.entry import NO_FRAMES, Measure
 from nvcore.measures.table import MEASURES
 from nvcore.tables.added import added_columns
 from nvcore.tables.classes import CLASS_COLUMNS
-from nvcore.tables.column import RECORDING, Column, Kind, measure_column, of_both
+from nvcore.tables.column import RECORDING, CellKind, Column, measure_column, of_both
 from nvcore.tables.columns.encounters import ENCOUNTER_COLUMNS
 from nvcore.tables.evidence_columns import SIGNIFICANCE_COLUMNS, SUBGROUP_COLUMNS
 
@@ -33,7 +33,7 @@ def column_names(file: str) -> list[str]:
     return [column.name for column in report_columns()[file]]
 
 
-_TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
+_TEXT, _INTEGER, _NUMBER = CellKind.TEXT, CellKind.INTEGER, CellKind.NUMBER
 _SHARE = "0 to 1"
 
 _SYSTEM = Column("system", _TEXT, "", "Which system it is about: `x` or `y`.")

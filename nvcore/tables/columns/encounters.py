@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from nvcore.tables.column import RECORDING, Column, Kind, of_both
+from nvcore.tables.column import RECORDING, CellKind, Column, of_both
 
-_TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
+_TEXT, _INTEGER, _NUMBER = CellKind.TEXT, CellKind.INTEGER, CellKind.NUMBER
 _SHARE: Final = "0 to 1"
 
 _DISTANT = "too far to count"
@@ -34,7 +34,7 @@ ENCOUNTER_COLUMNS: Final[tuple[Column, ...]] = (
         Column("coverage", _NUMBER, _SHARE, "`matched` / `n_relevant`.", "high", empty=_DISTANT),
         Column(
             "detected",
-            Kind.TRUTH_VALUE,
+            CellKind.TRUTH_VALUE,
             "",
             "Whether the system detected it: coverage is at least the parameter `coverage`, and "
             "a frame that counts is matched.",

@@ -112,9 +112,9 @@ def _clicks(
     known = np.flatnonzero(nearest[:, 0] < reach_s)
     known = known[evenly(len(known), n_points=CLICKS)]
     ttc_s, encounter = nearest[known, 0], nearest[known, 1].astype(np.int64)
-    frame, one = result.dataset.frames["frame"].to_numpy()[start + known], result.objects.singular
+    frame, noun = result.dataset.frames["frame"].to_numpy()[start + known], result.objects.singular
     text = [
-        f"{one} {track}, frame {number}, {second:.2f} s<br>{left:.2f} s to contact, the least"
+        f"{noun} {track}, frame {number}, {second:.2f} s<br>{left:.2f} s to contact, the least"
         for track, number, second, left in zip(
             result.encounters.track[encounter], frame, time_s[known], ttc_s, strict=True
         )

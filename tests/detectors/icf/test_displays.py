@@ -102,7 +102,7 @@ def test_a_box_leads_back_to_its_window(model, drawn):
     for k in range(0, len(boxes), 5):
         box = boxes.x[k], boxes.y[k], boxes.w[k]
         scale, row, column = window_of(model, picture.shape[1], picture.shape[0], box)
-        (score_map,) = [one for one in maps if one.level.scale == scale]
+        (score_map,) = [candidate for candidate in maps if candidate.level.scale == scale]
         assert score_map.score[row, column] == boxes.score[k]
     with pytest.raises(ParameterError, match="at every scale"):
         window_of(model, 10, 10, (0.0, 0.0, 10.0))

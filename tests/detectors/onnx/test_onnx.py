@@ -120,11 +120,11 @@ def test_numbers_that_are_none_are_no_boxes(tmp_path: Path):
 
 def test_threads_change_no_fingerprint_but_a_threshold_does(tmp_path: Path):
     path = blob_model(tmp_path / "blobs.onnx")
-    one, two, other = (
+    single, double, other = (
         open_onnx(path, given).about.fingerprint
         for given in ({"threads": 1}, {"threads": 2}, {"threshold": 0.1})
     )
-    assert one == two != other
+    assert single == double != other
 
 
 def test_nothing_is_reported_to_the_maker_of_the_runtime(tmp_path: Path):
@@ -138,8 +138,8 @@ def test_nothing_is_reported_to_the_maker_of_the_runtime(tmp_path: Path):
         f"detector = open_detector({str(path)!r})\n"
         "detector.detect(np.zeros((64, 64), np.uint8))\n"
     )
-    kept = {key: value for key, value in os.environ.items() if not key.startswith(("ORT", "XDG"))}
-    environment = {**kept, "HOME": str(home)}
+    clean = {key: value for key, value in os.environ.items() if not key.startswith(("ORT", "XDG"))}
+    environment = {**clean, "HOME": str(home)}
     subprocess.run([sys.executable, "-c", code], env=environment, cwd=ROOT, check=True)
     assert not [*home.rglob("*onnxruntime*")]
 

@@ -28,7 +28,7 @@ def result_with(*shares: float, sd: float = NAN, x: str = "", y: str = "", **mor
     boxes = [
         at(0, 10 + 10 * i, track=i, detectability=share, **more) for i, share in enumerate(shares)
     ]
-    found = [
+    detections = [
         [
             box._replace(score=1.0)
             for box, letter in zip(boxes, TRACKS, strict=False)
@@ -36,7 +36,7 @@ def result_with(*shares: float, sd: float = NAN, x: str = "", y: str = "", **mor
         ]
         for who in (x, y)
     ]
-    dataset = make_dataset(boxes, *found, n_frames=1)
+    dataset = make_dataset(boxes, *detections, n_frames=1)
     return compare(replace(dataset, boxes=dataset.boxes.assign(detectability_sd=sd)))
 
 

@@ -40,7 +40,7 @@ def test_each_of_the_eight_regions_has_its_count_and_can_be_clicked(theme):
     (points,) = figure.data
     assert len(points.customdata) == 8
     at = dict(zip(points.customdata, zip(points.x, points.y, strict=True), strict=True))
-    texts = {(one.x, one.y): one.text for one in figure.layout.annotations}
+    texts = {(note.x, note.y): note.text for note in figure.layout.annotations}
     assert texts[at["y"]] == "<b>12</b>"
     assert texts[at["driver_x_y"]] == "<b>3</b>"
     assert texts[at["nobody"]] == "<b>0</b>"

@@ -24,6 +24,7 @@ from nvcore.driver.comparison.encounters import (
 from nvcore.driver.comparison.facts import (
     Adapted,
     Alerts,
+    DetectabilitySource,
     InTime,
     LightUnknown,
     NoClaim,
@@ -32,7 +33,6 @@ from nvcore.driver.comparison.facts import (
     Outside,
     SeenTooLate,
     Seldom,
-    Source,
     Weighting,
     Why,
 )
@@ -149,7 +149,7 @@ def test_estimates_of_simulated_subjects_alone_are_no_ground_for_a_claim():
     assert no_claim(result) == (NoClaim("seen", Why("simulated")),)
     assert not no_claim(with_estimate(result, EstimateRecord("m", "ab12", "some", 12)))
     plain = with_estimate(eight(unknown=0), EstimateRecord())
-    assert source(plain) == (Source("estimates", 0.5, ("estimated",)),)
+    assert source(plain) == (DetectabilitySource("estimates", 0.5, ("estimated",)),)
 
 
 def test_what_is_estimated_and_what_the_truth_states_are_told_apart():
@@ -267,8 +267,10 @@ def test_features_are_those_of_the_frames_of_the_course():
     result = result_of(make_dataset(truth))
     course = detectability_course(result, result.encounters.track.tolist().index(2))
     boxes = result.dataset.boxes.iloc[: len(truth)]
-    kept = boxes[~boxes["ignore"]].reset_index(drop=True)
-    features = kept[["x", "y", "w", "h"]].assign(frame=kept["frame_index"], width_px=np.arange(6.0))
+    people = boxes[~boxes["ignore"]].reset_index(drop=True)
+    features = people[["x", "y", "w", "h"]].assign(
+        frame=people["frame_index"], width_px=np.arange(6.0)
+    )
     own = features_of_course(result, course, features)
     assert own["width_px"].tolist() == (
         [0.0, 2.0, 4.0] if course["truth_row"][0] == 1 else [1, 3, 5]
@@ -391,8 +393,8 @@ def test_where_boxes_are_outside_the_training_but_no_encounter_is_that_is_said()
     result = result_of(make_dataset(truth))
     boxes = result.dataset.boxes
     outside = boxes.assign(is_outside=(boxes["detectability"] == 0.2).to_numpy())
-    said = basis_facts(compare(replace(result.dataset, boxes=outside), result.params))
-    assert only_of(Outside, said) == Outside(1, 2, n_deciding=0, n_encounters=1, names=())
+    facts = basis_facts(compare(replace(result.dataset, boxes=outside), result.params))
+    assert only_of(Outside, facts) == Outside(1, 2, n_deciding=0, n_encounters=1, names=())
 
 
 def test_encounters_whose_largest_value_is_within_its_sd_of_the_threshold_are_open():
@@ -469,9 +471,9 @@ def test_of_what_is_weighted_by_simulated_subjects_no_value_is_the_better_one():
     plain, result = eight(unknown=0), eight(unknown=0, driver_weighting="on")
     rows = zip(score_rows(plain), score_rows(result), strict=True)
     moved = {
-        one.key
-        for one, other in rows
-        if not np.array_equal((one.x, one.y), (other.x, other.y), equal_nan=True)
+        row.key
+        for row, other in rows
+        if not np.array_equal((row.x, row.y), (other.x, other.y), equal_nan=True)
     }
     weighted = {measure.key for measure in MEASURES if measure.depends_on("driver_weighting")}
     assert {"mean_similarity", "severity_s_per_encounter"} <= moved <= weighted
@@ -498,10 +500,10 @@ def test_who_is_seen_too_late_to_stop_is_said_and_no_alert_about_him_is_called_r
     truth = [b._replace(detectability=float(b.frame >= 33)) for b in approach(range(40), 5)]
     sides = approach(range(40), 5), only(approach(range(40), 5), range(36, 40))
     result = result_of(make_dataset(truth, *sides), proximity="height", midpoint=30.0)
-    said = driver_facts(result)
-    assert only_of(Alerts, said).kind == "all"
-    assert only_of(InTime, said) == InTime(n=1, driver=0, both=0, x=1, y=0, neither=0)
-    assert only_of(SeenTooLate, said) == SeenTooLate(1)
+    facts = driver_facts(result)
+    assert only_of(Alerts, facts).kind == "all"
+    assert only_of(InTime, facts) == InTime(n=1, driver=0, both=0, x=1, y=0, neither=0)
+    assert only_of(SeenTooLate, facts) == SeenTooLate(1)
     assert summary(result)["driver"]["too_late"] == 1
 
 
@@ -572,10 +574,10 @@ def test_the_driver_stays_a_person_where_the_objects_are_others():
     settings = replace(met.dataset.settings, objects=objects_from("cyclist"))
     result = compare(replace(met.dataset, settings=settings), met.params)
     regions = map(result.objects.say, DRIVER_REGION_TEXT.values())
-    said = " ".join([words_of(result, driver_facts(result)), *regions])
-    assert not re.search(r"\b(it needs|warn it|its confirmation|nothing|it is taken)\b", said)
-    assert "at least 50 % of drivers would see the cyclist" in said
-    assert "none of them in 1" in said
+    text = " ".join([words_of(result, driver_facts(result)), *regions])
+    assert not re.search(r"\b(it needs|warn it|its confirmation|nothing|it is taken)\b", text)
+    assert "at least 50 % of drivers would see the cyclist" in text
+    assert "none of them in 1" in text
 
 
 def test_without_a_standard_deviation_it_is_not_known_who_is_near_the_threshold():

@@ -49,8 +49,8 @@ def test_what_was_not_answered_and_what_lies_outside_is_counted(training: Traini
     table = replace(training.table, n_unanswered=2, n_outside=1, picture_px=(960, 540))
     lines = [line.replace("\xa0", " ") for line in render_table(table)]
     assert "2 trials without an answer in time: learned from as not seen" in lines
-    said = "1 touch outside the picture of 960 x 540 px: are touch_x and touch_y in its pixels?"
-    assert said in lines
+    text = "1 touch outside the picture of 960 x 540 px: are touch_x and touch_y in its pixels?"
+    assert text in lines
     assert len(render_table(training.table)) == len(lines) - 2
 
 

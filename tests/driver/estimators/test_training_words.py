@@ -40,8 +40,8 @@ def test_where_most_subjects_are_odd_the_data_are_doubted(
 ):
     odd = np.where(np.arange(20) < n_odd, "touches are at chance", "")
     lines = render_table(replace(table, subjects=table.subjects.assign(odd=odd)))
-    said = f"{n_odd} of 20 subjects are odd: rather the data are wrong than the people."
-    assert any(line.startswith(said) for line in lines) is is_said
+    words = f"{n_odd} of 20 subjects are odd: rather the data are wrong than the people."
+    assert any(line.startswith(words) for line in lines) is is_said
 
 
 @pytest.mark.parametrize(
@@ -63,5 +63,5 @@ def test_an_estimator_that_is_no_better_on_average_is_said_to_be(
     )
     text = render_training(training)
     assert "at 0.5 s the estimator is no better than the mean of the others'" in text
-    said = "over all periods, too: 0.1050 on average against 0.1000; as a whole it is of no use"
-    assert (said in text) is is_said
+    words = "over all periods, too: 0.1050 on average against 0.1000; as a whole it is of no use"
+    assert (words in text) is is_said

@@ -294,7 +294,7 @@ def test_many_boxes_give_what_each_gives_alone():
 
 
 @pytest.mark.parametrize(
-    ("picture", "found"),
+    ("picture", "words"),
     [
         (np.zeros((5, 5, 4), np.uint8), r"uint8 of the shape \(5, 5, 4\)"),
         (np.zeros((5, 5, 1), np.uint8), r"uint8 of the shape \(5, 5, 1\)"),
@@ -306,8 +306,8 @@ def test_many_boxes_give_what_each_gives_alone():
         ([[1, 2], [3, 4]], "list"),
     ],
 )
-def test_what_is_no_picture_is_refused(picture: object, found: str):
-    with pytest.raises(ParameterError, match=f"^picture: expected .*, found {found}"):
+def test_what_is_no_picture_is_refused(picture: object, words: str):
+    with pytest.raises(ParameterError, match=f"^picture: expected .*, found {words}"):
         features_of(picture, BOX)  # type: ignore[arg-type]
 
 

@@ -242,10 +242,10 @@ def test_a_part_of_the_recordings_keeps_what_is_known_of_it(tmp_path):
 
 def test_file_and_record_are_part_of_the_fingerprint(tmp_path):
     plain = load(session_of(drive(tmp_path))).fingerprint
-    one, other = (load(estimated(tmp_path, row("urban", 0, v))).fingerprint for v in (0.5, 0.6))
+    lower, higher = (load(estimated(tmp_path, row("urban", 0, v))).fingerprint for v in (0.5, 0.6))
     session = estimated(tmp_path, row("urban", 0, 0.6), provenance="d.json")
     (tmp_path / "d.json").write_bytes(estimate_json(EstimateRecord("m", "ab", "all", 4)))
-    assert len({plain, one, other, load(session).fingerprint}) == 4
+    assert len({plain, lower, higher, load(session).fingerprint}) == 4
 
 
 def test_the_record_says_who_estimated_and_whether_subjects_were_simulated(tmp_path):
@@ -316,8 +316,8 @@ def test_a_light_meter_in_doubt_is_a_warning_of_the_audit_and_part_of_what_is_sa
     (tmp_path / "d.json").write_bytes(estimate_json(record))
     dataset = load(session)
     assert dataset.of("driver") == record
-    (found,) = [one for one in dataset.findings if one.code == "doubtful-light-meter"]
-    assert "urban (one reading in 50 s)" in found.message
+    (finding,) = [finding for finding in dataset.findings if finding.code == "doubtful-light-meter"]
+    assert "urban (one reading in 50 s)" in finding.message
     assert record.caution == "in urban by a light meter that may be of another unit or clock"
 
 
@@ -327,8 +327,10 @@ def test_pictures_in_doubt_are_a_warning_of_the_audit_and_part_of_what_is_said(t
     (tmp_path / "d.json").write_bytes(estimate_json(record))
     dataset = load(session)
     assert dataset.of("driver") == record
-    (found,) = [one for one in dataset.findings if one.code == "doubtful-visible-pictures"]
-    assert "urban (boxes are scaled by 1.5 across)" in found.message
+    (finding,) = [
+        finding for finding in dataset.findings if finding.code == "doubtful-visible-pictures"
+    ]
+    assert "urban (boxes are scaled by 1.5 across)" in finding.message
     assert record.caution == "in urban from pictures or gaze that may be of another view"
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from nvcore.comparison import Result
 from nvcore.measures.entry import HIGHER, Measure, MeasureTable
-from nvcore.scoring import Inputs, Step, SystemResult
+from nvcore.scoring import Inputs, ScoringStep, SystemResult
 from nvcore.stages import ENCOUNTERS
 from toy.settings import LONG
 
@@ -21,7 +21,7 @@ def _count(result: Result, system: SystemResult) -> int:
     return int((is_long(result) & system.encounters["is_detected"]).sum())
 
 
-STEPS = (Step("long", _find, (LONG,), of="truth"),)
+STEPS = (ScoringStep("long", _find, (LONG,), of="truth"),)
 MEASURES = (
     Measure(
         key="toy_detected",

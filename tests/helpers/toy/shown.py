@@ -8,7 +8,7 @@ from nvcore.comparison import Result
 from nvcore.report.verdict import PointOf
 from nvcore.sentences.facts import Fact
 from nvcore.tables.added import Columns
-from nvcore.tables.column import Column, Kind
+from nvcore.tables.column import CellKind, Column
 from toy.measures import is_long
 
 
@@ -19,7 +19,7 @@ def _draw(result: Result, *, theme: str) -> go.Figure:
 COLUMNS = (
     Columns(
         "encounters.csv",
-        (Column("toy_long", Kind.TRUTH_VALUE, "", "Whether the encounter is long."),),
+        (Column("toy_long", CellKind.TRUTH_VALUE, "", "Whether the encounter is long."),),
         lambda result: {"toy_long": is_long(result)},
     ),
 )

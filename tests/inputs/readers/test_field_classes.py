@@ -190,7 +190,7 @@ def test_a_child_beside_pedestrians_is_ignored_and_a_finding_offers_to_count_it(
     (tmp_path / "truth.json").write_text(json.dumps(document))
     dataset = load(session_of(tmp_path, ".json"))
     assert found(nv.compare(dataset))["false_alarms"] == RIGHT["false_alarms"]
-    finding = next(one for one in nv.audit(dataset) if one.code == "other-kinds")
+    finding = next(finding for finding in nv.audit(dataset) if finding.code == "other-kinds")
     assert (finding.count, finding.steps) == (
         30,
         (Step(Remedy.CLASSES, "person,child", "truth"),),

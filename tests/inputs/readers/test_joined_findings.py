@@ -26,7 +26,10 @@ def test_a_finding_about_a_single_file_stays_as_it_is():
 
 def test_findings_that_say_different_things_stay_apart_and_in_order():
     several = [finding("a", message="B."), finding("b", message="A."), finding("c", message="B.")]
-    assert [one.message for one in joined_findings(several)] == ["B. They stand in 2 files.", "A."]
+    assert [joined.message for joined in joined_findings(several)] == [
+        "B. They stand in 2 files.",
+        "A.",
+    ]
 
 
 def test_frames_before_the_first_of_two_files_are_one_finding(tmp_path: Path):

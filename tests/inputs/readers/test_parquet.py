@@ -23,7 +23,7 @@ from nvcore.errors import FormatError, NvcoreError
 from nvcore.inputs.readers import detect_format, parquet, parquet_decoder
 from nvcore.inputs.readers.base import Reading, ReadOptions, Role, SourceFile
 from nvcore.inputs.readers.csv import FORMAT as PLAIN_CSV
-from nvcore.inputs.readers.parquet_decoder import RefusedError, Table
+from nvcore.inputs.readers.parquet_decoder import ParquetTable, RefusedError
 
 BOX: dict[str, Any] = {"frame": [1, 2], "x": [1.5, 2.0], "y": [0, 1], "w": [9, 9], "h": [20, 30]}
 
@@ -44,7 +44,7 @@ def read(file: SourceFile, role: Role = "truth", **options: Any) -> Reading:
 
 def decoded(path: Path, **limits: int) -> dict[int, pa.ChunkedArray]:
     """All columns, in this process: with other limits than those of every file."""
-    table = Table(path.read_bytes())
+    table = ParquetTable(path.read_bytes())
     given = {"ratio": 200, "ratio_from": 1 << 26, "unpacked": 1 << 31, "text": 1 << 14}
     return table.columns(range(len(table.names)), given | limits)
 
@@ -151,15 +151,15 @@ def test_scores_and_an_empty_table_are_read_as_detections(tmp_path: Path):
     ids=lambda value: value[:40] if isinstance(value, str) else "",
 )
 def test_what_is_no_box_is_named_with_its_row(tmp_path: Path, columns: dict[str, Any], words: str):
-    said = refusal(table(tmp_path, **columns))
-    assert said.startswith("night.parquet: ")
-    assert words in said
+    message = refusal(table(tmp_path, **columns))
+    assert message.startswith("night.parquet: ")
+    assert words in message
 
 
 def test_a_missing_column_is_named(tmp_path: Path):
     pq.write_table(pa.table({"frame": [1], "left": [1.0], "top": [1.0]}), tmp_path / "a.parquet")
-    said = refusal(SourceFile(tmp_path / "a.parquet", "a.parquet"))
-    assert "found frame, left, top; missing: w, h" in said
+    message = refusal(SourceFile(tmp_path / "a.parquet", "a.parquet"))
+    assert "found frame, left, top; missing: w, h" in message
 
 
 def test_a_column_that_is_there_twice_is_refused(tmp_path: Path):
@@ -267,11 +267,11 @@ def test_a_damaged_table_is_read_or_refused(tmp_path: Path, place: int, piece: b
     content = CONTENT[:place] + piece + CONTENT[place + cut :]
     file = source(tmp_path, content, "a.parquet")
     try:
-        n_boxes, said = len(parquet.read([file], ReadOptions()).boxes), ""
+        n_boxes, message = len(parquet.read([file], ReadOptions()).boxes), ""
     except NvcoreError as error:
-        n_boxes, said = 0, str(error)
+        n_boxes, message = 0, str(error)
     assert n_boxes <= 2
-    assert not said or said.startswith("a.parquet: ")
+    assert not message or message.startswith("a.parquet: ")
 
 
 def repeated(folder: Path, column: str, text: str, n: int) -> SourceFile:
@@ -356,12 +356,12 @@ def test_columns_of_different_lengths_are_refused(tmp_path: Path):
     way: dict[str, Any] = {"use_dictionary": False, "write_statistics": False}
     pq.write_table(columns, tmp_path / "a.parquet", compression="none", **way)
     content = (tmp_path / "a.parquet").read_bytes()
-    said = set()
+    messages = set()
     for place in range(4, content.index(b"schema")):  # among them a page's count of rows
         if content[place] == 0:
             file = source(tmp_path, content[:place] + b"\x02" + content[place + 1 :], "a.parquet")
             with suppress(FormatError):
                 parquet.read([file], ReadOptions())
                 continue
-            said.add(refusal(file))
-    assert any("fault: column recording has 0 rows, column frame 2" in text for text in said)
+            messages.add(refusal(file))
+    assert any("fault: column recording has 0 rows, column frame 2" in text for text in messages)

@@ -60,7 +60,9 @@ def test_a_golden_file_is_recognised_as_its_own_format_and_no_other_claims_it(
 ):
     assert detect_format([source(name)], role).name == expected
     head = (DATA / name).read_text(encoding="utf-8")
-    claims = [one.name for one in FORMATS if role in one.roles and one.recognise(name, head, role)]
+    claims = [
+        form.name for form in FORMATS if role in form.roles and form.recognise(name, head, role)
+    ]
     assert claims == [expected]
 
 
@@ -125,9 +127,9 @@ def test_a_beginning_is_claimed_by_its_own_formats_only(
     head: str, as_truth: str, as_detections: str
 ):
     for role, claims in (("truth", as_truth), ("detections", as_detections)):
-        formats = [one for one in FORMATS if role in one.roles]
-        found = [one.name for one in formats if one.recognise("I00019.txt", head, role)]
-        assert found == claims.split()
+        formats = [form for form in FORMATS if role in form.roles]
+        names = [form.name for form in formats if form.recognise("I00019.txt", head, role)]
+        assert names == claims.split()
 
 
 def test_the_format_is_told_from_the_first_file_that_is_not_empty():

@@ -37,7 +37,7 @@ def with_intervals(evidence: pd.DataFrame) -> pd.DataFrame:
 
 
 def annotations(figure: go.Figure) -> list[str]:
-    return [one.text for one in figure.layout.annotations]
+    return [note.text for note in figure.layout.annotations]
 
 
 def test_plotly_is_packed_whole_and_the_same_each_time():

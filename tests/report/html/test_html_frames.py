@@ -35,8 +35,8 @@ def decoded(jpeg: bytes) -> np.ndarray:
 def missed_by_one(who_misses: str, centres: Sequence[float], *, recording: int = 0) -> Result:
     """One pedestrian on its way, missed by one system in all frames; the other finds it."""
     truth = [at(t, c, track=7, recording=recording) for t, c in enumerate(centres)]
-    found = [at(t, c, recording=recording) for t, c in enumerate(centres)]
-    x, y = ([], found) if who_misses == "x" else (found, [])
+    detections = [at(t, c, recording=recording) for t, c in enumerate(centres)]
+    x, y = ([], detections) if who_misses == "x" else (detections, [])
     return result_of(make_dataset(truth, x, y, n_frames=len(centres)))
 
 
@@ -77,14 +77,14 @@ def test_there_are_a_dozen_at_most_and_no_frame_twice():
     y = [at(0, c, recording=i) for i, c in enumerate(centres) if not i % 2]
     places = [Place([0])] * 14
     moments = decisive_moments(result_of(make_dataset(truth, x, y, places=places)))
-    titles = [one.title for one in moments]
+    titles = [moment.title for moment in moments]
     assert (
         titles[: 2 * EXCLUSIVE] == ["Only X detects"] * EXCLUSIVE + ["Only Y detects"] * EXCLUSIVE
     )
     assert len(moments) <= MOST
-    assert len({one.row for one in moments}) == len(moments)
+    assert len({moment.row for moment in moments}) == len(moments)
     # the clearest first: those in the middle
-    assert [one.row for one in moments[:EXCLUSIVE]] == [13, 11, 9, 7]
+    assert [moment.row for moment in moments[:EXCLUSIVE]] == [13, 11, 9, 7]
 
 
 @pytest.fixture
@@ -153,13 +153,16 @@ def test_frames_of_one_scene_are_shown_once():
     # at 10 fps, frames 0 and 15 are 1.5 s apart, 0 and 40 are 4 s apart
     truth = [at(t, 50, track=t) for t in (0, 15, 40)]
     moments = decisive_moments(result_of(make_dataset(truth, truth, [], n_frames=60)))
-    assert [one.row for one in moments] == [0, 40]
+    assert [moment.row for moment in moments] == [0, 40]
 
 
 def test_a_scene_may_speak_against_both_systems():
     truth = [at(0, 30, track=1), at(5, 60, track=2)]
     result = result_of(make_dataset(truth, truth[:1], truth[1:], n_frames=6))
-    assert {(one.row, one.loser) for one in decisive_moments(result)[:2]} == {(0, "y"), (5, "x")}
+    assert {(moment.row, moment.loser) for moment in decisive_moments(result)[:2]} == {
+        (0, "y"),
+        (5, "x"),
+    }
 
 
 def test_a_small_difference_is_not_shown_as_one():
@@ -168,7 +171,7 @@ def test_a_small_difference_is_not_shown_as_one():
         truth = [Box(t, 40, 40, 20, 50, 1) for t in range(3)]
         near = [Box(t, 40 + shift, 40, 20, 50) for t in range(3)]
         moments = decisive_moments(result_of(make_dataset(truth, truth, near)))
-        shown[shift] = [one.title for one in moments]
+        shown[shift] = [moment.title for moment in moments]
     assert shown == {0: [], 2: [], 4: ["X better than Y (1.00 to 0.92)"]}
 
 
@@ -177,15 +180,16 @@ def test_a_worst_moment_is_shown_in_a_frame_with_its_pedestrian():
     truth = [at(t, 40, track=1) for t in range(10) if t != 5]
     x = [at(5, 50)]
     result = result_of(make_dataset(truth, x, truth, n_frames=10), alpha=0.5)
-    about = [one for one in decisive_moments(result) if one.encounter == 0]
+    about = [moment for moment in decisive_moments(result) if moment.encounter == 0]
     assert about
-    assert all(one.row != 5 for one in about)
+    assert all(moment.row != 5 for moment in about)
 
 
 def encircled(result: Result, moment: Moment, other: Moment) -> tuple[np.ndarray, np.ndarray]:
     """Rows and columns, as shares of the picture, that tell it from that of another moment."""
     drawn, plain = (
-        decoded(photo(result, one, RecordingPictures()).jpeg).astype(int) for one in (moment, other)
+        decoded(photo(result, at_moment, RecordingPictures()).jpeg).astype(int)
+        for at_moment in (moment, other)
     )
     rows, columns = np.nonzero(np.abs(drawn - plain).max(axis=-1) > 80)
     return rows / drawn.shape[0], columns / drawn.shape[1]

@@ -85,7 +85,7 @@ def test_every_section_says_what_it_is_about(content):
     ]  # fmt: skip
     assert re.findall(r'<li><a href="#([\w-]+)">', content) == anchors
     introduced = re.findall(r'<section id="([\w-]+)">\s*<h2>.*?</h2>\s*<p class="what">', content)
-    assert introduced == [one for one in anchors if one not in ("reading", "appendix")]
+    assert introduced == [anchor for anchor in anchors if anchor not in ("reading", "appendix")]
     for anchor in re.findall(r'href="#(about-[\w-]+)"', content):
         assert content.count(f'<h3 id="{anchor}">') == 1
 
@@ -235,8 +235,8 @@ def test_the_words_say_with_which_marks_the_diagram_is_drawn(x, y, loser, text):
     style = scheme.style(loser)
     assert (marks.symbol[0], marks.color[0]) == (style.symbol, style.light)
     x_style, y_style = (scheme.style(letter) for letter in "xy")
-    said = words.who(result.params).said(result.objects, x=x_style, y=y_style)
-    assert text in said.best
+    glossary = words.who(result.params).said(result.objects, x=x_style, y=y_style)
+    assert text in glossary.best
 
 
 def test_subgroups_have_who_detects_more_and_the_other_figures(page):
@@ -300,7 +300,7 @@ def test_a_text_in_css_can_end_neither_it_nor_the_style():
 def test_charts_are_figures_of_plotly_and_nothing_is_fetched_from_elsewhere(page, content):
     charts = page.charts()
     assert len(charts) == 11
-    assert [one["layout"]["title"].get("text") for one in charts.values()] == [None] * 11
+    assert [chart["layout"]["title"].get("text") for chart in charts.values()] == [None] * 11
     captions = re.findall(r"<figcaption><strong>(.*?)</strong> <span class=.muted.>", content)
     assert "Similarity by recording" in captions
     assert not re.search("click", " ".join(captions), flags=re.IGNORECASE)

@@ -96,7 +96,7 @@ def test_a_verdict_that_is_shown_stays_until_the_next_unless_it_is_about_others(
 
     drawn: list[str] = []
     monkeypatch.setattr(results, "cached_evidence", refuse)
-    monkeypatch.setattr(verdict_page.Room, "draw_known", lambda *_: drawn.append("known"))
+    monkeypatch.setattr(verdict_page.VerdictBox, "draw_known", lambda *_: drawn.append("known"))
     app.slider(key="alpha").set_value(0.5).run()
     assert drawn == []
     app.multiselect(key="tags_chosen").set_value(["rural"]).run()  # it was not about these alone
@@ -108,7 +108,7 @@ def test_what_is_known_is_drawn_once_and_not_first_as_unknown(
 ):
     drawn: list[bool] = []
     monkeypatch.setattr(Scorecard, "draw", lambda _, evidence: drawn.append(evidence is not None))
-    monkeypatch.setattr(verdict_page.Room, "draw_known", lambda *_, **__: drawn.append(False))
+    monkeypatch.setattr(verdict_page.VerdictBox, "draw_known", lambda *_, **__: drawn.append(False))
     checked(app.run())
     assert drawn == [True]
     assert app.markdown[0].value.startswith("## 10 recordings do not tell X and Y apart")
@@ -120,7 +120,7 @@ def test_a_new_visitor_sees_at_once_what_another_has_waited_for(
 ):
     drawn: list[bool] = []
     monkeypatch.setattr(Scorecard, "draw", lambda _, evidence: drawn.append(evidence is not None))
-    monkeypatch.setattr(verdict_page.Room, "draw_known", lambda *_, **__: drawn.append(False))
+    monkeypatch.setattr(verdict_page.VerdictBox, "draw_known", lambda *_, **__: drawn.append(False))
     newcomer = checked(opened())
     assert newcomer.session_state["workspace"] is not app.session_state["workspace"]
     assert drawn == [False, True]  # the words wait for the page's end

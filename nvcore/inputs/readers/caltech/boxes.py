@@ -22,9 +22,9 @@ from nvcore.inputs.readers.meaning.values import (
     levels_of_numbers,
     levels_of_visible_share,
 )
-from nvcore.inputs.readers.parse.text import Layout, read_numbers, stacked
+from nvcore.inputs.readers.parse.text import TextLayout, read_numbers, stacked
 
-LAYOUT = Layout(
+LAYOUT = TextLayout(
     (10, 11, 12),
     "label l t w h occluded vl vt vw vh [ignore [angle]]",
     delimiter=" ",

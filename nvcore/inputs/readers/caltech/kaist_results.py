@@ -27,15 +27,15 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.meaning.names import known_recording
 from nvcore.inputs.readers.parse.text import (
-    Layout,
     NumberTable,
+    TextLayout,
     number_of,
     read_numbers,
     rows_of_text,
     whole_numbers,
 )
 
-LAYOUT = Layout((6,), "image number or frame,x,y,w,h,score", whole=(0,))
+LAYOUT = TextLayout((6,), "image number or frame,x,y,w,h,score", whole=(0,))
 _SEQUENCE = re.compile(r"V\d+", re.IGNORECASE)
 
 

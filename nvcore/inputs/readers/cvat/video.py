@@ -25,7 +25,7 @@ from nvcore.inputs.readers.base import (
     warning,
 )
 from nvcore.inputs.readers.cvat.boxes import CORNERS, boxes_reading, other_shapes
-from nvcore.inputs.readers.cvat.xml import CvatContent, Task, read_cvat
+from nvcore.inputs.readers.cvat.xml import CvatContent, CvatTask, read_cvat
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.parse.xml import root_of
 
@@ -209,7 +209,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
 def _recordings(
     files: Sequence[SourceFile],
     contents: Sequence[CvatContent],
-    units: Sequence[tuple[int, Task]],
+    units: Sequence[tuple[int, CvatTask]],
     options: ReadOptions,
 ) -> tuple[list[str], list[str]]:
     """Recording of each task: a file has one, an export of a project several."""
@@ -226,7 +226,7 @@ def _recordings(
 
 
 def _frames_of(
-    task: Task, file: SourceFile, options: ReadOptions
+    task: CvatTask, file: SourceFile, options: ReadOptions
 ) -> tuple[np.ndarray | None, list[Finding]]:
     """The task's frames, None where the file does not give them."""
     n_frames = task.n_frames
@@ -293,7 +293,7 @@ def _boxes_of(
     return boxes[~boxes["outside"]], _findings(rows, lines, filled, content, options)
 
 
-def _task_of(content: CvatContent, key: str, line: int, file: SourceFile) -> Task:
+def _task_of(content: CvatContent, key: str, line: int, file: SourceFile) -> CvatTask:
     """Task of a track: the only one, or the one that it names."""
     if len(content.tasks) == 1:
         return next(iter(content.tasks.values()))

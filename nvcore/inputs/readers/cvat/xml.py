@@ -43,7 +43,7 @@ _STEP = re.compile(r"\s*(?:step\s*=\s*(?P<step>[0-9]{1,9})\s*)?")
 
 
 @dataclass
-class Task:
+class CvatTask:
     """What the file says of a task: one video or one set of pictures.
 
     Attributes
@@ -108,7 +108,7 @@ class Owner:
     line
         Line of its element.
     task
-        Key of its task, see `Task`.
+        Key of its task, see `CvatTask`.
     track
         Id and label of a track; id -1 and empty for a picture.
     label
@@ -148,7 +148,7 @@ class CvatContent:
         Labels that the file declares.
     """
 
-    tasks: dict[str, Task] = field(default_factory=dict)
+    tasks: dict[str, CvatTask] = field(default_factory=dict)
     owners: list[Owner] = field(default_factory=list)
     boxes: pd.DataFrame = field(default_factory=pd.DataFrame)
     other_shapes: list[tuple[str, str, int]] = field(default_factory=list)
@@ -172,7 +172,7 @@ class _Parser:
         self.values = array("d")
         self.labels: list[str] = []
         self.attributes: list[str] = []
-        self.task: Task | None = None
+        self.task: CvatTask | None = None
         self.source = ""
         self.owner: Element | None = None
         self.shape: Element | None = None
@@ -306,7 +306,7 @@ class _Parser:
         if match is None:
             return
         if self.task is None:
-            self.task = Task()
+            self.task = CvatTask()
         fact = match["fact"]
         if fact is None:  # the end of the task
             in_project = "/project/" in element.path
@@ -317,7 +317,7 @@ class _Parser:
         else:
             self.take_fact(self.task, fact, element)
 
-    def take_fact(self, task: Task, fact: str, element: Element) -> None:
+    def take_fact(self, task: CvatTask, fact: str, element: Element) -> None:
         """One fact about a task."""
         text = element.text
         if fact in _TEXT_FACTS:
@@ -347,7 +347,7 @@ class _Parser:
         )
         tasks = self.content.tasks
         if not tasks:
-            tasks[""] = Task()
+            tasks[""] = CvatTask()
         if len(tasks) == 1:
             task = next(iter(tasks.values()))
             task.source = task.source or self.source

@@ -24,8 +24,8 @@ from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes, rul
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.meaning.values import known_distances
 from nvcore.inputs.readers.parse.text import (
-    Layout,
     NumberTable,
+    TextLayout,
     are_numbers,
     is_whole,
     number_of,
@@ -35,7 +35,7 @@ from nvcore.inputs.readers.parse.text import (
     whole_numbers,
 )
 
-LAYOUT = Layout(
+LAYOUT = TextLayout(
     (6, 15), "frame,x1,y1,x2,y2,score or frame,type,x1,y1,x2,y2,score,h,w,l,X,Y,Z,ry,alpha"
 )
 TYPES = {1: "Pedestrian", 2: "Car", 3: "Cyclist"}

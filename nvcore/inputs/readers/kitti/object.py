@@ -16,9 +16,9 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.kitti.label import FIELDS, label_boxes
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
-from nvcore.inputs.readers.parse.text import Layout, read_numbers, stacked
+from nvcore.inputs.readers.parse.text import TextLayout, read_numbers, stacked
 
-LAYOUT = Layout((15, 16), FIELDS, delimiter=" ", label_at=0)
+LAYOUT = TextLayout((15, 16), FIELDS, delimiter=" ", label_at=0)
 
 
 def recognise(name: str, head: str, role: Role) -> bool:

@@ -20,10 +20,10 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.kitti.label import FIELDS, label_boxes
 from nvcore.inputs.readers.meaning.names import recordings_of
-from nvcore.inputs.readers.parse.text import Layout, read_numbers, stacked, whole_numbers
+from nvcore.inputs.readers.parse.text import TextLayout, read_numbers, stacked, whole_numbers
 from nvcore.schema import NO_TRACK
 
-LAYOUT = Layout((17, 18), f"frame id {FIELDS}", delimiter=" ", label_at=2, whole=(0, 1))
+LAYOUT = TextLayout((17, 18), f"frame id {FIELDS}", delimiter=" ", label_at=2, whole=(0, 1))
 
 
 def recognise(name: str, head: str, role: Role) -> bool:

@@ -453,9 +453,9 @@ def _by_their_times(
         there = there[first]
         unique, codes = np.unique(own_times.ns[rows], return_inverse=True)
         nearest, n_periods = nearest_times(unique, their_ns, frames_by_times(their_ns)[1])
-        found = there[np.maximum(nearest, 0)]
-        own_frame = np.where(nearest < 0, NO_FRAME, truth.frame[found] + n_periods)
-        recording[rows] = theirs["recording"].to_numpy(dtype=object)[found][codes]
+        of_nearest = there[np.maximum(nearest, 0)]
+        own_frame = np.where(nearest < 0, NO_FRAME, truth.frame[of_nearest] + n_periods)
+        recording[rows] = theirs["recording"].to_numpy(dtype=object)[of_nearest][codes]
         frame[rows] = own_frame[codes]
     return recording, frame
 
@@ -476,13 +476,13 @@ def rows_by_name(names: Sequence[str], listed: Sequence[str]) -> tuple[np.ndarra
     ]
     begun = ", ".join(repr(begin) for begin in begins if begin)
     cut = f"pictures found in the truth by their names without the common beginnings {begun}"
-    for sides, said in ((stems, way), ((without[0], stems[1]), cut), (without, cut)):
+    for sides, how in ((stems, way), ((without[0], stems[1]), cut), (without, cut)):
         if (best >= 0).all():
             break
         row = rows_by_text(*sides)
         row = np.where(best >= 0, best, row) if sides is stems else row
         if (row >= 0).sum() > (best >= 0).sum():
-            best, way = row, said
+            best, way = row, how
     return best, way
 
 

@@ -186,13 +186,13 @@ class Records:
             ]
             if all(is_lacking) and values == [_NO_BOX] * len(values):
                 is_mask = isinstance(shapes[0], dict)
-                found = "none"
+                content = "none"
                 if is_mask:
-                    found = (
+                    content = (
                         "masks (RLE) alone, which are not read: add the box around each mask, as "
                         "pycocotools.mask.toBbox gives it"
                     )
-                raise self.error(0, f'expected the field "bbox", found {found}')
+                raise self.error(0, f'expected the field "bbox", found {content}')
         expected = "bbox [x, y, width, height]"
         self.check_types(values, {list}, expected)
         boxes: list[list[object]] = values  # type: ignore[assignment]

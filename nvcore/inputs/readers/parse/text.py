@@ -95,7 +95,7 @@ class NumberTable:
 
 
 @dataclass(frozen=True)
-class Layout:
+class TextLayout:
     """How the rows of a text file without header look.
 
     Attributes
@@ -143,7 +143,7 @@ class Layout:
         )
 
 
-def read_numbers(file: SourceFile, layout: Layout) -> NumberTable:
+def read_numbers(file: SourceFile, layout: TextLayout) -> NumberTable:
     """Read a text file without header in which every field, but for one label, is a number.
 
     Empty lines are passed over, an empty file gives no rows.
@@ -193,7 +193,7 @@ def stacked(tables: Sequence[NumberTable]) -> NumberTable:
     return NumberTable(columns, lines, np.concatenate(labels) if labels else None)
 
 
-def _fast(content: bytes, file: SourceFile, layout: Layout) -> NumberTable | None:
+def _fast(content: bytes, file: SourceFile, layout: TextLayout) -> NumberTable | None:
     """The table by pyarrow, or None where the careful parser must look."""
     begin = len(content) - len(content.lstrip())
     end = content.find(b"\n", begin)
@@ -233,7 +233,7 @@ def line_blocks(content: bytes) -> Iterator[tuple[int, bytes]]:
         start, n_before = end, n_before + block.count(b"\n")
 
 
-def _by_blocks(content: bytes, file: SourceFile, layout: Layout) -> NumberTable:
+def _by_blocks(content: bytes, file: SourceFile, layout: TextLayout) -> NumberTable:
     """The table, row by row only where a block of lines has an odd one."""
     if not content.isascii():
         _decode(content, file)
@@ -258,7 +258,7 @@ def _lines(content: bytes, n_rows: int) -> np.ndarray:
     return np.flatnonzero(np.diff(ends, prepend=-1) > 1) + 1
 
 
-def _careful(text: str, file: SourceFile, layout: Layout, first: int = 1) -> NumberTable:
+def _careful(text: str, file: SourceFile, layout: TextLayout, first: int = 1) -> NumberTable:
     """Row by row, for files with ragged rows, odd spacing or a fault to be named."""
     rows: list[list[float]] = []
     lines: list[int] = []
@@ -337,7 +337,7 @@ def rows_of_text(head: str, *, delimiter: str = ",") -> list[list[str]]:
     head
         Beginning of the file as text.
     delimiter
-        See `Layout`.
+        See `TextLayout`.
     """
     lines = head.removeprefix("\ufeff").splitlines()
     if len(lines) > 1 and not head.endswith(("\n", "\r")):

@@ -321,7 +321,7 @@ def test_every_frame_between_the_first_and_the_last_of_a_track_is_there_once(
 ) -> None:
     tracks, frames = [row[0] for row in rows], [row[1] for row in rows]
     filled = fill(frames, tracks=tracks)
-    found = (
+    filled_frames = (
         sorted(zip(np.array(tracks)[filled.left].tolist(), filled.frame.tolist(), strict=True))
         if rows
         else []
@@ -330,7 +330,7 @@ def test_every_frame_between_the_first_and_the_last_of_a_track_is_there_once(
     for track in sorted(set(tracks)):
         own = [f for t, f in rows if t == track]
         expected += [(track, f) for f in range(min(own), max(own) + 1)]
-    assert found == expected
+    assert filled_frames == expected
 
 
 @given(st.lists(st.integers(0, 60), min_size=2, max_size=8, unique=True))

@@ -12,7 +12,7 @@ from nvcore.errors import FormatError, InputError
 from nvcore.inputs.readers.base import Lines, SourceFile
 from nvcore.inputs.readers.parse import text
 from nvcore.inputs.readers.parse.text import (
-    Layout,
+    TextLayout,
     are_numbers,
     is_whole,
     read_numbers,
@@ -34,7 +34,7 @@ NO_NUMBERS = ["person", "1_000", '"1', "0x10", "1;2"]
 
 
 def three(file: SourceFile, **options: object):
-    return read_numbers(file, Layout(**{"n_columns": (3, 4), "what": "a,b,c", **options}))
+    return read_numbers(file, TextLayout(**{"n_columns": (3, 4), "what": "a,b,c", **options}))
 
 
 def padded(content: str) -> str:
@@ -159,9 +159,9 @@ def test_text_is_read_without_its_byte_order_mark(tmp_path):
 
 
 def test_stacked_tables_keep_file_line_and_label(tmp_path):
-    one = three(source(tmp_path, "1 a 2\n"), delimiter=" ", label_at=1)
-    two = three(source(tmp_path, "\n3 b 4\n5 c 6\n"), delimiter=" ", label_at=1)
-    table = stacked([one, two])
+    above = three(source(tmp_path, "1 a 2\n"), delimiter=" ", label_at=1)
+    below = three(source(tmp_path, "\n3 b 4\n5 c 6\n"), delimiter=" ", label_at=1)
+    table = stacked([above, below])
     assert table.lines.file.tolist() == [0, 1, 1]
     assert table.lines.line.tolist() == [1, 2, 3]
     assert table.label.tolist() == ["a", "b", "c"]

@@ -74,8 +74,8 @@ def test_text_that_begins_as_json_and_is_none_is_an_error_with_its_line(tmp_path
 
 
 def test_xml_of_another_kind_is_told_by_its_root(tmp_path):
-    said = refusal(tmp_path, '<?xml version="1.0"?>\n<!-- <a> -->\n<svg width="1"/>')
-    assert "it is XML with the root <svg>; expected <annotations> (CVAT)" in said
+    message = refusal(tmp_path, '<?xml version="1.0"?>\n<!-- <a> -->\n<svg width="1"/>')
+    assert "it is XML with the root <svg>; expected <annotations> (CVAT)" in message
 
 
 ENTITIES = '<!DOCTYPE lolz [<!ENTITY lol "lol"><!ENTITY lol1 "&lol;&lol;">]>'
@@ -90,17 +90,17 @@ ENTITIES = '<!DOCTYPE lolz [<!ENTITY lol "lol"><!ENTITY lol1 "&lol;&lol;">]>'
     ids=["billion laughs", "deep"],
 )
 def test_an_xml_bomb_is_not_told_that_it_should_be_what_it_is(tmp_path, content, words):
-    said = refusal(tmp_path, content)
-    assert words in said
-    assert "expected <annotations>" not in said
+    message = refusal(tmp_path, content)
+    assert words in message
+    assert "expected <annotations>" not in message
 
 
 def test_results_given_as_ground_truth_are_called_so(tmp_path):
-    said = refusal(tmp_path, COCO_RESULTS)
-    assert "expected ground truth, found COCO results, which holds the detections of" in said
+    message = refusal(tmp_path, COCO_RESULTS)
+    assert "expected ground truth, found COCO results, which holds the detections of" in message
 
 
 def test_ground_truth_given_as_results_is_called_so(tmp_path):
-    said = refusal(tmp_path, "% bbGt version=3\nperson 1 2 20 50 0 0 0 0 0 0 0\n", "detections")
-    assert "expected the detections of a system, found " in said
-    assert said.endswith("which holds ground truth")
+    message = refusal(tmp_path, "% bbGt version=3\nperson 1 2 20 50 0 0 0 0 0 0 0\n", "detections")
+    assert "expected the detections of a system, found " in message
+    assert message.endswith("which holds ground truth")

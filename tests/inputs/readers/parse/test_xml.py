@@ -20,7 +20,7 @@ BILLION_LAUGHS = (
 
 def elements(folder: Path, content: bytes | str) -> list[tuple[str, int, str]]:
     file = source(folder, content, "a.xml")
-    return [(one.path, one.line, one.text) for one in read_elements(file, root="a")]
+    return [(element.path, element.line, element.text) for element in read_elements(file, root="a")]
 
 
 def test_elements_end_from_the_inside_out_with_their_lines(tmp_path: Path) -> None:
@@ -32,8 +32,8 @@ def test_elements_end_from_the_inside_out_with_their_lines(tmp_path: Path) -> No
 
 
 def test_lines_are_right_beyond_the_first_piece(tmp_path: Path) -> None:
-    found = elements(tmp_path, "<a>\n" + "<b/>\n" * 50_000 + "</a>")
-    assert [one[1] for one in found[:-1]] == list(range(2, 50_002))
+    read = elements(tmp_path, "<a>\n" + "<b/>\n" * 50_000 + "</a>")
+    assert [element[1] for element in read[:-1]] == list(range(2, 50_002))
 
 
 @pytest.mark.parametrize(
