@@ -98,6 +98,10 @@ def follow(title: str) -> Click:
     return click
 
 
+def ask(question: str) -> Click:
+    return lambda one: one.keyed("questions").get_by_role("link", name=question).click()
+
+
 def closer(part: str, then: Click) -> Click:
     def click(one: Visit) -> None:
         one.look_closer(part)
@@ -160,6 +164,12 @@ IN_THE_SAMPLE: Final = (
     Jump("ui/timeline/panel.py:_chosen", "Timeline", "Encounters", choose_pedestrian),
     Jump("ui/shell/pages.py:draw_bar", "Data", "Time left", follow("Time left")),
     Jump("ui/shell/pages.py:_draw_group", "Data", "Stability", follow("Stability")),
+    Jump(
+        "ui/shell/pages.py:draw_questions",
+        "Overview",
+        "Systems",
+        ask("How do all systems compare?"),
+    ),
     Jump("ui/shell/pages.py:draw_tabs", "Encounters", "Saliency", follow("Saliency")),
 )
 WITH_THREE: Final = (
