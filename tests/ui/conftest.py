@@ -22,9 +22,11 @@ scan_once = cache(manifest_scanner.scan_component_manifests)
 
 
 @pytest.fixture(scope="session", autouse=True)
-def uploads(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """A folder for what fixtures open that several tests look at."""
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """What is the same for all tests, done once; a folder for what several of them look at."""
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(recordings, "open_pictures", open_sample_once)
+        patch.setattr(manifest_scanner, "scan_component_manifests", scan_once)
         patch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path_factory.mktemp("uploads")))
         yield
 
@@ -34,8 +36,6 @@ def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[No
     monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
     monkeypatch.delenv("NVCORE_LOCAL_ROOT", raising=False)
     monkeypatch.delenv("NVCORE_SESSION", raising=False)
-    monkeypatch.setattr(recordings, "open_pictures", open_sample_once)
-    monkeypatch.setattr(manifest_scanner, "scan_component_manifests", scan_once)
     if SAMPLE in sample._samples:  # those that tests have opened go first
         sample._samples.move_to_end(SAMPLE)
     for shared in sample._samples.values():  # what other tests moved is not known to this one

@@ -76,5 +76,7 @@ def test_a_page_shows_what_there_is(page: str, app: tuple[str, AppTest]):
     if name in ("nobody detected", "audit errors") and page == "overview":
         assert any("depends on what the audit found" in item.value for item in visit.markdown)
         assert any("Bars: " in item.value for item in visit.caption)  # what the tiles show, too
+    if name == "sample" and page == "export":
+        assert visit.header[0].value == "Link"
     if name == "frames pass for encounters" and page in ("encounters", "saliency"):
         assert "one frame long" in shown

@@ -247,7 +247,7 @@ def test_without_pictures_it_is_said_what_is_missing(
 def test_a_run_becomes_a_system_whose_training_the_audit_knows(
     model: bytes, monkeypatch: pytest.MonkeyPatch
 ):
-    page = send(checked(opened("detectors", is_folded=True, **PEOPLE)), "bars.npz", model)
+    page = with_model(model)
     checked(slider(page, "Overlap").set_value(0.3).run())
     timed(page)
     assert "300 pictures of 1 recording on" in texts(page)
@@ -278,10 +278,8 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(
     checked(region.set_value("5 5 5 5 5 5").run())
     assert "expected" in page.error[0].value
     assert "**bars**: " in texts(page)
-    (region,) = [field for field in page.text_input if field.label == "Region"]
-    checked(region.set_value("").run())
-    press(page, "compare_detector")
     space = page.session_state["workspace"]
+    page = press(checked(opened("detectors", is_folded=True, space=space)), "compare_detector")
     session, dataset = space.opened.session, space.opened.dataset
     assert page.title[0].value == "Overview"
     assert space.opened.label == "Sample recordings, with bars"
