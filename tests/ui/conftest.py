@@ -21,13 +21,23 @@ scan_once = cache(manifest_scanner.scan_component_manifests)
 """Every AppTest reads the metadata of all installed packages, which takes longer than a page."""
 
 
+@pytest.fixture(scope="session", autouse=True)
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """What is the same for all tests, done once; a folder for what several of them look at."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(recordings, "open_pictures", open_sample_once)
+        patch.setattr(manifest_scanner, "scan_component_manifests", scan_once)
+        patch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path_factory.mktemp("uploads")))
+        yield
+
+
 @pytest.fixture(autouse=True)
 def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
     monkeypatch.delenv("NVCORE_LOCAL_ROOT", raising=False)
     monkeypatch.delenv("NVCORE_SESSION", raising=False)
-    monkeypatch.setattr(recordings, "open_pictures", open_sample_once)
-    monkeypatch.setattr(manifest_scanner, "scan_component_manifests", scan_once)
+    if SAMPLE in sample._samples:  # those that tests have opened go first
+        sample._samples.move_to_end(SAMPLE)
     for shared in sample._samples.values():  # what other tests moved is not known to this one
         for kind in [kind for kind in shared._caches if kind == sample._moved(kind.split(",")[0])]:
             del shared._caches[kind]

@@ -48,9 +48,8 @@ def app(
 ) -> Iterator[tuple[str, AppTest]]:
     """One visit in each situation, which goes from page to page."""
     with pytest.MonkeyPatch.context() as patch:
-        folder = tmp_path_factory.mktemp("situation")
-        patch.setenv("NVCORE_UPLOAD_DIR", str(folder / "uploads"))
         if request.param != "sample":
+            folder = tmp_path_factory.mktemp("situation")
             begin_with(situation(request.param, folder), patch)
         yield request.param, opened()
 
@@ -59,8 +58,8 @@ def app(
 def test_a_script_prints_no_string_by_the_way(script: str):
     """Streamlit shows the value of every statement of its scripts but their docstring."""
     _, *statements = ast.parse((ROOT / script).read_text()).body
-    values = [one.value for one in statements if isinstance(one, ast.Expr)]
-    assert [one.lineno for one in values if not isinstance(one, ast.Call)] == []
+    values = [line.value for line in statements if isinstance(line, ast.Expr)]
+    assert [value.lineno for value in values if not isinstance(value, ast.Call)] == []
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -77,5 +76,7 @@ def test_a_page_shows_what_there_is(page: str, app: tuple[str, AppTest]):
     if name in ("nobody detected", "audit errors") and page == "overview":
         assert any("depends on what the audit found" in item.value for item in visit.markdown)
         assert any("Bars: " in item.value for item in visit.caption)  # what the tiles show, too
+    if name == "sample" and page == "export":
+        assert visit.header[0].value == "Link"
     if name == "frames pass for encounters" and page in ("encounters", "saliency"):
         assert "one frame long" in shown

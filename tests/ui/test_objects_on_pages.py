@@ -11,7 +11,7 @@ from streamlit.testing.v1 import AppTest
 from streamlit.testing.v1.element_tree import Block
 
 from nvcore.wording.objects import words_for
-from pages import begin_with, checked, opened, texts, to_page
+from pages import begin_with, checked, opened, part, space_of, texts, to_page
 from ui.shell.pages import SECTIONS
 
 OF_ITSELF = ("metrics", "study")
@@ -31,9 +31,7 @@ UNSHOWN = re.compile(r"\b(js|css)_content: .*|\bid: .*")
 def visit(tmp_path_factory: pytest.TempPathFactory) -> Iterator[AppTest]:
     """One visit, which goes from page to page."""
     with pytest.MonkeyPatch.context() as patch:
-        folder = tmp_path_factory.mktemp("signs")
-        patch.setenv("NVCORE_UPLOAD_DIR", str(folder / "uploads"))
-        begin_with(write_signs(folder), patch)
+        begin_with(write_signs(tmp_path_factory.mktemp("signs")), patch)
         yield opened()
 
 
@@ -47,30 +45,29 @@ def everything(block: Block) -> str:
     return "\n".join(parts)
 
 
+WORDS = {
+    "overview": "a speed sign straight ahead and near",
+    "encounters": "one speed sign of one recording",
+    "saliency": "speed signs are missed",
+    "time_left": "A car passes speed signs and does not brake for them",
+    "ratings": "not asked of speed signs",
+}
+
+
 @pytest.mark.parametrize("page", [name for name in PAGES if name not in OF_PEDESTRIANS])
-def test_a_page_says_nothing_of_pedestrians_and_leaves_no_word_open(page: str, visit: AppTest):
-    checked(to_page(visit, page))
+def test_a_page_speaks_of_speed_signs_alone_and_leaves_no_word_open(page: str, visit: AppTest):
+    assert WORDS.get(page, "") in texts(checked(to_page(visit, page)))
     sent = UNSHOWN.sub("", everything(visit.main) + everything(visit.sidebar))
-    said = [sent[max(0, m.start() - 80) : m.end() + 40] for m in UNFILLED.finditer(sent)]
-    assert said == []
+    unfilled = [sent[max(0, m.start() - 80) : m.end() + 40] for m in UNFILLED.finditer(sent)]
+    assert unfilled == []
 
 
-@pytest.mark.parametrize(
-    ("page", "words"),
-    [
-        ("overview", "a speed sign straight ahead and near"),
-        ("encounters", "one speed sign of one recording"),
-        ("saliency", "speed signs are missed"),
-        ("time_left", "A car passes speed signs and does not brake for them"),
-        ("ratings", "not asked of speed signs"),
-        ("driver", "Whether the driver sees the speed signs is not known yet"),
-    ],
-)
-def test_a_page_says_it_of_speed_signs(page: str, words: str, visit: AppTest):
-    assert words in texts(checked(to_page(visit, page)))
+def test_the_driver_is_asked_about_speed_signs(visit: AppTest):
+    page = checked(part("ui.driver.run.draw_missing()", space=space_of(visit)).run())
+    assert "Whether the driver sees the speed signs is not known yet" in texts(page)
 
 
 def test_the_preset_of_speed_signs_is_offered(visit: AppTest):
-    checked(to_page(visit, "overview"))
-    (presets,) = [group for group in visit.get("button_group") if "Preset" in group.label]
+    page = checked(part("ui.shell.sidebar.draw(wrong, ())", space=space_of(visit)).run())
+    (presets,) = [group for group in page.get("button_group") if "Preset" in group.label]
     assert "Speed signs" in presets.options

@@ -26,15 +26,15 @@ def test_it_is_off_unless_asked_for():
     "flag", [["--local-root", "{}"], ["--local-root={}"], ["-x", "--local-root", "{}"]]
 )
 def test_a_flag_names_the_root(tmp_path: Path, flag: list[str]):
-    found = local_root([part.format(tmp_path) for part in flag], {"NVCORE_LOCAL_ROOT": "/"})
-    assert found is not None
-    assert found.folder == tmp_path.resolve()
+    root = local_root([part.format(tmp_path) for part in flag], {"NVCORE_LOCAL_ROOT": "/"})
+    assert root is not None
+    assert root.folder == tmp_path.resolve()
 
 
 def test_the_environment_names_the_root(tmp_path: Path):
-    found = local_root([], {"NVCORE_LOCAL_ROOT": str(tmp_path)})
-    assert found is not None
-    assert found.folder == tmp_path.resolve()
+    root = local_root([], {"NVCORE_LOCAL_ROOT": str(tmp_path)})
+    assert root is not None
+    assert root.folder == tmp_path.resolve()
 
 
 def test_a_root_that_is_no_folder_is_told():

@@ -35,23 +35,23 @@ def test_the_boxes_of_a_checked_file_are_not_kept(
     tables: list[weakref.ref[np.ndarray]] = []
 
     def read(*args: object, **options: object) -> Reading:
-        found = read_source(*args, **options)  # type: ignore[arg-type]
+        reading = read_source(*args, **options)  # type: ignore[arg-type]
         x = np.full(1_000, 2.0)
         tables.append(weakref.ref(x))
         boxes = pd.DataFrame(
             {"frame": np.ones(len(x), np.int64), "ignore": False, "x": x}, copy=False
         )
         annotated = pd.DataFrame({"recording": "t", "frame": boxes["frame"]})
-        return Reading(boxes, found.recordings, "", annotated=annotated)
+        return Reading(boxes, reading.recordings, "", annotated=annotated)
 
     monkeypatch.setattr(file_check, "read_confined", read)
-    found = check("mine")
+    checked = check("mine")
     gc.collect()
-    assert found.summary.startswith("plain CSV: 1,000 boxes")
+    assert checked.summary.startswith("plain CSV: 1,000 boxes")
     assert len(tables) == 1
     assert tables[0]() is None
-    assert found.reading is not None
-    assert found.reading.annotated is None
+    assert checked.reading is not None
+    assert checked.reading.annotated is None
 
 
 def test_the_least_recently_used_check_goes_first(

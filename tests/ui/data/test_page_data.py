@@ -22,11 +22,11 @@ from data_page import (
 )
 from streamlit.testing.v1 import AppTest
 
-from pages import checked, texts
+from pages import alone, checked, texts
 
 
 def test_the_page_opens_on_the_sample():
-    page = opened()
+    page = checked(alone("data").run())
     assert ON_SAMPLE in texts(page)
     inputs, recordings = page.table[-1].value, recordings_of(page)
     assert inputs["Source"].tolist() == ["Truth", "X: FIR", "Y: NIR", "NIR 2"]
@@ -110,7 +110,7 @@ def picture_choices(page: AppTest) -> str:
 
 def test_pictures_sent_later_can_be_chosen_and_taken_away_again(edit: Edit):
     page = send_video(opened(), "more.mp4")
-    checked(page.slider(key="midpoint").set_value(60.0).run())
+    page.session_state["settings"] = {"midpoint": 60.0}
     assert "more.mp4" in str(picture_choices(page))
     edit.apply(page, pictures="more.mp4")
     assert space_of(page).pictures.sources[0].name == "more.mp4"

@@ -7,14 +7,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from data_page import open_files, opened, opened_drive, press, sent, space_of
-from inputs import drive
+from data_page import COMPARING, READING, open_files, opened, press, sent, space_of
+from inputs import drive, session_of
+from streamlit.testing.v1 import AppTest
 
 from nvcore.comparison import compare
 from nvcore.dataset.tables import dataset_from_tables
 from nvcore.evidence.operating_points import equal_setting, find_equal_alarms
 from nvcore.report.words import sampling_note
-from pages import checked, texts, to_page
+from pages import begin_with, checked, texts, to_page
 from pages import opened as opened_app
 from ui.data.compare import EXACT_OPEN
 
@@ -34,7 +35,7 @@ def with_fields(page):
 
 
 def test_thresholds_change_what_is_kept_and_go_with_their_systems():
-    page = with_fields(opened())
+    page = with_fields(opened(*COMPARING))
     before, (_, of_y) = n_kept(page), thresholds(page)
     checked(page.number_input(key="data_threshold_x").set_value(0.705).run())
     assert n_kept(page) < before
@@ -48,10 +49,26 @@ def test_thresholds_change_what_is_kept_and_go_with_their_systems():
     assert chosen == ("FIR", "NIR")
 
 
-def test_the_same_operating_point_may_lie_above_the_highest_score(tmp_path: Path):
-    truth, fir, nir = drive_files(tmp_path)
-    nir += b"rural,5,500,200,40,100,0.95\n"  # the best score is a false alarm
-    page = open_files(sent(truth, ("fir.csv", fir), ("nir.csv", nir)))
+def comparing(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, *, x: str = "", y: str = "", bare: str = ""
+) -> AppTest:
+    """The drive with more lines of X and Y; those in `bare` have no scores."""
+    drive(folder)
+    for letter, more, name in (("x", x, "fir"), ("y", y, "nir")):
+        file = folder / f"{name}.csv"
+        text = file.read_text() + more
+        if letter in bare:
+            text = "\n".join(line.rpartition(",")[0] for line in text.splitlines())
+        file.write_text(text)
+    begin_with(session_of(folder), monkeypatch)
+    return opened(*COMPARING)
+
+
+ALARMS = "".join(f"urban,{frame},500,200,40,100,0.{frame}\n" for frame in range(10, 20))
+
+
+def test_the_same_operating_point_may_lie_above_the_highest_score(tmp_path: Path, monkeypatch):
+    page = comparing(tmp_path, monkeypatch, y="rural,5,500,200,40,100,0.95\n")  # a false alarm
     checked(page.slider(key="threshold_x").set_value(0.75).run())
     press(page, "same_point")
     assert page.session_state["params"].threshold_y > 0.95
@@ -59,21 +76,8 @@ def test_the_same_operating_point_may_lie_above_the_highest_score(tmp_path: Path
     assert page.table[0].value["per minute"].tolist() == ["0.0", "0.0"]
 
 
-def drive_files(folder: Path) -> tuple[bytes, bytes, bytes]:
-    drive(folder)
-    truth, fir, nir = ((folder / f"{name}.csv").read_bytes() for name in ("truth", "fir", "nir"))
-    return truth, fir, nir
-
-
-def without_scores(content: bytes) -> bytes:
-    return b"\n".join(row.rpartition(b",")[0] for row in content.splitlines())
-
-
-def test_where_y_has_no_scores_x_is_moved_to_its_operating_point(tmp_path: Path):
-    truth, fir, nir = drive_files(tmp_path)
-    alarms = "".join(f"urban,{frame},500,200,40,100,0.{frame}\n" for frame in range(10, 20))
-    x = fir + alarms.encode()
-    page = open_files(sent(truth, ("x.csv", x), ("y.csv", without_scores(nir))))
+def test_where_y_has_no_scores_x_is_moved_to_its_operating_point(tmp_path: Path, monkeypatch):
+    page = comparing(tmp_path, monkeypatch, x=ALARMS, bare="y")
     assert "Y has no scores that differ: only X can be moved." in texts(page)
     press(page, "same_point")
     assert page.session_state["params"].threshold_x == pytest.approx(0.19)
@@ -84,21 +88,19 @@ def test_where_y_has_no_scores_x_is_moved_to_its_operating_point(tmp_path: Path)
     assert "→" not in texts(page)
 
 
-def test_where_x_has_no_scores_y_is_moved_and_where_neither_has_nothing_is(tmp_path: Path):
-    truth, fir, nir = drive_files(tmp_path)
-    bare = ("x.csv", without_scores(fir))
-    page = open_files(sent(truth, bare, ("y.csv", nir)))
+def test_where_x_has_no_scores_y_is_moved_and_where_neither_has_nothing_is(
+    tmp_path: Path, monkeypatch
+):
+    page = comparing(tmp_path / "x", monkeypatch, bare="x")
     assert "Y: threshold" in texts(press(page, "same_point"))
-    page = open_files(sent(truth, bare, ("y.csv", without_scores(nir))))
+    page = comparing(tmp_path / "both", monkeypatch, bare="xy")
     assert page.button(key="same_point").disabled
     assert "Neither system has scores that differ" in texts(page)
 
 
-def test_the_same_operating_point_is_that_of_the_verdict(tmp_path: Path):
+def test_the_same_operating_point_is_that_of_the_verdict(tmp_path: Path, monkeypatch):
     """Every detection of both counts; the one with more false alarms moves, here X."""
-    truth, fir, nir = drive_files(tmp_path)
-    alarms = "".join(f"urban,{frame},500,200,40,100,0.{frame}\n" for frame in range(10, 20))
-    page = open_files(sent(truth, ("x.csv", fir + alarms.encode()), ("y.csv", nir)))
+    page = comparing(tmp_path, monkeypatch, x=ALARMS)
     result = compare(space_of(page).opened.dataset)
     equal = find_equal_alarms(result)
     assert equal_setting(equal).moved == "x"
@@ -108,27 +110,34 @@ def test_the_same_operating_point_is_that_of_the_verdict(tmp_path: Path):
     assert params.threshold_y is None
 
 
-def test_a_threshold_at_the_lowest_score_says_that_every_detection_counts(tmp_path: Path):
-    page = with_fields(opened_drive(tmp_path, "fir.csv", "nir.csv"))
+def test_a_threshold_at_the_lowest_score_says_that_every_detection_counts(
+    tmp_path: Path, monkeypatch
+):
+    page = with_fields(comparing(tmp_path, monkeypatch))
     checked(page.number_input(key="data_threshold_x").set_value(0.8).run())
-    said = "of X has a score below"
-    assert said not in texts(page)
+    note = "of X has a score below"
+    assert note not in texts(page)
     dataset = space_of(page).opened.dataset
     lowest = float(dataset.system(dataset.systems[0]).score.min())
     checked(page.number_input(key="data_threshold_x").set_value(lowest).run())
     assert page.number_input(key="data_threshold_x").value is None
-    assert f"{said} {lowest:g}: every detection counts" in texts(page)
-    assert said not in texts(checked(page.run()))
+    assert f"{note} {lowest:g}: every detection counts" in texts(page)
+    assert note not in texts(checked(page.run()))
 
 
 def test_after_opening_the_next_step_stands_first_and_thresholds_are_asked_for(tmp_path: Path):
-    page = opened_drive(tmp_path, "fir.csv", "nir.csv")
-    banner, button = (page.main.children[1].children[at] for at in range(2))
+    drive(tmp_path)
+    truth, *systems = (
+        (name, (tmp_path / name).read_bytes()) for name in ("truth.csv", "fir.csv", "nir.csv")
+    )
+    page = open_files(sent(truth[1], *systems, calls=(*READING, *COMPARING)))
+    banner, button = (page.main.children[at] for at in range(2))
     assert (banner.type, button.type) == ("success", "button")
     assert banner.value.startswith("**Opened: Uploaded files.**")
     assert button.label == "Next: see the comparison"
     assert "until thresholds are set in the sidebar" in texts(page)
-    assert thresholds(page) == ["every detection counts"] * 2
+    of_systems = next(table.value for table in page.table if "Score threshold" in table.value)
+    assert of_systems["Score threshold"].tolist() == ["every detection counts"] * 2
     assert not page.button(key="same_point").disabled
     checked(page.slider(key="threshold_x").set_value(0.8).run())
     assert "Opened: Uploaded files" in texts(page)  # it stays while one works on the page
@@ -149,8 +158,9 @@ def test_the_next_step_is_gone_when_one_comes_back_to_the_page():
 def test_rates_of_sampled_frames_say_what_they_count():
     frames = range(9, 209, 20)
     truth = "frame,x,y,w,h\n" + "".join(f"{frame},100,100,40,90\n" for frame in frames)
-    found = "frame,x,y,w,h,score\n" + "".join(f"{frame},9,9,40,90,0.5\n" for frame in frames)
-    page = open_files(sent(truth.encode(), ("a.csv", found.encode())))
+    boxes = "frame,x,y,w,h,score\n" + "".join(f"{frame},9,9,40,90,0.5\n" for frame in frames)
+    calls = (*READING, "ui.data.compare.draw()")
+    page = open_files(sent(truth.encode(), ("a.csv", boxes.encode()), calls=calls))
     assert sampling_note(space_of(page).opened.dataset.frame_columns) in texts(page)
 
 

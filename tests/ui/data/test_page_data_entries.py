@@ -32,7 +32,7 @@ def page() -> AppTest:
 
 
 def listed(page: AppTest):
-    (table,) = [one for one in tables(page) if "seen" in one]
+    (table,) = [table for table in tables(page) if "seen" in table]
     return table
 
 
@@ -43,7 +43,7 @@ def test_a_finding_opens_the_list_of_all_boxes_that_it_counts(page: AppTest):
     assert (table["seen"] == "").all()
     (button,) = [button for button in page.button if button.label == "Hide the list"]
     press(page, button.key)
-    assert not any("seen" in one for one in tables(page))
+    assert not any("seen" in table for table in tables(page))
 
 
 def test_an_entry_leads_to_its_frame_and_is_then_seen(monkeypatch: pytest.MonkeyPatch):
@@ -72,7 +72,7 @@ def test_other_thresholds_list_other_boxes():
     (button,) = [button for button in page.button if button.label == "Show all 2 boxes"]
     page = press(page, button.key)
     assert listed(page)["frame"].tolist() == [1, 2]
-    page.slider(key="threshold_x").set_value(0.4)
+    page.session_state["settings"] = {"threshold_x": 0.4}
     assert listed(checked(page.run()))["frame"].tolist() == [1]
 
 

@@ -121,17 +121,9 @@ def test_a_table_that_lacks_a_rate_leaves_that_to_be_asked_for(tmp_path: Path):
     assert recordings["fps"].tolist() == [20, 10]
 
 
-@pytest.mark.parametrize(
-    ("content", "words"),
-    [
-        (b"recording,context\nurban,suburb\n", "recordings.csv, line 2: context: expected urban"),
-        (b"name\nurban\n", "line 1: expected a first line such as recording,width"),
-        (b"", "line 1: expected a first line"),
-    ],
-)
-def test_a_table_that_cannot_be_used_stops_the_opening(tmp_path: Path, content: bytes, words: str):
-    page = with_table(tmp_path, content)
-    assert words in texts(page)
+def test_a_table_that_cannot_be_used_stops_the_opening(tmp_path: Path):
+    page = with_table(tmp_path, b"recording,context\nurban,suburb\n")
+    assert "recordings.csv, line 2: context: expected urban" in texts(page)
     assert str(space_of(page).folder) not in texts(page)
     open_files(page)
     assert "The table of recordings cannot be used: the reason stands at its field" in texts(page)
@@ -207,24 +199,6 @@ def test_the_traffic_context_is_stated_and_taken_back(tmp_path: Path, edit: Edit
     assert space_of(page).opened.dataset.fingerprint != before
     edit.apply(page, context="")
     assert space_of(page).opened.dataset.fingerprint == before
-
-
-def test_the_speed_of_the_car_is_stated_and_taken_back(tmp_path: Path, edit: Edit):
-    page = opened_drive(tmp_path, "fir.csv", "nir.csv")
-    assert recordings_of(page)["speed_kmh"].isna().all()
-    before = space_of(page).opened.dataset.fingerprint
-    edit.apply(page, speed_kmh=80.0)
-    assert recordings_of(page)["speed_kmh"].fillna(-1).tolist() == [80, -1]
-    dataset = space_of(page).opened.dataset
-    assert dataset.recordings["speed_kmh"].fillna(-1).tolist() == [80, -1]
-    edit.apply(page, speed_kmh=None)
-    assert space_of(page).opened.dataset.fingerprint == before
-
-
-def test_an_impossible_context_changes_nothing(tmp_path: Path, edit: Edit):
-    page = opened_drive(tmp_path, "fir.csv", "nir.csv")
-    assert "context: expected urban" in texts(edit.apply(page, context="suburb"))
-    assert contexts(page) == ["", ""]
 
 
 def test_a_value_in_the_sidebar_is_said_to_go_before_the_context(tmp_path: Path):

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from data_page import PAGE, sent, space_of
+from data_page import READING, sent, space_of
 
-from pages import checked, scripted, texts
+from pages import checked, part, texts
 
 SCORED = b"frame,x,y,w,h,score\n0,9,9,40,90,0.9\n1,9,9,40,90,0.75\n2,9,9,40,90,0.5\n"
 TRACKED = b"frame,x,y,w,h,track\n0,9,9,40,90,1\n1,9,9,40,90,1\n2,9,9,40,90,1\n"
@@ -32,7 +32,7 @@ def test_ground_truth_as_detections_is_said_at_the_field():
 def test_a_reload_says_which_chosen_files_it_dropped():
     page = sent(TRACKED, ("x.csv", SCORED))
     assert "loaded again" not in texts(page)
-    again = scripted(PAGE)
+    again = part(*READING)
     again.session_state["workspace"] = space_of(page)
     again = checked(again.run())
     assert "truth.csv and x.csv were chosen here and not opened yet" in texts(again)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from data_page import (
+    COMPARING,
     ON_SAMPLE,
     PNG,
     answer,
@@ -31,7 +32,7 @@ from field_scene import write_yolo
 from inputs import drive, mot_layout
 from streamlit.testing.v1 import AppTest
 
-from pages import checked, texts
+from pages import checked, part, texts
 from ui.session import uploads
 from ui.session.store import WAYS_OPEN
 
@@ -102,18 +103,21 @@ def test_a_fact_that_the_files_hold_is_not_asked_for(tmp_path: Path):
 
 def test_one_system_only_is_shown_alone(tmp_path: Path):
     page = opened_drive(tmp_path, "fir.csv")
-    assert "There is one system only" in texts(page)
-    assert page.table[0].value["System"].tolist() == ["**X**: fir"]
-    assert "swap_systems" not in [button.key for button in page.button]
+    assert page.table[-1].value["Source"].tolist() == ["Truth", "X: fir"]
+    again = part(*COMPARING)
+    again.session_state["workspace"] = space_of(page)
+    again = checked(again.run())
+    assert "There is one system only" in texts(again)
+    assert again.table[0].value["System"].tolist() == ["**X**: fir"]
+    assert "swap_systems" not in [button.key for button in again.button]
 
 
-def test_three_systems_can_be_sent_and_any_two_compared(tmp_path: Path):
+def test_three_systems_can_be_sent(tmp_path: Path):
     page = sent_drive(tmp_path, "fir.csv", "nir.csv")
     press(page, "add_system")
     send(page, "upload_system_2", ("third.csv", (tmp_path / "fir.csv").read_bytes()))
     open_files(checked(page.run()))
-    checked(page.selectbox(key="choice_y").set_value("third").run())
-    assert page.table[-1].value["Source"].tolist() == ["Truth", "X: fir", "nir", "Y: third"]
+    assert page.table[-1].value["Source"].tolist() == ["Truth", "X: fir", "Y: nir", "third"]
 
 
 def test_the_ways_are_folded_after_success_and_stay_open_after_failure(tmp_path: Path):
@@ -137,7 +141,7 @@ def test_what_is_still_to_be_chosen_is_said_first_and_what_is_open_is_named(tmp_
     send(page, "upload_truth", ("truth.csv", late[0]))
     press(page, "open_upload")
     assert "at least one system" in texts(page)
-    first = page.main.children[1].children[0]
+    first = page.main.children[0]
     assert first.type == "error"
     assert "Not opened: Uploaded files" in first.value
     assert "what this page is about: Sample recordings" in first.value
@@ -183,11 +187,11 @@ def kitti_page() -> AppTest:
     """Three files of one name, as KITTI has them."""
     label = "Pedestrian 0 0 -10 100 150 120 200 -1 -1 -1 -1000 -1000 -1000 -10"
     truth = "".join(f"{frame} 1 {label}\n" for frame in range(9)).encode()
-    found = "".join(f"{frame},100,150,120,200,0.9\n" for frame in range(9)).encode()
+    boxes = "".join(f"{frame},100,150,120,200,0.9\n" for frame in range(9)).encode()
     page = opened()
     send(page, "upload_truth", ("0016.txt", truth))
     for number in range(2):
-        send(page, f"upload_system_{number}", ("0016.txt", found))
+        send(page, f"upload_system_{number}", ("0016.txt", boxes))
     return checked(page.run())
 
 
@@ -411,8 +415,8 @@ def test_a_gap_in_a_list_of_pictures_is_asked_about_at_its_field(tmp_path: Path)
     send(page, "upload_truth", *files("truth"))
     send(page, "upload_system_0", *files("x"))
     checked(page.run())
-    (said,) = [error.value for error in page.error if "a gap of" in error.value]
-    assert "Choose “scenes” as “Names of pictures” under “How to read”" in said
+    (trouble,) = [error.value for error in page.error if "a gap of" in error.value]
+    assert "Choose “scenes” as “Names of pictures” under “How to read”" in trouble
     (field,) = [box for box in page.selectbox if box.key == "frame_names_upload_truth"]
     checked(field.set_value("scenes").run())
     assert not page.error

@@ -9,25 +9,24 @@ from limits import write_limits
 from signs import write_signs
 from streamlit.testing.v1 import AppTest
 
-from pages import begin_with, checked, opened, texts, to_page
+from pages import begin_with, checked, part, texts
 
 
-def detection_page(session: Path, patch: pytest.MonkeyPatch) -> AppTest:
-    patch.setenv("NVCORE_UPLOAD_DIR", str(session.parent / "uploads"))
+def classes(session: Path, patch: pytest.MonkeyPatch) -> AppTest:
     begin_with(session, patch)
-    return checked(to_page(opened(), "detection"))
+    return checked(part("ui.detection.classes.draw(RESULT)").run())
 
 
 def test_a_limit_that_was_read_wrong_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    page = detection_page(write_limits(tmp_path), monkeypatch)
-    said = texts(page).replace("\\", "")
+    page = classes(write_limits(tmp_path), monkeypatch)
+    words = texts(page).replace("\\", "")
     assert "Classes" in [header.value for header in page.header]
-    assert "X: 66.7 % of 3 matches right, 95 % interval 20.8 % to 93.9 %" in said
-    assert "Y names no classes" in said
+    assert "X: 66.7 % of 3 matches right, 95 % interval 20.8 % to 93.9 %" in words
+    assert "Y names no classes" in words
 
 
 def test_signs_without_limits_to_compare_have_no_such_part(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    page = detection_page(write_signs(tmp_path), monkeypatch)
+    page = classes(write_signs(tmp_path), monkeypatch)
     assert "Classes" not in [header.value for header in page.header]

@@ -16,6 +16,7 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.protocols import PROTOCOLS
 from nvcore.tables.scorecard import curve_rows
+from pages import part
 from ui.session.state import SAMPLE
 from ui.widgets.html import score_row
 
@@ -24,18 +25,11 @@ OF_SESSION = "filters of the session"
 WHOLE_SAMPLE = "8,172 pedestrians in 3,000 images"
 
 
+CURVES = "ui.detection.curves.draw(RESULT, ui.detection.protocol.choose(RESULT.dataset))"
+
+
 def opened() -> AppTest:
-    return checked(pages.alone("detection", before=SIDEBAR).run())
-
-
-# the sliders of the sidebar, and nothing else of it
-SIDEBAR = """
-from ui.session import settings, state
-from ui.shell import live_params, sidebar
-from ui.shell.pages import SHOWN
-settings.begin_run()
-sidebar.draw(live_params.read(), SHOWN["detection"])
-"""
+    return checked(part(CURVES).run())
 
 
 def checked(page: AppTest) -> AppTest:
@@ -85,7 +79,8 @@ def test_the_table_holds_the_librarys_figures_and_a_threshold_moves_those_at_it_
     ends = "Log-average miss rate of X: the curve ends at 0.477 false positives per image"
     assert ends in told(page)  # and does not reach the references
     assert "geometric mean" in " ".join(text.value for text in page.markdown)
-    checked(page.slider(key="threshold_x").set_value(0.7).run())
+    page.session_state["new_params"] = {"threshold_x": 0.7}
+    checked(page.run())
     after = figures(page)
     changed = before.index[before != after]
     assert len(changed) == 4
@@ -138,7 +133,7 @@ def sample_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[st
         file = tmp_path / "session.toml"
         file.write_text(own.replace('path = "', f'path = "{SAMPLE.parent}/') + text)
         pages.begin_with(file, monkeypatch)
-        return pages.opened("detection")
+        return part(CURVES).run()
 
     return open_it
 
@@ -172,27 +167,28 @@ def test_a_sessions_own_filters_can_be_changed_left_and_taken_again(sample_with)
 
 
 def test_a_tag_that_no_recording_has_is_told_and_can_be_taken_out(sample_with):
-    page = sample_with('[protocol]\ntags = ["fog"]\n')
+    sample_with('[protocol]\ntags = ["fog"]\n')
+    page = pages.opened("detection")
     assert "no recording with frames has the tags fog" in page.error[0].value
     checked(page.multiselect(key="protocol_tags").set_value([]).run())
     assert WHOLE_SAMPLE in told(page)
 
 
-def evidence_labels(page: AppTest) -> list[str]:
-    checked(page.button_group(key="overview_more").set_value("tests").run())
-    return [label.partition("[")[0] for label in pages.measures(page, "evidence")]
-
-
-def test_the_overview_uses_the_protocol_which_is_there_when_one_comes_back():
-    page = checked(pages.opened("detection"))
+def test_the_overview_uses_the_protocol():
+    page = opened()
     names = page.multiselect(key="protocol_recordings").options[:2]
     checked(page.multiselect(key="protocol_recordings").set_value(names).run())
     assert "in 600 images count" in told(page)
     assert f"only recordings {names[0]}, {names[1]}" in told(page)
-    rate = "log-average miss rate, all, 2 recordings ↓"
-    assert rate in evidence_labels(to_page(page, "overview"))
-    checked(put(choose(to_page(page, "detection"), OWN), own_low=100.0))
-    to_page(page, "overview")
+    evidence = "ui.overview.evidence.draw(RESULT, ui.session.results.measure_evidence(RESULT))"
+    overview = checked(part(evidence, space=pages.space_of(page)).run())
+    labels = [label.partition("[")[0] for label in pages.measures(overview, "evidence")]
+    assert "log-average miss rate, all, 2 recordings ↓" in labels
+
+
+def test_the_protocol_is_there_when_one_comes_back():
+    page = checked(put(choose(checked(pages.opened("detection")), OWN), own_low=100.0))
+    to_page(page, "metrics")
     assert to_page(page, "detection").selectbox(key="protocol").value == OWN
     assert "height 100 or more px" in told(page)
 
@@ -206,7 +202,7 @@ def test_a_click_sets_the_threshold_where_there_is_a_score(clicked, threshold, m
     )
     checked(page.run())
     assert not clicks
-    assert page.slider(key="threshold_x").value == threshold
+    assert page.session_state["params"].threshold_x == threshold
 
 
 def test_windows_are_counted_or_given():

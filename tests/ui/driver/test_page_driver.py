@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 import small_estimator
 from builders import at, make_dataset, result_of
-from held_estimate import Held
+from held_estimate import FORM, Held, send, sent
 from picture_files import write_picture
+from streamlit.testing.v1 import AppTest
 
 from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
@@ -30,8 +31,12 @@ from pages import (
     checked,
     figures,
     opened,
+    part,
+    press,
+    space_of,
     tables,
     texts,
+    to_page,
     write,
 )
 from ui.driver import run
@@ -39,12 +44,19 @@ from ui.driver.finished import with_estimates
 from ui.driver.run import lost_words
 from ui.jobs.background import BackgroundJob, while_open
 from ui.session import state, uploads
-from ui.session.store import ENCOUNTER
+from ui.session.store import DRIVER_REGION, ENCOUNTER
 from ui.session.workspace import Workspace
 from ui.widgets import drawing
 
-TAKE_OVER = "from ui.driver import finished\nfinished.take_over()"
-"""What the app does once any page is drawn."""
+LIST = "ui.driver.listed.draw(RESULT, ui.driver.regions.draw(RESULT))"
+ONE = f"ui.driver.course.draw(RESULT, {LIST})"
+"""Who sees whom, the list, and the pedestrian that is chosen in it."""
+
+
+def course(encounter: int = 0, *, space: Workspace | None = None, **address: str) -> AppTest:
+    """The part of one pedestrian."""
+    call = f"ui.driver.course.draw(RESULT, {encounter})"
+    return checked(part(call, space=space, **address).run())
 
 
 def rows(x: int, detectability: float | str) -> str:
@@ -53,30 +65,31 @@ def rows(x: int, detectability: float | str) -> str:
     )
 
 
+def write_seen(folder: Path) -> Path:
+    """X detects one of two pedestrians, whom the driver sees; Y both."""
+    boxes = {
+        x: "".join(f"night,{frame},{x + frame},200,40,120,0.9\n" for frame in FRAMES)
+        for x in (300, 100)
+    }
+    path = write(folder, {"one": boxes[300], "two": boxes[300] + boxes[100]}, truth="")
+    head = "recording,frame,x,y,w,h,track,detectability\n"
+    (folder / "truth.csv").write_text(head + rows(300, 0.8) + rows(100, 0.2))
+    return path
+
+
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """X detects one of two pedestrians, whom the driver sees; Y both."""
-    path = write(
-        tmp_path,
-        {
-            "one": "".join(f"night,{frame},{300 + frame},200,40,120,0.9\n" for frame in FRAMES),
-            "two": "".join(
-                f"night,{frame},{x + frame},200,40,120,0.9\n"
-                for frame in FRAMES
-                for x in (300, 100)
-            ),
-        },
-        truth="",
-    )
-    head = "recording,frame,x,y,w,h,track,detectability\n"
-    (tmp_path / "truth.csv").write_text(head + rows(300, 0.8) + rows(100, 0.2))
-    begin_with(path, monkeypatch)
+    begin_with(write_seen(tmp_path), monkeypatch)
     return tmp_path
 
 
-@pytest.fixture
-def page(folder: Path):
-    return checked(alone("driver").run())
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> AppTest:
+    """The whole page, to look at."""
+    folder = tmp_path_factory.mktemp("seen")
+    with pytest.MonkeyPatch.context() as patch:
+        begin_with(write_seen(folder), patch)
+        return checked(alone("driver").run())
 
 
 def test_regions_and_encounters_say_who_sees_whom(page):
@@ -91,6 +104,20 @@ def test_what_another_threshold_would_change_is_folded_away(page):
     (fold,) = [item for item in page.expander if item.label == "Over the threshold"]
     (plot,) = figures(fold)
     assert "2 near encounters of which it is known" in str(plot)
+
+
+def test_at_equal_operating_points_there_is_one_comparison_to_show(page):
+    assert "operating_point" not in {control.key for control in page.button_group}
+
+
+def test_of_values_that_the_truth_states_nothing_is_said_of_an_estimator(page):
+    assert "estimator of the longest period" not in texts(page)
+    assert "The band is" not in texts(page)
+
+
+def test_where_only_estimates_are_known_the_page_says_what_a_simulation_needs(page):
+    assert page.toggle(key="driver_tunnel").disabled
+    assert "features and an estimator are needed" in texts(page)
 
 
 @pytest.fixture
@@ -120,11 +147,8 @@ def test_at_unequal_operating_points_the_page_shows_what_the_verdict_shows(unequ
     assert "of the 1 not seen, X detects 1 and Y 1" in texts(page)
 
 
-def test_at_equal_operating_points_there_is_one_comparison_to_show(page):
-    assert "operating_point" not in {control.key for control in page.button_group}
-
-
 def test_a_region_is_chosen_and_its_encounters_are_listed(page):
+    page = checked(part(LIST, space=space_of(page)).run())
     checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
     assert tables(page)[1]["detectability"].tolist() == [0.8]
     checked(page.selectbox(key="driver_region").set_value(DriverRegion.NOBODY).run())
@@ -132,22 +156,24 @@ def test_a_region_is_chosen_and_its_encounters_are_listed(page):
 
 
 def test_a_chosen_encounter_that_is_not_listed_is_said(page):
-    checked(page.selectbox(key="driver_region").set_value(DriverRegion.Y).run())
-    page.session_state[ENCOUNTER.key] = (page.session_state["workspace"].n_opened, "night:300")
+    space = space_of(page)
+    page = part(ONE, space=space)
+    page.session_state[DRIVER_REGION.key] = DriverRegion.Y
+    page.session_state[ENCOUNTER.key] = (space.n_opened, "night:300")
     checked(page.run())
     assert "Pedestrian 100 of night" in [item.value for item in page.header]
     assert (
         "Pedestrian 300 of night is chosen, but is not in this list: the encounter is among those "
         "of driver, X and Y." in texts(page)
     )
-    page.session_state[ENCOUNTER.key] = (page.session_state["workspace"].n_opened, "night:100")
+    page.session_state[ENCOUNTER.key] = (space.n_opened, "night:100")
     assert "not in this list" not in texts(checked(page.run()))
 
 
 def test_of_a_pedestrian_of_whom_nothing_is_known_a_sentence_stands_in_place_of_the_plot(folder):
     with (folder / "truth.csv").open("a") as truth:
         truth.write(rows(500, ""))
-    page = checked(alone("driver").run())
+    page = checked(part(ONE).run())
     assert "Click a mark to see its frame" in texts(page)
     checked(page.selectbox(key="driver_region").set_value(DriverRegion.UNKNOWN).run())
     assert "Pedestrian 500 of night" in [item.value for item in page.header]
@@ -164,11 +190,11 @@ def test_of_other_objects_the_page_speaks_as_of_pedestrians_and_of_the_driver_as
     session.write_text(f'{session.read_text()}[compare]\nobjects = "cyclist"\n')
     with (folder / "truth.csv").open("a") as truth:
         truth.write(rows(500, ""))
-    said = texts(checked(alone("driver").run()))
-    said = re.sub(r"Trained on [^\n]*", "", said)  # of the estimator, whatever is compared
-    assert "It is known of 60 of 90 cyclist boxes" in said
-    assert "at least 50 % of drivers would see the cyclist" in said
-    of_pedestrians = re.findall(r".{40}\b(?:pedestrians?|it needs|it is taken)\b.{20}", said)
+    shown = texts(checked(alone("driver").run()))
+    shown = re.sub(r"Trained on [^\n]*", "", shown)  # of the estimator, whatever is compared
+    assert "It is known of 60 of 90 cyclist boxes" in shown
+    assert "at least 50 % of drivers would see the cyclist" in shown
+    of_pedestrians = re.findall(r".{40}\b(?:pedestrians?|it needs|it is taken)\b.{20}", shown)
     assert of_pedestrians == []
 
 
@@ -180,28 +206,20 @@ def test_without_detectability_the_page_says_how_to_get_it():
 
 
 @pytest.fixture
-def visible(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def visible(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Two pedestrians in pictures of visible light, of whom nobody has said who sees them."""
     begin_with(small_estimator.write_session(tmp_path), monkeypatch)
     return tmp_path
 
 
-def sent(folder: Path, **kind: float):
-    """The page, to which an estimator was sent."""
-    page = checked(alone("driver", after=TAKE_OVER).run())
-    content = small_estimator.write_model(folder / "small.npz", **kind).read_bytes()
-    page.file_uploader(key="estimator_file").set_value([("small.npz", content, "")])
-    return checked(page.run())
-
-
-def not_the_sample(page, monkeypatch: pytest.MonkeyPatch):
+def not_the_sample(page: AppTest, monkeypatch: pytest.MonkeyPatch) -> AppTest:
     """The page once more, of what is open as of a session of one's own."""
     monkeypatch.setattr(state, "SAMPLE", Path("elsewhere") / "session.toml")
     return checked(page.run())
 
 
 def test_the_sample_s_estimator_can_be_tried_on_any_session(visible, monkeypatch):
-    page = not_the_sample(checked(alone("driver", after=TAKE_OVER).run()), monkeypatch)
+    page = not_the_sample(checked(part(*FORM).run()), monkeypatch)
     words = "sample: trained on a simulated observer, not on people"
     assert page.selectbox(key="estimator").options == [words]
     assert "The subjects were **simulated**" in texts(page)
@@ -214,39 +232,49 @@ def test_an_estimator_that_was_sent_is_chosen_ahead_of_the_sample_s(visible, mon
     assert chosen.value.startswith("sent ")
 
 
-def estimated(page):
-    page = checked(page.button(key="driver_estimate").click().run())
-    if job := page.session_state["workspace"].job("driver_run"):  # it may have ended already
+def estimated(page: AppTest) -> Workspace:
+    """The workspace once the estimates are open."""
+    page, space = press(page, "driver_estimate"), space_of(page)
+    if job := space.job("driver_run"):  # it may have ended already
         job.join()
-    return checked(page.run())
+    checked(page.run())
+    return space
+
+
+@pytest.fixture(scope="module")
+def estimates(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
+    """A workspace with estimates, to look at."""
+    folder = tmp_path_factory.mktemp("visible")
+    with pytest.MonkeyPatch.context() as patch:
+        begin_with(small_estimator.write_session(folder), patch)
+        return estimated(sent(folder))
 
 
 def test_an_estimator_that_was_sent_is_run_and_says_whom_the_driver_sees(visible):
-    page = estimated(sent(visible))
+    form = sent(visible)
+    space = estimated(form)
+    page = checked(part("ui.driver.run.draw_notes()", LIST, space=space).run())
     regions, encounters = tables(page)
     counts = dict(zip(regions["who"], regions["encounters"], strict=True))
     assert {who: n for who, n in counts.items() if n} == {"driver, X and Y": 1, "X alone": 1}
     assert encounters["detectability"].tolist() == pytest.approx([0.1, 0.8], abs=0.01)
     assert "Light by the light meter: 1 change from bright to dark" in texts(page)
     # and anew, by one that says that nobody is ever seen
-    content = small_estimator.write_model(visible / "dim.npz", 0.2).read_bytes()
-    page.file_uploader(key="estimator_file").set_value([("dim.npz", content, "")])
-    page = estimated(checked(page.run()))
-    assert tables(page)[1]["detectability"].max() < 0.2
+    estimated(send(form, small_estimator.write_model(visible / "dim.npz", 0.2)))
+    assert tables(checked(page.run()))[1]["detectability"].max() < 0.2
 
 
 def test_the_list_says_in_words_who_is_open_and_whether_the_driver_is_in_time(visible):
-    page = estimated(sent(visible, late=0.65))
-    encounters = tables(page)[1]
+    encounters = tables(checked(part(LIST, space=estimated(sent(visible, late=0.65))).run()))[1]
     assert encounters["detectability"].round(2).tolist() == [0.06, 0.52]
     assert encounters["within_sd"].tolist() == ["no", "yes"]
     assert set(encounters["driver_in_time"].dropna()) <= {"yes", "no"}
 
 
-def form(page):
-    """The fold with the form, as it is sent to the browser; None: it stands open on the page."""
-    folds = [item.proto for item in page.expander if item.label.startswith("Features and")]
-    return folds[0] if folds else None
+def fold(page: AppTest):
+    """The fold with the form, as it is sent to the browser."""
+    (item,) = [item.proto for item in page.expander if item.label.startswith("Features and")]
+    return item
 
 
 def test_the_form_is_folded_beside_estimates_and_open_while_it_is_at_work(
@@ -260,22 +288,18 @@ def test_the_form_is_folded_beside_estimates_and_open_while_it_is_at_work(
 
     begin_with(small_estimator.write_session(tmp_path, stated=0.1), monkeypatch)
     monkeypatch.setattr(run, "run_confined", wait)
-    page = sent(tmp_path)
-    assert not form(page).expanded
-    page = checked(page.button(key="driver_estimate").click().run())
-    assert form(page).expanded
+    page = sent(tmp_path, "ui.driver.run.draw(is_known=True)")
+    assert not fold(page).expanded
+    assert fold(press(page, "driver_estimate")).expanded
     may_end.set()
-    if job := page.session_state["workspace"].job("driver_run"):  # it may have ended already
+    if job := space_of(page).job("driver_run"):  # it may have ended already
         job.join()
-    page = checked(page.run())
-    assert form(page).expanded
+    assert fold(checked(page.run())).expanded
     assert "it has ended" in texts(page)
 
 
 def test_a_run_that_is_cancelled_leaves_all_as_it_was(visible):
-    page = sent(visible)
-    page = checked(page.button(key="driver_estimate").click().run())
-    space = page.session_state["workspace"]
+    space = space_of(press(sent(visible), "driver_estimate"))
     job = space.job("driver_run")
     job.discard()  # cancelled, also if it was quick
     job.join()
@@ -290,9 +314,9 @@ def test_estimates_that_cannot_be_opened_leave_nothing_and_are_not_tried_again(
         raise InputError("it cannot be opened")
 
     page = sent(visible)
-    space = page.session_state["workspace"]
+    space = space_of(page)
     used = space.used_bytes
-    page = checked(page.button(key="driver_estimate").click().run())
+    press(page, "driver_estimate")
     assert space.used_bytes > used  # the estimator was copied
     space.job("driver_run").join()
     monkeypatch.setattr(state, "read_again", refuse)
@@ -309,14 +333,13 @@ def test_an_estimator_that_cannot_be_copied_is_said(
     visible, monkeypatch: pytest.MonkeyPatch, trouble: str, words: str
 ):
     page = sent(visible)
-    space = page.session_state["workspace"]
+    space = space_of(page)
     used = space.used_bytes
     if trouble == "gone":
         next(space.folder.rglob("small.npz")).unlink()
     else:
         monkeypatch.setattr(uploads, "MAX_SESSION_BYTES", used)
-    page = checked(page.button(key="driver_estimate").click().run())
-    assert words in texts(page)
+    assert words in texts(press(page, "driver_estimate"))
     assert (space.used_bytes, space.job("driver_run")) == (used, None)
     assert not [*space.folder.glob("driver-*")]
 
@@ -342,51 +365,48 @@ def test_recordings_that_are_not_chosen_are_said_to_lose_their_estimates():
         assert lost_words(estimate, names, chosen) == ""
 
 
-def test_a_file_that_is_no_estimator_is_refused(visible):
-    page = checked(alone("driver").run())
-    page.file_uploader(key="estimator_file").set_value([("other.npz", b"PK no estimator", "")])
-    page = checked(page.run())
-    assert "other.npz: is not an estimator that nvcore driver train wrote" in texts(page)
+def test_each_file_that_is_sent_takes_the_place_of_what_was_said_of_the_one_before(visible):
+    page = checked(part(*FORM).run())
 
+    def errors(name: str, content: bytes) -> str:
+        file = visible / name
+        file.write_bytes(content)
+        return "\n".join(error.value for error in send(page, file).error).replace("\\", "")
 
-def test_an_estimator_that_is_refused_leaves_the_one_before(visible):
-    page = sent(visible)
+    not_trained = "other.npz: is not an estimator that nvcore driver train wrote"
+    assert not_trained in errors("other.npz", b"PK no estimator")
+    of_table = errors("trials.csv", b"subject,trial\n")
+    assert of_table == "trials.csv: cannot be used here; send a file that ends in .npz"
+    small = small_estimator.write_model(visible / "a.npz").read_bytes()
+    assert errors("small.npz", small) == ""
     chosen = page.selectbox(key="estimator").value
-    page.file_uploader(key="estimator_file").set_value([("other.npz", b"PK no estimator", "")])
-    page = checked(page.run())
-    assert "other.npz: is not an estimator that nvcore driver train wrote" in texts(page)
+    assert not_trained in errors("other.npz", b"PK no estimator")
     assert page.selectbox(key="estimator").value == chosen
     assert "Trained on 306 trials" in texts(page)
 
 
-def test_each_file_that_is_sent_takes_the_place_of_what_was_said_of_the_one_before(visible):
-    page = checked(alone("driver").run())
-
-    def send(name: str, content: bytes) -> str:
-        page.file_uploader(key="estimator_file").set_value([(name, content, "text/csv")])
-        return "\n".join(error.value for error in checked(page.run()).error).replace("\\", "")
-
-    assert "other.npz: is not an estimator" in send("other.npz", b"PK no estimator")
-    of_table = send("trials.csv", b"subject,trial\n")
-    assert of_table == "trials.csv: cannot be used here; send a file that ends in .npz"
-    assert send("small.npz", small_estimator.write_model(visible / "a.npz").read_bytes()) == ""
-
-
-def panel(page) -> str:
+def panel(page: AppTest) -> str:
     tables = [item.proto.body for item in page.get("html") if "nv-numbers" in item.proto.body]
     return re.sub("<[^>]*>", " ", " ".join(tables))
 
 
-def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(visible):
-    page = estimated(sent(visible))
-    page = checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
+def in_tunnel(page: AppTest) -> AppTest:
+    return checked(page.toggle(key="driver_tunnel").set_value(True).run())
+
+
+def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(estimates):
+    page = course(space=estimates)
     assert "Pedestrian 1 of drive" in [item.value for item in page.header]
     assert re.search(r"Detectability, estimator of 4\.5\ss\s+0\.80 ± 0\.10", panel(page))
     assert re.search(r"Luminance contrast\s+80\.0 grey levels", panel(page))
     assert "eyes adapted" in panel(page)
-    page = checked(page.toggle(key="driver_tunnel").set_value(True).run())
+    assert "The eyes count as adapted" in texts(page)
+    assert "the estimator of the longest period (4.5\N{NO-BREAK SPACE}s) is taken" in texts(page)
+    assert "one number for each adaptation period" in texts(page)
+    page = in_tunnel(page)
     # at once it is dark: the estimator of 0.5 s until 2.5 s later
     assert re.search(r"simulated change, estimator of 0\.5\ss\s+0\.16 ± 0\.10", panel(page))
+    assert "The eyes count as adapted" not in texts(page)  # not of whom it became dark for
     assert "dark from 0.00 s on" in texts(page)
     assert "25 frames (2.50 s) later; without the change the driver sees" in texts(page)
     assert (
@@ -397,29 +417,18 @@ def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(visi
     assert "dark from 1.00 s on" in texts(page)
 
 
-def test_adapted_eyes_and_the_band_are_explained_where_an_estimator_was_used(visible):
-    page = estimated(sent(visible))
-    assert "the estimator of the longest period (4.5\N{NO-BREAK SPACE}s) is taken" in texts(page)
-    assert "one number for each adaptation period" in texts(page)
-    page = checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
-    assert "The eyes count as adapted" in texts(page)
-    page = checked(page.toggle(key="driver_tunnel").set_value(True).run())
-    assert "The eyes count as adapted" not in texts(page)  # not of whom it became dark for
-
-
 def test_where_nothing_is_known_of_the_light_nobody_is_said_to_be_adapted(visible):
     (visible / "lux.csv").write_text("time_s,lux\n5.8,1000\n5.9,1000\n")
-    page = estimated(sent(visible))
+    page = course(space=estimated(sent(visible)))
     assert re.search(r"Since the change\s+not known", panel(page))
     assert "It is not known when the light last changed" in texts(page)
     assert "The eyes count as adapted" not in texts(page)
 
 
 def test_a_feature_outside_of_the_training_is_named_with_the_number_that_rests_on_it(visible):
-    page = estimated(sent(visible, soon_high=50.0))
-    page = checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
+    page = course(space=estimated(sent(visible, soon_high=50.0)))
     assert "outside of the training" not in texts(page)
-    page = checked(page.toggle(key="driver_tunnel").set_value(True).run())
+    page = in_tunnel(page)
     assert (
         "After the change, outside of the training: Luminance contrast 80.0, trained on 0.0 to "
         "50.0 grey levels. Take it with care." in texts(page)
@@ -427,17 +436,12 @@ def test_a_feature_outside_of_the_training_is_named_with_the_number_that_rests_o
     assert "Detectability, outside" not in texts(page)
 
 
-def test_of_values_that_the_truth_states_nothing_is_said_of_an_estimator(page):
-    assert "estimator of the longest period" not in texts(page)
-    assert "The band is" not in texts(page)
-
-
 def test_beside_estimates_a_value_that_the_truth_states_is_called_so(tmp_path, monkeypatch):
     session = small_estimator.write_session(tmp_path, stated=0.7)
     for frame in range(30, small_estimator.N_FRAMES):
         (tmp_path / "visible" / f"{frame:03d}.png").unlink()
     begin_with(session, monkeypatch)
-    page = estimated(sent(tmp_path))
+    page = course(1, space=estimated(sent(tmp_path)))
     assert re.search(r"Detectability, estimator of 4\.5\ss\s+0\.10 ± 0\.10", panel(page))
     page.session_state["place"] = (0, 59)
     assert re.search(r"Detectability\s+0\.70", panel(checked(page.run())))
@@ -449,9 +453,11 @@ def test_no_change_of_light_is_simulated_where_the_truth_states_all_values(tmp_p
     begin_with(session, monkeypatch)
     page = sent(tmp_path)
     (recordings,) = (choice for choice in page.multiselect if choice.label == "Recordings")
-    page = estimated(checked(recordings.set_value(["drive", "heat"]).run()))
-    page.session_state[ENCOUNTER.key] = (page.session_state["workspace"].n_opened, "heat:1")
-    page = checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
+    space = estimated(checked(recordings.set_value(["drive", "heat"]).run()))
+    page = part(ONE, space=space)
+    page.session_state[DRIVER_REGION.key] = DriverRegion.DRIVER_X_Y
+    page.session_state[ENCOUNTER.key] = (space.n_opened, "heat:1")
+    checked(page.run())
     assert "Pedestrian 1 of heat" in [item.value for item in page.header]
     assert re.search(r"Detectability\s+0\.70", panel(page))
     assert page.toggle(key="driver_tunnel").disabled
@@ -478,8 +484,8 @@ def test_a_light_meter_that_cannot_be_read_is_said_under_the_viewer(
     path = small_estimator.write_session(tmp_path, stated=0.5)
     (tmp_path / "lux.csv").write_text("time_s,lux\n0,bright\n")
     begin_with(path, monkeypatch)
-    page = checked(alone("driver").run())
-    assert "How long ago the light has changed is not known: lux.csv, line 2" in texts(page)
+    why = "How long ago the light has changed is not known: lux.csv, line 2"
+    assert why in texts(course())
 
 
 def test_clips_that_are_rated_do_not_ask_for_the_light(monkeypatch: pytest.MonkeyPatch):
@@ -495,9 +501,7 @@ def test_clips_that_are_rated_do_not_ask_for_the_light(monkeypatch: pytest.Monke
 
 def test_panel_plot_and_words_count_from_the_first_frame_whatever_its_number(tmp_path, monkeypatch):
     begin_with(small_estimator.write_session(tmp_path, first=600), monkeypatch)
-    page = estimated(sent(tmp_path))
-    page = checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
-    page = checked(page.toggle(key="driver_tunnel").set_value(True).run())
+    page = in_tunnel(course(space=estimated(sent(tmp_path))))
     assert re.search(r"Since the change\s+0\.10 s, simulated", panel(page))
     page = checked(page.slider(key="driver_tunnel_s").set_value(1.0).run())
     assert "dark from 1.00 s on" in texts(page)
@@ -511,8 +515,7 @@ def test_where_the_light_is_not_known_the_eyes_are_not_called_adapted(tmp_path, 
     session = small_estimator.write_session(tmp_path, stated=0.8)
     (tmp_path / "lux.csv").write_text("time_s,lux\n100,1000\n101,1000\n")
     begin_with(session, monkeypatch)
-    page = checked(alone("driver").run())
-    assert re.search(r"Since the change\s+not known", panel(page))
+    assert re.search(r"Since the change\s+not known", panel(course()))
 
 
 def with_estimates_of_a_file(folder: Path, simulated: str = "no", **light: float) -> Path:
@@ -527,17 +530,14 @@ def test_the_clock_beside_estimates_of_a_file_is_that_of_their_record(
     tmp_path, monkeypatch, factor, since
 ):
     begin_with(with_estimates_of_a_file(tmp_path, drop_factor=factor), monkeypatch)
-    page = alone("driver")
-    page.query_params.update({"recording": "drive", "frame": "59"})
-    page = checked(page.run())
+    page = course(1, recording="drive", frame="59")
     assert re.search(rf"Since the change\s+{since}", panel(page))
     assert "by our default settings" not in texts(page)
 
 
 def test_the_panel_names_a_simulated_observer(tmp_path, monkeypatch):
     begin_with(with_estimates_of_a_file(tmp_path, "some"), monkeypatch)
-    page = checked(alone("driver").run())
-    assert "Detectability (learnt in part from simulated subjects)" in panel(page)
+    assert "Detectability (learnt in part from simulated subjects)" in panel(course())
 
 
 def test_where_no_record_says_how_light_was_judged_the_page_does(tmp_path, monkeypatch):
@@ -545,12 +545,7 @@ def test_where_no_record_says_how_light_was_judged_the_page_does(tmp_path, monke
     lines = session.read_text().splitlines()
     session.write_text("\n".join(line for line in lines if not line.startswith("provenance")))
     begin_with(session, monkeypatch)
-    assert "by our default settings" in texts(checked(alone("driver").run()))
-
-
-def test_where_only_estimates_are_known_the_page_says_what_a_simulation_needs(page):
-    assert page.toggle(key="driver_tunnel").disabled
-    assert "features and an estimator are needed" in texts(page)
+    assert "by our default settings" in texts(course())
 
 
 @pytest.fixture
@@ -558,15 +553,15 @@ def held(visible, monkeypatch: pytest.MonkeyPatch) -> Held:
     return Held(visible, monkeypatch)
 
 
-def aside(page) -> list[str]:
+def aside(page: AppTest) -> list[str]:
     """What the sidebar says of an estimate: progress, trouble, and the way to its page."""
-    said = [item.proto.text.replace("\\", "") for item in page.sidebar.get("progress")]
-    said += [item.value for item in page.sidebar.error]
-    return said + [item.proto.label for item in page.sidebar.get("page_link")]
+    words = [item.proto.text.replace("\\", "") for item in page.get("progress")]
+    words += [item.value for item in page.error]
+    return words + [item.value for item in page.caption]
 
 
 def test_an_estimate_that_ends_while_another_page_is_open_is_taken_over_there(held):
-    page = held.look_at("timeline")
+    page = checked(opened("timeline", space=held.space))
     page.session_state["place"] = (0, 41)
     page.slider(key="alpha").set_value(0.25)
     n_opened = held.space.n_opened
@@ -581,27 +576,26 @@ def test_an_estimate_that_ends_while_another_page_is_open_is_taken_over_there(he
     news = "Whom the driver sees is estimated in 1 recording. All pages count with it now."
     assert [item.value for item in page.sidebar.success] == [news]
     assert checked(page.run()).sidebar.success  # as long as the page is open
-    assert not held.look_at("metrics").sidebar.success
-    assert not held.look_at("timeline").sidebar.success
+    assert not checked(to_page(page, "metrics")).sidebar.success
+    assert not checked(to_page(page, "timeline")).sidebar.success
 
 
 def test_the_sidebar_of_other_pages_shows_how_far_an_estimate_is(held):
-    assert aside(held.page) == []  # the page itself says it
-    page = held.look_at("metrics")
+    assert aside(held.beside("driver")) == []  # the page itself says it
+    page = held.beside("metrics")
     assert aside(page)[0].startswith("Estimating whom the driver sees: 0 %")
     assert aside(page)[1] == "Driver"
     held.ends()
     assert aside(checked(page.run())) == ["Driver"]
-    assert aside(held.look_at("driver")) == []
+    assert aside(held.beside("driver")) == []
 
 
 def test_estimates_wait_until_other_work_has_ended_which_they_would_end(held):
-    page = held.look_at("metrics")
     is_over = threading.Event()
     other = BackgroundJob(lambda _: is_over.wait(TIMEOUT_S), while_open(held.space))
     held.space.put_job("other", other)
     held.ends()
-    checked(page.run())
+    page = held.beside("metrics")
     assert aside(page) == ["It is done, and waits until other work in this tab has ended", "Driver"]
     assert not held.is_taken_over
     is_over.set()
@@ -615,21 +609,19 @@ def test_a_run_of_a_detector_that_is_not_compared_yet_outlasts_estimates(held):
     of_detector.outlasts = True
     held.space.put_job("detector_run", of_detector)
     of_detector.join()
-    page = held.look_at("metrics")
     held.ends()
-    checked(page.run())
+    held.beside("metrics")
     assert held.is_taken_over
     assert held.space.job("detector_run").output == "boxes"
 
 
 def test_estimates_do_not_come_to_another_session_that_was_opened_meanwhile(held):
-    page = held.look_at("metrics")
     held.space.show(held.space.opened, RecordingPictures())
     held.ends()
-    checked(page.run())
+    page = held.beside("metrics")
     assert held.space.job("driver_run") is None
     assert not held.is_taken_over
-    assert not page.sidebar.success
+    assert not page.success
 
 
 def test_what_cannot_be_taken_over_is_said_beside_every_page_until_its_own_has_said_it(
@@ -639,12 +631,10 @@ def test_what_cannot_be_taken_over_is_said_beside_every_page_until_its_own_has_s
         raise InputError("it cannot be opened")
 
     monkeypatch.setattr(state, "read_again", refuse)
-    page = held.look_at("metrics")
     held.ends()
-    checked(page.run())
-    assert "it cannot be opened" in aside(page)[0]
-    assert "it cannot be opened" in texts(held.look_at("driver"))
-    assert aside(held.look_at("metrics")) == []
+    assert "it cannot be opened" in aside(held.beside("metrics"))[0]
+    assert "it cannot be opened" in texts(checked(part(*FORM, space=held.space).run()))
+    assert aside(held.beside("metrics")) == []
 
 
 def test_a_fault_while_it_is_taken_over_leaves_no_news_and_is_not_tried_again(
@@ -654,10 +644,9 @@ def test_a_fault_while_it_is_taken_over_leaves_no_news_and_is_not_tried_again(
         raise ValueError("a fault")
 
     monkeypatch.setattr(state, "read_again", break_down)
-    page = held.look_at("metrics")
     held.ends()
     folder = held.job.folder
-    page.run()
+    page = opened("metrics", space=held.space)
     assert held.space.job("driver_run") is None
     assert not held.is_taken_over
     assert not page.sidebar.success
@@ -668,8 +657,8 @@ def test_a_fault_while_it_is_taken_over_leaves_no_news_and_is_not_tried_again(
 
 def test_other_pages_say_that_an_estimate_has_failed(visible, monkeypatch: pytest.MonkeyPatch):
     held = Held(visible, monkeypatch, fails="no picture can be read")
-    page = held.look_at("metrics")
     held.ends()
-    assert aside(checked(page.run())) == ["Whom the driver sees could not be estimated.", "Driver"]
-    assert "no picture can be read" in texts(held.look_at("driver"))
-    assert aside(held.look_at("metrics")) == []
+    page = held.beside("metrics")
+    assert aside(page) == ["Whom the driver sees could not be estimated.", "Driver"]
+    assert "no picture can be read" in texts(checked(part(*FORM, space=held.space).run()))
+    assert aside(held.beside("metrics")) == []

@@ -11,20 +11,34 @@ import small_estimator
 from streamlit.testing.v1 import AppTest
 
 import pages
-from pages import alone, begin_with, checked, press, session, shown, tables, texts
+from pages import alone, begin_with, checked, part, press, session, shown, space_of, tables, texts
 from ui.encounters import details, figures, table
 from ui.encounters.address import Choice, from_address, to_address
 from ui.encounters.filters import Filters
 from ui.encounters.order import Order
 from ui.session.chosen import encounter_of, name_of
 from ui.session.store import ENCOUNTER
-from ui.session.workspace import Opened
 from ui.time_left import encounter
 from ui.widgets import table_columns
+
+ALL = "nvcore.tables.result.encounters_table(RESULT)"
+FILTERS = f"st.session_state['matching'] = ui.encounters.filters.draw(RESULT, {ALL})[1]"
+RECORDINGS = ["rural_road", "urban_crossing"]
 
 
 def opened(**link: str) -> AppTest:
     return checked(alone("encounters", **link).run())
+
+
+def one(row: int = 0) -> AppTest:
+    """The part of one encounter, beside the list."""
+    return checked(part(f"ui.encounters.details.draw(RESULT, {ALL}, {row})").run())
+
+
+@pytest.fixture(scope="module")
+def page() -> AppTest:
+    """The whole page on the sample, to look at."""
+    return opened()
 
 
 def only(page: AppTest, name: str) -> str:
@@ -36,19 +50,17 @@ def listed(page: AppTest) -> pd.DataFrame:
 
 
 def widget(page: AppTest, kind: str, label: str):
-    (found,) = [one for one in getattr(page, kind) if one.label == label]
-    return found
+    (labelled,) = [item for item in getattr(page, kind) if item.label == label]
+    return labelled
 
 
 def choose(page: AppTest, row: int) -> AppTest:
-    space = page.session_state["workspace"]
-    name = name_of(space.result, row)
-    page.session_state[ENCOUNTER.key] = (space.n_opened, name)
+    space = space_of(page)
+    page.session_state[ENCOUNTER.key] = (space.n_opened, name_of(space.result, row))
     return checked(page.run())
 
 
-def test_all_encounters_of_the_sample_are_listed_the_heaviest_failures_first():
-    page = opened()
+def test_all_encounters_of_the_sample_are_listed_the_heaviest_failures_first(page: AppTest):
     assert "**46** of 46 encounters" in texts(page)
     rows = listed(page)
     assert len(rows) == 46
@@ -60,85 +72,116 @@ def test_all_encounters_of_the_sample_are_listed_the_heaviest_failures_first():
     assert "X does not detect 8 and Y does not detect 11" in texts(page)
     assert "“X or Y” detects 35 of 38 encounters, 5 more than X alone" in texts(page)
     assert list(rows) == list(table.FIRST_COLUMNS)  # until all are asked for
-    more = listed(checked(page.toggle(key="encounters_columns").set_value(True).run()))
-    assert {"lag_s_y", "gap_s_x", "tail_s_x", "peak_k", "aspect_z", "occluded_share"} <= {*more}
+    more = part(f"ui.encounters.table.draw({ALL}, 0)")
+    more.session_state["encounters_columns"] = True
+    columns = {*listed(checked(more.run()))}
+    assert {"lag_s_y", "gap_s_x", "tail_s_x", "peak_k", "aspect_z", "occluded_share"} <= columns
 
 
-def test_what_the_measures_of_one_encounter_mean_stands_below_them():
-    captions = " ".join(text.value for text in opened().caption)
+def test_what_the_measures_of_one_encounter_mean_stands_below_them(page: AppTest):
+    captions = " ".join(text.value for text in page.caption)
     for term in ("Peak cost: ", "Lag: ", "Longest gap: ", "Tail: ", "standard deviations"):
         assert term in captions
     assert "mean position −0.48" in captions.replace("\\", "")
 
 
+def test_the_keys_n_and_p_step(page: AppTest):
+    assert page.button(key="encounters_next").proto.shortcut == "n"
+    assert page.button(key="encounters_previous").proto.shortcut == "p"
+
+
+def test_an_encounter_is_named_by_its_recording_and_track(page: AppTest):
+    result = space_of(page).result
+    assert [encounter_of(result, name_of(result, row)) for row in (3, 45)] == [3, 45]
+    name = name_of(result, 3).rpartition(":")[0]
+    for other in (
+        "",
+        "7",
+        "::",
+        f"{name}:",
+        f"{name}:99",
+        f"{name}:1.0",
+        f"{name}:٣",
+        f"{name}:{'1' * 40}",
+        "other:1",
+    ):
+        assert encounter_of(result, other) is None
+
+
+def test_a_pair_of_miss_classes_is_listed_by_a_click(
+    page: AppTest, monkeypatch: pytest.MonkeyPatch
+):
+    chosen: list[tuple[str | None, str | None]] = []
+    monkeypatch.setattr(figures, "set_classes", lambda x, y: chosen.append((x, y)))
+    (pairs,) = [pairs for pairs in tables(page) if "never" in pairs]
+    assert pairs["x"].tolist()[0] == "X never"
+    for row, column in ((5, "lost_early"), (6, "late"), (0, "all")):
+        figures._choose_pair([*pairs][1:], row, column)
+    assert chosen == [("none", "lost_early"), (None, "late"), ("never", None)]
+
+
+def test_without_detectability_nothing_is_said_or_asked_of_the_driver(page: AppTest):
+    assert "Driver:" not in texts(page)
+    assert "By the driver" not in [group.label for group in page.button_group]
+
+
 def test_a_click_in_the_venn_diagram_presets_the_category_which_can_be_changed():
-    page = opened()
-    page.session_state["page_link"] = {"category": "x_only"}  # as the Overview leaves it
-    checked(page.run())
+    page = opened(category="x_only,<b>", driver="sees")
+    assert "category cannot be <b>" in texts(page)
+    assert "driver cannot be sees" in page.warning[0].value
     assert set(listed(page)["category"]) == {"only X"}
+    page.session_state["page_link"] = {"category": "y_only"}  # as the Overview leaves it
+    checked(page.run())
+    assert set(listed(page)["category"]) == {"only Y"}
+    assert page.query_params["category"] == "y_only"
+    page.button_group[0].set_value(["x_only"])
+    assert set(listed(checked(page.run()))["category"]) == {"only X"}
     assert "**8** of 46" in texts(page)
     assert page.query_params["category"] == "x_only"
-    page.button_group[0].set_value(["y_only"])
-    assert set(listed(checked(page.run()))["category"]) == {"only Y"}
-    assert page.query_params["category"] == "y_only"
 
 
-def test_a_link_presets_the_category_and_an_unknown_one_is_told():
-    page = opened(category="x_only,<b>")
-    assert "category cannot be <b>" in texts(page)
-    assert set(listed(page)["category"]) == {"only X"}
-
-
-def test_encounters_can_be_chosen_by_miss_class_and_recording():
-    page = opened()
+def test_encounters_can_be_chosen_by_miss_class_recording_and_least_severity():
+    page = checked(part(FILTERS).run())
     widget(page, "multiselect", "Miss class of Y").set_value(["late"])
     widget(page, "multiselect", "Recording").set_value(["urban_crossing"])
-    rows = listed(checked(page.run()))
+    rows = checked(page.run()).session_state["matching"]
     assert set(rows["miss_class_y"]) == {"late"}
     assert set(rows["recording"]) == {"urban_crossing"}
+    for label in ("Miss class of Y", "Recording"):
+        widget(page, "multiselect", label).set_value([])
+    widget(page, "slider", "Least severity (s)").set_value(0.5)
+    rows = checked(page.run()).session_state["matching"]
+    assert 0 < len(rows) < 38
+    assert (rows[["severity_s_x", "severity_s_y"]].max(axis=1) >= 0.5).all()
 
 
 def test_tags_set_no_filter_and_take_back_none():
-    page = checked(pages.opened("encounters"))
+    page = checked(part("ui.shell.recordings_filter.draw()", FILTERS).run())
 
-    def with_tags(*tags: str) -> str:
+    def with_tags(*tags: str) -> pd.DataFrame:
         checked(shown(page, "multiselect", "tags_chosen").set_value(list(tags)).run())
-        return texts(page)
+        return page.session_state["matching"]
 
-    assert "**12** of 12 encounters" in with_tags("rural")
-    assert {"height", "pose", "position"}.isdisjoint(page.query_params)
-    assert "**46** of 46 encounters" in with_tags()
+    assert len(with_tags("rural")) == 12
+    assert len(with_tags()) == 46
     height = widget(page, "slider", "Largest height (px)")
     checked(height.set_value((60.0, height.max)).run())
-    widget(page, "multiselect", "Recording").set_value(["rural_road", "urban_crossing"])
-    before = listed(checked(page.run()))
-    assert page.query_params["height"] == "60:"
-    with_tags("rural")
-    assert set(listed(page)["recording"]) == {"rural_road"}
-    assert listed(page)["peak_height"].min() >= 60
-    with_tags()
-    assert listed(page).equals(before)
-
-
-def test_encounters_of_a_least_severity_can_be_listed():
-    page = opened()
-    widget(page, "slider", "Least severity (s)").set_value(0.5)
-    rows = listed(checked(page.run()))
-    assert 0 < len(rows) < 38
-    assert (rows[["severity_s_x", "severity_s_y"]].max(axis=1) >= 0.5).all()
-    checked(page.button(key="encounters_clear").click().run())
-    assert len(listed(page)) == 46
+    widget(page, "multiselect", "Recording").set_value(RECORDINGS)
+    before = checked(page.run()).session_state["matching"]
+    rural = with_tags("rural")
+    assert set(rural["recording"]) == {"rural_road"}
+    assert rural["peak_height"].min() >= 60
+    assert with_tags().equals(before)
 
 
 def test_filters_that_leave_nothing_say_what_to_do_and_are_cleared_at_once():
-    page = opened(category="distant")
-    widget(page, "slider", "Largest height (px)").set_value((10.0, 338.0))
-    widget(page, "multiselect", "Miss class of X").set_value(["late"])
-    assert texts(checked(page.run())).count("No encounter") == 1
+    page = opened(category="distant", miss_x="late", height="10:338", order="-peak_height")
+    assert texts(page).count("No encounter") == 1
     assert "Click a bar" not in texts(page)  # nor a figure of nothing
-    checked(page.button(key="encounters_clear").click().run())
+    press(page, "encounters_clear")
     assert len(listed(page)) == 46
     assert "category" not in page.query_params
+    assert only(page, "order") == "-peak_height"
 
 
 def test_a_chosen_encounter_opens_where_the_heavier_failure_costs_most(
@@ -146,28 +189,27 @@ def test_a_chosen_encounter_opens_where_the_heavier_failure_costs_most(
 ):
     shown: list[int] = []
     monkeypatch.setattr(details, "open_row", shown.append)
-    page = choose(opened(), 2)
-    result = page.session_state["workspace"].result
+    page = one(2)
+    result = space_of(page).result
     assert "Pedestrian 3 in urban_crossing" in texts(page)
     assert "Only X detected the pedestrian" in texts(page)
     assert "where Y's failure, the heavier, costs most" in texts(page)
+    assert "**X** never misses it in 2.55 s" in texts(page)
+    assert "**Y** misses it for 2.15 of 2.55 s: severity **0.64 s**" in texts(page)
     values = page.table[0].value
     assert values.index.name == "Measure"  # no table has an empty heading
     assert values.loc["Matched"].tolist() == ["51 of 51 frames (100 %)", "8 of 51 frames (16 %)"]
     assert values.loc["Severity"].tolist() == ["0.00 s", "0.64 s"]
-    (pairs,) = [pairs for pairs in tables(page) if "never" in pairs]
-    assert pairs["x"].tolist()[0] == "X never"
-    checked(page.button(key="encounters_show").click().run())
-    checked(page.button(key="encounters_show_y").click().run())  # first missed by Y
+    press(page, "encounters_show")
+    press(page, "encounters_show_y")  # first missed by Y
     assert shown == [result.y.failures["peak_row"][2], 40]
 
 
-def test_an_encounter_that_nobody_misses_opens_where_it_begins_to_count():
-    page = opened()
-    result = page.session_state["workspace"].result
+def test_an_encounter_that_nobody_misses_opens_where_it_begins_to_count(page: AppTest):
+    result = space_of(page).result
     is_whole = (result.x.failures["peak_row"] < 0) & (result.y.failures["peak_row"] < 0)
     whole = int(np.flatnonzero(is_whole & (result.category == "both"))[0])
-    assert "where the encounter begins to count" in texts(choose(page, whole))
+    assert "where the encounter begins to count" in texts(one(whole))
 
 
 def test_encounters_are_gone_through_one_by_one_in_the_order_of_the_list_across_recordings():
@@ -188,27 +230,15 @@ def test_encounters_are_gone_through_one_by_one_in_the_order_of_the_list_across_
     press(page, "encounters_previous")
     recording, track = in_order[-2].split(" in ")[1], in_order[-2].split()[1]
     assert only(page, "encounter") == f"{recording}:{track}"
-    assert only(page, "recording") == recording  # the Timeline opens there, too
-
-
-def test_the_keys_n_and_p_step():
-    page = opened()
-    assert page.button(key="encounters_next").proto.shortcut == "n"
-    assert page.button(key="encounters_previous").proto.shortcut == "p"
-
-
-def test_who_missed_a_pedestrian_how_long_stands_above_the_picture():
-    page = choose(opened(), 2)
-    assert "**X** never misses it in 2.55 s" in texts(page)
-    assert "**Y** misses it for 2.15 of 2.55 s: severity **0.64 s**" in texts(page)
 
 
 def test_time_left_and_classes_are_said_of_the_encounter_and_its_last_chance_opens(
-    monkeypatch: pytest.MonkeyPatch,
+    page: AppTest, monkeypatch: pytest.MonkeyPatch
 ):
     shown: list[int] = []
     monkeypatch.setattr(encounter, "open_row", shown.append)
-    page = opened(encounter="rural_road:4")
+    result = space_of(page).result
+    page = one(encounter_of(result, "rural_road:4"))
     assert (
         "Urgent at 50 km/h (assumed): the last chance to stop is frame 194 (9.70 s). X confirms "
         "him 0.45 s before it, in time. Y confirms him 1.55 s after it, late: impact at 50 km/h."
@@ -217,13 +247,10 @@ def test_time_left_and_classes_are_said_of_the_encounter_and_its_last_chance_ope
     button = page.button(key="encounters_show_chance")
     assert button.label == "Show the last chance to stop (frame 194)"
     press(page, "encounters_show_chance")
-    result = page.session_state["workspace"].result
-    frames = result.dataset.frames.iloc[shown]
-    assert frames["frame"].tolist() == [194]
-    distant = opened(encounter="urban_crossing:1")
+    assert result.dataset.frames.iloc[shown]["frame"].tolist() == [194]
+    distant = one(encounter_of(result, "urban_crossing:1"))
     assert "Not urgent at 50 km/h (assumed): never less than" in texts(distant)
-    keys = [button.key for button in distant.button]
-    assert "encounters_show_chance" not in keys
+    assert "encounters_show_chance" not in [button.key for button in distant.button]
 
 
 def test_everything_that_is_chosen_is_in_the_address_and_a_link_chooses_it_again():
@@ -241,9 +268,14 @@ def test_everything_that_is_chosen_is_in_the_address_and_a_link_chooses_it_again
     asked = {name: set(text.split(",")) for name, text in link.items()}
     given = {name: set(only(page, name).split(",")) for name in link}
     assert given == asked
-    press(page, "encounters_clear")
-    assert "height" not in page.query_params
-    assert only(page, "order") == "-peak_height"
+
+
+def test_a_hostile_or_stale_address_is_told_and_lists_what_there_is():
+    page = opened(height="<script>", encounter="::", only="no such,%2C")
+    (warning,) = page.warning
+    assert "could not be followed in all" in warning.value
+    assert "there is no such encounter" in warning.value
+    assert len(listed(page)) == 46
 
 
 @pytest.mark.parametrize(
@@ -259,17 +291,13 @@ def test_everything_that_is_chosen_is_in_the_address_and_a_link_chooses_it_again
         ("only", "no such,%2C"),
         ("miss_x", "late,../../etc"),
         ("class", "child,<b>"),
-        ("encounter", "urban_crossing:99999999999999999999"),
-        ("encounter", "urban_crossing:٣"),
-        ("encounter", "::"),
     ],
 )
-def test_a_hostile_or_stale_address_is_told_and_lists_what_there_is(name: str, text: str):
-    page = opened(**{name: text})
-    (warning,) = page.warning
-    assert "could not be followed in all" in warning.value
-    assert len(listed(page)) > 0
-    assert len(warning.value) < 200
+def test_what_cannot_be_in_an_address_is_told_shortly_and_chooses_nothing(name: str, text: str):
+    choice, wrong = from_address({name: text}, RECORDINGS, ["child"])
+    assert (choice.order, choice.encounter) == (Order(), None)
+    assert replace(choice.filters, classes=(), classes_x=()) == Filters()
+    assert 0 < len("; ".join(wrong)) < 200
 
 
 def test_names_with_commas_come_back_from_the_address():
@@ -295,40 +323,18 @@ def test_a_class_is_listed_counted_and_kept_in_the_address():
     assert list(counts) == ["crossing[a]", "in road[b]", "group[a]", "child[c]"]
     assert counts["child[c]"][:7] == ("2", "0", "0", "1", "0", "0.0 pp", "–")
     assert "c: Too few recordings for an interval: 2, at least 8 are needed." in texts(page)
-    press(page, "encounters_clear")
-    assert "class" not in page.query_params
 
 
 def test_filters_and_the_selection_hold_when_recordings_are_chosen_by_tag():
     page = opened(only="rural_road,urban_crossing", encounter="rural_road:4")
-    page.session_state["workspace"].look_at(tagged(page, "rural_road"))
+    space = space_of(page)
+    session = replace(space.opened.session, only=("rural_road",))
+    whole = space.opened.whole.with_settings(session)
+    space.look_at(space.opened.of(session, whole, space.opened.label))
     checked(page.run())
     assert "recording" not in listed(page)  # it is one only
     assert only(page, "only") == "rural_road"
     assert "Pedestrian 4 in rural_road" in texts(page)
-
-
-def tagged(page: AppTest, name: str) -> Opened:
-    """What is open, of which only that recording is compared."""
-    before = page.session_state["workspace"].opened
-    session = replace(before.session, only=(name,))
-    return Opened.of(session, before.whole.with_settings(session), before.label)
-
-
-def test_an_encounter_is_named_by_its_recording_and_track():
-    result = opened().session_state["workspace"].result
-    assert [encounter_of(result, name_of(result, row)) for row in (3, 45)] == [3, 45]
-    name = name_of(result, 3).rpartition(":")[0]
-    for other in (
-        "",
-        "7",
-        f"{name}:",
-        f"{name}:99",
-        f"{name}:1.0",
-        f"{name}:{'1' * 40}",
-        "other:1",
-    ):
-        assert encounter_of(result, other) is None
 
 
 def test_a_heading_sorts_and_turns_the_order_round(monkeypatch):
@@ -340,24 +346,17 @@ def test_a_heading_sorts_and_turns_the_order_round(monkeypatch):
 
 
 def test_a_distant_encounter_has_no_severity_and_else_dashes():
-    page = choose(opened(), 4)
+    page = one(4)
     assert "never came near enough" in texts(page)
     severity, peak, *others = page.table[0].value["X"].tolist()
     assert (severity, peak) == ("0.00 s", "0.00")
     assert others == ["–"] * 5
-    # one that was chosen in other data is forgotten: the first is shown
+
+
+def test_an_encounter_that_was_chosen_in_other_data_is_forgotten():
+    page = part(f"st.text(ui.encounters.selection.shown(RESULT, {ALL}))")
     page.session_state[ENCOUNTER.key] = (0, "winter_frost:1")
-    assert "**1** of 46" in texts(checked(page.run()))
-
-
-def test_a_pair_of_miss_classes_is_listed_by_a_click(monkeypatch: pytest.MonkeyPatch):
-    page = opened()
-    chosen: list[tuple[str | None, str | None]] = []
-    monkeypatch.setattr(figures, "set_classes", lambda x, y: chosen.append((x, y)))
-    (pairs,) = [pairs for pairs in tables(page) if "never" in pairs]
-    for row, column in ((5, "lost_early"), (6, "late"), (0, "all")):
-        figures._choose_pair([*pairs][1:], row, column)
-    assert chosen == [("none", "lost_early"), (None, "late"), ("never", None)]
+    assert checked(page.run()).text[0].value == "0"
 
 
 def test_without_pedestrians_there_is_nobody_to_miss(tmp_path, monkeypatch):
@@ -367,21 +366,22 @@ def test_without_pedestrians_there_is_nobody_to_miss(tmp_path, monkeypatch):
     assert "nobody to miss" in texts(opened())
 
 
-def test_without_pictures_the_boxes_are_drawn_all_the_same(tmp_path, monkeypatch):
+def test_without_pictures_the_boxes_are_drawn_and_distances_are_dashes(tmp_path, monkeypatch):
     begin_with(session(tmp_path, "fir.csv", "nir.csv"), monkeypatch)
-    page = opened()
-    assert "**2** of 2" in texts(page)
-    assert "Pedestrian 1 in urban" in texts(choose(page, 0))
+    page = one()
+    assert "Pedestrian 1 in urban" in texts(page)
+    weighed = weighings(unfolded(page))
+    assert set(weighed["Horizon"]) | set(weighed["Distance"]) == {"–"}
+    assert "The row of the horizon is not known: the page Data estimates it" in texts(page)
+    assert "No distance of this pedestrian is known: give" in texts(page)
 
 
 def test_the_column_of_recordings_is_left_out_where_there_is_one(tmp_path, monkeypatch):
-    one = replace(session(tmp_path, "fir.csv", "nir.csv"), only=("urban",))
-    begin_with(one, monkeypatch)
-    page = opened()
-    assert "Pedestrian 1 in urban" in texts(choose(page, 0))
+    begin_with(replace(session(tmp_path, "fir.csv", "nir.csv"), only=("urban",)), monkeypatch)
+    page = checked(part(f"ui.encounters.table.draw({ALL}, 0)").run())
     assert list(tables(page)[0]) == list(table.FIRST_COLUMNS[1:])
-    checked(page.toggle(key="encounters_columns").set_value(True).run())
-    assert "recording" not in tables(page)[0]
+    page.session_state["encounters_columns"] = True
+    assert "recording" not in tables(checked(page.run()))[0]
 
 
 def test_of_very_many_encounters_the_first_are_listed_and_a_fusion_waits_to_be_asked_for(
@@ -390,7 +390,8 @@ def test_of_very_many_encounters_the_first_are_listed_and_a_fusion_waits_to_be_a
     monkeypatch.setattr(table, "MOST_ROWS", 20)
     monkeypatch.setattr(table_columns, "MOST_ROWS", 20)
     monkeypatch.setattr(figures, "MANY_BOXES", 1000)
-    page = opened()
+    calls = f"ui.encounters.table.draw({ALL}, 0)", "ui.encounters.figures.draw_fusion(RESULT)"
+    page = checked(part(*calls).run())
     assert len(listed(page)) == 20
     assert "The first 20 of 46 are listed" in texts(page)
     assert "X or Y” detects" not in texts(page)
@@ -445,31 +446,27 @@ def test_filters_are_joined_and_keep_the_index(filters: Filters, rows: list[int]
     assert filters.keep(SIX, {"driver": sights}).index.tolist() == rows
 
 
-def test_the_encounter_is_weighed_by_height_horizon_and_distance_when_unfolded():
-    page = opened(encounter="rural_child:3")
-    assert not [table for table in page.table if "Height (in use)" in table.value]
+def unfolded(page: AppTest) -> AppTest:
     page.session_state["encounters_weightings"] = True
-    page = checked(page.run())
+    return checked(page.run())
+
+
+def weighings(page: AppTest) -> pd.DataFrame:
     (weighed,) = [table.value for table in page.table if "Height (in use)" in table.value]
+    return weighed
+
+
+def test_the_encounter_is_weighed_by_height_horizon_and_distance_when_unfolded(page: AppTest):
+    assert not [table for table in page.table if "Height (in use)" in table.value]
+    weighed = weighings(unfolded(one(encounter_of(space_of(page).result, "rural_child:3"))))
     assert weighed.loc["From – to"].tolist() == ["215 – 255", "214 – 255", "204 – 255"]
     assert weighed.loc["Y misses"].tolist() == ["13, late", "14, late", "24, late"]
     assert weighed.loc["Severity of Y"].tolist() == ["0.44 s", "0.48 s", "0.87 s"]
 
 
-def test_what_neither_horizon_nor_distance_tell_is_a_dash(tmp_path, monkeypatch):
-    begin_with(session(tmp_path, "fir.csv", "nir.csv"), monkeypatch)
-    page = opened()
-    page.session_state["encounters_weightings"] = True
-    page = checked(page.run())
-    (weighed,) = [table.value for table in page.table if "Height (in use)" in table.value]
-    assert set(weighed["Horizon"]) | set(weighed["Distance"]) == {"–"}
-    assert "The row of the horizon is not known: the page Data estimates it" in texts(page)
-    assert "No distance of this pedestrian is known: give" in texts(page)
-
-
 def test_the_pedestrian_is_cut_out_of_visible_light_as_chosen(tmp_path, monkeypatch):
     begin_with(small_estimator.write_session(tmp_path), monkeypatch)
-    page = checked(alone("encounters").run())
+    page = one()
     assert not page.toggle(key="encounters_visible").value
     page = checked(page.toggle(key="encounters_visible").set_value(True).run())
     assert page.toggle(key="encounters_visible").value
@@ -478,7 +475,7 @@ def test_the_pedestrian_is_cut_out_of_visible_light_as_chosen(tmp_path, monkeypa
 
 @pytest.fixture
 def seen_and_not(tmp_path, monkeypatch: pytest.MonkeyPatch) -> AppTest:
-    """One pedestrian whom the driver sees, and one of whom it is not known."""
+    """The page of one pedestrian whom the driver sees, and one of whom it is not known."""
     of_x, of_y = (pages.rows(x).replace(",1,0.9", ",0.9") for x in (300, 100))
     folder = pages.write(tmp_path, {"one": of_x, "two": of_y}, truth="")
     head = "recording,frame,x,y,w,h,track,detectability\n"
@@ -489,40 +486,20 @@ def seen_and_not(tmp_path, monkeypatch: pytest.MonkeyPatch) -> AppTest:
     ]
     (tmp_path / "truth.csv").write_text(head + "".join(lines))
     begin_with(folder, monkeypatch)
-    return opened()
-
-
-def test_the_encounters_panel_says_what_the_driver_sees(seen_and_not: AppTest):
-    page = seen_and_not
-    page.button_group(key="encounters_driver_1").set_value(["sees"]).run()
-    assert "Driver: sees. Detectability reaches 0.80 by the first frame that counts." in texts(page)
-    assert only(page, "driver") == "sees"
+    return opened(driver="unknown")
 
 
 def test_encounters_are_listed_by_what_the_driver_sees(seen_and_not: AppTest):
     page = seen_and_not
-    options = page.button_group(key="encounters_driver_1").options
-    assert options == [
+    assert listed(page)["track"].tolist() == [100]  # as the address asks for
+    assert page.button_group(key="encounters_driver_1").options == [
         "sees, clearly", "does not see, clearly", "open, seen or not", "not known",
     ]  # fmt: skip
-    page.button_group(key="encounters_driver_1").set_value(["unknown"]).run()
-    assert listed(page)["track"].tolist() == [100]
-    checked(page.button(key="encounters_clear").click().run())
+    page.button_group(key="encounters_driver_1").set_value(["sees"]).run()
+    assert "Driver: sees. Detectability reaches 0.80 by the first frame that counts." in texts(page)
+    assert only(page, "driver") == "sees"
+    press(page, "encounters_clear")
     assert len(listed(page)) == 2
-
-
-def test_the_list_says_beside_who_detects_whether_the_driver_sees(seen_and_not: AppTest):
-    order = [*tables(seen_and_not)[0]]
+    order = [*listed(page)]  # beside who detects whether the driver sees
     assert order[order.index("category") :][:3] == ["category", "driver_sees", "within_sd"]
-    assert listed(seen_and_not)["driver_sees"].dropna().tolist() == ["yes"]
-
-
-def test_an_address_asks_for_what_the_driver_sees(seen_and_not: AppTest):
-    assert listed(opened(driver="unknown"))["track"].tolist() == [100]
-
-
-def test_without_detectability_nothing_is_said_or_asked_of_the_driver():
-    page = opened(driver="sees")
-    assert "driver cannot be sees" in page.warning[0].value
-    assert "Driver:" not in texts(page)
-    assert "By the driver" not in [group.label for group in page.button_group]
+    assert listed(page)["driver_sees"].dropna().tolist() == ["yes"]

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from export_page import downloads, job_of, opened_drive
+from export_page import downloads, job_of, opened, uploaded_drive
 from streamlit.testing.v1 import AppTest
 
 from nvcore.errors import InputError
@@ -20,7 +20,7 @@ from ui.jobs.background import JobState
 
 @pytest.fixture
 def page(tmp_path: Path) -> AppTest:
-    return opened_drive(tmp_path)
+    return opened("html", space=uploaded_drive(tmp_path))
 
 
 def made(page: AppTest) -> AppTest:

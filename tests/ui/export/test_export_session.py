@@ -43,9 +43,7 @@ def uploaded(space: Workspace, **files: Path) -> Session:
         for slot, path in files.items()
     }
     truth = Source(paths.pop("truth"))
-    return Session(
-        folder, truth, tuple(SystemSource(one) for one in paths.values()), size=(640, 480), fps=20
-    )
+    return Session(folder, truth, tuple(map(SystemSource, paths.values())), size=(640, 480), fps=20)
 
 
 def sent_drive(space: Workspace, folder: Path) -> Session:

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 import small_estimator
 import streamlit as st
-from export_page import downloads, job_of, opened, opened_drive, opened_folder
+from export_page import downloads, job_of, opened, uploaded_drive, uploads
 from held_estimate import Held
 from inputs import drive
 from places import ROOT
@@ -29,9 +29,9 @@ from nvcore.driver.comparison.steps import driver_in
 from nvcore.errors import MediaError
 from nvcore.overlay.annotate import annotate
 from nvcore.overlay.brush import Canvas
+from nvcore.pictures.recordings import RecordingPictures
 from nvcore.progress import Progress
-from pages import TIMEOUT_S, begin_with, checked, press, texts, to_page
-from pages import opened as app_opened
+from pages import TIMEOUT_S, begin_with, checked, press, texts
 from ui.export.frame import file_stem
 from ui.export.link import link
 from ui.export.session import with_public_names
@@ -41,13 +41,12 @@ from ui.widgets.recording import nearest_row
 
 
 def test_the_reports_files_are_told_and_can_be_downloaded():
-    page = opened()
+    page = opened("report")
     assert downloads(page) == [
         "All files (ZIP)",
         *("frames.csv", "encounters.csv", "events.csv", "intervals.csv", "recordings.csv"),
         *("significance.csv", "subgroups.csv", "findings.csv", "finding_entries.csv"),
         *("summary.json", "session.toml", "matches.parquet"),
-        "Picture (PNG)",
     ]
     (single,) = [part for part in page.expander if part.label == "Single files"]
     assert len(single.get("download_button")) == 12  # folded: the ZIP has them all
@@ -80,7 +79,7 @@ def test_files_are_named_without_folders_when_they_are_made_and_not_in_each_run(
 
     monkeypatch.setattr("streamlit.delta_generator.DeltaGenerator.download_button", noted)
     monkeypatch.setattr("ui.export.report.with_public_names", renamed_by)
-    opened_drive(tmp_path)
+    opened("report", space=uploaded_drive(tmp_path))
     assert not renamed
     assert str(tmp_path) not in made[-1]().decode()  # no page is drawn any more
     (named,) = renamed
@@ -109,9 +108,9 @@ def test_the_zip_holds_the_estimates_that_its_session_names(
     theirs.mkdir()
     begin_with(small_estimator.write_session(theirs), monkeypatch)
     held = Held(theirs, monkeypatch)
-    page = held.look_at("export")
     held.ends()
-    checked(page.run())
+    held.beside("export")
+    page = opened("report", space=held.space)
     names = ["detectability.csv", "driver.json"]
     assert names == [name for name in downloads(page) if name in names]
     assert (
@@ -129,18 +128,12 @@ def test_the_zip_holds_the_estimates_that_its_session_names(
     assert driver_in(again).venn.n_seen == 1
 
 
-def test_with_one_system_the_page_says_what_to_do(tmp_path: Path):
-    page = opened_drive(tmp_path, ("fir", "fir.csv"))
-    assert "A comparison needs two" in texts(page)
-    assert downloads(page) == []
-
-
 def test_errors_of_the_audit_are_in_the_findings(tmp_path: Path):
     drive(tmp_path)
     with (tmp_path / "truth.csv").open("a") as stream:
         stream.write("urban,3,300,200,40,100,1\n")
-    page = opened_folder(tmp_path)
-    (line,) = [one.value for one in page.markdown if "findings of the audit" in one.value]
+    page = opened("report", space=uploads(tmp_path))
+    (line,) = [text.value for text in page.markdown if "findings of the audit" in text.value]
     assert int(line.split()[0]) >= 1
     assert str(tmp_path) not in texts(page)
 
@@ -148,7 +141,7 @@ def test_errors_of_the_audit_are_in_the_findings(tmp_path: Path):
 def test_without_pictures_boxes_are_drawn_on_a_blank_and_a_link_says_what_it_cannot_do(
     tmp_path: Path,
 ):
-    page = opened_drive(tmp_path)
+    page = opened("link", "frame", space=uploaded_drive(tmp_path))
     assert "no pictures" in texts(page)
     assert "Picture (PNG)" in downloads(page)
     assert "Works in this tab only." in page.warning[0].value
@@ -161,7 +154,7 @@ def test_hostile_names_are_shown_as_text(tmp_path: Path):
     for name in ("truth", "fir", "nir"):
         path = tmp_path / f"{name}.csv"
         path.write_text(path.read_text().replace("urban", "<b>[x](http://y)"))
-    page = opened_folder(tmp_path)
+    page = opened("link", "report", "html", "frame", "video", space=uploads(tmp_path))
     shown = "\n".join(text.value for text in (*page.caption, *page.markdown))
     assert "<b>" not in shown.replace("\\<b\\>", "")
 
@@ -176,7 +169,7 @@ def test_the_picture_of_a_frame_is_that_of_the_timeline(
         return annotate(result, pictures, index, row, **options)
 
     monkeypatch.setattr("ui.export.frame.annotate", drawn)
-    page = opened(recording="rural_child", frame="120")
+    page = opened("frame", recording="rural_child", frame="120")
     space = page.session_state["workspace"]
     place, _ = page.session_state["place"]
     indices = space.pictures.indices
@@ -192,7 +185,7 @@ def video_of(page: AppTest, recording: int, interval: Interval, path: Path) -> F
 
 
 def test_a_video_has_the_pictures_of_the_timeline(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    page = opened()
+    page = opened("video")
     space = page.session_state["workspace"]
     given = []
 
@@ -205,7 +198,7 @@ def test_a_video_has_the_pictures_of_the_timeline(tmp_path: Path, monkeypatch: p
 
 
 def test_the_link_keeps_recording_and_frame_which_can_be_gone_to():
-    page = opened(recording="rural_child", frame="120")
+    page = opened("link", "frame", recording="rural_child", frame="120")
     assert page.code[0].value.endswith("/timeline?recording=rural_child&frame=120")
     assert "for everybody" in texts(page)
     checked(page.button_group(key="export_place").set_value("").run())
@@ -215,11 +208,9 @@ def test_the_link_keeps_recording_and_frame_which_can_be_gone_to():
     assert page.query_params["frame"] == "130"
 
 
-def test_the_link_is_the_first_of_the_page_and_complete_after_a_swap():
-    page = checked(app_opened("data", threshold_x="0.7"))
-    press(page, "swap_systems")
-    checked(to_page(page, "export"))
-    assert page.header[0].value == "Link"
+def test_the_link_is_complete_after_a_swap():
+    page = opened("swap", "link", threshold_x="0.7")
+    press(page, "sidebar_swap")
     assert "for everybody" in texts(page)
     # the threshold went with its system, and the session of who follows the link has another
     query = parse_qs(urlsplit(page.code[0].value).query)
@@ -232,9 +223,9 @@ def test_names_in_a_link_are_quoted():
     )
 
 
-@pytest.mark.parametrize(("wanted", "found"), [(21, 2), (19, 0), (38, 2), (900, 2), (-5, 0)])
-def test_a_step_to_a_frame_that_is_not_evaluated_goes_to_the_next(wanted: int, found: int):
-    assert nearest_row(np.array([0, 20, 40]), wanted, 1) == found
+@pytest.mark.parametrize(("wanted", "row"), [(21, 2), (19, 0), (38, 2), (900, 2), (-5, 0)])
+def test_a_step_to_a_frame_that_is_not_evaluated_goes_to_the_next(wanted: int, row: int):
+    assert nearest_row(np.array([0, 20, 40]), wanted, 1) == row
 
 
 def test_file_names_hold_no_slashes():
@@ -266,13 +257,13 @@ def test_an_interval_without_frames_is_told():
 
 def test_an_interval_that_is_too_long_cannot_be_made(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("ui.export.video.LONGEST_S", 5.0)
-    page = opened()
+    page = opened("video")
     assert "at most 5 s" in texts(page)
     assert page.button(key="make_video").disabled
 
 
 def test_a_video_is_made_in_the_background_and_offered():
-    page = opened(recording="rural_child", frame="0")
+    page = opened("video", recording="rural_child", frame="0")
     (end,) = [field for field in page.number_input if field.label == "To (s)"]
     checked(end.set_value(0.45).run())
     press(page, "make_video")
@@ -306,10 +297,11 @@ def test_opening_something_else_takes_the_video_away(tmp_path: Path):
         assert may_go_on.wait(TIMEOUT_S)
         progress(1.0, "frames")
 
-    page = opened_drive(tmp_path)
+    page = opened("video", space=uploaded_drive(tmp_path))
     job = put_video(page, write)
     assert "Cancel" in buttons(checked(page.run()))
-    del page.session_state["is_open"]
+    space = page.session_state["workspace"]
+    space.show(space.opened, RecordingPictures())
     checked(page.run())
     assert job_of(page, JOB) is None
     assert "Cancel" not in buttons(page)
@@ -329,7 +321,7 @@ def test_a_video_that_fails_or_is_cancelled_is_told(error: Exception, message: s
     def fail(_: Progress) -> None:
         raise error
 
-    page = opened()
+    page = opened("video")
     put_video(page, fail).join()
     checked(page.run())
     assert [text.value for text in (*page.info, *page.error)] == [message]
@@ -344,7 +336,7 @@ def test_while_it_is_cancelled_the_video_says_so():
         assert may_go_on.wait(TIMEOUT_S)
         progress(1.0, "frames")
 
-    page = opened()
+    page = opened("video")
     job = put_video(page, write)
     assert is_halfway.wait(TIMEOUT_S)
     assert progress_of(checked(page.run())) == [r"Making night\.mp4: 50 %"]
@@ -357,11 +349,11 @@ def test_while_it_is_cancelled_the_video_says_so():
 
 
 def progress_of(page: AppTest) -> list[str]:
-    return [one.proto.text for one in page.get("progress")]
+    return [progress.proto.text for progress in page.get("progress")]
 
 
 def test_a_video_ends_with_its_session(tmp_path: Path):
-    page = opened()
+    page = opened("video")
     space = page.session_state["workspace"]
     job = video_of(page, 0, Interval(0, 300, 20), tmp_path / "v.mp4")
     space.close()

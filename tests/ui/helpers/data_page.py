@@ -12,28 +12,25 @@ from inputs import drive, write
 from places import ROOT
 from streamlit.testing.v1 import AppTest
 
-from pages import checked, press, scripted
+from pages import checked, part, press, space_of
 from ui.session.uploads import receive
 from ui.session.workspace import PICTURES
 
-PAGE = f"""
-import runpy
-from ui.session import settings, state
-from ui.shell import live_params, sidebar
-from ui.shell.pages import SHOWN
-settings.begin_run()
-wrong = live_params.read()
-runpy.run_path({str(ROOT / "pages" / "data.py")!r})
-sidebar.draw(wrong, SHOWN["data"])
-"""
+READING = (
+    "ui.data.opening.draw_outcome()", "ui.data.choose.draw()", "ui.data.audit.findings.draw()",
+    "ui.data.inputs.draw()",
+)  # fmt: skip
+"""What files can be opened with, and what is found and read in them."""
+COMPARING = ("ui.data.compare.draw()", "ui.shell.sidebar.draw(wrong, pages.SHOWN['data'])")
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(100)
 ASKED = {"width": 640, "height": 480, "fps": 20.0}
 """What the page asks of files that say none of it."""
 ON_SAMPLE = "Open now: Sample recordings ("
 
 
-def opened() -> AppTest:
-    return checked(scripted(PAGE).run())
+def opened(*calls: str) -> AppTest:
+    """The parts of the page that read files, or these."""
+    return checked(part(*(calls or READING)).run())
 
 
 def press_labelled(page: AppTest, label: str) -> AppTest:
@@ -45,9 +42,9 @@ def send(page: AppTest, key: str, *files: tuple[str, bytes]) -> None:
     page.file_uploader(key=key).set_value([(*file, "application/octet-stream") for file in files])
 
 
-def sent(truth: bytes, *systems: tuple[str, bytes]) -> AppTest:
+def sent(truth: bytes, *systems: tuple[str, bytes], calls: tuple[str, ...] = READING) -> AppTest:
     """The form with ground truth and systems, not opened yet."""
-    page = opened()
+    page = opened(*calls)
     send(page, "upload_truth", ("truth.csv", truth))
     for number, file in enumerate(systems):
         send(page, f"upload_system_{number}", file)
@@ -70,7 +67,8 @@ def answer(page: AppTest, place: str = "upload", **values: float) -> None:
 
 
 def asked(page: AppTest) -> dict[str, float | None]:
-    return {one.label: one.value for one in page.number_input if "upload" in (one.key or "")}
+    fields = (field for field in page.number_input if "upload" in (field.key or ""))
+    return {field.label: field.value for field in fields}
 
 
 def open_files(page: AppTest, **values: float) -> AppTest:
@@ -125,10 +123,6 @@ class Edit:
         """Change cells of what is not open yet, and open it."""
         self.changes, self.is_of_open = changes, False
         return press(page, "open_upload")
-
-
-def space_of(page: AppTest):
-    return page.session_state["workspace"]
 
 
 def late_drive(folder: Path) -> tuple[bytes, bytes]:

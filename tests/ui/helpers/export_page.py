@@ -4,39 +4,41 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from inputs import drive
+from inputs import drive, session_of
 from streamlit.testing.v1 import AppTest
 
-from pages import alone, checked
+from nvcore.inputs.load import load
+from nvcore.inputs.session import SystemSource
+from nvcore.pictures.recordings import RecordingPictures
+from pages import checked, part
+from ui.session.workspace import Opened, Workspace
 
-OPENING = """
-import streamlit as st
-from pathlib import Path
-from nvcore.inputs.session import Session, Source, SystemSource
-from ui.session import state
-if "is_open" not in st.session_state:
-    st.session_state["is_open"] = True
-    folder = Path({folder!r})
-    systems = tuple(SystemSource((path,), name=name) for name, path in {systems!r})
-    state.open_session(Session(folder, Source(("truth.csv",)), systems, size=(640, 480), fps=20),
-                       label="Uploaded files")
-"""
-SYSTEMS = (("fir", "fir.csv"), ("nir", "nir.csv"))
-
-
-def opened(before: str = "", **address: str) -> AppTest:
-    return checked(alone("export", before=before, **address).run())
+PARTS = {
+    "link": "ui.export.link.draw()",
+    "report": "ui.export.report.draw(RESULT)",
+    "html": "ui.export.html.draw(RESULT)",
+    "frame": "ui.export.frame.choose_frame(RESULT)\nui.export.frame.draw(RESULT)",
+    "video": "ui.export.video.draw(RESULT)",
+    "swap": "ui.shell.systems.draw()",
+}
+SYSTEMS = (SystemSource(("fir.csv",), name="fir"), SystemSource(("nir.csv",), name="nir"))
 
 
-def opened_folder(folder: Path, *systems: tuple[str, str]) -> AppTest:
-    """With truth.csv and the files of these systems, by name, in the folder."""
-    return opened(OPENING.format(folder=str(folder), systems=systems or SYSTEMS))
+def opened(*parts: str, space: Workspace | None = None, **address: str) -> AppTest:
+    """These parts of the page."""
+    return checked(part(*map(PARTS.__getitem__, parts), space=space, **address).run())
 
 
-def opened_drive(folder: Path, *systems: tuple[str, str]) -> AppTest:
-    """As `opened_folder`, the files newly written."""
-    drive(folder)
-    return opened_folder(folder, *systems)
+def uploads(folder: Path) -> Workspace:
+    """A workspace in which truth.csv, fir.csv and nir.csv of the folder are open."""
+    session, space = session_of(folder, "truth.csv", *SYSTEMS), Workspace()
+    space.show(Opened.of(session, load(session), "Uploaded files"), RecordingPictures())
+    return space
+
+
+def uploaded_drive(folder: Path) -> Workspace:
+    """As `uploads`, the files newly written."""
+    return uploads(drive(folder))
 
 
 def downloads(page: AppTest) -> list[str]:

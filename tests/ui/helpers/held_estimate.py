@@ -7,24 +7,39 @@ from pathlib import Path
 
 import pytest
 import small_estimator
+import streamlit as st
+from streamlit.testing.v1 import AppTest
 
 from nvcore.errors import InputError
-from pages import TIMEOUT_S, checked, opened, to_page
+from pages import TIMEOUT_S, checked, part, press, space_of
 from ui.driver import run
+
+TAKE_OVER = "ui.driver.finished.take_over()"
+"""What the app does once any page is drawn."""
+FORM = ("ui.driver.run.draw(is_known=False)", TAKE_OVER)
+
+
+def sent(folder: Path, *calls: str, **kind: float) -> AppTest:
+    """The form, or these parts of the page, to which an estimator was sent."""
+    page = checked(part(*(calls or FORM)).run())
+    return send(page, small_estimator.write_model(folder / "small.npz", **kind))
+
+
+def send(page: AppTest, file: Path) -> AppTest:
+    page.file_uploader(key="estimator_file").set_value([(file.name, file.read_bytes(), "")])
+    return checked(page.run())
 
 
 class Held:
-    """An estimate that is under way until it `ends`, started on its page in the app."""
+    """An estimate that is under way until it `ends`, started on its page."""
 
     def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch, *, fails: str = ""):
         self._may_end, self._fails, self._run = threading.Event(), fails, run.run_confined
         monkeypatch.setattr(run, "run_confined", self._wait)
-        page = checked(opened("driver"))
-        content = small_estimator.write_model(folder / "small.npz").read_bytes()
-        page.file_uploader(key="estimator_file").set_value([("small.npz", content, "")])
-        page = checked(page.run())
-        self.page = checked(page.button(key="driver_estimate").click().run())
-        self.space = self.page.session_state["workspace"]
+        # a link has to lead to a page of the app, which a part of a page does not know
+        monkeypatch.setattr(st, "page_link", lambda *_, **link: st.caption(link.get("label", "")))
+        page = press(sent(folder), "driver_estimate")
+        self.space = space_of(page)
         self.job = self.space.job("driver_run")
 
     def _wait(self, *given, **more):
@@ -33,9 +48,10 @@ class Held:
             raise InputError(self._fails)
         return self._run(*given, **more)
 
-    def look_at(self, name: str):
-        self.page = checked(to_page(self.page, name))
-        return self.page
+    def beside(self, page: str) -> AppTest:
+        """What is said of the estimate beside this page."""
+        aside = f"ui.driver.finished.draw_aside({page!r})"
+        return checked(part(aside, TAKE_OVER, space=self.space).run())
 
     def ends(self) -> None:
         self._may_end.set()

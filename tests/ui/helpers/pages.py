@@ -16,20 +16,33 @@ from streamlit.testing.v1 import AppTest
 
 from nvcore.inputs.session import Session
 from ui.session import sample, state
+from ui.session.workspace import Workspace
 from ui.shell.pages import START
 from ui.shell.sidebar import FOLDED
 
 TIMEOUT_S: Final = 600
 """Of a run that hangs: a fresh clone compiles first, and the machine may do other work too."""
+BEGINNING: Final = """import streamlit as st
+from ui.session import settings, state
+from ui.shell import live_params, pages
+settings.begin_run()
+wrong = live_params.read()
+"""
+"""What every run begins with; `wrong` is what the sidebar says of impossible settings."""
 
 
-def opened(name: str = START, *, is_folded: bool = False, **address: str) -> AppTest:
+def opened(
+    name: str = START, *, is_folded: bool = False, space: Workspace | None = None, **address: str
+) -> AppTest:
     """The app, opened at this address on this page: no other is drawn before it.
 
-    The sidebar's settings are unfolded on every page, unless `is_folded`.
+    The sidebar's settings are unfolded on every page, unless `is_folded`. What is open is in this
+    workspace, where one is given.
     """
     app = AppTest.from_file(str(ROOT / "ui" / "main.py"), default_timeout=TIMEOUT_S)
     app.session_state[FOLDED] = not is_folded
+    if space is not None:
+        app.session_state["workspace"] = space
     for key, value in address.items():
         app.query_params[key] = value
     return app.run() if name == START else to_page(app, name)
@@ -39,11 +52,40 @@ def to_page(app: AppTest, name: str) -> AppTest:
     return app.switch_page(str(ROOT / "pages" / f"{name}.py")).run()
 
 
-def alone(name: str, *, before: str = "", after: str = "", **address: str) -> AppTest:
-    """A page without navigation and sidebar; `before` runs before it, `after` after it."""
-    script = f"{before}\nfrom ui.session import settings, state\nsettings.begin_run()\n"
-    script += f"import runpy\nrunpy.run_path({str(ROOT / 'pages' / f'{name}.py')!r})\n{after}"
-    return scripted(script, **address)
+def alone(name: str, **address: str) -> AppTest:
+    """A page without navigation and sidebar."""
+    path = str(ROOT / "pages" / f"{name}.py")
+    return scripted(f"{BEGINNING}import runpy\nrunpy.run_path({path!r})", **address)
+
+
+def part(*calls: str, space: Workspace | None = None, **address: str) -> AppTest:
+    """Parts of a page by themselves: calls such as "ui.saliency.figures.draw_numbers(RESULT)".
+
+    In this workspace, where one is given.
+    """
+    script = "\n".join(calls)
+    modules = re.findall(r"\b((?:nvcore|ui)\.[.\w]+)\.\w+\(", script)
+    lines = [
+        *map("import {}".format, modules),
+        BEGINNING,
+        script.replace("RESULT", "state.result()"),
+    ]
+    page = scripted("\n".join(lines), **address)
+    if space is not None:
+        page.session_state["workspace"] = space
+    return page
+
+
+def space_of(page: AppTest) -> Workspace:
+    space: Workspace = page.session_state["workspace"]
+    return space
+
+
+def sidebar(*, page: str = "metrics", is_folded: bool = False, **address: str) -> AppTest:
+    """Systems and settings as beside this page, without the page."""
+    shown = f"wrong, pages.SHOWN[{page!r}], own=pages.OWN[{page!r}], is_folded={is_folded}"
+    calls = "ui.shell.systems.draw()", "ui.session.state.write_address()"
+    return checked(part(*calls, f"ui.shell.sidebar.draw({shown})", **address).run())
 
 
 def scripted(script: str, **address: str) -> AppTest:
@@ -74,7 +116,7 @@ def press(page: AppTest, key: str) -> AppTest:
 def shown(page: AppTest, kind: str, name: str) -> Any:
     """The widget that now shows what others change, too (`ui.session.settings.key_of`)."""
     form = re.compile(rf"{name}(_\d+)?")
-    (widget,) = [one for one in page.get(kind) if form.fullmatch(str(one.key))]
+    (widget,) = [widget for widget in page.get(kind) if form.fullmatch(str(widget.key))]
     return widget
 
 
@@ -90,12 +132,12 @@ def texts(page: AppTest) -> str:
 
 def tables(page: AppTest) -> list[pd.DataFrame]:
     """Rows and columns of the tables on the page, as the browser gets them; `attrs`: headings."""
-    found = []
+    shown = []
     for data in _sent(page, "nRows"):
         table = pd.DataFrame(dict(zip(data["names"], data["values"], strict=True)))
         table.attrs["labels"] = [column["label"] for column in data["columns"]]
-        found.append(table)
-    return found
+        shown.append(table)
+    return shown
 
 
 def figures(page: Any) -> list[dict[str, Any]]:
@@ -119,10 +161,10 @@ def measures(page: AppTest, key: str) -> dict[str, tuple[str, ...]]:
     """The cells of a table of measures by the label of their row, its footnotes in brackets."""
     (body,) = [item.proto.body for item in page.get("html") if f'nv-{key}"' in item.proto.body]
     rows = fromstring(body).iterfind(".//tbody/tr")
-    return {_said(row[0]): tuple(_said(cell) for cell in row[1:]) for row in rows}
+    return {_cell_text(row[0]): tuple(_cell_text(cell) for cell in row[1:]) for row in rows}
 
 
-def _said(cell: Element) -> str:
+def _cell_text(cell: Element) -> str:
     notes = "".join(f"[{mark.text}]" for mark in cell.iter("sup"))
     text = "".join([cell.text or "", *(part.tail or "" for part in cell)])
     return f"{text}{notes}"

@@ -6,15 +6,15 @@ import pandas as pd
 from places import ROOT
 from streamlit.testing.v1 import AppTest
 
-import pages
-from pages import checked, tables, texts
+from pages import checked, part, tables, texts
 from ui.ratings import source
 
 SIMULATED = ROOT / "sample_data" / "ratings_simulated.csv"
 
 
 def opened(**address: str) -> AppTest:
-    return checked(pages.opened("ratings", **address))
+    """The results."""
+    return checked(part("ui.ratings.results.draw(RESULT)", **address).run())
 
 
 def words(page: AppTest) -> str:
@@ -37,10 +37,6 @@ def only(page: AppTest, name: str) -> str:
     return "".join(page.query_params[name])
 
 
-def show_part(page: AppTest, part: str) -> AppTest:
-    return checked(page.button_group(key="ratings_part").set_value(part).run())
-
-
 def show_source(page: AppTest, name: str) -> AppTest:
     return checked(page.button_group(key="ratings_source_4").set_value(name).run())
 
@@ -53,4 +49,4 @@ def from_file(content: bytes, name: str = "ratings.csv", page: AppTest | None = 
 
 
 def table(page: AppTest, column: str) -> pd.DataFrame:
-    return next(one for one in tables(page) if column in one)
+    return next(table for table in tables(page) if column in table)

@@ -6,15 +6,15 @@ import pytest
 from inputs import write
 from streamlit.testing.v1 import AppTest
 
-from pages import begin_with, checked, figures, opened, session, texts
+from pages import begin_with, checked, figures, opened, part, session, texts
 from ui.jobs.background import JobState
 from ui.overview import plan
 
 
-@pytest.fixture
-def app() -> AppTest:
-    """The app on the sample recordings, at the Overview, with the question unfolded."""
-    return asked(checked(opened()))
+def alone() -> AppTest:
+    """The question by itself."""
+    evidence = "ui.session.results.measure_evidence(RESULT)"
+    return checked(part(f"ui.overview.plan.draw(RESULT, {evidence}, None)").run())
 
 
 def asked(app: AppTest) -> AppTest:
@@ -32,27 +32,31 @@ def computed(app: AppTest) -> AppTest:
     return checked(app.run())
 
 
-def test_unfolding_the_question_asks_it_and_the_verdict_then_says_how_many(app: AppTest):
+def test_unfolding_the_question_asks_it_and_the_verdict_then_says_how_many():
+    app = asked(checked(opened()))
     assert "recordings like these" not in texts(app)
     app = computed(app)
-    said = texts(app).replace("\\", "")
-    assert "would show a difference as found here (-0.083 s per encounter) in 80 % of" in said
-    assert "difference in the severity of missed pedestrians per encounter as large as here" in said
+    words = texts(app).replace("\\", "")
+    assert "would show a difference as found here (-0.083 s per encounter) in 80 % of" in words
+    assert (
+        "difference in the severity of missed pedestrians per encounter as large as here" in words
+    )
     assert any("How many recordings would show it" in str(plot) for plot in figures(app))
     checked(app.slider(key="alpha").set_value(0.5).run())  # another comparison: asked for anew
     assert "would show" not in texts(app)
     assert app.button(key=f"{plan.JOB}_start")
 
 
-def test_a_margin_asks_whether_a_system_is_at_most_so_much_worse(app: AppTest):
+def test_a_margin_asks_whether_a_system_is_at_most_so_much_worse():
+    app = alone()
     checked(app.button_group(key="plan_question").set_value("y").run())
     assert "Give the margin" in texts(app)
     checked(app.selectbox(key="plan_measure").set_value("encounters_detected").run())
     checked(app.number_input(key="plan_y_encounters_detected").set_value(30.0).run())
     checked(app.button(key=f"{plan.JOB}_start").click().run())
-    said = texts(computed(app)).replace("\\", "")
-    assert "It is shown that Y is at most 30.0 pp worse than X" in said
-    assert "If X and Y are equal, about" in said
+    words = texts(computed(app)).replace("\\", "")
+    assert "It is shown that Y is at most 30.0 pp worse than X" in words
+    assert "If X and Y are equal, about" in words
 
 
 def test_few_recordings_are_no_pilot(tmp_path, monkeypatch: pytest.MonkeyPatch):
@@ -63,6 +67,6 @@ def test_few_recordings_are_no_pilot(tmp_path, monkeypatch: pytest.MonkeyPatch):
         scored = (f"{row},0.9" for row in kept)
         write(tmp_path / f"{name}.csv", "recording,frame,x,y,w,h,score", *scored)
     begin_with(two, monkeypatch)
-    app = asked(checked(opened()))
+    app = alone()
     assert "A plan needs a pilot of 6 recordings or more" in texts(app)
     assert not [button for button in app.button if button.key == f"{plan.JOB}_start"]

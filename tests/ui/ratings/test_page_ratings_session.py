@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,6 @@ from ratings_page import (
     metrics,
     only,
     opened,
-    show_part,
     show_source,
     table,
     warnings,
@@ -22,7 +22,8 @@ from streamlit.testing.v1 import AppTest
 
 from nvcore.inputs.session_toml import read_session
 from nvcore.ratings.store import RatingStore, Study
-from pages import begin_with, checked, press, rows, write
+from pages import alone, begin_with, checked, part, press, rows, write
+from pages import opened as app_opened
 from ui.people import terms
 from ui.ratings import participant, source
 from ui.session import state
@@ -39,9 +40,21 @@ def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RatingStore:
     return RatingStore(tmp_path / "kept" / "ratings.sqlite")
 
 
-def begun(page: AppTest, store: RatingStore, *recordings: str, whose: str = "both") -> Study:
+def conducting(**address: str) -> AppTest:
+    return checked(part("ui.ratings.conduct.draw(RESULT)", **address).run())
+
+
+def rating(study: Study, **address: str) -> AppTest:
+    """What a participant sees."""
+    calls = "ui.ratings.participant.draw()"
+    return checked(part(calls, study=study.token, **address).run())
+
+
+def begun(
+    store: RatingStore, *recordings: str, page: AppTest | None = None, whose: str = "both"
+) -> Study:
     """Begin a rating session."""
-    show_part(page, "Rating session")
+    page = page or conducting()
     page.multiselect(key="rating_recordings").set_value(list(recordings))
     page.button_group(key="rating_whose").set_value(whose)
     press(page, "rating_start")
@@ -53,12 +66,10 @@ def begun(page: AppTest, store: RatingStore, *recordings: str, whose: str = "bot
 def test_a_rating_session_has_an_address_for_each_side_and_opens_again_by_it(
     store: RatingStore,
 ):
-    page = opened()
-    show_part(page, "Rating session")
+    page = conducting(threshold_x="0.7")
     page.multiselect(key="rating_recordings").set_value([]).run()
     assert "needs 1 to 500 clips" in words(press(page, "rating_start"))
-    checked(page.slider(key="threshold_x").set_value(0.7).run())
-    study = begun(page, store, "odd_pose", "rural_child", whose="NIR")
+    study = begun(store, "odd_pose", "rural_child", page=page, whose="NIR")
     addresses = [code.value for code in page.code]
     assert addresses[0].endswith(f"?study={study.token}")
     assert addresses[1].endswith(f"?conduct={study.conductor}")
@@ -68,7 +79,7 @@ def test_a_rating_session_has_an_address_for_each_side_and_opens_again_by_it(
     press(page, "rating_close")
     assert not page.code
     assert "conduct" not in page.query_params
-    assert opened(conduct=study.conductor).code
+    assert conducting(conduct=study.conductor).code
 
 
 def test_a_participant_sees_clips_only_and_every_rating_is_kept(
@@ -83,8 +94,8 @@ def test_a_participant_sees_clips_only_and_every_rating_is_kept(
         return of["n_rows"] - 1 if is_seen else 0
 
     monkeypatch.setattr(participant, "viewer", seen)
-    study = begun(opened(), store, "odd_pose", "rural_child")
-    page = opened(study=study.token)
+    study = begun(store, "odd_pose", "rural_child")
+    page = checked(app_opened("ratings", study=study.token))
     assert not page.sidebar.slider
     assert "FIR" not in words(page)
     page.text_input(key="rating_name").set_value(" Ann ")
@@ -95,47 +106,47 @@ def test_a_participant_sees_clips_only_and_every_rating_is_kept(
     assert only(page, "participant") == "Ann"
     assert not page.button  # before the end of the clip there is nothing to press
     is_seen = True
-    order = store.order(study, "Ann")
-    for number, clip in enumerate(order):
-        assert f"Clip {number + 1} of 4" in words(page.run())
-        page = checked(opened(study=study.token, participant="Ann"))  # as after a crash
+    names = [recording.name for recording in read_session(state.SAMPLE).recordings]
+    for number, clip in enumerate(store.order(study, "Ann")):
+        page = rating(study, participant="Ann")  # as after a crash
+        assert f"Clip {number + 1} of 4" in words(page)
         recording, system = study.clips[clip]
-        names = [one.name for one in read_session(state.SAMPLE).recordings]
         assert shown[-1] == (names.index(recording), "x" if system == "FIR" else "y")
-        checked(page.button(key=f"rating_{clip}_{number + 2}").click().run())
+        press(page, f"rating_{clip}_{number + 2}")
         assert store.ratings_of(study, "Ann")[clip] == number + 2
     assert page.title[0].value == "Thank you"
 
 
 def test_the_conductor_comes_back_to_progress_and_results(store: RatingStore):
-    study = begun(opened(), store, "odd_pose", "rural_child", "rural_road")
+    study = begun(store, "odd_pose", "rural_child", "rural_road")
     for name, shift in (("Ann", 0), ("Bob", 1)):
         store.order(study, name)
         for clip in range(6 - shift):
             store.rate(study, name, clip, 1 + clip)
-    page = opened(conduct=study.conductor)
+    page = conducting(conduct=study.conductor)
     assert metrics(page) == {
         "participants": "2", "have rated all clips": "1", "ratings so far": "11",
     }  # fmt: skip
     assert table(page, "n_rated")["n_rated"].tolist() == [6, 5]
-    show_source(show_part(page, "Results"), source.SESSION)
+    page = show_source(opened(conduct=study.conductor), source.SESSION)
     assert metrics(page)["ratings missing"] == "1"
     assert metrics(page)["clips"] == "6"
 
 
 def test_neither_participants_nor_strangers_see_the_ratings(store: RatingStore):
-    study = begun(opened(), store, "odd_pose")
+    study = begun(store, "odd_pose")
     for token in (study.token, "AAAAAAAAAAAAAAAAAAAAAA"):
-        page = opened(conduct=token)
+        page = conducting(conduct=token)
         assert STRANGE in words(page)
         assert not page.code
-    assert "leads to no rating session" in words(opened(study="AAAAAAAAAAAAAAAAAAAAAA"))
+    stranger = rating(replace(study, token="AAAAAAAAAAAAAAAAAAAAAA"))
+    assert "leads to no rating session" in words(stranger)
 
 
 def test_a_participant_with_another_comparison_open_goes_on_once_the_right_one_is(
     store: RatingStore, tmp_path: Path
 ):
-    study = begun(opened(), store, "odd_pose")
+    study = begun(store, "odd_pose")
 
     def be_of(fingerprint: str) -> None:
         with closing(sqlite3.connect(tmp_path / "kept" / "ratings.sqlite")) as base, base:
@@ -143,7 +154,7 @@ def test_a_participant_with_another_comparison_open_goes_on_once_the_right_one_i
 
     store.agree(study, "Ann")
     be_of("of another dataset")
-    page = opened(study=study.token, participant="Ann")
+    page = checked(app_opened("ratings", study=study.token, participant="Ann"))
     assert "about another comparison than the one that is open" in words(page)
     assert page.sidebar.slider  # so that it can be opened
     assert "study" not in page.query_params
@@ -156,8 +167,7 @@ def test_a_participant_with_another_comparison_open_goes_on_once_the_right_one_i
 def test_an_unusable_file_of_ratings_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     (tmp_path / "no.sqlite").write_bytes(b"this is no database, whatever its name says" * 40)
     monkeypatch.setenv("NVCORE_RATINGS", str(tmp_path / "no.sqlite"))
-    page = opened()
-    press(show_part(page, "Rating session"), "rating_start")
+    page = press(conducting(), "rating_start")
     assert "the file of the ratings cannot be used" in words(page)
 
 
@@ -166,29 +176,26 @@ def test_a_participant_with_one_system_open_is_told(
 ):
     begin_with(write(tmp_path, {"one": ""}, truth=rows(300)), monkeypatch)
     study = store.begin("of another dataset", [("night", "FIR")])
-    told = words(opened(study=study.token))
-    assert "about another comparison than the one that is open" in told
-    assert "A comparison needs two" in told
-
-
-def rating_here(page: AppTest, store: RatingStore, name: str) -> Study:
-    """Begin a session of two clips, and let somebody rate on this screen."""
-    study = begun(page, store, "odd_pose")
-    press(page, "rating_here")
-    join(page, name)
-    return study
+    page = checked(alone("ratings", study=study.token).run())
+    assert "about another comparison than the one that is open" in words(page)
+    assert "A comparison needs two" in words(page)
 
 
 def join(page: AppTest, name: str) -> None:
     page.text_input(key="rating_name").set_value(name)
     page.checkbox(key="rating_agrees").check()
-    checked(next(button for button in page.button if button.label == "Begin").click().run())
+    press(page, "rating_begin")
 
 
-def test_the_conductors_screen_can_be_handed_to_others_and_taken_back(store: RatingStore):
-    page = opened()
-    checked(page.slider(key="midpoint").set_value(60.0).run())
-    study = rating_here(page, store, "Anna")
+def test_the_conductors_screen_can_be_handed_to_others_and_taken_back_with_its_settings(
+    store: RatingStore,
+):
+    study = begun(store, "odd_pose")
+    address = {"conduct": study.conductor, "midpoint": "60", "threshold_x": "0.7"}
+    page = checked(app_opened("ratings", **address))
+    press(page, "rating_here")
+    assert page.session_state["params"].threshold_x == study.thresholds["FIR"] == 0.5
+    join(page, "Anna")
     press(page, "rating_0_5")
     press(page, "rating_1_5")
     press(page, "rating_next")
@@ -199,12 +206,12 @@ def test_the_conductors_screen_can_be_handed_to_others_and_taken_back(store: Rat
     press(page, "rating_known")
     assert page.title[0].value == "Thank you"
     assert store.participants(study)["participant"].tolist() == ["Anna"]
-    press(page, "rating_next")
     press(page, "rating_back")
     assert only(page, "conduct") == study.conductor
     assert metrics(page)["have rated all clips"] == "1"
-    assert page.slider(key="midpoint").value == 60
-    stranger = opened(study=study.token, participant="Anna")
+    params = page.session_state["params"]
+    assert (params.midpoint, params.threshold_x) == (60, 0.7)
+    stranger = rating(study, participant="Anna")
     assert keys(stranger) == ["rating_change", "rating_next"]
 
 
@@ -213,13 +220,14 @@ def test_the_last_rating_can_be_changed_which_is_recorded_with_how_often_it_was_
 ):
     asked = []
     monkeypatch.setattr(participant, "n_plays_in", lambda key: asked.append(key) or 3)
-    page = opened()
-    study = rating_here(page, store, "Ann")
+    study = begun(store, "odd_pose")
+    page = rating(study)
+    join(page, "Ann")
     assert "rating_change" not in keys(page)  # nothing is rated yet
     press(page, "rating_0_5")
     assert asked == ["clip_0_of_Ann"]
     press(page, "rating_change")
-    assert "You gave it 5" in words(page).replace("**", "")
+    assert "You gave it 5" in words(page)
     press(page, "rating_0_2")
     assert "Clip 2 of 2" in words(page)
     press(page, "rating_1_6")
@@ -251,29 +259,20 @@ def test_plays_are_those_that_the_browser_tells(
     assert viewer.n_plays_in("clip") == n_plays
 
 
-def test_clips_have_the_thresholds_of_their_session_and_the_conductor_keeps_his(store: RatingStore):
-    page = opened()
-    checked(page.slider(key="threshold_y").set_value(0.83).run())
-    study = begun(page, store, "odd_pose")
-    person = opened(study=study.token, participant="Ann")
+def test_clips_have_the_thresholds_of_their_session(store: RatingStore):
+    study = begun(store, "odd_pose", page=conducting(threshold_y="0.83"))
+    person = rating(study, participant="Ann")
     assert person.session_state["params"].threshold_y == 0.83
-    checked(page.slider(key="threshold_x").set_value(0.7).run())
-    press(page, "rating_here")
-    assert page.session_state["params"].threshold_x == study.thresholds["FIR"] == 0.5
-    press(page, "rating_back")
-    assert page.session_state["params"].threshold_x == 0.7
 
 
 def test_ratings_of_clips_with_other_thresholds_are_told_and_can_be_mended(store: RatingStore):
-    page = opened()
-    study = begun(page, store, "odd_pose")
+    study = begun(store, "odd_pose")
     store.order(study, "Ann")
     store.rate(study, "Ann", 0, 3)
-    checked(page.slider(key="threshold_x").set_value(0.7).run())
-    show_source(show_part(page, "Results"), source.SESSION)
+    page = show_source(opened(conduct=study.conductor, threshold_x="0.7"), source.SESSION)
     assert "X FIR: clips at 0.5, now 0.7." in warnings(page)
     press(page, "ratings_thresholds")
-    assert page.slider(key="threshold_x").value == 0.5
+    assert page.session_state["params"].threshold_x == 0.5
     assert "clips at" not in warnings(page)
     assert "ratings_thresholds" not in keys(page)
 
@@ -282,14 +281,14 @@ def test_an_address_of_this_computer_only_is_told(
     store: RatingStore, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(terms, "is_local", lambda _: True)
-    page = opened()
-    begun(page, store, "odd_pose")
+    page = conducting()
+    begun(store, "odd_pose", page=page)
     assert "ask whoever runs the app to open it to the network" in warnings(page)
 
 
 def test_the_data_of_a_participant_are_saved_or_deleted_on_request(store: RatingStore):
-    page = opened()
-    study = begun(page, store, "odd_pose")
+    page = conducting()
+    study = begun(store, "odd_pose", page=page)
     assert study.ends_at is not None
     assert f"All ratings are deleted on {study.ends_at:%d %B %Y}" in words(page)
     for name in ("Ann", "Bob"):
@@ -304,13 +303,12 @@ def test_the_data_of_a_participant_are_saved_or_deleted_on_request(store: Rating
 
 
 def test_the_terms_are_those_that_the_conductor_writes(store: RatingStore):
-    page = opened()
-    show_part(page, "Rating session")
+    page = conducting()
     page.text_area(key="rating_consent").set_value("Only for us.")
     page.number_input(key="rating_keep_days").set_value(10)
-    study = begun(page, store, "odd_pose")
+    study = begun(store, "odd_pose", page=page)
     assert study.consent == "Only for us."
-    person = opened(study=study.token)
+    person = rating(study)
     assert "Only for us" in words(person)
     assert study.ends_at is not None
     assert f"Your ratings are kept until {study.ends_at:%d %B %Y}" in words(person)

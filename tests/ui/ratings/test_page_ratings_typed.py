@@ -43,7 +43,9 @@ def rows(*of: tuple[str | None, str | None, str | None, float | None]) -> pd.Dat
 
 def add_rows(page: AppTest, name: str) -> AppTest:
     page.text_input(key="ratings_typed_name").set_value(name)
-    return checked(next(one for one in page.button if "Add a row" in one.label).click().run())
+    return checked(
+        next(button for button in page.button if "Add a row" in button.label).click().run()
+    )
 
 
 def test_ratings_typed_in_are_checked(editor: Editor):
@@ -83,7 +85,9 @@ def test_incomplete_rows_are_told_and_left_out(editor: Editor):
         ("A", None, None, 3.0), ("A", "rural_road", "NIR", None),
     )  # fmt: skip
     page = opened_typed()
-    told = "2 incomplete rows left out: row 2 (no participant), row 4 (no clip, whose boxes?)."
-    assert told in warnings(page)
+    assert (
+        "2 incomplete rows left out: row 2 (no participant), row 4 (no clip, whose boxes?)."
+        in warnings(page)
+    )
     assert "1 row without a rating yet" in words(page)
     assert metrics(page)["clips"] == "1"

@@ -6,13 +6,22 @@ import pandas as pd
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from nvcore.params import Params
-from pages import alone, begin_with, checked, session, tables, texts
+from pages import begin_with, checked, part, session, shown, tables, texts
 from ui.saliency import events, figures
+
+NUMBERS = (
+    "st.caption(ui.saliency.figures.what_it_is(state.params()))",
+    "ui.saliency.figures.draw_numbers(RESULT)",
+)
+EVENTS = (
+    "ui.saliency.events.open_asked()",
+    "ui.saliency.figures.draw_recordings(RESULT)",
+    "ui.saliency.events.draw_table(RESULT, ui.saliency.events.choose_recording())",
+)
 
 
 def opened() -> AppTest:
-    return checked(alone("saliency").run())
+    return checked(part(*NUMBERS, *EVENTS).run())
 
 
 def listed(page: AppTest) -> pd.DataFrame:
@@ -39,9 +48,9 @@ def test_the_page_says_what_saliency_is_with_the_settings_at_hand():
     assert "missing both can come out below missing one" in texts(page)
     assert "share that has passed of the recording" in texts(page)
     assert "tau" in tables(page)[0]
-    page.session_state["params"] = Params(
-        recency_unit="seconds", saliency_weight="risk", saliency_of="each"
-    )
+    page.session_state["new_params"] = {
+        "recency_unit": "seconds", "saliency_weight": "risk", "saliency_of": "each",
+    }  # fmt: skip
     checked(page.run())
     assert "missing both can come out" not in texts(page)
     assert "one pedestrian is missed by more than the tolerance" in texts(page)
@@ -57,23 +66,17 @@ def test_a_click_on_a_recording_leaves_its_events_only():
     page.session_state["saliency_wanted"] = 0
     table = listed(checked(page.run()))
     assert set(table["recording"]) == {"urban_crossing"}
-    (chosen,) = [one for one in page.selectbox if one.label == "Recording"]
+    (chosen,) = [box for box in page.selectbox if box.label == "Recording"]
     assert chosen.value == "urban_crossing"
 
 
 def test_a_chosen_recording_stays_where_tags_leave_it_and_goes_where_they_do_not():
-    script = (
-        "from dataclasses import replace\nfrom ui.session import state\nimport streamlit as st\n"
-    )
-    script += "state.compare_as(replace(state.opened().session, only_tags=st.session_state.only))"
-    page = alone("saliency", before=script)
-    page.session_state["only"] = ()
-    page = checked(page.run())
+    page = checked(part("ui.shell.recordings_filter.draw()", *EVENTS).run())
     (choice,) = [item for item in page.selectbox if item.label == "Recording"]
     page = checked(choice.set_value("rural_child").run())
-    for tags, left in ((("rural",), {"rural_child"}), (("winter",), {"winter_frost"})):
-        page.session_state["only"] = tags
-        assert left <= set(listed(checked(page.run()))["recording"])
+    for tag, left in (("rural", {"rural_child"}), ("winter", {"winter_frost"})):
+        checked(shown(page, "multiselect", "tags_chosen").set_value([tag]).run())
+        assert left <= set(listed(page)["recording"])
     (choice,) = [item for item in page.selectbox if item.label == "Recording"]
     assert choice.value is None
 
@@ -90,17 +93,17 @@ def test_the_first_row_of_every_listed_event_is_known():
 def test_an_event_opens_by_a_click_and_the_most_salient_one_by_a_button(
     monkeypatch: pytest.MonkeyPatch,
 ):
-    shown: list[int] = []
+    rows: list[int] = []
     for module in (events, figures):
-        monkeypatch.setattr(module, "open_row", shown.append)
+        monkeypatch.setattr(module, "open_row", rows.append)
     page = opened()
     page.session_state["saliency_open"] = 123
     checked(page.run())
     checked(page.run())
-    assert shown == [123]
+    assert rows == [123]
     checked(page.button(key="saliency_show_x").click().run())
     worst = page.session_state["workspace"].result.x.events
-    assert shown[1:] == [worst["first_row"][worst["saliency_s"].idxmax()]]
+    assert rows[1:] == [worst["first_row"][worst["saliency_s"].idxmax()]]
 
 
 def test_without_a_miss_there_is_no_event(tmp_path, monkeypatch):
@@ -108,5 +111,5 @@ def test_without_a_miss_there_is_no_event(tmp_path, monkeypatch):
     (tmp_path / "fir2.csv").write_bytes((tmp_path / "fir.csv").read_bytes())
     begin_with(alike, monkeypatch)
     page = opened()
-    assert [one.value for one in page.metric] == ["0.00 s", "0.00 s"]
+    assert [metric.value for metric in page.metric] == ["0.00 s", "0.00 s"]
     assert "No event here" in texts(page)

@@ -18,7 +18,7 @@ from ui.session.results import input_findings
 from ui.shell import live_params
 settings.begin_run()
 live_params.read()
-st.session_state["found"] = input_findings()
+st.session_state["findings"] = input_findings()
 """
 
 
@@ -29,12 +29,12 @@ def test_findings_follow_the_threshold_and_those_of_the_files_are_made_once(monk
     )
     dataset = load(read_session(SAMPLE))
     app = AppTest.from_string(SCRIPT, default_timeout=TIMEOUT_S).run()
-    assert app.session_state["found"] == audit(dataset)
+    assert app.session_state["findings"] == audit(dataset)
     for threshold in (0.9, 2.0):  # the latter above every score
         app.session_state["settings"] = {"threshold_x": threshold}
         app.run()
         assert not app.exception
     params = replace(dataset.params_of(), threshold_x=2.0)
-    assert app.session_state["found"] == audit(dataset, params)
-    assert "threshold-keeps-nothing" in {one.code for one in app.session_state["found"]}
+    assert app.session_state["findings"] == audit(dataset, params)
+    assert "threshold-keeps-nothing" in {finding.code for finding in app.session_state["findings"]}
     assert len(audited) <= 2  # of the sample as it opens, for all sessions; with other settings

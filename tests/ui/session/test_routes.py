@@ -133,7 +133,7 @@ def test_neither_another_token_nor_that_of_an_ended_session_finds_anything(
 def test_one_session_does_not_get_anothers_boxes(space: Workspace):
     other = Workspace()
     other.compared = Compared(result_of(make_dataset(truth=[at(0, 10)], n_frames=1)), "v1")
-    mine, theirs = (ask(f"{address(one)}/boxes/0/0").body for one in (space, other))
+    mine, theirs = (ask(f"{address(of)}/boxes/0/0").body for of in (space, other))
     assert theirs == pack_boxes(other.result, 0, 1)
     assert mine != theirs
 

@@ -67,8 +67,8 @@ def test_its_link_is_for_everybody_and_names_no_folder(night: Path):
     assert "own/night_truth.csv" not in texts(page)
     press(to_page(page, "data"), "open_sample")
     (only_here,) = checked(to_page(page, "export")).warning
-    said = only_here.value.replace("\\", "")
-    assert "elsewhere the link opens night.toml with these parameters" in said
+    words = only_here.value.replace("\\", "")
+    assert "elsewhere the link opens night.toml with these parameters" in words
 
 
 def test_what_cannot_be_read_is_told_without_folders(night: Path, tmp_path: Path):

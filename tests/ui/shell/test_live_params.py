@@ -6,13 +6,15 @@ from pathlib import Path
 
 import pytest
 import streamlit as st
+from data_page import COMPARING
+from data_page import opened as data_opened
 from streamlit.testing.v1 import AppTest
 
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import SETTINGS, Params
 from nvcore.stages import MATCH, PROXIMITY, shown_results
-from pages import FRAMES, begin_with, checked, opened, press, rows, shown, texts, write
+from pages import FRAMES, begin_with, checked, opened, press, rows, shown, sidebar, texts, write
 from ui.session import settings
 from ui.session.sample import shown_in
 from ui.session.workspace import Opened
@@ -26,16 +28,11 @@ SCORED, CONSTANT = (
 
 @pytest.fixture
 def every_setting_acts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The page that is quickly drawn shows nothing of the comparison: no setting acts on it."""
+    """The page shows nothing of the comparison: no setting acts on it."""
     monkeypatch.setitem(pages.SHOWN, "metrics", shown_results())
 
 
 pytestmark = pytest.mark.usefixtures("every_setting_acts")
-
-
-def app(**query: str) -> AppTest:
-    """The app on a page that is quickly drawn."""
-    return checked(opened("metrics", **query))
 
 
 def is_changed(page: AppTest, name: str) -> bool:
@@ -47,7 +44,7 @@ def live(page: AppTest) -> Params:
 
 
 def test_values_beyond_the_sliders_stay_and_can_be_moved():
-    page = app(midpoint="10000", threshold_x="2")
+    page = sidebar(midpoint="10000", threshold_x="2")
     assert live(page).midpoint == 10000
     checked(page.slider(key="midpoint").set_value(5000.0).run())
     checked(page.slider(key="threshold_x").set_value(0.5).run())
@@ -59,7 +56,7 @@ def test_values_beyond_the_sliders_stay_and_can_be_moved():
 
 
 def test_folded_parameters_of_a_link_are_kept_through_runs_and_unfolding():
-    page = app(low="0.8", lag_s="1.5")
+    page = sidebar(low="0.8", lag_s="1.5")
     checked(page.slider(key="alpha").set_value(0.5).run())
     assert (live(page).low, live(page).lag_s) == (0.8, 1.5)
     page.session_state["advanced"] = True
@@ -73,7 +70,7 @@ def test_folded_parameters_of_a_link_are_kept_through_runs_and_unfolding():
 
 
 def test_a_slider_that_is_not_drawn_keeps_its_value():
-    page = app(midpoint="70")
+    page = sidebar(midpoint="70")
     checked(page.selectbox(key="proximity").set_value("distance").run())
     assert page.slider(key="midpoint_m").value == 35.0
     assert live(page).proximity == "distance"
@@ -83,7 +80,7 @@ def test_a_slider_that_is_not_drawn_keeps_its_value():
 
 
 def test_the_sigmoid_is_that_of_each_recording_until_it_is_moved():
-    page = app()
+    page = sidebar()
     assert live(page).midpoint is None
     checked(page.slider(key="midpoint").set_value(60.0).run())
     assert live(page).midpoint == 60.0
@@ -91,13 +88,13 @@ def test_the_sigmoid_is_that_of_each_recording_until_it_is_moved():
 
 def test_sliders_start_at_their_values_in_every_run():
     """A browser may miss the run that sets them, where the next one overtakes it."""
-    page = checked(app(alpha="0.4").run())
+    page = checked(sidebar(alpha="0.4").run())
     for name, value in (("alpha", 0.4), ("midpoint", 48.0), ("threshold_x", 0.5)):
         assert list(page.slider(key=name).proto.default) == [value]
 
 
 def test_presets_and_resets_are_in_use_in_the_same_run():
-    page = app(low="0.8", alpha="0.3")
+    page = sidebar(low="0.8", alpha="0.3")
     checked(shown(page, "button_group", "preset").set_value("Rural").run())
     assert live(page).edge_weight == page.slider(key="edge_weight").value == 1
     assert page.slider(key="midpoint").value == pytest.approx(28.8)
@@ -109,11 +106,9 @@ def test_presets_and_resets_are_in_use_in_the_same_run():
 
 
 def test_a_link_to_no_number_is_told_and_the_sidebar_is_whole():
-    page = app(threshold_x="inf", alpha="seven", recording="<script>")
-    (warning,) = page.warning
-    assert "could not be followed" in warning.value
+    page = sidebar(threshold_x="inf", alpha="seven", recording="<script>")
     for wrong in ("threshold_x is not possible", "alpha is not possible", "no such recording"):
-        assert wrong in warning.value
+        assert wrong in page.session_state["bad_link"]
     assert page.slider(key="alpha").value == 0.9
     assert any(button.label == "Reset all parameters" for button in page.button)
 
@@ -125,7 +120,7 @@ def test_a_threshold_below_all_scores_is_no_changed_setting(
     text = session.read_text()
     session.write_text(text.replace('"two.csv"', '"two.csv"\nthreshold = 0'))
     begin_with(session, monkeypatch)
-    page = app()
+    page = sidebar()
     assert live(page).threshold_y == 0
     assert not is_changed(page, "threshold_y")
     assert "Every detection of Y counts." in texts(page)
@@ -141,10 +136,9 @@ def test_a_threshold_does_not_stick_to_a_system_without_scores_that_differ(
 ):
     session = write(tmp_path, {"one": SCORED, "two": CONSTANT}, truth=rows(300))
     begin_with(session, monkeypatch)
-    page = checked(opened("data"))
+    page = data_opened(*COMPARING)
     checked(page.slider(key="threshold_x").set_value(0.5).run())
-    swap = next(one for one in page.button if "Swap" in one.label)
-    checked(swap.click().run())
+    press(page, "swap_systems")
     assert live(page).threshold_x is None
     assert "30 of 30" in page.table[0].value["Detections kept"].tolist()
 
@@ -153,7 +147,7 @@ def test_whatever_cuts_off_the_opening_of_a_session_leaves_the_app_alive(
     tmp_path: Path,
 ):
     """The new data are in, and the run that would have reset place and parameters never ended."""
-    page = app(recording="winter_frost", alpha="0.3")
+    page = sidebar(recording="winter_frost", alpha="0.3")
     other = write(tmp_path, {"one": CONSTANT, "two": CONSTANT}, truth=rows(300))
     space = page.session_state["workspace"]
     session = read_session(other)
@@ -168,7 +162,7 @@ def test_without_a_horizon_the_last_settings_stay_and_the_sidebar_asks_for_it(
 ):
     session = write(tmp_path, {"one": SCORED, "two": SCORED}, truth=rows(300))
     begin_with(session, monkeypatch)
-    page = app()
+    page = sidebar()
     checked(page.selectbox(key="proximity").set_value("horizon").run())
     assert "type it above" in page.error[0].value
     assert live(page).proximity == "height"
@@ -195,7 +189,7 @@ def test_a_page_that_fails_leaves_the_parameters_as_they_were(monkeypatch: pytes
 
 
 def test_without_a_value_the_traffic_context_is_as_the_recordings_say():
-    page = app()
+    page = sidebar()
     assert live(page).edge_weight is None
     assert "edge_weight" not in [slider.key for slider in page.slider]
     checked(shown(page, "checkbox", "edge_weight_unset").uncheck().run())
@@ -209,7 +203,7 @@ def test_without_a_value_the_traffic_context_is_as_the_recordings_say():
 
 
 def test_a_link_keeps_its_traffic_context_and_the_default_clears_it():
-    page = app(edge_weight="0.3")
+    page = sidebar(edge_weight="0.3")
     assert live(page).edge_weight == page.slider(key="edge_weight").value == 0.3
     checked(shown(page, "button_group", "preset").set_value("Default").run())
     assert live(page).edge_weight is None
@@ -221,11 +215,11 @@ def test_a_link_can_clear_the_traffic_context_of_a_session(
     session = write(tmp_path, {"one": SCORED, "two": SCORED}, truth=rows(300))
     session.write_text(session.read_text() + "[parameters]\nedge_weight = 0.7\n")
     begin_with(session, monkeypatch)
-    page = app()
+    page = sidebar()
     assert live(page).edge_weight == page.slider(key="edge_weight").value == 0.7
     checked(shown(page, "checkbox", "edge_weight_unset").check().run())
     assert live(page).edge_weight is None
-    assert live(app(edge_weight="none")).edge_weight is None
+    assert live(sidebar(edge_weight="none")).edge_weight is None
 
 
 def test_a_link_of_which_every_detection_counts_does_so_where_a_threshold_is_open(
@@ -234,12 +228,12 @@ def test_a_link_of_which_every_detection_counts_does_so_where_a_threshold_is_ope
     session = write(tmp_path, {"one": SCORED, "two": SCORED}, truth=rows(300))
     session.write_text(session.read_text() + "[parameters]\nthreshold_x = 0.5\n")
     begin_with(session, monkeypatch)
-    assert live(app()).threshold_x == 0.5
-    assert live(app(threshold_x="none")).threshold_x is None
+    assert live(sidebar()).threshold_x == 0.5
+    assert live(sidebar(threshold_x="none")).threshold_x is None
 
 
 def test_recency_shows_the_sliders_of_its_unit():
-    page = app(recency_unit="seconds", recency_midpoint_s="5", recency_midpoint="0.7")
+    page = sidebar(recency_unit="seconds", recency_midpoint_s="5", recency_midpoint="0.7")
     page.session_state["advanced"] = True
     checked(page.run())
     keys = {slider.key for slider in page.slider}
@@ -253,7 +247,7 @@ def test_recency_shows_the_sliders_of_its_unit():
 
 def test_settings_are_grey_where_they_act_on_nothing(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(pages.SHOWN, "metrics", (MATCH, PROXIMITY))
-    page = app()
+    page = sidebar()
     page.session_state["advanced"] = True
     checked(page.run())
     is_grey = {slider.key: slider.disabled for slider in page.slider}
@@ -270,7 +264,7 @@ def test_grey_settings_are_spoken_of_only_where_some_are_in_sight(monkeypatch: p
     main = tuple({setting.stage for setting in SETTINGS.values() if not setting.is_advanced})
     assert any(not setting.moves(main) for setting in SETTINGS.values())  # advanced ones
     monkeypatch.setitem(pages.SHOWN, "metrics", main)
-    page = app()
+    page = sidebar()
     assert "grey have no effect" not in texts(page)
     page.session_state["advanced"] = True
     assert "grey have no effect" in texts(checked(page.run()))
@@ -284,7 +278,7 @@ def test_every_page_of_a_comparison_has_settings_that_act():
 
 
 def test_the_costs_by_place_are_drawn_once_unfolded_and_say_what_they_follow_from():
-    page = app()
+    page = sidebar()
     assert "k × border" not in texts(page)
     page.session_state["cost_map"] = True
     checked(page.run())
@@ -294,7 +288,7 @@ def test_the_costs_by_place_are_drawn_once_unfolded_and_say_what_they_follow_fro
 
 
 def test_a_slider_in_motion_acts_until_it_is_let_go_and_is_not_moved():
-    page = app(alpha="0.4")
+    page = sidebar(alpha="0.4")
     page.session_state["settings"] = {"alpha": 0.75}  # as `settings.drag` does
     page.session_state["settings_moving"] = ("alpha", 0.4)
     for _ in range(2):  # in whatever else causes a run, too

@@ -9,15 +9,14 @@ from typing import Any
 
 import pandas as pd
 import pytest
-from places import ROOT
 from streamlit.testing.v1 import AppTest
 
 from nvcore.pictures.recordings import RecordingPictures
-from pages import TIMEOUT_S, checked, press, scripted
+from pages import TIMEOUT_S, checked, press, scripted, texts
 from ui.export import html
 from ui.jobs.background import JobState
 from ui.ratings import fit
-from ui.session import state
+from ui.session import sample, state
 from ui.session.address import changed_parameters
 from ui.session.workspace import Workspace
 from ui.shell import tab
@@ -33,10 +32,13 @@ if token := st.session_state.pop("claims", None):
 settings.begin_run()
 live_params.read()
 """
-PAGE = """
-import runpy
-runpy.run_path({path!r})
-"""
+PARTS = {
+    "": "",
+    "map": "import ui.stability.verdict_map as map\nmap.draw(state.result())",
+    "ratings": "import ui.ratings.results as ratings\nratings.draw(state.result())",
+    "report": "import ui.export.html as report\nreport.draw(state.result())",
+    "protocol": "from ui.detection import protocol\nprotocol.choose(state.opened().dataset)",
+}
 
 
 @pytest.fixture(autouse=True)
@@ -47,9 +49,8 @@ def no_browser(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def page(name: str = "", **query: str) -> AppTest:
-    """The script of every page, and the page of that name."""
-    drawn = PAGE.format(path=str(ROOT / "pages" / f"{name}.py")) if name else ""
-    return checked(scripted(SCRIPT + drawn, **query).run())
+    """What every page begins with, and this part of one."""
+    return checked(scripted(SCRIPT + PARTS[name], **query).run())
 
 
 def claiming(app: AppTest, token: str) -> Workspace:
@@ -67,7 +68,7 @@ def test_a_new_session_goes_on_with_the_workspace_and_its_address():
 
 
 def test_what_the_page_still_shows_is_served_until_it_is_drawn_anew():
-    before, after = page().session_state["workspace"], page("timeline")
+    before, after = page().session_state["workspace"], page("ratings")
     left = after.session_state["workspace"]
     assert claiming(after, before.token) is before
     assert after.session_state["left_workspace"] is left  # else it would be gone at once
@@ -87,7 +88,7 @@ def test_an_unknown_name_or_a_closed_workspace_gives_nothing():
 def used(monkeypatch: pytest.MonkeyPatch) -> Workspace:
     """The workspace of another page."""
     space: Workspace = page().session_state["workspace"]
-    monkeypatch.setattr(state, "is_in_use", lambda one: one is space)
+    monkeypatch.setattr(state, "is_in_use", lambda other: other is space)
     return space
 
 
@@ -134,6 +135,8 @@ class Gate:
 def gated(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Gate]:
     """Makes a module do its work in the background, where this function of it waits."""
 
+    monkeypatch.setattr(sample, "_samples", type(sample._samples)())  # nobody has done it before
+
     def gate(module: ModuleType, function: str, instead: Callable[..., Any] | None = None) -> Gate:
         monkeypatch.setattr(module, "AT_ONCE", 0)
         made = Gate(instead or getattr(module, function))
@@ -163,28 +166,27 @@ def ended(app: AppTest, kind: str) -> AppTest:
 
 def test_a_map_goes_on_after_a_reload_of_its_page(gated):
     gate = gated(verdict_map, "map_stability")
-    before = page("stability")
+    before = page("map")
     before.button_group(key="stability_criterion").set_value("encounters").run()
     press(before, "stability_start")
     assert gate.is_reached.wait(TIMEOUT_S)
     job = before.session_state["workspace"].job(verdict_map.JOB)
-    after = reloaded(before, "stability")
+    after = reloaded(before, "map")
     assert after.session_state["workspace"].job(verdict_map.JOB) is job
     assert after.button_group(key="stability_criterion").value == "encounters"
     assert "stability_cancel" in keys(after)
     gate.is_open.set()
-    told = [one.value for one in ended(after, verdict_map.JOB).markdown]
-    assert any("As analysed, X detects more encounters" in one for one in told)
+    assert "As analysed, X detects more encounters" in texts(ended(after, verdict_map.JOB))
 
 
 def test_after_a_reload_a_map_can_be_cancelled(gated):
     gate = gated(verdict_map, "map_stability")
-    before = press(page("stability"), "stability_start")
+    before = press(page("map"), "stability_start")
     assert gate.is_reached.wait(TIMEOUT_S)
-    after = press(reloaded(before, "stability"), "stability_cancel")
+    after = press(reloaded(before, "map"), "stability_cancel")
     gate.is_open.set()
     ended(after, verdict_map.JOB)
-    assert [one.value for one in after.info] == ["Cancelled. No map was made."]
+    assert [text.value for text in after.info] == ["Cancelled. No map was made."]
     assert "stability_start" in keys(after)
 
 
@@ -215,18 +217,18 @@ def fitted(app: AppTest) -> bool:
 
 def test_a_report_goes_on_after_a_reload_of_its_page(gated):
     gate = gated(html, "write_html_report", lambda *given, **_: given[3].write_text("report"))
-    before = page("export")
+    before = page("report")
     before.toggle(key="html_stability").set_value(True).run()
     press(before, "make_html")
     assert gate.is_reached.wait(TIMEOUT_S)
-    after = reloaded(before, "export")
+    after = reloaded(before, "report")
     assert after.toggle(key="html_stability").value is True
     assert after.button(key="make_html").disabled
     assert "html_cancel" in keys(after)
     gate.is_open.set()
     ended(after, html.JOB)
-    assert html.NAME in [one.proto.label for one in after.get("download_button")]
-    assert not any("other settings" in one.value for one in after.warning)
+    assert html.NAME in [button.proto.label for button in after.get("download_button")]
+    assert not any("other settings" in text.value for text in after.warning)
 
 
 def test_opening_ends_the_jobs_before_it_closes_their_pictures():
@@ -249,12 +251,12 @@ def test_opening_ends_the_jobs_before_it_closes_their_pictures():
 
 
 def test_the_protocol_is_still_chosen_after_a_reload():
-    before = page("detection")
+    before = page("protocol")
     names = before.multiselect(key="protocol_recordings").options[:2]
     before.multiselect(key="protocol_recordings").set_value(names).run()
     before.selectbox(key="protocol").set_value("own filters").run()
     before.number_input(key="own_low").set_value(100.0).run()
-    after = reloaded(before, "detection")
+    after = reloaded(before, "protocol")
     assert after.selectbox(key="protocol").value == "own filters"
     assert after.number_input(key="own_low").value == 100.0
     assert after.multiselect(key="protocol_recordings").value == names
@@ -265,7 +267,7 @@ def test_the_protocol_is_still_chosen_after_a_reload():
 def test_typed_ratings_are_still_there_after_a_reload():
     before = typing(page("ratings"))
     before.text_input(key="ratings_typed_name").set_value("Anna")
-    next(one for one in before.button if "Add a row" in one.label).click().run()
+    next(button for button in before.button if "Add a row" in button.label).click().run()
     after = typing(page("ratings"))
     assert shown(after).empty
     claiming(after, before.session_state["workspace"].token)
@@ -278,12 +280,12 @@ def typing(app: AppTest) -> AppTest:
 
 
 def shown(app: AppTest) -> pd.DataFrame:
-    return next(one.value for one in app.dataframe if "participant" in one.value)
+    return next(item.value for item in app.dataframe if "participant" in item.value)
 
 
 def test_a_workspace_that_nobody_comes_back_to_ends_its_jobs(gated):
     gate = gated(verdict_map, "map_stability")
-    space = press(page("stability"), "stability_start").session_state["workspace"]
+    space = press(page("map"), "stability_start").session_state["workspace"]
     assert gate.is_reached.wait(TIMEOUT_S)
     job = space.job(verdict_map.JOB)
     space.close()  # as `ui.session.lifetime` does it

@@ -11,21 +11,18 @@ from streamlit.testing.v1.element_tree import NumberInput
 
 from nvcore.detection.operating_point import threshold_with_alarms
 from nvcore.stages import shown_results
-from pages import FRAMES, begin_with, checked, opened, press, rows, shown, texts, write
+from pages import FRAMES, begin_with, checked, press, rows, shown, sidebar, texts, write
 from ui.shell import pages
 from ui.shell.operating_point import RATE, points
-
-QUICK = "metrics"
-"""The page that is quickly drawn."""
 
 
 @pytest.fixture
 def every_setting_acts(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(pages.SHOWN, QUICK, shown_results())
+    monkeypatch.setitem(pages.SHOWN, "metrics", shown_results())
 
 
 def legend(page: AppTest) -> str:
-    return " ".join(one.proto.body for one in page.get("html"))
+    return " ".join(item.proto.body for item in page.get("html"))
 
 
 def keys(page: AppTest) -> set[str | None]:
@@ -33,11 +30,11 @@ def keys(page: AppTest) -> set[str | None]:
 
 
 def rates(page: AppTest) -> str:
-    return next(one.value for one in page.caption if "False boxes per frame" in one.value)
+    return next(text.value for text in page.caption if "False boxes per frame" in text.value)
 
 
 def test_where_no_setting_acts_they_are_folded_away_and_x_and_y_stay():
-    page = checked(opened(QUICK, is_folded=True, alpha="0.4", low="0.8"))
+    page = sidebar(is_folded=True, alpha="0.4", low="0.8")
     assert "FIR" in legend(page)
     assert "NIR" in legend(page)
     assert "alpha" not in keys(page)
@@ -58,7 +55,7 @@ def test_the_settings_are_folded_where_they_move_little_or_nothing():
 
 
 def test_x_and_y_are_swapped_beside_their_names():
-    page = press(checked(opened(QUICK, is_folded=True, threshold_x="0.7")), "sidebar_swap")
+    page = press(sidebar(is_folded=True, threshold_x="0.7"), "sidebar_swap")
     assert legend(page).index("NIR") < legend(page).index("FIR")
     assert page.session_state["params"].threshold_y == 0.7
     assert ("".join(page.query_params["x"]) if "x" in page.query_params else "NIR") == "NIR"
@@ -67,7 +64,7 @@ def test_x_and_y_are_swapped_beside_their_names():
 @pytest.mark.usefixtures("every_setting_acts")
 @pytest.mark.parametrize(("letter", "other"), [("x", "y"), ("y", "x")])
 def test_a_threshold_moves_to_the_false_alarms_of_the_other_and_back(letter: str, other: str):
-    page = checked(opened(QUICK, threshold_x="0.7", threshold_y="0.3"))
+    page = sidebar(threshold_x="0.7", threshold_y="0.3")
     before = page.session_state["params"]
     press(page, f"point_{letter}")
     space, after = page.session_state["workspace"], page.session_state["params"]
@@ -88,7 +85,7 @@ def test_a_threshold_moves_to_the_false_alarms_of_the_other_and_back(letter: str
 
 @pytest.mark.usefixtures("every_setting_acts")
 def test_where_no_threshold_comes_nearer_it_says_so():
-    page = press(checked(opened(QUICK)), "point_x")
+    page = press(sidebar(), "point_x")
     assert "X stays at the threshold 0.5" in texts(page)
 
 
@@ -99,7 +96,7 @@ def rate_field(page: AppTest) -> NumberInput:
 
 @pytest.mark.usefixtures("every_setting_acts")
 def test_both_get_as_many_false_alarms_as_are_asked_for_until_a_threshold_moves_again():
-    page = checked(opened(QUICK))
+    page = sidebar()
     rate_field(page).set_value(0.2)
     press(page, "point_set")
     result = page.session_state["workspace"].result
@@ -114,7 +111,7 @@ def test_both_get_as_many_false_alarms_as_are_asked_for_until_a_threshold_moves_
 
 @pytest.mark.usefixtures("every_setting_acts")
 def test_the_rate_for_both_begins_with_the_lower_one_of_each_comparison():
-    page = checked(opened(QUICK))
+    page = sidebar()
     starts = {rate_field(page).value}
     rate_field(page).set_value(0.2)
     checked(page.slider(key="threshold_x").set_value(0.9).run())
@@ -130,7 +127,7 @@ def test_without_scores_the_buttons_are_disabled_and_say_why(tmp_path: Path, mon
         "".join(f"night,{frame},300,200,40,120,0.{frame % n}\n" for frame in FRAMES) for n in (9, 1)
     )
     begin_with(write(tmp_path, {"one": scored, "two": constant}, truth=rows(300)), monkeypatch)
-    page = checked(opened(QUICK))
+    page = sidebar()
     assert not page.button(key="point_x").disabled
     assert page.button(key="point_y").disabled
     assert "Y has no scores that differ" in page.button(key="point_y").help
@@ -140,7 +137,7 @@ def test_without_scores_the_buttons_are_disabled_and_say_why(tmp_path: Path, mon
 
 @pytest.mark.usefixtures("every_setting_acts")
 def test_the_preset_in_use_is_marked_and_what_was_moved_away_can_be_taken_back():
-    page = checked(opened(QUICK))
+    page = sidebar()
     preset = shown(page, "button_group", "preset")
     assert preset.value == "Default"
     assert "●" not in page.slider(key="alpha").label
@@ -156,7 +153,7 @@ def test_the_preset_in_use_is_marked_and_what_was_moved_away_can_be_taken_back()
 
 @pytest.mark.usefixtures("every_setting_acts")
 def test_what_was_moved_is_told_against_the_preset_that_was_chosen_last():
-    page = checked(opened(QUICK))
+    page = sidebar()
     checked(shown(page, "button_group", "preset").set_value("Rural").run())
     assert shown(page, "button_group", "preset").value == "Rural"
     assert {key for key in keys(page) if str(key).startswith("reset_")} == set()
@@ -178,9 +175,9 @@ def test_settings_of_the_driver_are_there_where_detectability_is_known(
     if is_known:
         truth.write_text("\n".join(stated), encoding="utf-8")
     begin_with(session_of(tmp_path), monkeypatch)
-    page = opened(QUICK)
+    page = sidebar()
     page.session_state["advanced"] = True
     page = checked(page.run())
-    assert ("**The driver**" in [one.value for one in page.markdown]) is is_known
+    assert ("**The driver**" in [text.value for text in page.markdown]) is is_known
     assert ("driver_threshold" in keys(page)) is is_known
     assert ("driver_weighting" in keys(page)) is is_known

@@ -6,8 +6,7 @@ import pytest
 from inputs import write
 from streamlit.testing.v1 import AppTest
 
-import pages
-from pages import begin_with, session, tables
+from pages import begin_with, part, session, tables
 from ui.jobs.background import JobState
 from ui.session import sample
 from ui.stability import survey, verdict_map
@@ -19,8 +18,11 @@ def no_survey(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(survey, "AT_ONCE", 0)
 
 
-def opened() -> AppTest:
-    return checked(pages.opened("stability"))
+MAP = "ui.stability.verdict_map.draw(RESULT)"
+
+
+def opened(*calls: str) -> AppTest:
+    return checked(part(*(calls or [MAP])).run())
 
 
 def checked(page: AppTest) -> AppTest:
@@ -40,7 +42,6 @@ def choose(page: AppTest, plane: str, criterion: str) -> AppTest:
 
 def test_the_map_of_the_sample_is_told_for_each_choice_and_setting():
     page = opened()
-    assert not page.warning
     assert "As analysed, X has the higher mean similarity, by 0.0189." in words(page)
     assert "range: misses against false alarms (alpha) 0.5 to 1" in words(page)
     p = "p = 0.47; 0.77 after correction for all measures"
@@ -54,7 +55,8 @@ def test_the_map_of_the_sample_is_told_for_each_choice_and_setting():
     ):
         assert f"As analysed, {who}" in words(choose(page, plane, criterion))
     choose(page, "alpha-midpoint", "similarity")
-    checked(page.slider(key="midpoint").set_value(120.0).run())
+    page.session_state["new_params"] = {"midpoint": 120.0}
+    checked(page.run())
     assert "As analysed, Y has the higher mean similarity" in words(page)
 
 
@@ -67,9 +69,10 @@ def test_that_the_difference_may_be_chance_is_said_without_unfolding_anything():
 
 
 def test_unequal_operating_points_are_told_as_on_the_other_pages():
-    page = opened()
+    page = opened("ui.shell.messages.draw_operating_point(RESULT)", MAP)
     assert "equal false alarms (" not in words(page)
-    checked(page.slider(key="threshold_y").set_value(0.2).run())
+    page.session_state["new_params"] = {"threshold_y": 0.2}
+    checked(page.run())
     assert "At equal false alarms (Y with scores of" in words(page)
     checked(page.button_group(key="operating_point").set_value("as-set").run())
     assert "As set: at unequal operating points" in words(page)
@@ -81,8 +84,8 @@ def test_single_frames_are_not_tested_as_if_they_were_persons(tmp_path, monkeypa
     rows = [f"urban,{f},100,200,40,100" for f in range(20)]
     numbered = (f"{row},{track}" for track, row in enumerate(rows))
     write(tmp_path / "truth.csv", "recording,frame,x,y,w,h,track", *numbered)
-    for name, found in (("fir", rows), ("nir", rows[:1])):
-        scored = (f"{row},0.9" for row in found)
+    for name, detected in (("fir", rows), ("nir", rows[:1])):
+        scored = (f"{row},0.9" for row in detected)
         write(tmp_path / f"{name}.csv", "recording,frame,x,y,w,h,score", *scored)
     begin_with(frames, monkeypatch)
     page = opened()
@@ -92,7 +95,7 @@ def test_single_frames_are_not_tested_as_if_they_were_persons(tmp_path, monkeypa
 
 
 def test_the_table_of_many_frames_is_made_on_a_wish():
-    page = opened()
+    page = opened("ui.stability.survey.draw(RESULT)")
     assert not tables(page)
     checked(page.button(key="stability_survey_start").click().run())
     job = page.session_state["workspace"].job(survey.JOB)
@@ -111,8 +114,8 @@ def test_what_the_audit_warns_of_stands_above_the_map(tmp_path, monkeypatch: pyt
         scores = (f"{row},{min(0.99, floor + i / 200):.3f}" for i, row in enumerate(rows))
         write(tmp_path / f"{name}.csv", "recording,frame,x,y,w,h,score", *scores)
     begin_with(two_floors, monkeypatch)
-    told = [text.value.replace("\\", "") for text in opened().warning]
-    assert any("X and Y are compared at different operating points" in text for text in told)
+    (warning,) = opened("ui.shell.messages.draw_warnings(RESULT)").warning
+    assert "X and Y are compared at different operating points" in warning.value
 
 
 def test_a_large_map_is_made_on_a_wish_and_then_known(monkeypatch: pytest.MonkeyPatch):

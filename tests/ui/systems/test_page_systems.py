@@ -24,7 +24,6 @@ SYSTEMS = {"all": detections(30), "few": detections(3), "two thirds": detections
 @pytest.fixture
 def three(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A session of three systems, of which two detect the only pedestrian."""
-    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
     path = write(tmp_path, SYSTEMS, truth=rows(300))
     begin_with(path, monkeypatch)
     return path

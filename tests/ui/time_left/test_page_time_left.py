@@ -16,7 +16,7 @@ from nvcore.evidence.measures import Evidence
 from nvcore.evidence.units import BLOCKS
 from nvcore.time_left.steps import time_left_in
 from nvcore.wording import Footnotes
-from pages import HEAD, alone, begin_with, checked, figures, opened, tables, texts
+from pages import HEAD, alone, begin_with, checked, figures, sidebar, tables, texts
 from ui.session.chosen import encounter_of
 from ui.time_left.numbers import with_interval
 from ui.widgets.html import MeasureRow
@@ -26,6 +26,12 @@ ASSUMED = "Assumed speed (km/h)"
 
 def alone_on() -> AppTest:
     return checked(alone("time_left").run())
+
+
+@pytest.fixture(scope="module")
+def page() -> AppTest:
+    """The page on the sample, to look at."""
+    return alone_on()
 
 
 def headings(page: AppTest) -> list[str]:
@@ -59,8 +65,7 @@ def session(folder: Path, truth: list[Box], *systems: list[Box]) -> Path:
     return path
 
 
-def test_the_sample_has_the_numbers_of_an_independent_reading():
-    page = alone_on()
+def test_the_sample_has_the_numbers_of_an_independent_reading(page: AppTest):
     headline = page.header[0].value
     assert headline.replace("\\", "").startswith(
         "Of 20 urgent encounters at 50 km/h (assumed), X confirms 19 in time and Y 15; mean impact "
@@ -82,8 +87,7 @@ def test_the_sample_has_the_numbers_of_an_independent_reading():
     assert "Below 75 km/h X confirms the larger share in time, from there on Y" in texts(page)
 
 
-def test_children_only_stand_in_the_table_by_class():
-    page = alone_on()
+def test_children_only_stand_in_the_table_by_class(page: AppTest):
     rows = pages.measures(page, "time-left-by-class")
     assert rows["child, 2 urgent[c]"] == (
         *("1", "0", "+50.0 pp", "–", "13.0", "30.5", "−17.6", "–"),
@@ -92,11 +96,10 @@ def test_children_only_stand_in_the_table_by_class():
 
 
 def test_the_list_has_the_fastest_impact_first_and_opens_the_last_chance(
-    monkeypatch: pytest.MonkeyPatch,
+    page: AppTest, monkeypatch: pytest.MonkeyPatch
 ):
     shown: list[int] = []
     monkeypatch.setattr("ui.time_left.listed.open_row", shown.append)
-    page = alone_on()
     assert len(table(page)) == 20
     worst = table(page)[["impact_kmh_x", "impact_kmh_y"]].max(axis=1)
     assert worst.is_monotonic_decreasing
@@ -105,33 +108,30 @@ def test_the_list_has_the_fastest_impact_first_and_opens_the_last_chance(
     first = table(page).iloc[0]
     encounter = encounter_of(result, f"{first['recording']}:{first['track']}")
     row = int(time_left_in(result).urgency["urgent_row"].iloc[encounter])
+    page = alone("time_left")
     page.session_state["time_left_open"] = encounter, row
-    checked(page.run())
-    checked(page.run())
+    checked(checked(page.run()).run())
     assert shown == [row]
     chosen = page.session_state["encounters_chosen"][1]
     assert chosen == f"rural_road:{first['track']}"
 
 
 def test_the_speed_stands_first_in_the_sidebar_and_moves_all():
-    page = checked(opened("time_left"))
-    first = page.sidebar.slider[0]
+    page = sidebar(page="time_left")
+    first = page.slider[0]
     assert (first.label, first.value) == (ASSUMED, 50)
     assert not first.disabled
-    labels = [slider.label for slider in page.sidebar.slider]
-    assert labels.count(ASSUMED) == 1
+    assert [slider.label for slider in page.slider].count(ASSUMED) == 1
     page = checked(first.set_value(100.0).run())
+    assert "".join(page.query_params["speed_kmh"]) == "100"
+    assert ASSUMED not in [slider.label for slider in sidebar(page="saliency").slider]
+    page = checked(alone("time_left", speed_kmh="100").run())
     headline = page.header[0].value
     assert "Of 30 urgent encounters at 100 km/h" in headline.replace("\\", "")
-    assert "".join(page.query_params["speed_kmh"]) == "100"
     # more than a screen full: in parts
     choice = page.selectbox(key="time_left_first")
     assert len(choice.options) == 2
     checked(choice.set_value(20).run())
-    page = checked(pages.to_page(page, "saliency"))
-    assert ASSUMED not in [slider.label for slider in page.sidebar.slider]
-    page = checked(pages.to_page(page, "time_left"))
-    assert page.sidebar.slider[0].value == 100
 
 
 def test_a_few_encounters_are_called_few_and_a_system_that_is_never_sure_hits_at_full_speed(

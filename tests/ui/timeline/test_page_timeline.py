@@ -11,10 +11,16 @@ from streamlit.testing.v1 import AppTest
 
 from nvcore.findings import Cases, Finding, Severity
 from nvcore.pictures.recordings import RecordingPictures
-from pages import checked, figures, opened, press, tables, texts, to_page
+from pages import checked, figures, opened, part, press, tables, texts, to_page
 from ui.session.store import ENCOUNTER
 from ui.shell.review import Review
 from ui.timeline import plots
+
+
+def parts(**address: str) -> AppTest:
+    """The choice of a recording, and what shows its frames."""
+    draw = "ui.timeline.plots.draw_all(RESULT, state.recording())"
+    return checked(part("ui.widgets.recording.recording_choice()", draw, **address).run())
 
 
 def choose(app, name):
@@ -23,11 +29,10 @@ def choose(app, name):
 
 
 def test_the_page_opens_at_the_frame_of_the_address_which_stays_while_parameters_change():
-    app = checked(opened("timeline", alpha="0.4", recording="rural_child", frame="57"))
+    app = parts(alpha="0.4", recording="rural_child", frame="57")
     assert any("**Frame 57**, 2.85 s" in text.value for text in app.markdown)
-    assert app.slider(key="alpha").value == 0.4
-    assert not app.warning
-    checked(app.slider(key="alpha").set_value(0.2).run())
+    app.session_state["new_params"] = {"alpha": 0.2}
+    checked(app.run())
     for kind in ("losses", "upright", "side_by_side"):
         checked(app.segmented_control(key="plot_over_time").set_value(kind).run())
     assert app.query_params["recording"] == "rural_child"
@@ -35,7 +40,7 @@ def test_the_page_opens_at_the_frame_of_the_address_which_stays_while_parameters
 
 
 def test_how_frames_are_numbered_is_said_only_where_it_is_unusual(monkeypatch):
-    app = checked(opened("timeline"))
+    app = parts()
     assert "counted from 0" not in texts(app)
     space = app.session_state["workspace"]
     note = "Picture i, counted from 0, shows frame i + 1: the frames count from 1."
@@ -46,7 +51,7 @@ def test_how_frames_are_numbered_is_said_only_where_it_is_unusual(monkeypatch):
 
 
 def test_another_recording_starts_at_its_first_frame_with_those_missed_in_it():
-    app = checked(opened("timeline", recording="rural_child", frame="57"))
+    app = parts(recording="rural_child", frame="57")
     pedestrians, detections = tables(app)
     pedestrians, detections = (table.set_index("") for table in (pedestrians, detections))
     for terms in (pedestrians.loc[["term X", "term Y"]], detections.loc[["term"]]):
@@ -62,17 +67,15 @@ def test_another_recording_starts_at_its_first_frame_with_those_missed_in_it():
 
 
 def test_a_high_similarity_with_nobody_matched_is_explained_beside_it():
-    app = checked(opened("timeline"))
-    said = texts(app)
-    assert "Misses take 0.077: pedestrian 1, 28 px tall, weight 0.11, is not detected" in said
-    assert "All 3 not detected are too far to count" in said
+    words = texts(parts())
+    assert "Misses take 0.077: pedestrian 1, 28 px tall, weight 0.11, is not detected" in words
+    assert "All 3 not detected are too far to count" in words
 
 
 def test_the_chosen_pedestrian_is_told_of_marked_in_the_lanes_and_open_in_encounters():
     app = choose(checked(opened("timeline", recording="rural_child", frame="225")), "rural_child:3")
-    said = texts(app)
-    assert "Pedestrian 3: missed by Y" in said
-    assert "Takes 0.715 of Y's similarity" in said
+    assert "Pedestrian 3: missed by Y" in texts(app)
+    assert "Takes 0.715 of Y's similarity" in texts(app)
     assert any(shape.get("name") == "chosen" for shape in lanes_layout(app)["shapes"])
     # filters of an earlier visit leave him out: they are cleared
     key = f"encounters_recording_{app.session_state['workspace'].n_opened}"
@@ -84,7 +87,7 @@ def test_the_chosen_pedestrian_is_told_of_marked_in_the_lanes_and_open_in_encoun
 
 def test_lanes_come_so_many_at_a_time_and_the_page_of_the_chosen_one(monkeypatch):
     monkeypatch.setattr(plots, "LANES", 2)
-    app = checked(opened("timeline"))
+    app = parts()
     pages = app.selectbox(key="lanes_first")
     assert pages.options[0] == "1 to 2"
     lanes = [lane_names(app, first) for first in pages.options]
@@ -120,7 +123,7 @@ def walked(app: AppTest, cases: Cases, at: int = 0) -> AppTest:
 @pytest.fixture
 def of_two_recordings() -> tuple[AppTest, Cases, list[tuple[int, int]]]:
     """The page, cases in two recordings, and the place of each."""
-    app = checked(opened("timeline"))
+    app = parts()
     dataset = app.session_state["workspace"].opened.dataset
     frames = dataset.frame_columns
     rows = [
@@ -179,8 +182,8 @@ def test_who_has_left_the_entrys_frame_is_led_back_to_it(of_two_recordings):
 
 
 def test_a_list_is_closed_and_leads_back_to_where_it_stands(of_two_recordings):
-    app, cases, _ = of_two_recordings
-    app = press(walked(app, cases), "listed_back")
+    _, cases, _ = of_two_recordings
+    app = press(walked(checked(opened("timeline")), cases), "listed_back")
     assert app.title[0].value == "Data"
     app = press(to_page(app, "timeline"), "listed_close")
     assert "listed_next" not in [button.key for button in app.button]

@@ -28,10 +28,10 @@ def test_headings_are_words(name: str, words: str):
 def test_every_column_has_its_own_heading_and_a_help_text(file: str):
     columns = columns_of(file)
     assert list(columns) == [column.name for column in report_columns()[file]]
-    labels = [one.label for one in columns.values()]
+    labels = [column.label for column in columns.values()]
     assert len(set(labels)) == len(labels)
     assert not [label for label in labels if "_" in label]
-    assert all(one.help for one in columns.values())
+    assert all(column.help for column in columns.values())
 
 
 def test_a_help_text_says_which_way_is_better_and_when_a_cell_is_empty():

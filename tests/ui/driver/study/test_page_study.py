@@ -12,7 +12,7 @@ from streamlit.testing.v1 import AppTest
 import pages
 from nvcore.driver.study.records import Answer, DetectabilityStudy
 from nvcore.driver.study.store import DetectabilityStore
-from pages import checked, press, texts
+from pages import checked, part, press, texts
 from ui.driver.study import files, participant
 from ui.driver.study.on_screen import OnScreen
 from ui.people.studies import ON_SCREEN
@@ -45,7 +45,9 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> list[dict]:
 
 
 def opened(**address: str) -> AppTest:
-    return checked(pages.opened("study", **address))
+    """What participants see, by their address, else what the conductor sees."""
+    side = "participant" if "study" in address else "conduct"
+    return checked(part(f"ui.driver.study.{side}.draw()", **address).run())
 
 
 def begun(store: DetectabilityStore, page: AppTest | None = None) -> DetectabilityStudy:
@@ -63,24 +65,22 @@ def keys(page: AppTest) -> list[str | None]:
     return [button.key for button in page.button]
 
 
-def joined(study: DetectabilityStudy) -> AppTest:
-    page = opened(study=study.token)
+def joined(study: DetectabilityStudy, page: AppTest | None = None) -> AppTest:
+    page = page or opened(study=study.token)
     page.checkbox(key="study_agrees").check()
     return checked(page.button[0].click().run())
 
 
-def test_how_long_it_takes_is_told_before_it_begins():
+def test_how_long_it_takes_and_what_a_screen_cannot_be_is_told_before_it_begins():
     page = opened()
     assert "each participant sees 6 pictures in 3 runs, **about 2 minutes**" in texts(page)
     assert "take a multiple of 6" in texts(page)
+    for limit in ("candela", "pupil", "field of view", "on this screen"):  # of a screen
+        assert limit in texts(page)
+    assert page.text_input(key="study_adaptation_s").proto.max_chars == 200
     checked(page.button_group(key="study_design").set_value("all").run())
     assert "sees 36 pictures in 18 runs, **about 14 minutes**" in texts(page)
     assert "learns where its pedestrian is" in texts(page)
-
-
-def test_what_a_screen_cannot_be_is_said():
-    said = texts(opened())
-    assert all(word in said for word in ("candela", "pupil", "field of view", "on this screen"))
 
 
 def test_a_study_has_what_was_set_and_an_address_for_each_side(store: DetectabilityStore):
@@ -105,10 +105,6 @@ def test_a_study_has_what_was_set_and_an_address_for_each_side(store: Detectabil
     assert opened(conduct=study.conductor).code
     press(page, "study_close")
     assert not page.code
-
-
-def test_the_field_of_times_takes_no_more_than_a_study_may_have():
-    assert opened().text_input(key="study_adaptation_s").proto.max_chars == 200
 
 
 @pytest.mark.parametrize(
@@ -159,9 +155,9 @@ def test_the_samples_pictures_need_no_folder_of_ones_own(
 def test_a_table_with_a_wrong_line_is_told_without_paths(tmp_path: Path):
     with (tmp_path / "root" / "dusk" / "boxes.csv").open("a") as file:
         file.write("../../secret.png,p,0,0,4,8\n")
-    said = texts(opened())
-    assert "boxes.csv, line 8" in said
-    assert str(tmp_path) not in said
+    shown = texts(opened())
+    assert "boxes.csv, line 8" in shown
+    assert str(tmp_path) not in shown
 
 
 def test_folders_below_the_root_are_offered_and_none_outside(tmp_path: Path):
@@ -178,7 +174,6 @@ def test_folders_below_the_root_are_offered_and_none_outside(tmp_path: Path):
 def test_nobody_takes_part_without_agreeing(store: DetectabilityStore):
     study = begun(store)
     page = opened(study=study.token)
-    assert not page.sidebar.slider
     assert f"{study.ends_at:%d %B %Y}" in texts(page)
     checked(page.button[0].click().run())
     assert "Without your agreement" in texts(page)
@@ -275,7 +270,8 @@ def test_who_has_left_the_screen_can_no_longer_be_answered_for(
     store: DetectabilityStore, runs: list[dict], way: str
 ):
     study = begun(store)
-    page = joined(study)
+    page = joined(study, checked(pages.opened("study", study=study.token)))
+    assert not page.sidebar.slider
     notes = page.session_state["workspace"].notes
     assert ON_SCREEN in notes
     if way in ("next", "conductor"):
