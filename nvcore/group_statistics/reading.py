@@ -30,6 +30,8 @@ MOST_COUNT: Final = 99
 MOST_CONDITIONS: Final = 10
 """More have 55 pairs and more, which nobody reads."""
 MOST_ROWS: Final = 10_000
+LARGEST: Final = 1e12
+"""Squares of larger numbers leave nothing of small ones."""
 
 
 class GroupTable(NamedTuple):
@@ -75,13 +77,20 @@ def read_groups(asked: GroupArguments) -> GroupTable:
     ParameterError
         If there is no such column, condition, participant or kind.
     """
-    if isinstance(asked.table, pd.DataFrame):
-        content = BytesIO()
-        asked.table.to_csv(content, index=False)
-        text = parse_table(content.getvalue(), name="table", what="groups", required=["condition"])
-        text = replace(text, lines=text.lines - 1)  # its rows count from 1, below the header
-    else:
+    if not isinstance(asked.table, pd.DataFrame):
         text = read_table(Path(asked.table), what="groups", required=["condition"])
+        return _read(text, asked)
+    content = BytesIO()
+    asked.table.to_csv(content, index=False)
+    try:
+        text = parse_table(content.getvalue(), name="table", what="groups", required=["condition"])
+        return _read(replace(text, lines=np.arange(len(text)) + 2), asked)
+    except InputError as error:  # rows of a table count from 0; the header is line 1
+        where = f", row {error.line - 2}" if error.line is not None and error.line > 1 else ""
+        raise InputError(error.message, file=f"table{where}") from error
+
+
+def _read(text: TextTable, asked: GroupArguments) -> GroupTable:
     if not 0 < len(text) <= MOST_ROWS:
         found = f"expected 1 to {MOST_ROWS:,} rows below the header, found {len(text):,}"
         raise InputError(found, file=text.name)
@@ -98,20 +107,22 @@ def _summaries(text: TextTable, asked: GroupArguments) -> GroupTable:
         if getattr(asked, name):
             raise ParameterError(f"{name}: is about values, and these are means and SD")
     n = text.whole_numbers("n", low=1)
-    sd = text.numbers("sd", low=0, may_be_empty=True)
+    sd = text.numbers("sd", low=0, high=LARGEST, may_be_empty=True)
     is_alone = n == 1
     if (lacking := np.isnan(sd) & ~is_alone).any():
         raise text.fault(int(np.argmax(lacking)), "sd is empty, which it is for n = 1 alone")
     text.unique(["condition"], "the condition {condition} is there a second time")
     table = pd.DataFrame({"condition": text.texts("condition"), "n": n})
-    table = table.assign(mean=text.numbers("mean"), sd=np.where(is_alone, np.nan, sd))
+    table = table.assign(
+        mean=text.numbers("mean", low=-LARGEST, high=LARGEST), sd=np.where(is_alone, np.nan, sd)
+    )
     empty = pd.DataFrame({"participant": [], "condition": [], "value": []})
     return GroupTable(table, empty, "", "numbers", (TableRead("summaries", len(table)),))
 
 
 def _values(text: TextTable, asked: GroupArguments) -> GroupTable:
     measure, others = _measure(text, asked.measure)
-    value = text.numbers(measure, may_be_empty=True)
+    value = text.numbers(measure, low=-LARGEST, high=LARGEST, may_be_empty=True)
     scale = asked.scale or _scale_of(measure, value)
     is_wrong = np.zeros(len(text), dtype=bool)
     if scale == "times":

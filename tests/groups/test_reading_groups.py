@@ -58,8 +58,10 @@ def test_a_table_in_memory_does_as_well_and_errors_name_its_row():
     table = pd.DataFrame({"condition": ["a", "b"], "value": [1.5, np.nan]})
     assert len(read_groups(GroupArguments(table)).rows) == 1
     wrong = table.astype(object).replace({1.5: "soon"})
-    with pytest.raises(InputError, match=r"table, line 1: value: expected a number, found 'soon'"):
+    with pytest.raises(InputError, match="table, row 0: value: expected a number, found 'soon'"):
         read_groups(GroupArguments(wrong, "value"))
+    with pytest.raises(InputError, match="table: a table of groups has the columns condition"):
+        read_groups(GroupArguments(table.drop(columns="condition")))
 
 
 def test_participants_are_one_however_their_names_are_typed(tmp_path: Path):
@@ -126,7 +128,8 @@ def test_conditions_get_other_names_or_are_left_out_as_are_participants(tmp_path
         (["participant,condition,value", ",a,1"], "line 2: participant is empty"),
         (["condition,rt_ms", "a,1", "a,0"], "line 3: rt_ms: expected a time above 0, found 0"),
         (["condition,n,mean,sd", "a,2,1,"], "line 2: sd is empty, which it is for n = 1 alone"),
-        (["condition,n,mean,sd", "a,2,1,-1"], "line 2: sd: expected 0 or more, found -1"),
+        (["condition,n,mean,sd", "a,2,1,-1"], "line 2: sd: expected 0 to 1e\\+12, found -1"),
+        (["condition,value", "a,1", "b,1e13"], r"line 3: value: expected -1e\+12 to 1e\+12"),
         (["condition,n,mean,sd", "a,0,1,1"], "line 2: n: expected 1"),
         (["condition,n,mean,sd", "a,2,1,1", "a,2,1,1"], "line 3: the condition a is there a sec"),
         (["condition,value", *(f"c{i},1" for i in range(11))], "10 conditions at most, found 11"),
