@@ -38,6 +38,7 @@ __all__ = [
     "estimate_driver",
     "evaluate_driver",
     "gate",
+    "groups",
     "image_features",
     "load",
     "read_session",
@@ -46,7 +47,7 @@ __all__ = [
 ]
 
 _HOMES = {
-    "nvcore.api.calls": ("audit", "compare", "gate"),
+    "nvcore.api.calls": ("audit", "compare", "gate", "groups"),
     "nvcore.api.inputs": ("load",),
     "nvcore.comparison": ("Result",),
     "nvcore.dataset": ("Dataset",),
@@ -70,7 +71,7 @@ if TYPE_CHECKING:
     from nvcore import pictures as pictures
     from nvcore import stability as stability
     from nvcore import tables as tables
-    from nvcore.api.calls import audit, compare, gate
+    from nvcore.api.calls import audit, compare, gate, groups
     from nvcore.api.inputs import load
     from nvcore.comparison import Result
     from nvcore.dataset import Dataset

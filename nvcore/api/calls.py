@@ -1,4 +1,4 @@
-"""The calls of Python users: compare, audit, gate."""
+"""The calls of Python users: compare, audit, gate, groups."""
 
 from __future__ import annotations
 
@@ -9,12 +9,14 @@ from nvcore import comparison
 from nvcore.api.comparison import Comparison
 from nvcore.api.inputs import load
 from nvcore.arguments import called_with
+from nvcore.arguments.groups import GroupArguments
 from nvcore.auditing import audit as audit_dataset
 from nvcore.auditing import picture_findings
 from nvcore.dataset import Dataset
 from nvcore.errors import ParameterError
 from nvcore.evidence.operating_points import at_operating_point
 from nvcore.findings import Finding, worst_first
+from nvcore.group_statistics import GroupComparison, compare_groups
 from nvcore.report.gate import run_gate
 from nvcore.report.gate.measures import measure_names
 from nvcore.report.gate.outcomes import RuleOutcome
@@ -140,3 +142,54 @@ def gate(result: Comparison, rules: Iterable[str], *, strict: bool = False) -> G
         raise ParameterError("\n".join(problems))
     outcomes, _ = run_gate(parsed, result.result, result.input_findings, strict=strict)
     return GateOutcome(tuple(outcomes))
+
+
+@called_with(GroupArguments)
+def groups(arguments: GroupArguments) -> GroupComparison:
+    """Compare groups of persons or drives: which conditions differ, by the test that fits.
+
+    Parameters
+    ----------
+    table
+        A CSV file or a table in memory: ``condition`` and ``value``, if known ``participant``; or
+        ``condition,n,mean,sd``. A table of drives has
+        ``participant,condition,duration_s,violations,kind``.
+    measure
+        The column that is compared; None: ``value``, or the first column of numbers.
+    scale
+        ``times``, ``counts`` or ``numbers``; None: by the column's name and its numbers.
+    kind
+        Of a table with that column: count only rows of this kind; None: of all kinds together.
+    rename
+        Other names of conditions; those of one name are compared as one, and one without a name is
+        left out: ``{"visual": "feedback", "audio": "feedback", "control": ""}``.
+    leave_out
+        Participants to leave out.
+    correlation
+        Of means and SD: what paired comparisons would show in the same persons, if their values in
+        two conditions had this correlation.
+    difference
+        The smallest difference that would matter, in the unit of the measure, for the size of a
+        further study; None: the largest one found.
+    power
+        Share of studies that should show it, 0.5 to 0.99.
+
+    Returns
+    -------
+    GroupComparison
+        Its tables are ``groups``, ``tests``, ``pairs``, ``assumptions`` and ``sizes``;
+        ``sentences`` says what they come to, ``print`` shows all of it.
+
+    Raises
+    ------
+    InputError
+        If the table cannot be used; with file and line.
+    ParameterError
+        If a choice is impossible, or does not go with the table.
+
+    Examples
+    --------
+    >>> result = groups("reactions.csv")  # doctest: +SKIP
+    >>> result.fits, result.tests.loc[result.tests["fits"], "p"].item()  # doctest: +SKIP
+    """
+    return compare_groups(arguments)

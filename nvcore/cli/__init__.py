@@ -15,6 +15,7 @@ from nvcore.cli.app import app
 from nvcore.cli.compare import check, compare
 from nvcore.cli.convert import convert
 from nvcore.cli.gate import gate
+from nvcore.cli.groups import groups
 from nvcore.cli.matrix import matrix
 from nvcore.cli.models import models
 from nvcore.cli.options import examples
@@ -38,7 +39,7 @@ def main() -> None:
 
 
 for command in (
-    *(compare, check, convert, gate, matrix, plan, report),
+    *(compare, check, convert, gate, matrix, plan, report, groups),
     *chain(*contributed("commands")),
     *(models, app, sample),
 ):

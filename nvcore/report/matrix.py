@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -22,6 +22,7 @@ from nvcore.output.files import refuse_other_run, write_run
 from nvcore.params import Params
 from nvcore.wording import (
     Footnotes,
+    aligned,
     capitalised,
     count_text,
     difference,
@@ -159,7 +160,7 @@ def render_matrix(table: pd.DataFrame) -> str:
         f"{count_text(int(table['n_encounters'].iloc[0]), 'encounter')}; "
         "each system at its own threshold",
         "",
-        *_columns(
+        *aligned(
             [("system", *SYSTEM_HEAD), *((row["system"], *system_cells(row)) for row in systems)]
         ),
         "",
@@ -176,18 +177,9 @@ def render_matrix(table: pd.DataFrame) -> str:
             )
             for pair, marks in zip(pairs, of_pairs, strict=True)
         ]
-        lines += ["", *_columns([(measure.title, *HEAD, "", ""), *rows])]
+        lines += ["", *aligned([(measure.title, *HEAD, "", ""), *rows])]
         lines += [f"{mark}: {note}" for note, mark in notes.items()]
     return "\n".join(one_line(line) for line in lines)
-
-
-def _columns(rows: Sequence[tuple[str, ...]]) -> list[str]:
-    """The rows as lines, the first column to the left, the others to the right."""
-    shown = [tuple(one_line(cell) for cell in row) for row in rows]
-    first, *others = ([*column] for column in zip(*shown, strict=True))
-    columns = [[cell.ljust(max(map(len, first))) for cell in first]]
-    columns += [[cell.rjust(max(map(len, column))) for cell in column] for column in others]
-    return ["  ".join(cells).rstrip() for cells in zip(*columns, strict=True)]
 
 
 def matrix_json(dataset: Dataset, params: Params, table: pd.DataFrame) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 
 from nvcore.measures.table import inference_of
 from nvcore.objects import Objects
-from nvcore.sentences import encounters, planning, saliency
+from nvcore.sentences import encounters, groups, planning, saliency
 from nvcore.sentences.caveats import caveats
 from nvcore.sentences.facts import Fact
 from nvcore.sentences.texts import TEXTS, Texts
@@ -45,7 +45,7 @@ def phrase(fact: Fact, objects: Objects, of_medium: Texts = MappingProxyType({})
 @cache
 def all_texts() -> Texts:
     """Templates of the core and of subjects, by type of fact."""
-    texts = {**TEXTS, **planning.TEXTS, **encounters.TEXTS, **saliency.TEXTS}
+    texts = {**TEXTS, **planning.TEXTS, **encounters.TEXTS, **saliency.TEXTS, **groups.TEXTS}
     for added in contributed("texts"):
         texts.update(added)
     return texts

@@ -99,6 +99,15 @@ def count_text(n: int, noun: str, plural: str | None = None) -> str:
     return f"{n:,} {noun if n == 1 else plural or noun + 's'}"
 
 
+def aligned(rows: Iterable[Sequence[str]]) -> list[str]:
+    """Rows of cells as lines, the first column to the left, the others to the right."""
+    shown = [tuple(one_line(cell) for cell in row) for row in rows]
+    first, *others = ([*column] for column in zip(*shown, strict=True))
+    columns = [[cell.ljust(max(map(len, first))) for cell in first]]
+    columns += [[cell.rjust(max(map(len, column))) for cell in column] for column in others]
+    return ["  ".join(cells).rstrip() for cells in zip(*columns, strict=True)]
+
+
 @dataclass(frozen=True)
 class Footnotes:
     """Notes below a table, and the marks by which its rows refer to them.

@@ -23,6 +23,7 @@ _DOCUMENTS: Final[tuple[Document, ...]] = in_place(
         Document("detection", "Detection curves"),
         Document("objects", "Objects"),
         Document("significance", "Significance"),
+        Document("groups", "Groups"),
         Document("validation", "Validation"),
         Document("report", "Report files"),
         Document("formats", "Formats"),

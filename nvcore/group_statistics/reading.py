@@ -1,0 +1,232 @@
+"""Tables of groups: values of persons or drives by condition, or means, SD and n typed in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from io import BytesIO
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from nvcore.arguments.groups import GroupArguments, Scale
+from nvcore.errors import InputError, ParameterError
+from nvcore.inputs.readers.parse.table import TextTable, parse_table, read_table
+from nvcore.inputs.readers.parse.text import number_of
+from nvcore.people.participants import fold_name
+from nvcore.sentences.facts import Fact
+from nvcore.sentences.groups import Prepared, TableRead
+from nvcore.wording import did_you_mean, listed
+
+SUMMARY: Final = ("n", "mean", "sd")
+"""Columns beside ``condition`` by which a table is one of means and SD."""
+LABELS: Final = ("participant", "condition", "kind", "run", "trial", "order")
+"""Columns that are never the measure."""
+TIME_UNITS: Final = ("_s", "_ms", "_min")
+MOST_COUNT: Final = 99
+"""Whole numbers up to this one are taken for counts, larger ones for measurements."""
+MOST_CONDITIONS: Final = 10
+"""More have 55 pairs and more, which nobody reads."""
+MOST_ROWS: Final = 10_000
+LARGEST: Final = 1e12
+"""Squares of larger numbers leave nothing of small ones."""
+
+
+class GroupTable(NamedTuple):
+    """Groups as read.
+
+    Attributes
+    ----------
+    summaries
+        ``condition``, ``n``, ``mean``, ``sd`` (NaN for n = 1) as typed in; None: there are values.
+    rows
+        ``participant`` ("" where there is no such column), ``condition`` and ``value``, in the
+        order of the file; empty with summaries.
+    measure, scale
+        The column that is compared (empty: summaries), and what its numbers are.
+    facts
+        What was read, and what was done to it.
+    """
+
+    summaries: pd.DataFrame | None
+    rows: pd.DataFrame
+    measure: str
+    scale: Scale
+    facts: tuple[Fact, ...]
+
+    @property
+    def conditions(self) -> list[str]:
+        """In the order of the file."""
+        return [*(self.rows if self.summaries is None else self.summaries)["condition"].unique()]
+
+
+def read_groups(asked: GroupArguments) -> GroupTable:
+    """Values, or means and SD, whichever the columns of the table are.
+
+    Values: ``condition``, the measure, and if known ``participant``. A drive may have a row for
+    each ``kind`` of what is counted: counts of one participant, condition and, where there is that
+    column, ``run`` are added. An empty value is a missing one. Participants whose names differ in
+    capitals or spaces only are one. Summaries: ``condition,n,mean,sd``.
+
+    Raises
+    ------
+    InputError
+        If the table cannot be used; with file and line.
+    ParameterError
+        If there is no such column, condition, participant or kind.
+    """
+    if not isinstance(asked.table, pd.DataFrame):
+        text = read_table(Path(asked.table), what="groups", required=["condition"])
+        return _read(text, asked)
+    content = BytesIO()
+    asked.table.to_csv(content, index=False)
+    try:
+        text = parse_table(content.getvalue(), name="table", what="groups", required=["condition"])
+        return _read(replace(text, lines=np.arange(len(text)) + 2), asked)
+    except InputError as error:  # rows of a table count from 0; the header is line 1
+        where = f", row {error.line - 2}" if error.line is not None and error.line > 1 else ""
+        raise InputError(error.message, file=f"table{where}") from error
+
+
+def _read(text: TextTable, asked: GroupArguments) -> GroupTable:
+    if not 0 < len(text) <= MOST_ROWS:
+        found = f"expected 1 to {MOST_ROWS:,} rows below the header, found {len(text):,}"
+        raise InputError(found, file=text.name)
+    is_summary = asked.measure is None and all(name in text for name in SUMMARY)
+    read = _summaries(text, asked) if is_summary else _values(text, asked)
+    if len(read.conditions) > MOST_CONDITIONS:
+        found = f"expected {MOST_CONDITIONS} conditions at most, found {len(read.conditions):,}"
+        raise InputError(found, file=text.name)
+    return read
+
+
+def _summaries(text: TextTable, asked: GroupArguments) -> GroupTable:
+    for name in ("scale", "kind", "rename", "leave_out"):
+        if getattr(asked, name):
+            raise ParameterError(f"{name}: is about values, and these are means and SD")
+    n = text.whole_numbers("n", low=1)
+    sd = text.numbers("sd", low=0, high=LARGEST, may_be_empty=True)
+    is_alone = n == 1
+    if (lacking := np.isnan(sd) & ~is_alone).any():
+        raise text.fault(int(np.argmax(lacking)), "sd is empty, which it is for n = 1 alone")
+    text.unique(["condition"], "the condition {condition} is there a second time")
+    table = pd.DataFrame({"condition": text.texts("condition"), "n": n})
+    table = table.assign(
+        mean=text.numbers("mean", low=-LARGEST, high=LARGEST), sd=np.where(is_alone, np.nan, sd)
+    )
+    empty = pd.DataFrame({"participant": [], "condition": [], "value": []})
+    return GroupTable(table, empty, "", "numbers", (TableRead("summaries", len(table)),))
+
+
+def _values(text: TextTable, asked: GroupArguments) -> GroupTable:
+    measure, others = _measure(text, asked.measure)
+    value = text.numbers(measure, low=-LARGEST, high=LARGEST, may_be_empty=True)
+    scale = asked.scale or _scale_of(measure, value)
+    is_wrong = np.zeros(len(text), dtype=bool)
+    if scale == "times":
+        is_wrong = value <= 0
+    elif scale == "counts":
+        is_wrong = (value < 0) | (value % 1 > 0)
+    if is_wrong.any():
+        expected = "a time above 0" if scale == "times" else "a count, a whole number from 0"
+        row = int(np.argmax(is_wrong))
+        raise text.fault(row, f"{measure}: expected {expected}, found {value[row]:g}")
+    rows = pd.DataFrame({"participant": "", "condition": text.texts("condition"), "value": value})
+    if "participant" in text:
+        names = pd.Series(text.texts("participant"))
+        rows["participant"] = names.groupby(names.map(fold_name)).transform("first")
+    facts: list[Fact] = [Prepared("others", names=others)] if others else []
+    if "kind" in text and scale == "counts":
+        n_rows = len(rows)
+        rows = _drives(text, rows, asked.kind)
+        if len(rows) < n_rows:
+            facts.append(Prepared("joined", n_rows - len(rows)))
+    elif asked.kind is not None:
+        raise ParameterError("kind: expected counts, with a column kind")
+    rows, done = _chosen(rows, asked)
+    is_missing = rows["value"].isna()
+    if is_missing.any():
+        facts.append(Prepared("missing", int(is_missing.sum())))
+    rows = rows[~is_missing].reset_index(drop=True)
+    first = TableRead("values", rows["condition"].nunique(), measure, scale, len(rows))
+    return GroupTable(None, rows, measure, scale, (first, *facts, *done))
+
+
+def _measure(text: TextTable, wanted: str | None) -> tuple[str, tuple[str, ...]]:
+    """The column that is compared, and others that hold numbers."""
+    columns = [column for column in text.fields if column not in LABELS]
+    if wanted is not None:
+        return _known([wanted.strip().lower()], columns, "measure")[0], ()
+
+    def has_numbers(column: str) -> bool:
+        first = next((field for field in text.fields[column] if field), "")
+        return number_of(first.replace(",", ".") if text.has_decimal_comma else first) is not None
+
+    columns = [column for column in columns if has_numbers(column)]
+    if not columns:
+        expected = "expected participant,condition,value or condition,n,mean,sd"
+        raise InputError(f"no column has numbers to compare; {expected}", file=text.name, line=1)
+    chosen = "value" if "value" in columns else columns[0]
+    return chosen, tuple(column for column in columns if column != chosen)
+
+
+def _scale_of(measure: str, value: np.ndarray) -> Scale:
+    """What numbers are, by the name of their column and by themselves."""
+    if measure.endswith(TIME_UNITS):
+        return "times"
+    known = value[~np.isnan(value)]
+    is_count = (known >= 0) & (known <= MOST_COUNT) & (known % 1 == 0)
+    return "counts" if len(known) and is_count.all() else "numbers"
+
+
+def _drives(text: TextTable, rows: pd.DataFrame, kind: str | None) -> pd.DataFrame:
+    """A row for each drive, whose counts are added over the kinds, or of one kind alone."""
+    kinds = pd.Series(text.fields["kind"])
+    if kind is not None:  # who drove without any of this kind has a count of 0
+        is_meant = kinds == _known([kind], kinds, "kind")[0]
+        rows = rows.assign(value=rows["value"].where(is_meant, 0.0))
+    run = text.fields["run"] if "run" in text else np.full(len(text), "")
+    key = ["participant", "condition", "run"]
+    if "participant" not in text and "run" not in text:
+        return rows  # nothing says which rows belong together
+    rows = rows.assign(run=run, kind=kinds)
+    if (twice := rows.duplicated([*key, "kind"]).to_numpy()).any():
+        message = "this drive has a row of this kind already; number drives in a column run"
+        raise text.fault(int(np.argmax(twice)), message)
+    drives = rows.groupby(key, sort=False)["value"]
+    return drives.agg(lambda counts: counts.sum(skipna=False)).reset_index()
+
+
+def _chosen(rows: pd.DataFrame, asked: GroupArguments) -> tuple[pd.DataFrame, list[Fact]]:
+    """Rows without what is left out, conditions by their new names; and what was done."""
+    facts: list[Fact] = []
+    rename: Mapping[str, str] = asked.rename or {}
+    _known(rename, rows["condition"], "rename")
+    folded = {fold_name(name): name for name in rows["participant"]}
+    gone = [folded[name] for name in _known(map(fold_name, asked.leave_out), folded, "leave_out")]
+    dropped = [condition for condition, name in rename.items() if not name]
+    if gone or dropped:
+        facts.append(Prepared("left out", names=(*dropped, *gone)))
+    rows = rows[~rows["participant"].isin(gone) & ~rows["condition"].isin(dropped)]
+    for name in dict.fromkeys(name for name in rename.values() if name):
+        own = tuple(condition for condition, new in rename.items() if new == name)
+        facts.append(Prepared("renamed", names=own, name=name))
+    return rows.assign(condition=rows["condition"].replace(dict(rename))), facts
+
+
+def _known(names: Iterable[str], known: Iterable[str], argument: str) -> Sequence[str]:
+    """The names, all of which are known.
+
+    Raises
+    ------
+    ParameterError
+        If one is not.
+    """
+    there, asked = [*dict.fromkeys(known)], [*names]
+    for name in asked:
+        if name not in there:
+            choice = f"there is {listed(there, most=12) or 'none'}"
+            raise ParameterError(f"{argument}: no {name!r}; {did_you_mean(name, there, choice)}")
+    return asked

@@ -1,0 +1,246 @@
+"""Analyses of independent groups that need no more than n, mean and SD of each.
+
+Of values, too, they are computed from these: one way for both. SciPy's own, which take values
+alone, are the independent reading in the tests.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+import pandas as pd
+from scipy import stats
+
+from nvcore.evidence.bootstrap import CONFIDENCE, ROUNDING
+from nvcore.evidence.paired_tests import holm
+
+TAIL: Final = (1 + CONFIDENCE) / 2
+PAIR_COLUMNS: Final = (
+    *("test", "first", "second", "difference", "low", "high", "ratio", "ratio_low", "ratio_high"),
+    *("value", "df", "p", "p_corrected", "d"),
+)
+
+
+class Groups(NamedTuple):
+    """n, mean and SD of k groups, each float64, shape (k,); the SD with n - 1, NaN for n = 1."""
+
+    n: np.ndarray
+    mean: np.ndarray
+    sd: np.ndarray
+
+    @property
+    def variances(self) -> np.ndarray:
+        """Squares of the SD; 0 where it is rounding, NaN for n = 1."""
+        is_rounding = self.sd <= ROUNDING * np.abs(self.mean).max(initial=0.0)
+        return np.where(is_rounding, 0.0, self.sd) ** 2
+
+    @property
+    def within(self) -> tuple[float, float]:
+        """Sum of squares within the groups, and its degrees of freedom."""
+        return float(np.nansum((self.n - 1) * self.variances)), float((self.n - 1).sum())
+
+
+class Test(NamedTuple):
+    """An overall test of k groups; what is undefined is NaN, and `reason` says why.
+
+    Attributes
+    ----------
+    test
+        Key of `nvcore.sentences.groups.TESTS`.
+    statistic, value, df_between, df_within, p
+        F, H or chi2, and what comes of it.
+    eta2, omega2, f
+        Share of the variance that is between the groups, without what chance adds to it, and
+        Cohen's ``sqrt(eta2 / (1 - eta2))``; in the same persons eta² is partial.
+    n_reached, n_ways, is_exact
+        Of a permutation: ways that part the groups at least as far, of how many, and whether these
+        are all.
+    """
+
+    test: str
+    statistic: str = ""
+    value: float = np.nan
+    df_between: float = np.nan
+    df_within: float = np.nan
+    p: float = np.nan
+    eta2: float = np.nan
+    omega2: float = np.nan
+    f: float = np.nan
+    n_reached: int = 0
+    n_ways: int = 0
+    is_exact: bool = False
+    reason: str = ""
+
+
+def pairs_of(k: int) -> tuple[np.ndarray, np.ndarray]:
+    """Places of the first and the second group of each pair, int64, shape (k (k - 1) / 2,)."""
+    first, second = np.array([*combinations(range(k), 2)], dtype=np.int64).reshape(-1, 2).T
+    return first, second
+
+
+def pair_table(test: str, k: int, **columns: Any) -> pd.DataFrame:
+    """A row for each pair of k groups with `PAIR_COLUMNS`; NaN where there is no such column."""
+    first, second = pairs_of(k)
+    table = pd.DataFrame({"test": test, "first": first, "second": second, **columns})
+    return table.reindex(columns=[*PAIR_COLUMNS])
+
+
+def mean_interval(groups: Groups) -> tuple[np.ndarray, np.ndarray]:
+    """Ends of the 95 % interval of each mean, ``mean ± t sd / sqrt(n)``; NaN for one person."""
+    many = np.where(groups.n > 1, groups.n, np.nan)
+    half = stats.t.ppf(TAIL, many - 1) * groups.sd / np.sqrt(many)
+    return groups.mean - half, groups.mean + half
+
+
+def anova(groups: Groups) -> Test:
+    """One-way analysis of variance with effect sizes: equal variances are assumed.
+
+    References
+    ----------
+    Fisher (1925), Statistical methods for research workers, chapter 7; Hays (1963), Statistics for
+    psychologists (omega²); Cohen (1988), Statistical power analysis, section 8.2 (f).
+
+    Examples
+    --------
+    >>> groups = Groups(*np.array([[11] * 3, [1678, 2171, 1245], [755.1, 766.2, 389.5]]))
+    >>> test = anova(groups)
+    >>> round(test.value, 4), round(test.p, 6), round(test.eta2, 3), round(test.omega2, 3)
+    (5.412, 0.009842, 0.265, 0.211)
+    """
+    n, mean, _ = groups
+    within, df_within = groups.within
+    if not within:
+        return Test("anova", reason="no group has any spread")
+    between, df = float((n * (mean - n @ mean / n.sum()) ** 2).sum()), len(n) - 1.0
+    error = within / df_within
+    value = between / df / error
+    return Test(
+        *("anova", "F", value, df, df_within, float(stats.f.sf(value, df, df_within))),
+        eta2=between / (between + within),
+        omega2=(between - df * error) / (between + within + error),
+        f=float(np.sqrt(between / within)),
+    )
+
+
+def welch(groups: Groups) -> Test:
+    """Welch's analysis of variance, for groups of different variances.
+
+    References
+    ----------
+    Welch (1951), On the comparison of several mean values: an alternative approach, Biometrika
+    38:330. With two groups it is Welch's t test.
+    """
+    n, mean, _ = groups
+    variances, k = groups.variances, len(n)
+    if not (variances > 0).all():
+        return Test("welch", reason="a group has no spread, or one value alone")
+    weight = n / variances
+    share = weight / weight.sum()
+    lack = float(((1 - share) ** 2 / (n - 1)).sum())
+    spread = float((weight * (mean - share @ mean) ** 2).sum()) / (k - 1)
+    value, df = spread / (1 + 2 * (k - 2) / (k**2 - 1) * lack), (k**2 - 1) / (3 * lack)
+    return Test("welch", "F", value, k - 1.0, df, float(stats.f.sf(value, k - 1, df)))
+
+
+def tukey(groups: Groups) -> pd.DataFrame:
+    """Tukey's comparisons of all pairs (Kramer's, for unequal n): equal variances are assumed.
+
+    References
+    ----------
+    Tukey (1949), Comparing individual means in the analysis of variance; Kramer (1956).
+    """
+    within, df = groups.within
+    variance = within / df if within else np.nan
+    k = len(groups.n)
+    return _by_range("tukey", groups, np.full(k, variance), np.full(len(pairs_of(k)[0]), df))
+
+
+def games_howell(groups: Groups) -> pd.DataFrame:
+    """Games' and Howell's comparisons of all pairs, for groups of different variances.
+
+    References
+    ----------
+    Games and Howell (1976), Pairwise multiple comparison procedures with unequal n's and/or
+    variances.
+    """
+    first, second = pairs_of(len(groups.n))
+    variances = np.where(groups.variances > 0, groups.variances, np.nan)
+    part, many = variances / groups.n, np.where(groups.n > 1, groups.n, np.nan)
+    squares = part**2 / (many - 1)
+    df = (part[first] + part[second]) ** 2 / (squares[first] + squares[second])
+    return _by_range("games_howell", groups, variances, df)
+
+
+def _by_range(test: str, groups: Groups, variance: np.ndarray, df: np.ndarray) -> pd.DataFrame:
+    """Pairs by the studentised range; a variance of each group (k,), df of each pair."""
+    k, (first, second) = len(groups.n), pairs_of(len(groups.n))
+    difference = groups.mean[first] - groups.mean[second]
+    part = variance / groups.n
+    error = np.sqrt((part[first] + part[second]) / 2)
+    q, p, limit = np.abs(difference) / error, np.full(len(df), np.nan), np.full(len(df), np.nan)
+    is_known = ~np.isnan(q)
+    if is_known.any():
+        p[is_known] = np.minimum(stats.studentized_range.sf(q[is_known], k, df[is_known]), 1)
+        freedoms, place = np.unique(df[is_known], return_inverse=True)  # a quantile takes 0.1 s
+        limit[is_known] = stats.studentized_range.ppf(CONFIDENCE, k, freedoms)[place]
+    ends = {"low": difference - limit * error, "high": difference + limit * error}
+    more = {"value": q, "df": df, "p_corrected": p, "d": cohens_d(groups)}
+    return pair_table(test, k, difference=difference, **ends, **more)
+
+
+def cohens_d(groups: Groups) -> np.ndarray:
+    """Difference of each pair over its pooled SD, shape (k (k - 1) / 2,); NaN without spread."""
+    first, second = pairs_of(len(groups.n))
+    squares, df = (groups.n - 1) * np.nan_to_num(groups.variances), groups.n - 1
+    pooled, n = squares[first] + squares[second], df[first] + df[second]
+    pooled = np.sqrt(np.where(pooled > 0, pooled, np.nan) / np.maximum(n, 1))
+    d: np.ndarray = (groups.mean[first] - groups.mean[second]) / pooled
+    return d
+
+
+def paired_t(
+    test: str, k: int, n: int, difference: np.ndarray, sd: np.ndarray, *, are_logs: bool = False
+) -> pd.DataFrame:
+    """Paired t tests of all pairs of k conditions, corrected by Holm.
+
+    Parameters
+    ----------
+    n
+        Persons.
+    difference, sd
+        Mean and SD of the persons' differences, shape (k (k - 1) / 2,).
+    are_logs
+        Whether these are of logarithms: the effects are then ratios of geometric means.
+    """
+    spread = np.where(sd > 0, sd, np.nan)
+    error = spread / np.sqrt(n)
+    p = 2 * stats.t.sf(np.abs(difference) / error, n - 1)
+    half = stats.t.ppf(TAIL, n - 1) * error
+    effect = (difference, difference - half, difference + half)
+    names = ("difference", "low", "high")
+    if are_logs:
+        effect, names = tuple(map(np.exp, effect)), ("ratio", "ratio_low", "ratio_high")
+    columns = dict(zip(names, effect, strict=True))
+    more = {"value": difference / error, "df": n - 1.0, "p": p, "p_corrected": holm(p)}
+    return pair_table(test, k, **columns, **more, d=difference / spread)
+
+
+def assumed_pairs(groups: Groups, correlation: float) -> pd.DataFrame:
+    """Paired t tests as they would be in the same persons: a what-if, not a result.
+
+    The SD of the differences is ``sqrt(s1² + s2² - 2 r s1 s2)``.
+
+    Parameters
+    ----------
+    groups
+        Of one n.
+    correlation
+        Of the values in any two conditions, -1 to 1.
+    """
+    first, second = pairs_of(len(groups.n))
+    s, t = groups.sd[first], groups.sd[second]
+    sd = np.sqrt(np.maximum(s**2 + t**2 - 2 * correlation * s * t, 0))
+    difference = groups.mean[first] - groups.mean[second]
+    return paired_t("assumed", len(groups.n), int(groups.n[0]), difference, sd)
