@@ -96,7 +96,7 @@ class Subject:
         Extras of pyproject.toml that it needs, and how the packages of each are imported. The extra
         that is named as the subject comes with the dashboard.
     ui
-        Module of the dashboard with its ``PAGES`` (`ui.page.Page`).
+        Module of the dashboard with its ``PAGES`` and what else `ui.subjects.contributed` lists.
     """
 
     name: str

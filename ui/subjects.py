@@ -7,13 +7,16 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from nvcore.comparison import Result
 from nvcore.stages import Stage
 from nvcore.subjects import resolve, subjects
+
+Section = Literal["Compare", "Evidence", "Lab", "Help"]
+"""Headings of the navigation."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,7 @@ class Page:
 
     key: str
     title: str
-    section: str
+    section: Section
     after: str = ""
     shown: tuple[Stage, ...] | None = None
     own: tuple[Stage, ...] = ()

@@ -189,7 +189,8 @@ class Measure:
     leads
         Whether the scorecard in short has it.
     inference
-        How its difference is judged; None: it is not in the table of evidence.
+        How its difference is judged, which needs a better way; None: it is not in the table of
+        evidence.
     """
 
     key: str
@@ -213,6 +214,9 @@ class Measure:
     rule: str = ""
     leads: bool = False
     inference: Inference | None = None
+
+    def __post_init__(self) -> None:
+        assert self.better or not self.inference, f"{self.key}: no difference of it is better"
 
     def depends_on(self, setting: str) -> bool:
         """Whether a setting of `Params` can change it."""
