@@ -20,7 +20,16 @@ from ui.shell import (
 )
 from ui.shell.messages import error_banner
 from ui.shell.navigate import follow_wish
-from ui.shell.pages import all_pages, draw_bar, draw_tabs, is_folded_on, own_of, shown_on
+from ui.shell.pages import (
+    START,
+    all_pages,
+    draw_bar,
+    draw_questions,
+    draw_tabs,
+    is_folded_on,
+    own_of,
+    shown_on,
+)
 from ui.subjects import contributed
 
 # pages with more in their address, which they write by themselves, or leave as it is
@@ -67,6 +76,8 @@ try:
     if not is_participant():
         draw_tabs(pages, page)
     page.run()
+    if page.url_path in ("", START) and not is_participant():
+        draw_questions()
     store.PAGE_LINK.pop()  # it was for this page
 except Exception as error:  # noqa: BLE001  # the sidebar is drawn, or its widgets lose their values
     error_banner(error)

@@ -11,7 +11,6 @@ from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
 from ui.overview import evidence, moments, plan, scorecard
 from ui.session import store
-from ui.shell.pages import draw_questions
 
 PARTS: Final = {
     "moments": "Moments to look at",
@@ -24,10 +23,7 @@ PARTS: Final = {
 
 
 def draw(result: Result, measured: pd.DataFrame, companions: Companions | None) -> None:
-    """The part that is chosen; none at first, and what is not chosen costs nothing.
-
-    Below it the questions that other pages answer.
-    """
+    """The part that is chosen; none at first, and what is not chosen costs nothing."""
     part = st.segmented_control(
         "Look closer",
         list(PARTS),
@@ -49,7 +45,6 @@ def draw(result: Result, measured: pd.DataFrame, companions: Companions | None) 
             evidence.draw_subgroups(result, measured)
         case "plan":
             plan.draw(result, measured, companions)
-    draw_questions()
 
 
 def _note_question() -> None:
