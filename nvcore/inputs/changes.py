@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
-from nvcore.dataset import Dataset
 from nvcore.findings import TRUTH_NAME, Remedy, Step
 from nvcore.inputs.facts import parse_size
 from nvcore.inputs.session import RecordingEntry, Session, Source
+
+if TYPE_CHECKING:
+    from nvcore.dataset import Dataset
 
 _S = TypeVar("_S", bound=Source)
 

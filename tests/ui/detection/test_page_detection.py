@@ -78,7 +78,7 @@ def test_the_table_holds_the_librarys_figures_and_a_threshold_moves_those_at_it_
     assert not page.warning
     ends = "Log-average miss rate of X: the curve ends at 0.477 false positives per image"
     assert ends in told(page)  # and does not reach the references
-    assert "geometric mean" in " ".join(text.value for text in page.markdown)
+    assert "geometric mean" in pages.texts(page)
     page.session_state["new_params"] = {"threshold_x": 0.7}
     checked(page.run())
     after = figures(page)

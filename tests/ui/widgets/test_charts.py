@@ -27,7 +27,7 @@ def figure() -> go.Figure:
     return draw([go.Scatter(x=[1, 2], y=[3, 4])], "light", height=300, title=text)
 
 
-def test_a_figure_is_sent_without_its_heading_which_is_the_page_s(told: dict[str, Any]):
+def test_a_figure_is_sent_with_its_heading_apart(told: dict[str, Any]):
     shown = figure()
     for _ in range(2):  # a figure that is kept is drawn again
         charts.draw_chart(shown, "plot", of="frame 3", time_axis="x")
@@ -35,7 +35,8 @@ def test_a_figure_is_sent_without_its_heading_which_is_the_page_s(told: dict[str
         assert told["data"]["isClicked"] is False
         spec = json.loads(told["data"]["spec"])
         assert "text" not in spec["layout"].get("title", {})
-        assert spec["layout"]["height"] == told["data"]["height"] == told["height"] < 300
+        assert spec["layout"]["height"] == told["data"]["height"] < 300
+        assert told["height"] == told["data"]["height"] + charts.HEADING_PX
 
 
 @pytest.mark.parametrize(
