@@ -21,7 +21,6 @@ from ui.shell import (
 from ui.shell.messages import error_banner
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import (
-    START,
     all_pages,
     draw_bar,
     draw_questions,
@@ -76,8 +75,8 @@ try:
     if not is_participant():
         draw_tabs(pages, page)
     page.run()
-    if page.url_path in ("", START) and not is_participant():
-        draw_questions()
+    if not is_participant():
+        draw_questions(pages, page)
     store.PAGE_LINK.pop()  # it was for this page
 except Exception as error:  # noqa: BLE001  # the sidebar is drawn, or its widgets lose their values
     error_banner(error)

@@ -123,7 +123,7 @@ def draw_bar(pages: dict[str, list[StreamlitPage]], current: StreamlitPage) -> N
     """
     links = _links(pages)
     here = _OF.get(current.url_path or START)
-    lacking = _lacking()
+    lacking = {page.key: need for page in _PAGES if page.lacks and (need := page.lacks())}
     with st.container(horizontal=True, gap="xsmall", vertical_alignment="center", key="navigation"):
         for page in _PAGES:
             if page.section == COMPARE and not page.tab_of and page.key not in lacking:
@@ -142,19 +142,16 @@ def draw_bar(pages: dict[str, list[StreamlitPage]], current: StreamlitPage) -> N
                     st.page_link(links[page.key], icon=page.icon, width="content")
 
 
-def draw_questions() -> None:
-    """Links to the pages of the groups that answer a question which this comparison can ask."""
-    lacking = _lacking()
+def draw_questions(pages: dict[str, list[StreamlitPage]], current: StreamlitPage) -> None:
+    """On the first page, links to those of the groups that answer a question of this comparison."""
+    if (current.url_path or START) != START:
+        return
+    links = _links(pages)
     with st.container(horizontal=True, gap="medium", key="questions"):
         for page in _PAGES:
-            if page.asks and page.key not in lacking:
-                path, icon = PAGES / f"{page.key}.py", ":material/arrow_forward:"
-                st.page_link(path, label=page.asks, icon=icon, width="content")
-
-
-def _lacking() -> dict[str, str]:
-    """What the comparison would need for the pages that it has nothing for, by their keys."""
-    return {page.key: need for page in _PAGES if page.lacks and (need := page.lacks())}
+            if page.asks and not (page.lacks and page.lacks()):
+                icon = ":material/arrow_forward:"
+                st.page_link(links[page.key], label=page.asks, icon=icon, width="content")
 
 
 def _links(pages: dict[str, list[StreamlitPage]]) -> dict[str, StreamlitPage]:

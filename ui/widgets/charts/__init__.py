@@ -75,10 +75,9 @@ def draw_chart(
     """Draw a chart; `on_click` is called before the page when a point is clicked or released.
 
     `help` stands behind a question mark beside the heading, text with links as `docs_link` writes
-    them; `of` says at the start of the subtitle
-    what the page shows there, for those who see the figure alone. `alt` says what the chart shows,
-    for those who cannot see it. Along `time_axis`, which is in seconds, the browser marks the frame
-    that the viewer shows.
+    them; `of` says at the start of the subtitle what the page shows there, for those who see the
+    figure alone. `alt` says what the chart shows, for those who cannot see it. Along `time_axis`,
+    which is in seconds, the browser marks the frame that the viewer shows.
     """
     ready = figure if isinstance(figure, ReadyFigure) else _ready(figure)
     subtitle = ready.subtitle

@@ -45,6 +45,7 @@ class Chart {
     parent.append(this.heading.element, this.plot);
     this.onTime = () => drawCursor(this.plot);
     document.addEventListener("nvcore-time", this.onTime);
+    this.words = "";
     this.drawn = { spec: "", width: 0 };
     this.waiting = null;
     this.sizes = new ResizeObserver(() => {
@@ -56,8 +57,12 @@ class Chart {
 
   update(data, tell) {
     this.data = data;
-    this.heading.update(data.meta, data.help);
-    namePlot(this.plot, data);
+    const words = JSON.stringify([data.meta, data.help, data.alt, data.isClicked]);
+    if (words !== this.words) { // else nothing of the page changes, nor does a link lose the focus
+      this.words = words;
+      this.heading.update(data.meta, data.help);
+      namePlot(this.plot, data);
+    }
     this.plot.nvClick = data.isClicked ? tell : null;
     this.plot.style.height = `${data.height}px`;
     if (data.spec !== this.drawn.spec || this.plot.layout?.meta?.join() !== data.meta.join()) this.ask();
