@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
+import scipy
 
 INSIGNIFICANT: Final = 2.0
 """Autocorrelations below this many times sqrt(log10(n) / n) count as none."""
@@ -74,15 +75,15 @@ def autocovariance(trace: np.ndarray, first: np.ndarray, *, n_lags: int) -> np.n
 
     Fewer lags where the longest recording has fewer frames.
     """
-    from scipy.signal import correlate  # here: it takes half a second, and is seldom needed
-
     deviation = trace - trace.mean()
     parts: Sequence[np.ndarray] = np.split(deviation, first[1:-1])
     n_lags = min(n_lags, max(len(part) for part in parts) - 1)
     total = np.zeros(n_lags + 1)
     for part in parts:  # a loop over recordings: few where blocks are used
         if len(part):
-            products = correlate(part, part, method="fft")[len(part) - 1 :][: n_lags + 1]
+            products = scipy.signal.correlate(part, part, method="fft")[len(part) - 1 :][
+                : n_lags + 1
+            ]
             total[: len(products)] += products
     covariance: np.ndarray = total / len(trace)
     return covariance

@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import Any, Final
 
 import numpy as np
-from scipy.special import ndtr, stdtrit
+import scipy
 
 SEED: Final = 110360
 """Seed of every resampling, so that the same input gives the same numbers."""
@@ -175,7 +175,6 @@ def _resample(
         return without(f"too few {units} for an interval: {n}, at least {MIN_UNITS} are needed")
     if np.array_equal(x, y):
         return without(f"X and Y are the same in all {units}")
-    from scipy.stats import DegenerateDataWarning, bootstrap  # here: it takes a second
 
     sums_of_units = np.concatenate([x.reshape(n, -1), y.reshape(n, -1)], axis=1).astype(float)
     n_columns = sums_of_units.shape[1] // 2
@@ -191,16 +190,18 @@ def _resample(
         # BCa counts draws below the difference found: those that equal it do so on every machine
         return grain * np.round((apart - counts @ taken_off) / grain)
 
-    level = 1 - 2 * ndtr(np.sqrt(n / (n - 1)) * stdtrit(n - 1, (1 - CONFIDENCE) / 2))
+    level = 1 - 2 * scipy.special.ndtr(
+        np.sqrt(n / (n - 1)) * scipy.special.stdtrit(n - 1, (1 - CONFIDENCE) / 2)
+    )
     options: dict[str, Any] = {
         "vectorized": True,
         "confidence_level": float(level),
         "batch": max(1, ROWS_AT_ONCE // n),
     }
     with warnings.catch_warnings():  # where BCa fails is handled below
-        warnings.simplefilter("ignore", DegenerateDataWarning)
+        warnings.simplefilter("ignore", scipy.stats.DegenerateDataWarning)
         warnings.simplefilter("ignore", RuntimeWarning)
-        samples = bootstrap(
+        samples = scipy.stats.bootstrap(
             (np.arange(n),),
             of_units,
             n_resamples=n_resamples,
@@ -218,7 +219,7 @@ def _resample(
     interval, method = samples.confidence_interval, "BCa bootstrap"
     if not np.isfinite([interval.low, interval.high]).all():
         method = "percentile bootstrap"
-        interval = bootstrap(
+        interval = scipy.stats.bootstrap(
             (np.arange(n),),
             of_units,
             n_resamples=0,

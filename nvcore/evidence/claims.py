@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 import pandas as pd
-from scipy.special import stdtrit
+import scipy
 
 from nvcore.comparison import Result
 from nvcore.evidence.bootstrap import CONFIDENCE
@@ -163,7 +163,9 @@ def find_within(
 def _widening(n: int, n_intervals: int) -> float:
     """Factor by which Bonferroni's correction widens each of so many intervals."""
     alpha = (1 - CONFIDENCE) / 2
-    return float(stdtrit(n - 1, alpha / n_intervals) / stdtrit(n - 1, alpha))
+    return float(
+        scipy.special.stdtrit(n - 1, alpha / n_intervals) / scipy.special.stdtrit(n - 1, alpha)
+    )
 
 
 def _candidates(result: Result, rows: Sequence[Mapping[Hashable, Any]]) -> dict[str, Claim]:

@@ -191,9 +191,11 @@ def _count_up_to(values: np.ndarray, limits: np.ndarray) -> np.ndarray:
     Shapes (..., n) and (..., m) to (..., m); `np.searchsorted` for many rows at once.
     """
     n = values.shape[-1]
+    flat = values.ravel()
+    before = np.arange(-1, flat.size - 1, n).reshape(*values.shape[:-1], 1)  # each row, in `flat`
     count = np.zeros(limits.shape, dtype=np.int64)
     for bit in reversed(range(n.bit_length())):
         more = count + (1 << bit)
-        probe = np.take_along_axis(values, np.minimum(more, n) - 1, axis=-1)
+        probe = flat.take(before + np.minimum(more, n))
         count = np.where((more <= n) & (probe <= limits), more, count)
     return count

@@ -9,6 +9,7 @@ from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
+import scipy
 
 from nvcore.evidence.bootstrap import CONFIDENCE, ROUNDING, ROWS_AT_ONCE, SEED, Statistic, ratio
 from nvcore.metrics.shares import share_of
@@ -98,9 +99,9 @@ def mcnemar(venn: Venn) -> McNemar:
             f"{MIN_DISCORDANT} are needed"
         )
     if split:
-        from scipy.stats import binomtest  # here: it takes a second
-
-        interval = binomtest(venn.x_only, split).proportion_ci(CONFIDENCE, method="exact")
+        interval = scipy.stats.binomtest(venn.x_only, split).proportion_ci(
+            CONFIDENCE, method="exact"
+        )
         odds, odds_low, odds_high = (
             share / (1 - share) if share < 1 else np.inf
             for share in (venn.x_only / split, float(interval.low), float(interval.high))

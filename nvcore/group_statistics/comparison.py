@@ -8,7 +8,7 @@ from typing import Final, Literal, NamedTuple, get_args
 
 import numpy as np
 import pandas as pd
-from scipy import stats
+import scipy
 
 from nvcore.arguments.groups import GroupArguments, Scale
 from nvcore.errors import ParameterError
@@ -244,7 +244,7 @@ def _summarised(of_groups: list[np.ndarray]) -> Groups:
 def _of_same(data: _Data) -> _Analysis:
     """Analyses of the same persons in all conditions."""
     wide, k = data.wide, data.wide.shape[1]
-    of_ranks = stats.rankdata(wide, axis=1)
+    of_ranks = scipy.stats.rankdata(wide, axis=1)
     repeated, by_rank = repeated_measures(wide), friedman(wide)
     tests = [
         *(*repeated, by_rank, _by_permutation("within", repeated[0], permute_within(wide))),
@@ -274,9 +274,9 @@ def _of_independent(data: _Data) -> _Analysis:
         every = np.concatenate(own)
         h = Test("kruskal", reason="all values are equal")
         if np.ptp(every) > 0:
-            value, p = map(float, stats.kruskal(*own))
+            value, p = map(float, scipy.stats.kruskal(*own))
             h = Test("kruskal", "H", value, len(own) - 1.0, p=p)
-        of_ranks = np.split(stats.rankdata(every), np.cumsum(groups.n[:-1]).astype(int))
+        of_ranks = np.split(scipy.stats.rankdata(every), np.cumsum(groups.n[:-1]).astype(int))
         tests += [
             *(h, _by_permutation("permutation", tests[0], permute_between(own))),
             _by_permutation("permutation_ranks", h, permute_between(of_ranks)),
@@ -289,7 +289,7 @@ def _of_independent(data: _Data) -> _Analysis:
         value = p = np.nan
         apart = [np.abs(values - np.median(values)) for values in own]
         if (groups.n > 2).all() and _summarised(apart).within[0]:
-            value, p = map(float, stats.levene(*own, center="median"))
+            value, p = map(float, scipy.stats.levene(*own, center="median"))
         checks.append(("levene", value, p, _truth(p >= SIGNIFICANT, p)))
         left = np.concatenate([values - values.mean() for values in own])
         checks.append(_normal(left if groups.within[0] else np.zeros(0)))
@@ -307,7 +307,7 @@ def _by_permutation(key: str, by_formula: Test, test: Permuted) -> Test:
 def _normal(left: np.ndarray) -> tuple[str, float, float, float]:
     value = p = np.nan
     if 3 <= len(left) <= MOST_SHAPIRO and left.any():
-        value, p = map(float, stats.shapiro(left))
+        value, p = map(float, scipy.stats.shapiro(left))
     return "shapiro", value, p, _truth(p >= SIGNIFICANT, p)
 
 

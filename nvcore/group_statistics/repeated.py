@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from scipy import stats
+import scipy
 
 from nvcore.evidence.bootstrap import ROUNDING
 from nvcore.group_statistics.summaries import Test, paired_t, pairs_of
@@ -48,7 +48,7 @@ def repeated_measures(values: np.ndarray) -> list[Test]:
     tests = []
     for test, share in (("repeated", 1.0), ("repeated_gg", sphericity(values))):
         df = share * (k - 1), share * (k - 1) * (n - 1)
-        tests.append(Test(test, "F", value, *df, float(stats.f.sf(value, *df)), **effect))
+        tests.append(Test(test, "F", value, *df, float(scipy.stats.f.sf(value, *df)), **effect))
     return tests
 
 
@@ -73,7 +73,7 @@ def friedman(values: np.ndarray) -> Test:
         return Test("friedman", reason="it needs three conditions")
     if not np.ptp(values, axis=1).any():
         return Test("friedman", reason="nobody's values differ between the conditions")
-    chi2, p = stats.friedmanchisquare(*values.T)
+    chi2, p = scipy.stats.friedmanchisquare(*values.T)
     return Test("friedman", "chi2", float(chi2), values.shape[1] - 1.0, p=float(p))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Final
 
 import numpy as np
-from scipy import stats
+import scipy
 
 MOST_PERSONS: Final = 100_000
 """More is no study."""
@@ -36,8 +36,8 @@ def power_of_t(d: float, n: int, level: float, *, is_paired: bool) -> float:
     """
     df = n - 1 if is_paired else 2 * (n - 1)
     shift = abs(d) * np.sqrt(n if is_paired else n / 2)
-    limit = stats.t.isf(level / 2, df)
-    return float(stats.nct.sf(limit, df, shift) + stats.nct.cdf(-limit, df, shift))
+    limit = scipy.stats.t.isf(level / 2, df)
+    return float(scipy.stats.nct.sf(limit, df, shift) + scipy.stats.nct.cdf(-limit, df, shift))
 
 
 def power_of_anova(f: float, n: int, k: int, level: float) -> float:
@@ -60,8 +60,8 @@ def power_of_anova(f: float, n: int, k: int, level: float) -> float:
     0.805
     """
     df = k * (n - 1)
-    limit = stats.f.isf(level, k - 1, df)
-    return float(stats.ncf.sf(limit, k - 1, df, f**2 * n * k))
+    limit = scipy.stats.f.isf(level, k - 1, df)
+    return float(scipy.stats.ncf.sf(limit, k - 1, df, f**2 * n * k))
 
 
 def persons_for(power: float, effect: float, power_of: Callable[[int], float]) -> float:

@@ -11,7 +11,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 import pandas as pd
-from scipy import stats
+import scipy
 
 from nvcore.evidence.bootstrap import CONFIDENCE, ROUNDING
 from nvcore.evidence.paired_tests import holm
@@ -90,7 +90,7 @@ def pair_table(test: str, k: int, **columns: Any) -> pd.DataFrame:
 def mean_interval(groups: Groups) -> tuple[np.ndarray, np.ndarray]:
     """Ends of the 95 % interval of each mean, ``mean ± t sd / sqrt(n)``; NaN for one person."""
     many = np.where(groups.n > 1, groups.n, np.nan)
-    half = stats.t.ppf(TAIL, many - 1) * groups.sd / np.sqrt(many)
+    half = scipy.stats.t.ppf(TAIL, many - 1) * groups.sd / np.sqrt(many)
     return groups.mean - half, groups.mean + half
 
 
@@ -117,7 +117,7 @@ def anova(groups: Groups) -> Test:
     error = within / df_within
     value = between / df / error
     return Test(
-        *("anova", "F", value, df, df_within, float(stats.f.sf(value, df, df_within))),
+        *("anova", "F", value, df, df_within, float(scipy.stats.f.sf(value, df, df_within))),
         eta2=between / (between + within),
         omega2=(between - df * error) / (between + within + error),
         f=float(np.sqrt(between / within)),
@@ -141,7 +141,7 @@ def welch(groups: Groups) -> Test:
     lack = float(((1 - share) ** 2 / (n - 1)).sum())
     spread = float((weight * (mean - share @ mean) ** 2).sum()) / (k - 1)
     value, df = spread / (1 + 2 * (k - 2) / (k**2 - 1) * lack), (k**2 - 1) / (3 * lack)
-    return Test("welch", "F", value, k - 1.0, df, float(stats.f.sf(value, k - 1, df)))
+    return Test("welch", "F", value, k - 1.0, df, float(scipy.stats.f.sf(value, k - 1, df)))
 
 
 def tukey(groups: Groups) -> pd.DataFrame:
@@ -182,9 +182,9 @@ def _by_range(test: str, groups: Groups, variance: np.ndarray, df: np.ndarray) -
     q, p, limit = np.abs(difference) / error, np.full(len(df), np.nan), np.full(len(df), np.nan)
     is_known = ~np.isnan(q)
     if is_known.any():
-        p[is_known] = np.minimum(stats.studentized_range.sf(q[is_known], k, df[is_known]), 1)
+        p[is_known] = np.minimum(scipy.stats.studentized_range.sf(q[is_known], k, df[is_known]), 1)
         freedoms, place = np.unique(df[is_known], return_inverse=True)  # a quantile takes 0.1 s
-        limit[is_known] = stats.studentized_range.ppf(CONFIDENCE, k, freedoms)[place]
+        limit[is_known] = scipy.stats.studentized_range.ppf(CONFIDENCE, k, freedoms)[place]
     ends = {"low": difference - limit * error, "high": difference + limit * error}
     more = {"value": q, "df": df, "p_corrected": p, "d": cohens_d(groups)}
     return pair_table(test, k, difference=difference, **ends, **more)
@@ -216,8 +216,8 @@ def paired_t(
     """
     spread = np.where(sd > 0, sd, np.nan)
     error = spread / np.sqrt(n)
-    p = 2 * stats.t.sf(np.abs(difference) / error, n - 1)
-    half = stats.t.ppf(TAIL, n - 1) * error
+    p = 2 * scipy.stats.t.sf(np.abs(difference) / error, n - 1)
+    half = scipy.stats.t.ppf(TAIL, n - 1) * error
     effect = (difference, difference - half, difference + half)
     names = ("difference", "low", "high")
     if are_logs:

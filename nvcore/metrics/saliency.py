@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from scipy.special import expit
+import scipy
 
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.metrics.encounters import RELEVANT_K, Encounters
@@ -82,9 +82,11 @@ def recency_weight(tau: np.ndarray, rest_s: np.ndarray, params: Params) -> np.nd
         Seconds from there to its end.
     """
     if params.recency_unit == "seconds":
-        weight: np.ndarray = expit((params.recency_midpoint_s - rest_s) / params.recency_spread_s)
+        weight: np.ndarray = scipy.special.expit(
+            (params.recency_midpoint_s - rest_s) / params.recency_spread_s
+        )
     else:
-        weight = expit((tau - params.recency_midpoint) / params.recency_spread)
+        weight = scipy.special.expit((tau - params.recency_midpoint) / params.recency_spread)
     return weight
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+import scipy
 
 CONFIDENCE: Final = 0.95
 
@@ -45,7 +46,5 @@ def share_of(n_right: int, n: int) -> Share:
     """
     if not n:
         return Share(0, 0, np.nan, np.nan, np.nan)
-    from scipy.stats import binomtest  # here: it takes a second
-
-    ends = binomtest(n_right, n).proportion_ci(CONFIDENCE, method="wilson")
+    ends = scipy.stats.binomtest(n_right, n).proportion_ci(CONFIDENCE, method="wilson")
     return Share(n_right, n, n_right / n, float(ends.low), float(ends.high))

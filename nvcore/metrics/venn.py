@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Final
 
 import numpy as np
-from scipy.special import bdtr
+import scipy
 
 from nvcore.schema import Category
 
@@ -107,7 +107,11 @@ def measure_exclusivity(venn: Venn) -> Exclusivity:
     margins = missed_x * (n - missed_x) * missed_y * (n - missed_y)
     cross = venn.both * venn.neither - venn.x_only * venn.y_only
     discordant = venn.x_only + venn.y_only
-    tail = float(bdtr(min(venn.x_only, venn.y_only), discordant, 0.5)) if discordant else 1.0
+    tail = (
+        float(scipy.special.bdtr(min(venn.x_only, venn.y_only), discordant, 0.5))
+        if discordant
+        else 1.0
+    )
     return Exclusivity(
         missed_by_x=missed_x,
         missed_by_y=missed_y,

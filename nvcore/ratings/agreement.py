@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 import pandas as pd
-from scipy import stats
+import scipy
 
 CLIP: Final = ["clip", "system"]
 LEAST_CLIPS: Final = 3
@@ -114,7 +114,7 @@ def _concordance(values: np.ndarray) -> tuple[float, float, str]:
     if (np.nanmax(values, axis=1) == np.nanmin(values, axis=1)).all():
         return np.nan, np.nan, "nobody tells one clip from another"
     if not np.isnan(values).any():
-        chi2, p = stats.friedmanchisquare(*values.T)
+        chi2, p = scipy.stats.friedmanchisquare(*values.T)
         return float(chi2) / (m * (n - 1)), float(p), "Friedman test, corrected for ties"
     correlation = float(_mean_correlations(values[None])[0])
     if np.isnan(correlation):
@@ -173,7 +173,7 @@ def _mean_correlations(tables: np.ndarray) -> np.ndarray:
 
 def _sum_ranks(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Sum over participants of their standardised ranks, and how many rank clips differently."""
-    ranks = stats.rankdata(values, axis=2)
+    ranks = scipy.stats.rankdata(values, axis=2)
     ranks -= ranks.mean(axis=2, keepdims=True)
     length = np.sqrt((ranks * ranks).sum(axis=2, keepdims=True))
     standard = np.divide(ranks, length, out=np.zeros_like(ranks), where=length > 0)
@@ -185,7 +185,7 @@ def _spearman(a: np.ndarray, b: np.ndarray) -> float:
     is_common = ~np.isnan(a) & ~np.isnan(b)
     if np.count_nonzero(is_common) < LEAST_CLIPS:
         return np.nan
-    ranks_a, ranks_b = stats.rankdata(a[is_common]), stats.rankdata(b[is_common])
+    ranks_a, ranks_b = scipy.stats.rankdata(a[is_common]), scipy.stats.rankdata(b[is_common])
     if np.ptp(ranks_a) == 0 or np.ptp(ranks_b) == 0:
         return np.nan
     return float(np.corrcoef(ranks_a, ranks_b)[0, 1])

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 import pandas as pd
-from scipy import stats
+import scipy
 
 from nvcore.comparison import Result
 from nvcore.errors import InputError
@@ -192,7 +192,7 @@ def _pearson(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def _spearman(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    return _pearson(stats.rankdata(x, axis=-1), stats.rankdata(y, axis=-1))
+    return _pearson(scipy.stats.rankdata(x, axis=-1), scipy.stats.rankdata(y, axis=-1))
 
 
 def _kendall(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -210,15 +210,15 @@ def _kendall(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 def _kendall_by_sorting(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Tau-b in n log n, one resample after another."""
     rows_x, rows_y = (values.reshape(-1, values.shape[-1]) for values in np.broadcast_arrays(x, y))
-    taus = [stats.kendalltau(a, b).statistic for a, b in zip(rows_x, rows_y, strict=True)]
+    taus = [scipy.stats.kendalltau(a, b).statistic for a, b in zip(rows_x, rows_y, strict=True)]
     tau: np.ndarray = np.array(taus).reshape(np.broadcast_shapes(x.shape, y.shape)[:-1])
     return tau
 
 
 COEFFICIENTS: Final = (
-    ("Pearson's r", _pearson, stats.pearsonr),
-    ("Spearman's rho", _spearman, stats.spearmanr),
-    ("Kendall's tau", _kendall, stats.kendalltau),
+    ("Pearson's r", _pearson, scipy.stats.pearsonr),
+    ("Spearman's rho", _spearman, scipy.stats.spearmanr),
+    ("Kendall's tau", _kendall, scipy.stats.kendalltau),
 )
 """Name, the coefficient over the last axis (many resamples at once), and its test."""
 
@@ -258,7 +258,7 @@ def _correlation(
     outcome = test(x, y)
     with warnings.catch_warnings():  # a resample may hold one clip only, many times
         warnings.simplefilter("ignore")
-        interval = stats.bootstrap(
+        interval = scipy.stats.bootstrap(
             (x, y),
             _over_last_axis(value),
             paired=True,

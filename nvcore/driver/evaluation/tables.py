@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 import pandas as pd
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import rankdata, spearmanr
 
 from nvcore.driver.estimators.search import PAIRS
 from nvcore.driver.estimators.training import errors_by_period
@@ -133,7 +133,7 @@ def pairs_table(evaluation: Evaluation) -> pd.DataFrame:
         part["error"] = errors
         part["published_error"] = [of_paper.get(pair, np.nan) for pair in names]
         part = part[part["error"].notna()]
-        part.insert(1, "rank", rankdata(part["error"], method="min").astype(np.int64))
+        part.insert(1, "rank", scipy.stats.rankdata(part["error"], method="min").astype(np.int64))
         parts.append(part.sort_values("rank", kind="stable"))
     return pd.concat(parts, ignore_index=True)
 
@@ -160,7 +160,7 @@ def pair_ranks_table(evaluation: Evaluation) -> pd.DataFrame:
 def _spearman(first: NDArray[np.float64], second: NDArray[np.float64]) -> float:
     if len(first) < 3 or np.ptp(first) == 0 or np.ptp(second) == 0:
         return np.nan
-    return float(spearmanr(first, second).statistic)
+    return float(scipy.stats.spearmanr(first, second).statistic)
 
 
 def periods_table(evaluation: Evaluation) -> pd.DataFrame:

@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 import pandas as pd
-from scipy.stats import binomtest
+import scipy
 
 from nvcore.driver.inputs.picture_boxes import PEDESTRIAN
 from nvcore.driver.trials.judging import Judging
@@ -133,7 +133,7 @@ def _odd(row: dict[str, Any]) -> str:
     if row["n_touches"] >= LEAST_TRIALS:
         n, chance = int(row["n_touches"]), row["share_chance"]
         n_right = round(row["share_touches_right"] * n)
-        if binomtest(n_right, n, chance, alternative="greater").pvalue > AT_CHANCE_P:
+        if scipy.stats.binomtest(n_right, n, chance, alternative="greater").pvalue > AT_CHANCE_P:
             reasons.append("touches are at chance: as often right on other pictures")
         share = row["share_one_place"]
         if share >= SAME_PLACE and share > 2 * row["share_there"]:

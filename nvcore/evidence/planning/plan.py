@@ -10,7 +10,7 @@ from typing import Final, Literal, get_args
 
 import numpy as np
 import pandas as pd
-from scipy.special import chdtri
+import scipy
 
 from nvcore.arguments.plan import PlanArguments, Side
 from nvcore.comparison import Result
@@ -356,7 +356,7 @@ def _sized(
     degrees = len(pilot) - 1
     tail = (1 - SPREAD_SHARE) / 2
     # the size goes with the variance, which a pilot of few recordings knows badly
-    ends = [n * degrees / chdtri(degrees, q) for q in (tail, 1 - tail)]
+    ends = [n * degrees / scipy.special.chdtri(degrees, q) for q in (tail, 1 - tail)]
     least_n, most_n = (max(least, int(np.ceil(end))) for end in ends)
     return replace(
         size,

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from scipy.special import ndtr, ndtri, stdtrit
+import scipy
 
 from nvcore.evidence.bootstrap import CONFIDENCE, LEAST_SPREAD, ROUNDING, SEED
 from nvcore.evidence.paired_tests import MIN_SWAPPED
@@ -197,7 +197,7 @@ def exchange_p(drawn: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.nda
     t = np.abs((drawn * parts).sum(axis=1)) / np.sqrt(scale)
     share = fourth / scale**2  # 1 over the number of parts that matter
     density = np.exp(-(t**2) / 2) / np.sqrt(2 * np.pi)
-    p: np.ndarray = 2 * (ndtr(-t) - density * share * (t**3 - 3 * t) / 12)
+    p: np.ndarray = 2 * (scipy.special.ndtr(-t) - density * share * (t**3 - 3 * t) / 12)
     return p, share * LEAST_PARTS <= 1
 
 
@@ -261,7 +261,7 @@ def studentised_tail(drawn: np.ndarray, values: np.ndarray, means: np.ndarray) -
         second = t * (
             kurtosis * (t**2 - 3) / 12 - skew**2 * (t**4 + 2 * t**2 - 3) / 18 - (t**2 + 3) / 4
         )
-        tail: np.ndarray = ndtr(-t) - density * (first / np.sqrt(n) + second / n)
+        tail: np.ndarray = scipy.special.ndtr(-t) - density * (first / np.sqrt(n) + second / n)
     return tail
 
 
@@ -346,7 +346,11 @@ def count_noninferior(
         ratio = (drawn * parts).sum(axis=1) / total
         rest = parts - ratio[:, np.newaxis] * weights
         variance = n_recordings / (n_recordings - 1) * (drawn * rest**2).sum(axis=1)
-        reach = -stdtrit(n_recordings - 1, (1 - CONFIDENCE) / 2) * np.sqrt(variance) / total
+        reach = (
+            -scipy.special.stdtrit(n_recordings - 1, (1 - CONFIDENCE) / 2)
+            * np.sqrt(variance)
+            / total
+        )
         is_shown = sign * ratio - reach > -margin
     return int(np.count_nonzero(is_shown))
 
@@ -424,21 +428,21 @@ def _length_at(points: dict[int, PowerPoint], target: float, least: int) -> int:
     n_studies = np.array([row.n_studies for row in rows], dtype=float)
     power = np.array([row.power for row in rows])
     power = np.clip(power, 0.5 / n_studies, 1 - 0.5 / n_studies)
-    quantile = ndtri(power)
+    quantile = scipy.special.ndtri(power)
     density = np.exp(-(quantile**2) / 2)
     # the variance of a share as its normal quantile; far from the target the line is none
     weight = np.sqrt(n_studies * density**2 / (power * (1 - power)))
-    weight *= np.exp(-((quantile - ndtri(target)) ** 2) / 2)
+    weight *= np.exp(-((quantile - scipy.special.ndtri(target)) ** 2) / 2)
     slope, start = np.polyfit(np.sqrt(sizes), quantile, 1, w=weight)
     above = sizes[[row.power >= target for row in rows]][0]
     if slope <= 0:
         return int(above)
-    root = (ndtri(target) - start) / slope
+    root = (scipy.special.ndtri(target) - start) / slope
     size = int(np.ceil(max(root, 0.0) ** 2))
     return int(np.clip(size, least, 2 * above))
 
 
 def guess_length(pilot: Pilot, distance: float, *, level: float, target: float) -> float:
     """Recordings for the power if the mean were normal: ``((z_level + z_power) * sd / d)^2``."""
-    quantiles = ndtri(1 - level / 2) + ndtri(target)
+    quantiles = scipy.special.ndtri(1 - level / 2) + scipy.special.ndtri(target)
     return float((quantiles * pilot.spread / distance) ** 2)

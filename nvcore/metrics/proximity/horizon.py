@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from scipy.special import stdtrit
+import scipy
 
 from nvcore.dataset import Dataset
 from nvcore.metrics.encounters import encounters_of
@@ -139,7 +139,7 @@ def estimate_horizon(
         ]
     )
     variance = (n_groups - 1) / n_groups * ((without - without.mean()) ** 2).sum()
-    margin = float(stdtrit(n_groups - 1, 0.975) * np.sqrt(variance))
+    margin = float(scipy.special.stdtrit(n_groups - 1, 0.975) * np.sqrt(variance))
     if not np.isfinite(row_px + margin):
         return None
     return Horizon(row_px, margin, n_boxes, len(people))
