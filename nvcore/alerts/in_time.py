@@ -1,0 +1,337 @@
+"""From the onset of an alert to braking: in how many urgent encounters the driver is in time.
+
+Detection, alert, reaction, foot, brakes: the driver answers after a time drawn from a lognormal
+distribution by the kind of alert, then his foot moves and the brakes build up. All kinds, draws and
+systems are judged on the same encounters, those that are urgent in the comparison: who is urgent
+depends on the reaction time, and with a set of its own for each kind the order of X and Y can turn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import pandas as pd
+import scipy
+
+from nvcore.comparison import Result
+from nvcore.driver.comparison.steps import driver_in
+from nvcore.evidence.bootstrap import CONFIDENCE, MIN_UNITS, SEED, count_units
+from nvcore.metrics.encounters import Encounters
+from nvcore.schema import KMH
+from nvcore.time_left.judging import speed_of_frames
+from nvcore.time_left.steps import time_left_in
+
+MOST_DRAWS, FEWEST_DRAWS, DRAWN = 2_000, 200, 20_000_000
+"""Draws of all drivers' reactions, and resamples of recordings: as many as keep so many numbers."""
+NEVER: Final = -np.inf
+"""Slack of an encounter without an alert."""
+
+
+@dataclass(frozen=True)
+class Reaction:
+    """How long drivers take to answer a kind of alert.
+
+    Attributes
+    ----------
+    mean_s, sd_s
+        Of the reaction times, seconds; without spread (0) each driver takes the mean.
+    """
+
+    mean_s: float
+    sd_s: float
+
+    def times(self, normal: np.ndarray) -> np.ndarray:
+        """Lognormal times with this mean and SD from standard normal draws of the same shape."""
+        variance = np.log1p((self.sd_s / self.mean_s) ** 2) if self.sd_s else 0.0
+        drawn: np.ndarray = self.mean_s * np.exp(np.sqrt(variance) * normal - variance / 2)
+        return drawn
+
+
+REACTIONS: Final[Mapping[str, Reaction]] = {
+    "visual": Reaction(1.678, 0.7551),
+    "audio": Reaction(2.171, 0.7662),
+    "haptic": Reaction(1.245, 0.3895),
+}
+"""By kind of alert: mean and SD of 11 persons, onset to tap (Aalborg 2015, experiment 2)."""
+
+
+def slack_at_onset(
+    encounters: Encounters,
+    ttc_s: np.ndarray,
+    braking_s: np.ndarray,
+    time_s: np.ndarray,
+    onset_row: np.ndarray,
+) -> pd.DataFrame:
+    """How long the driver may take after the onset and still stop.
+
+    Time to contact less the time that braking takes, at the onset. Time to contact is measured with
+    noise, so the least value of all frames up to the onset counts: an alert after the last chance
+    is late even where a later frame seems to give time again, as in the time left.
+
+    Parameters
+    ----------
+    ttc_s
+        Time to contact of each truth box (`nvcore.time_left.judging.Contact.ttc_s`), seconds; inf:
+        not closing, NaN: unknown. float64, shape (n_truth,).
+    braking_s
+        ``v / (2 * deceleration)`` of each frame, seconds; shape (n_frames,).
+    time_s
+        Of each frame within its recording, seconds; shape (n_frames,).
+    onset_row
+        Frame row in which the alert begins, of each encounter; -1: it gets none. int64, shape
+        (n_encounters,).
+
+    Returns
+    -------
+    One row per encounter: slack_s (`NEVER` without an alert; NaN: no time to contact is known) and
+    ttc_s at the onset, seconds (that of the nearest earlier frame where it is known; NaN without an
+    alert). Where none is known up to the onset, both are those of the first known frame and the
+    time that passes until then.
+    """
+    n = len(encounters)
+    encounter = np.repeat(np.arange(n), np.diff(encounters.offsets))
+    frame, ttc = encounters.frame_index, ttc_s[encounters.order]
+    table = pd.DataFrame(
+        {
+            "encounter": encounter,
+            "ttc_s": ttc,
+            "slack_s": ttc - braking_s[frame],
+            "early_s": np.maximum(time_s[frame] - time_s[onset_row[encounter]], 0.0),
+            "is_up_to": frame <= onset_row[encounter],
+        }
+    )[~np.isnan(ttc) & (onset_row[encounter] >= 0)]
+    before = table[table["is_up_to"]].groupby("encounter")
+    at_onset = before.agg(slack_s=("slack_s", "min"), ttc_s=("ttc_s", "last"))
+    first = table.groupby("encounter").first()
+    later = first[["slack_s", "ttc_s"]].add(first["early_s"], axis=0)
+    found: pd.DataFrame = at_onset.combine_first(later).reindex(
+        np.arange(n), columns=["slack_s", "ttc_s"]
+    )
+    found.loc[onset_row < 0, "slack_s"] = NEVER
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """What the draws of reaction times come to, of one system and kind of alert.
+
+    Attributes
+    ----------
+    share, impact_kmh
+        Number in time, and sum of the impact speeds (km/h), of the encounters of each recording;
+        float64, shape (n_draws, n_recordings).
+    """
+
+    share: np.ndarray
+    impact_kmh: np.ndarray
+
+
+def draw(
+    onset: pd.DataFrame,
+    speed_kmh: np.ndarray,
+    recording: np.ndarray,
+    reaction: Reaction,
+    *,
+    after_s: float,
+    deceleration: float,
+    normal: np.ndarray,
+    n_recordings: int,
+) -> Drawn:
+    """Judge the same encounters with each draw of their drivers' reactions.
+
+    In time: ``slack > reaction + after_s``. Else the car hits at
+    ``sqrt(v^2 - 2 * deceleration * v * (ttc at onset - reaction - after_s))``, without an alert at
+    v (``docs/metrics.md``, time left).
+
+    Parameters
+    ----------
+    onset
+        Rows of `slack_at_onset`, of the encounters that are judged.
+    speed_kmh, recording
+        Speed at the last chance, km/h, and number of the recording, ascending, of each of them.
+    after_s
+        Movement of the foot and build-up of the brakes, seconds.
+    normal
+        Standard normal draws, shape (n_draws, n): the same for all systems and kinds, so that only
+        they make the difference.
+    """
+    slack, ttc = (onset[name].to_numpy() for name in ("slack_s", "ttc_s"))
+    v = speed_kmh / KMH
+    braking_from = reaction.times(normal) + after_s
+    is_in_time = slack >= braking_from
+    braked_s = np.where(np.isnan(ttc), 0.0, np.maximum(ttc - braking_from, 0.0))
+    impact = KMH * np.sqrt(np.maximum(v**2 - 2 * deceleration * v * braked_s, 0.0))
+    known, first = np.unique(recording, return_index=True)
+    sums = []
+    for values in (is_in_time.astype(float), np.where(is_in_time, 0.0, impact)):
+        of_recordings = np.zeros((len(normal), n_recordings))
+        if len(known):
+            of_recordings[:, known] = np.add.reduceat(values, first, axis=1)
+        sums.append(of_recordings)
+    return Drawn(*sums)
+
+
+def intervals(sums: np.ndarray, n: np.ndarray) -> dict[str, float]:
+    """Mean over encounters with its intervals: of the draws, of the recordings, and of both.
+
+    Parameters
+    ----------
+    sums
+        Of each draw and recording, as in `Drawn`, or differences of two; (n_draws, n_recordings).
+    n
+        Encounters of each recording; shape (n_recordings,).
+
+    Returns
+    -------
+    mean; draws_low, draws_high (these recordings, other drivers); recordings_low, recordings_high
+    (other recordings, the drivers' mean); low, high (both vary). Percentiles at 95 %; NaN where
+    there are no encounters, and without the draws' where there are fewer than 8 recordings.
+    """
+    ends = ("draws_low", "draws_high", "recordings_low", "recordings_high", "low", "high")
+    if not n.sum():
+        return dict.fromkeys(("mean", *ends), np.nan)
+    tails = (1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2
+    by_draw = sums.sum(axis=1) / n.sum()
+    limits = [*np.quantile(by_draw, tails)]
+    if len(n) < MIN_UNITS:
+        limits += [np.nan] * 4
+    else:
+        rng = np.random.default_rng(SEED)
+        counts = count_units(rng.integers(0, len(n), (len(sums), len(n))), len(n))
+        counts = counts[counts @ n > 0]
+        for resampled in (counts @ sums.mean(axis=0), (counts * sums[: len(counts)]).sum(axis=1)):
+            limits += [*np.quantile(resampled / (counts @ n), tails)]
+    return {"mean": float(by_draw.mean()), **dict(zip(ends, map(float, limits), strict=True))}
+
+
+def draws_for(n: int) -> int:
+    """How many draws are made for n encounters."""
+    return int(np.clip(DRAWN // max(n, 1), FEWEST_DRAWS, MOST_DRAWS))
+
+
+def chance_in_time(slack_s: np.ndarray, reaction: Reaction, after_s: float) -> np.ndarray:
+    """Chance that a driver is in time in each encounter, without draws; as `slack_s`."""
+    left = slack_s - after_s
+    if not reaction.sd_s:
+        return np.where(np.isnan(left), np.nan, left >= reaction.mean_s)
+    sigma = np.sqrt(np.log1p((reaction.sd_s / reaction.mean_s) ** 2))
+    with np.errstate(divide="ignore"):
+        z = (np.log(np.maximum(left, 0.0) / reaction.mean_s) + sigma**2 / 2) / sigma
+    chance: np.ndarray = scipy.special.ndtr(z)
+    return chance
+
+
+@dataclass(frozen=True, eq=False)
+class InTime:
+    """In how many urgent encounters alerts come in time, by kind of alert.
+
+    Attributes
+    ----------
+    table
+        A row for each kind of alert, measure (``share``, 0..1; ``impact_kmh``) and side (``x``,
+        ``y``, ``difference``), with the columns of `intervals`.
+    chances
+        A row for each urgent encounter (index: of ``result.encounters``): is_known (whether it is
+        known if the driver sees him by himself before the last chance), is_seen (that he does),
+        slack_s_x, slack_s_y, and for each kind the chance to be in time with X, with Y and with
+        both: ``visual_x``, ``visual_y``, ``visual_both``.
+    """
+
+    table: pd.DataFrame
+    chances: pd.DataFrame
+
+    def of_hundred(self, kind: str) -> pd.DataFrame:
+        """Of 100 urgent encounters: how many the driver sees himself, in how many X and Y help.
+
+        Returns
+        -------
+        Rows ``sees``, ``does_not``, ``not_known`` (of the driver) and ``all``; columns encounters,
+        both, only_x, only_y, neither (in time with such an alert; they add up to encounters).
+        """
+        chance = {name: self.chances[f"{kind}_{name}"] for name in ("x", "y", "both")}
+        parts = pd.DataFrame(
+            {
+                "encounters": 1.0,
+                "both": chance["both"],
+                "only_x": chance["x"] - chance["both"],
+                "only_y": chance["y"] - chance["both"],
+                "neither": 1 - chance["x"] - chance["y"] + chance["both"],
+            }
+        )
+        driver = np.select(
+            [self.chances["is_seen"], self.chances["is_known"]], ["sees", "does_not"], "not_known"
+        )
+        rows = parts.groupby(driver).sum().reindex(["sees", "does_not", "not_known"], fill_value=0)
+        rows.loc["all"] = rows.sum()
+        return 100 * rows / len(self.chances)
+
+
+def judge_in_time(
+    result: Result,
+    onset_rows: Sequence[np.ndarray],
+    *,
+    reactions: Mapping[str, Reaction] = REACTIONS,
+    movement_s: float = 0.0,
+    brakes_s: float = 0.0,
+) -> InTime:
+    """Judge the alerts of X and Y on the urgent encounters of a comparison.
+
+    Parameters
+    ----------
+    onset_rows
+        Of X and Y, as in `slack_at_onset`.
+    reactions
+        Of the drivers, by kind of alert.
+    movement_s, brakes_s
+        Movement of the foot and build-up of the brakes, seconds. 0 is optimistic.
+
+    References
+    ----------
+    ``docs/alerts.md``, in time for the driver.
+    """
+    dataset, params, encounters = result.dataset, result.params, result.encounters
+    time_left, frames = time_left_in(result), dataset.frame_columns
+    rows = np.flatnonzero(time_left.is_urgent)
+    braking_s = speed_of_frames(frames, params.speed_kmh) / KMH / (2 * params.deceleration)
+    time_s = dataset.frames["time_s"].to_numpy()
+    sides = [
+        slack_at_onset(encounters, time_left.contact.ttc_s, braking_s, time_s, onset).iloc[rows]
+        for onset in onset_rows
+    ]
+    speed_kmh = time_left.urgency["speed_kmh"].to_numpy()[rows]
+    recording, n_recordings = encounters.recording[rows], len(dataset.recordings)
+    n = np.bincount(recording, minlength=n_recordings)
+    after_s = movement_s + brakes_s
+    normal = np.random.default_rng(SEED).standard_normal((draws_for(len(rows)), len(rows)))
+    driver, urgent_row = driver_in(result).table, time_left.urgency["urgent_row"].to_numpy()
+    seen_row = driver["confirmed_row"].to_numpy()
+    is_seen = ((seen_row >= 0) & (seen_row < urgent_row))[rows]
+    chances = pd.DataFrame(
+        {
+            "is_known": is_seen | (driver["n_known"].to_numpy() > 0)[rows],
+            "is_seen": is_seen,
+            "slack_s_x": sides[0]["slack_s"].to_numpy(),
+            "slack_s_y": sides[1]["slack_s"].to_numpy(),
+        },
+        index=rows,
+    )
+    table = []
+    slacks = [side["slack_s"].to_numpy() for side in sides]
+    for kind, reaction in reactions.items():
+        of_sides = dict(zip(("x", "y", "both"), (*slacks, np.minimum(*slacks)), strict=True))
+        for side, slack in of_sides.items():
+            chances[f"{kind}_{side}"] = chance_in_time(slack, reaction, after_s)
+        drawn = [
+            draw(side, speed_kmh, recording, reaction, after_s=after_s,
+                 deceleration=params.deceleration, normal=normal, n_recordings=n_recordings)
+            for side in sides
+        ]  # fmt: skip
+        for measure in ("share", "impact_kmh"):
+            x, y = (getattr(of, measure) for of in drawn)
+            for side, sums in (("x", x), ("y", y), ("difference", x - y)):
+                row = {"kind": kind, "measure": measure, "side": side}
+                table.append(row | intervals(sums, n))
+    return InTime(pd.DataFrame(table), chances)
