@@ -1,0 +1,37 @@
+"""Alerts: which detections reach the driver, and which of these alerts were worth it."""
+
+import streamlit as st
+
+from nvcore.alerts.steps import alerts_in
+from nvcore.comparison import Result
+from ui.alerts import in_time, listed, numbers, policy
+from ui.session import state
+from ui.shell.messages import draw_operating_point, draw_warnings, needs_comparison
+from ui.widgets.text import docs_link
+
+
+@needs_comparison
+def draw(result: Result) -> None:
+    """The policy, what its alerts come to, the alerts one by one, and whether the driver can react."""
+    st.caption(
+        state.say(
+            "Which detections would reach the driver as alerts, and was each of them worth it? A "
+            "policy makes alerts of detections, from what a system knows as it drives; the truth "
+            "then says what each alert was: {kinds}.",
+            kinds=docs_link(
+                "needed, redundant, nuisance or false", "kinds-of-alerts", doc="alerts"
+            ),
+        )
+    )
+    policy.draw(result)
+    if not alerts_in(result).is_asked:
+        return
+    draw_warnings(result)
+    draw_operating_point(result)
+    numbers.draw(result)
+    listed.draw(result)
+    in_time.draw(result)
+
+
+st.title("Alerts")
+draw()

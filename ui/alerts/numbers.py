@@ -1,0 +1,62 @@
+"""Alerts page: how many alerts of each kind an hour, and the trade-off over the score threshold."""
+
+from __future__ import annotations
+
+import streamlit as st
+
+from nvcore.alerts.figures.trade_off import trade_off_plot
+from nvcore.alerts.measures import MEASURES
+from nvcore.alerts.steps import alerts_in
+from nvcore.comparison import Result
+from nvcore.tables.scorecard import score_rows
+from ui.session import state
+from ui.session.results import comparison_key
+from ui.widgets.charts import clicked_chart, kept_figure
+from ui.widgets.html import measures_html, score_row
+from ui.widgets.text import docs_link
+
+KEYS = frozenset(measure.key for measure in MEASURES)
+
+
+def draw(result: Result) -> None:
+    """The measures beside the curve."""
+    left, right = st.columns([4, 5], gap="large")
+    with left:
+        rows = [
+            score_row(row, is_short=result.is_short)
+            for row in score_rows(result)
+            if row.key in KEYS
+        ]
+        st.html(measures_html(rows, key="alerts"))
+        st.caption(
+            state.say(
+                "An hour is an hour of these recordings. Whether a difference is more than chance is "
+                "tested on the Overview ({link}).",
+                link=docs_link("Alerts", "alerts", doc="alerts"),
+            )
+        )
+    with right:
+        _draw_curve(result)
+
+
+def _draw_curve(result: Result) -> None:
+    theme = state.theme()
+    figure = kept_figure(
+        "alerts_trade_off",
+        (comparison_key(result), theme),
+        lambda: trade_off_plot(
+            alerts_in(result).curve, (result.x.name, result.y.name), theme=theme
+        ),
+    )
+    threshold = clicked_chart(
+        figure,
+        "alerts_trade_off",
+        help=state.say(
+            "Up and left is better: more {many} alerted in time, fewer alerts that the driver could "
+            "do without. Each point is the same policy with another score threshold; the large mark "
+            "is the one in use. Click a point to alert from that score on."
+        ),
+    )
+    if threshold is not None:
+        state.set_params(alert_score=float(threshold))
+        st.rerun()
