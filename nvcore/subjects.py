@@ -24,6 +24,7 @@ SUBJECTS: Final[tuple[str, ...]] = (
     "nvcore.detectors",
     "nvcore.driver",
     "nvcore.ratings",
+    "nvcore.alerts",
 )
 """The packages of the subjects, in the order in which what they add is listed."""
 
@@ -79,9 +80,10 @@ class Subject:
         What is said beside the numbers in both (`nvcore.report.remarks.Remarks`).
     rules
         What is known of rules of the gate (`nvcore.report.gate.added.RulesOf`).
-    recording_keys, session_tables
-        Class whose fields become keys of a ``[[recording]]`` of a session file
-        (`nvcore.inputs.session.RecordingEntry`), and class whose fields become its tables.
+    recording_keys, system_keys, session_tables
+        Classes whose fields become keys of a ``[[recording]]`` and of a ``[[system]]`` of a session
+        file (`nvcore.inputs.session.RecordingEntry`, `nvcore.inputs.session.SystemSource`), and
+        class whose fields become its tables.
     inputs
         Files that it reads beside those of truth and systems (`nvcore.inputs.added.Input`).
     commands
@@ -123,6 +125,7 @@ class Subject:
     remarks: str = ""
     rules: str = ""
     recording_keys: str = ""
+    system_keys: str = ""
     session_tables: str = ""
     inputs: str = ""
     commands: str = ""

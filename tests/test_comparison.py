@@ -11,6 +11,8 @@ from builders import Place, at, make_dataset, result_of
 from other_params import OTHER, WITH
 from scenes import draw_scene
 
+from nvcore.alerts.settings import ALERTS
+from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
@@ -75,6 +77,7 @@ MADE_BY: dict[Stage, set[str]] = {
     CONFIRMED: {"x confirmed"},
     MISS_WEIGHTS: {"k_miss"},
     DRIVER: {"detectable"},
+    ALERTS: {"x alerts"},
 }
 """What a setting of a stage changes first: one of these at least."""
 
@@ -124,6 +127,7 @@ def figures(result: Result) -> dict[str, Any]:
             by_name[f"{letter} {name}"] = getattr(system, name)
         by_name[f"{letter} confirmed"] = confirmed_by(system)
         by_name[f"{letter} time_left"] = time_left_of(system)
+        by_name[f"{letter} alerts"] = alerts_in(result).of(system)
     return by_name
 
 

@@ -36,8 +36,10 @@ if TYPE_CHECKING:
         def __getattr__(self, name: str) -> Any: ...
 
     TablesOfSubjects = KeysOfSubjects
+    SystemKeysOfSubjects = KeysOfSubjects
 else:
     KeysOfSubjects = type("KeysOfSubjects", contributed("recording_keys")[::-1], {})
+    SystemKeysOfSubjects = type("SystemKeysOfSubjects", contributed("system_keys")[::-1], {})
     TablesOfSubjects = type("TablesOfSubjects", contributed("session_tables")[::-1], {})
 
 MAX_OFFSET_FRAMES: Final = 1_000_000
@@ -52,6 +54,10 @@ TABLES_OF_SUBJECTS: Final[Mapping[str, type]] = {
     name: kind for of in contributed("session_tables") for name, kind in get_type_hints(of).items()
 }
 """What the tables of a session that subjects add hold, by their names."""
+SYSTEM_KEYS_OF_SUBJECTS: Final = tuple(
+    name for of in contributed("system_keys") for name in get_type_hints(of)
+)
+"""Keys of a ``[[system]]`` that subjects add."""
 
 
 @dataclass(frozen=True)
@@ -193,8 +199,8 @@ class Source:
 
 
 @dataclass(frozen=True)
-class SystemSource(Source):
-    """A system's detections, its threshold, and corrections applied to its boxes.
+class SystemSource(SystemKeysOfSubjects, Source):
+    """A system's detections, its threshold, corrections applied to its boxes; what subjects add.
 
     Attributes
     ----------

@@ -7,7 +7,7 @@ from typing import Any, Final
 from nvcore.params import SETTINGS
 from nvcore.stages import Setting
 
-OF_UNIT: Final = {"px": 90.0, "": 0.5}
+OF_UNIT: Final = {"px": 90.0, "m": 30.0, "": 0.5}
 """For numbers without a default."""
 
 
@@ -35,5 +35,6 @@ WITH: Final[dict[str, dict[str, Any]]] = {
     "saliency_scope": {"saliency_aggregate": "sum"},
     "recency_midpoint_s": {"recency_unit": "seconds"},
     "recency_spread_s": {"recency_unit": "seconds"},
+    **{name: {"alerts": "policy"} for name in SETTINGS if name.startswith("alert_")},
 }
 """Where a parameter has an effect at all."""

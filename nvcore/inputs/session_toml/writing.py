@@ -11,6 +11,7 @@ import tomli_w
 
 from nvcore.inputs.pipes import is_pipe
 from nvcore.inputs.session import (
+    SYSTEM_KEYS_OF_SUBJECTS,
     TABLES_OF_SUBJECTS,
     RecordingEntry,
     Session,
@@ -67,6 +68,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
             **_given({"name": system.name}),
             **_source_table(system),
             **_given({"threshold": system.threshold, "provenance": system.provenance}),
+            **_given({name: getattr(system, name) for name in SYSTEM_KEYS_OF_SUBJECTS}),
             **_corrections(system),
         }
         for system in session.systems

@@ -1,0 +1,24 @@
+"""Alerts: which detections reach the driver as alerts, and which of these were worth it."""
+
+from nvcore.subjects import Subject
+
+SUBJECT = Subject(
+    name="alerts",
+    needs=("time_left", "driver"),
+    settings="settings:AlertSettings",
+    results="settings:RESULTS",
+    steps="steps:STEPS",
+    view="steps:AlertsView",
+    measures="measures:MEASURES",
+    doubts="said:doubt_of",
+    columns="columns:COLUMNS",
+    figures="figures.trade_off:FIGURES",
+    points="report:POINTS",
+    texts="facts:TEXTS",
+    lines="report:lines",
+    sections="section:SECTIONS",
+    system_keys="session:SystemAlerts",
+    inputs="inputs:INPUT",
+    commands="commands:COMMANDS",
+    names={"judge_alerts": "face:judge_alerts"},
+)

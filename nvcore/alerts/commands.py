@@ -1,0 +1,89 @@
+"""``nvcore alerts``: which detections reach the driver as alerts, and which were worth it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Final
+
+import click
+
+from nvcore.arguments import OUTPUT
+from nvcore.cli.options import (
+    GroupedCommand,
+    examples,
+    grouped_option,
+    input_options,
+    parameter_options,
+)
+from nvcore.cli.session_options import session_from
+from nvcore.cli.steps import compare_session, errors_of
+from nvcore.inputs.session_toml import read_session
+from nvcore.wording import one_line
+
+# As in nvcore/cli/__init__.py, numpy is imported by the command only.
+
+
+@click.command(
+    cls=GroupedCommand,
+    short_help="Which detections reach the driver as alerts, which were worth it.",
+    epilog=examples(
+        "nvcore alerts night.toml",
+        "nvcore alerts night.toml --policy eager --out alerts",
+        "nvcore alerts night.toml --policy ours.toml --alert-pause-s 5",
+    ),
+)
+@input_options
+@grouped_option(
+    "Alerts",
+    "--policy",
+    metavar="NAME|FILE",
+    help="By which detections become alerts: cautious, balanced, eager, or a TOML file of settings "
+    "(docs/alerts.md); flags go before it. Default: each system's own log where the session names "
+    "one, else the settings.",
+)
+@grouped_option(
+    OUTPUT,
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Write alerts.csv and alert_curve.csv into this folder.",
+)
+@parameter_options
+def alerts(policy: str | None, out: Path | None, **options: Any) -> None:
+    """Judge the alerts of X and Y: how many of each kind an hour, and whom they are in time for.
+
+    Inputs as for compare. Then comes what other score thresholds would give: unwanted alerts an
+    hour, and urgent encounters alerted in time. Exit code 0: fine, 2: bad input.
+    """
+    from nvcore.alerts.face import FILES, write_alerts
+    from nvcore.alerts.policy import policy_from
+    from nvcore.alerts.steps import alerts_in
+    from nvcore.alerts.text import render_alerts
+    from nvcore.output.files import check_folder
+    from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
+
+    file = options["session_file"]
+    if policy is not None:
+        values = {"alerts": "policy", **policy_from(policy)}
+        options |= {name: value for name, value in values.items() if options[name] is None}
+    elif options["alerts"] is None:
+        is_asked = file is not None and read_session(file).params.alerts != "off"
+        options["alerts"] = None if is_asked else "log"
+    session = session_from(options, needs_y=True)
+    if out is not None:
+        refuse_among_inputs(out, session)
+        check_folder(out, FILES)
+        named = [path for path in (file, policy) if path is not None]
+        refuse_to_replace((out / name for name in FILES), [*files_read(session), *map(Path, named)])
+    with errors_of(session):
+        result, _ = compare_session(session)
+        view = alerts_in(result)
+    if not view.is_asked:
+        raise click.UsageError("--alerts off: there is nothing to judge; leave it out")
+    click.echo(render_alerts(view))
+    if out is not None:
+        write_alerts(out, view)
+        click.echo(one_line(f"written to {out}"), err=True)
+
+
+COMMANDS: Final = (alerts,)

@@ -1,0 +1,327 @@
+"""From what a system reports to alerts, and from the truth to what each alert was worth.
+
+A policy sees only what the system has at run time: boxes, scores, its tracks if it reports them
+(else its boxes are linked over frames), distances that it reports, the weight k of a box. Kinds of
+alerts are judged by the truth afterwards. The oracle alone looks at the truth before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.alerts.inputs import AlertInputs, AlertLog, places_of
+from nvcore.alerts.kernels import SAME_S, switch_alerts
+from nvcore.alerts.kinds import AlertKind
+from nvcore.columns import BoxColumns, FrameColumns
+from nvcore.dataset import Dataset
+from nvcore.inputs.session import Session
+from nvcore.metrics.encounters import RELEVANT_K, Encounters
+from nvcore.metrics.linking import LINK_GAP, track_truth
+from nvcore.metrics.matching import Matches
+from nvcore.params import Params
+from nvcore.schema import NO_TRACK, DetectionState
+from nvcore.time_left.kinds import Urgency
+
+NO_ALERTS: Final = pd.DataFrame(
+    {
+        "recording": np.empty(0, np.int64),
+        "first_row": np.empty(0, np.int64),
+        "last_row": np.empty(0, np.int64),
+        "track": np.empty(0, np.int64),
+        "encounter": np.empty(0, np.int64),
+        "kind": np.empty(0, object),
+        "log_kind": np.empty(0, object),
+    }
+)
+"""Alerts of one system: recording, first_row and last_row (of the frames), track (of the system,
+or the number of its linked boxes within the recording; `NO_TRACK`: none), encounter (-1: none),
+kind (`AlertKind`), log_kind (the log's own word; empty)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What alerts are judged by.
+
+    Attributes
+    ----------
+    k_truth
+        Proximity weight of each truth box; float64, shape (n_truth,).
+    urgency
+        Of `nvcore.time_left.judging.find_urgent`.
+    seen
+        Of `nvcore.driver.comparison.judging.judge_driver`.
+    corridor
+        Who is farther from the middle is outside, as share of half the width.
+    """
+
+    dataset: Dataset
+    encounters: Encounters
+    k_truth: np.ndarray
+    urgency: pd.DataFrame
+    seen: pd.DataFrame
+    corridor: float
+
+    @property
+    def frames(self) -> FrameColumns:
+        """All frames."""
+        return self.dataset.frame_columns
+
+    def has_seen(self, encounter: np.ndarray, row: np.ndarray) -> np.ndarray:
+        """Whether the driver has seen encounters before frame rows; bool, shape (n,)."""
+        seen_row = self.seen["confirmed_row"].to_numpy()[encounter]
+        has_seen: np.ndarray = (seen_row >= 0) & (seen_row < row)
+        return has_seen
+
+
+@dataclass(frozen=True, eq=False)
+class Reported:
+    """What a system reports, whatever its threshold.
+
+    Attributes
+    ----------
+    boxes, k
+        Its boxes, and the proximity weight of each.
+    matches
+        Of these; those below a threshold may be marked so.
+    """
+
+    boxes: BoxColumns
+    k: np.ndarray
+    matches: Matches
+
+    @property
+    def is_decided(self) -> np.ndarray:
+        """Boxes that match a pedestrian or are absorbed; bool, shape (n,)."""
+        states = (DetectionState.MATCHED, DetectionState.ABSORBED)
+        is_decided: np.ndarray = np.isin(self.matches.state, states)
+        return is_decided
+
+
+def alerts_by_policy(
+    scene: Scene, system: Reported, policy: Params, *, threshold: float
+) -> pd.DataFrame:
+    """Alerts that a policy makes of what a system reports; columns of `NO_ALERTS`.
+
+    Parameters
+    ----------
+    threshold
+        Boxes with a lower score are not reported; those without a score are.
+    """
+    boxes = system.boxes
+    is_in = ~(boxes.score < threshold) & (system.matches.state != DetectionState.BELOW)
+    tracks = _tracked(boxes, is_in, scene.frames)
+    rows = tracks.rows
+    is_near = system.k[rows] >= policy.alert_k
+    if policy.alert_distance_m is not None:
+        distance_m = boxes.distance_m[rows]
+        is_near = np.where(np.isnan(distance_m), is_near, distance_m <= policy.alert_distance_m)
+    alerting = is_near & ~is_outside(boxes, rows, scene.frames, policy.alert_corridor)
+    if policy.alert_oracle == "on":
+        truth_row = system.matches.det_truth[rows]
+        matched = np.flatnonzero(truth_row >= 0)
+        encounter = scene.encounters.encounter_of[truth_row[matched]]
+        alerting[matched] &= ~scene.has_seen(encounter, boxes.frame_index[rows[matched]])
+    durations = (policy.alert_on_s, policy.alert_off_s, policy.alert_least_s, policy.alert_pause_s)
+    return _judged(scene, system, tracks, alerting, durations, step=1)
+
+
+def alerts_by_log(scene: Scene, system: Reported, log: AlertLog) -> pd.DataFrame:
+    """Alerts that a system's own log tells; columns of `NO_ALERTS`.
+
+    The boxes with a flag of one track are an alert, as long as it is missing in no more listed
+    frames than a linked track may be. In a table an alert begins in the first listed frame at or
+    after its start, and its boxes are those of its track, or all boxes of the system meanwhile.
+    """
+    boxes, frames = system.boxes, scene.frames
+    tracks = _tracked(boxes, np.ones(len(boxes), bool), frames)
+    if log.places is not None:
+        own = scene.dataset.boxes.iloc[boxes.first_row : boxes.first_row + len(boxes)]
+        is_alerted = np.isin(places_of(own), log.places)
+        return _judged(scene, system, tracks, is_alerted, (0.0,) * 4, step=LINK_GAP + 1)
+    assert log.table is not None
+    table = _of_dataset(log.table, scene.dataset)
+    first, stop = frames.first[table["recording"]], frames.first[table["recording"] + 1]
+    # one axis for all recordings, with their longest duration between them
+    time_s = scene.dataset.frames["time_s"].to_numpy()
+    length_s = time_s.max(initial=0.0) + 1.0
+    axis = time_s + frames.recording * length_s
+    shift = table["recording"].to_numpy() * length_s
+    begin = np.searchsorted(axis, table["start_s"].to_numpy() + shift - SAME_S)
+    until = np.minimum(table["end_s"].to_numpy(), length_s - 0.5) + shift + SAME_S
+    end = np.searchsorted(axis, until, side="right") - 1
+    begin = np.clip(begin, first, stop - 1)
+    alerts = table[["recording", "track", "log_kind"]].assign(
+        first_row=begin, last_row=np.clip(end, begin, stop - 1)
+    )
+    has_track = alerts["track"].to_numpy() != NO_TRACK
+    decided = np.full(len(alerts), -1)
+    of_all = replace(tracks, track=np.full(len(boxes), NO_TRACK))
+    for is_part, of_boxes in ((has_track, tracks), (~has_track, of_all)):
+        decided[is_part] = _first_decided(scene, system, of_boxes, alerts[is_part])
+    return _with_kinds(scene, system, alerts, decided)
+
+
+@dataclass(frozen=True, eq=False)
+class _Tracks:
+    """Boxes of a system, and the track of each within its recording; int64, shape (n,)."""
+
+    rows: np.ndarray
+    track: np.ndarray
+
+
+def _tracked(boxes: BoxColumns, is_in: np.ndarray, frames: FrameColumns) -> _Tracks:
+    """These boxes with the tracks that the system reports; others are linked over frames."""
+    return _Tracks(np.flatnonzero(is_in), track_truth(boxes.only(is_in), frames).track)
+
+
+def is_outside(
+    boxes: BoxColumns, rows: np.ndarray, frames: FrameColumns, corridor: float
+) -> np.ndarray:
+    """Whether boxes are farther from the middle than a share of half the width; bool, (n,)."""
+    half = frames.half_width[boxes.frame_index[rows]]
+    centre = np.clip(boxes.x[rows] + 0.5 * boxes.w[rows], 0, 2 * half)
+    outside: np.ndarray = np.abs(centre - half) > corridor * half
+    return outside
+
+
+def _judged(
+    scene: Scene,
+    system: Reported,
+    tracks: _Tracks,
+    alerting: np.ndarray,
+    durations: tuple[float, float, float, float],
+    *,
+    step: int,
+) -> pd.DataFrame:
+    """The alerts of boxes that alert, with what they were worth."""
+    frames = scene.frames
+    frame_index = system.boxes.frame_index[tracks.rows]
+    recording = frames.recording[frame_index].astype(np.int64)
+    key = _codes(recording, tracks.track)
+    place = np.flatnonzero(alerting)
+    place = place[np.lexsort((frame_index[place], key[place]))]
+    onset, end, first = np.empty((3, len(place)), np.int64)
+    rate = frames.fps[frames.recording]
+    n = switch_alerts(
+        *(key[place], frame_index[place], frames.first[frames.recording + 1] - 1),
+        *(frames.frame / rate, (frames.frame + frames.gap) / rate),
+        *(*map(float, durations), step, onset, end, first),
+    )
+    at = place[first[:n]]
+    alerts = pd.DataFrame(
+        {
+            "recording": recording[at],
+            "first_row": onset[:n],
+            "last_row": end[:n],
+            "track": tracks.track[at],
+            "log_kind": pd.Series([""] * n, dtype=object),
+        }
+    )
+    return _with_kinds(scene, system, alerts, _first_decided(scene, system, tracks, alerts))
+
+
+def _first_decided(
+    scene: Scene, system: Reported, tracks: _Tracks, alerts: pd.DataFrame
+) -> np.ndarray:
+    """Row of the first box of each alert that matches a pedestrian or is absorbed; -1: none.
+
+    From its first frame on; of several in one frame a match, and then the nearest.
+    """
+    boxes, n_frames = system.boxes, len(scene.frames)
+    is_decided = system.is_decided[tracks.rows]
+    rows, track = tracks.rows[is_decided], tracks.track[is_decided]
+    frame_index = boxes.frame_index[rows]
+    recording = np.concatenate([scene.frames.recording[frame_index], alerts["recording"]])
+    code = _codes(recording.astype(np.int64), np.concatenate([track, alerts["track"]]))
+    own, wanted = code[: len(rows)] * n_frames + frame_index, code[len(rows) :] * n_frames
+    is_absorbed = system.matches.state[rows] == DetectionState.ABSORBED
+    order = np.lexsort((-system.k[rows], is_absorbed, own))
+    rows, own = rows[order], own[order]
+    place = np.searchsorted(own, wanted + alerts["first_row"].to_numpy())
+    decided = np.full(len(alerts), -1)
+    is_there = place < len(own)
+    is_there[is_there] = own[place[is_there]] <= (wanted + alerts["last_row"].to_numpy())[is_there]
+    decided[is_there] = rows[place[is_there]]
+    return decided
+
+
+def _codes(recording: np.ndarray, track: np.ndarray) -> np.ndarray:
+    """A number for each track of each recording; int64, shape (n,)."""
+    known, code = np.unique(track, return_inverse=True)
+    codes: np.ndarray = recording * max(len(known), 1) + code
+    return codes
+
+
+def _with_kinds(
+    scene: Scene, system: Reported, alerts: pd.DataFrame, decided: np.ndarray
+) -> pd.DataFrame:
+    """The alerts by first frame, each with its encounter and what it was worth.
+
+    Parameters
+    ----------
+    decided
+        Of `_first_decided`.
+    """
+    truth, encounters, n_frames = scene.dataset.truth, scene.encounters, len(scene.frames)
+    encounter = np.full(len(alerts), -1)
+    has_box = np.flatnonzero(decided >= 0)
+    truth_row = system.matches.det_truth[decided[has_box]]
+    is_match = truth_row >= 0
+    encounter[has_box[is_match]] = encounters.encounter_of[truth_row[is_match]]
+    onset = alerts["first_row"].to_numpy()
+    kinds = np.where(decided >= 0, AlertKind.IGNORED.value, AlertKind.FALSE.value).astype(object)
+    matched = np.flatnonzero(encounter >= 0)
+    if len(matched):
+        who, row = encounter[matched], onset[matched]
+        owner = np.repeat(np.arange(len(encounters)), np.diff(encounters.offsets))
+        # his box in the frame in which the alert begins, or the next
+        key = owner * n_frames + encounters.frame_index
+        at = encounters.order[np.searchsorted(key, who * n_frames + row)]
+        is_far = scene.k_truth[at] < RELEVANT_K
+        is_far |= is_outside(truth, at, scene.frames, scene.corridor)
+        is_urgent = scene.urgency["urgency"].to_numpy()[who] == Urgency.URGENT.value
+        is_known = ~np.isnan(scene.seen["detectability"].to_numpy()[who])
+        kinds[matched] = np.select(
+            [~is_urgent & is_far, scene.has_seen(who, row), is_known],
+            [kind.value for kind in (AlertKind.NUISANCE, AlertKind.REDUNDANT, AlertKind.NEEDED)],
+            AlertKind.WANTED.value,
+        )
+    judged = alerts.assign(encounter=encounter, kind=pd.Series(kinds, dtype=object).to_numpy())
+    order = np.lexsort((judged["track"], judged["last_row"], judged["first_row"]))
+    return judged.iloc[order][[*NO_ALERTS]].reset_index(drop=True)
+
+
+def _of_dataset(table: pd.DataFrame, dataset: Dataset) -> pd.DataFrame:
+    """The rows of a log of the dataset's recordings, by number; also where these were renamed."""
+    names = dataset.recordings["name"].tolist()
+    settings = dataset.settings
+    entries: Mapping[str, str] = {}
+    if isinstance(settings, Session):
+        entries = {entry.name: entry.title for entry in settings.recordings if entry.title}
+    row_of = {name: row for row, name in enumerate(names)}
+    row_of |= {old: row_of[new] for old, new in entries.items() if new in row_of}
+    number = table["recording"].map(row_of)
+    kept = table[number.notna()]
+    return kept.assign(recording=number.dropna().astype(np.int64)).reset_index(drop=True)
+
+
+def _inputs_of(dataset: Dataset) -> AlertInputs | None:
+    """Logs and policies of a session's systems; None of fused systems, which no session has."""
+    return dataset.of("alerts") if isinstance(dataset.settings, Session) else None
+
+
+def policy_of(params: Params, dataset: Dataset, system: int) -> Params:
+    """The settings with the policy of a system: its own, if its session names one."""
+    known = _inputs_of(dataset)
+    return params if known is None else replace(params, **known.policies.get(system, {}))
+
+
+def log_of(dataset: Dataset, system: int) -> AlertLog | None:
+    """The log of a system; None: it has none."""
+    known = _inputs_of(dataset)
+    return None if known is None else known.logs.get(system)

@@ -1,0 +1,73 @@
+"""The call of Python users: `nvcore.judge_alerts`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from nvcore.alerts.policy import policy_from
+from nvcore.alerts.steps import AlertsView, alerts_in
+from nvcore.api.calls import compare
+from nvcore.api.inputs import load
+from nvcore.arguments import PathLike
+from nvcore.dataset import Dataset
+from nvcore.inputs.session import Session
+from nvcore.output.csv_text import to_csv_bytes
+from nvcore.output.files import write_run
+
+FILES = ("alerts.csv", "alert_curve.csv")
+"""The files that `write_alerts` writes."""
+
+
+def judge_alerts(
+    source: PathLike | Session | Dataset, *, policy: PathLike | None = None, **settings: Any
+) -> AlertsView:
+    """Which detections of X and Y reach the driver as alerts, and which were worth it.
+
+    Parameters
+    ----------
+    source
+        A session file, a session, or a dataset made by `load`.
+    policy
+        By which detections become alerts: ``"cautious"``, ``"balanced"``, ``"eager"``, or a TOML
+        file (docs/alerts.md). None: each system's own log where the session names one, else its
+        settings. A policy that the session names for a system goes before it.
+    settings
+        As of `load`, such as ``alert_pause_s=5`` or ``x="FIR"``; they go before the policy.
+
+    Returns
+    -------
+    AlertsView
+        With `table` (a row per alert), `curve`, and what they are counted by in `result`.
+
+    Raises
+    ------
+    InputError
+        If an input or the policy cannot be used, or there are fewer than two systems.
+    ParameterError
+        If there is no such setting or policy, or a value is outside its range.
+
+    Examples
+    --------
+    >>> alerts = judge_alerts("sample_data/session.toml", policy="eager")  # doctest: +SKIP
+    >>> alerts.table["kind"].value_counts()  # doctest: +SKIP
+    """
+    values: dict[str, Any] = {"alerts": "log"}
+    if policy is not None:
+        values = {"alerts": "policy", **policy_from(policy)}
+    return alerts_in(compare(load(source, **{**values, **settings})).result)
+
+
+def write_alerts(folder: Path, alerts: AlertsView) -> None:
+    """Write `FILES` into a folder: the table of alerts and the trade-off curve.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written to, or holds the run of another command.
+    """
+    curve = alerts.curve.assign(
+        threshold=alerts.curve["threshold"].replace(float("-inf"), float("nan"))
+    )
+    tables = zip(FILES, (alerts.table, curve), strict=True)
+    write_run(folder, [(name, to_csv_bytes(table)) for name, table in tables], FILES)

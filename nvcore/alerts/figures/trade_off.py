@@ -1,0 +1,117 @@
+"""The trade-off: urgent pedestrians alerted in time against unwanted alerts, over the threshold."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+
+from nvcore.alerts.kinds import UNWANTED
+from nvcore.alerts.steps import alerts_in
+from nvcore.comparison import Result
+from nvcore.figures.marks import marks, system_marker
+from nvcore.figures.style import LOOK, axis, draw, empty_figure, system_label
+from nvcore.palette import Theme
+from nvcore.wording import count_text
+
+HEIGHT_PX: Final = 380
+IN_USE_PX: Final = 13
+LOG_PX: Final = 15
+
+
+def trade_off_plot(
+    curve: pd.DataFrame, names: tuple[str, str], *, n_urgent: int, theme: Theme
+) -> go.Figure:
+    """Urgent encounters alerted in time over unwanted alerts an hour; up and left is better.
+
+    A line for each system over its score threshold, the policy as it is; a large mark where its
+    threshold stands, and a star where its own log does.
+
+    Parameters
+    ----------
+    curve
+        Of `nvcore.alerts.steps.AlertsView.curve`.
+    names
+        Names of X and Y.
+    n_urgent
+        Urgent encounters.
+    """
+    if not n_urgent:
+        return empty_figure(
+            "No encounter is urgent: nobody has to be alerted in time.", theme=theme
+        )
+    traces: list[go.Scatter] = []
+    for letter, name in zip("xy", names, strict=True):
+        own = curve[curve["system"] == letter]
+        traces += _of_system(own, letter, system_label(letter, name), theme)
+    return draw(
+        traces,
+        theme,
+        title="Alerted in time against unwanted alerts",
+        subtitle=f"{count_text(n_urgent, 'urgent encounter')}; over the score threshold, the rest "
+        "of the policy as it is; up and left is better",
+        height=HEIGHT_PX,
+        xaxis=axis(
+            theme,
+            "unwanted alerts per hour: false, nuisance or redundant",
+            rangemode="tozero",
+            fixedrange=True,
+        ),
+        yaxis=axis(
+            theme,
+            "urgent encounters alerted in time",
+            range=[-0.04 * n_urgent, 1.06 * n_urgent],
+            fixedrange=True,
+            tickformat=",d",
+        ),
+    )
+
+
+def _of_system(own: pd.DataFrame, letter: str, label: str, theme: Theme) -> list[go.Scatter]:
+    look, traces = LOOK[theme], []
+    line = {"width": 2.4, "color": look.of(letter), "dash": look.dash(letter)}
+    for of, mode, size, symbol in (
+        ("policy", "lines+markers", 5, None),
+        ("in use", "markers", IN_USE_PX, None),
+        ("log", "markers", LOG_PX, "star"),
+    ):
+        points = own[own["of"] == of]
+        if points.empty:
+            continue
+        marker: dict[str, Any] = system_marker(letter, size, theme)
+        marker |= {"symbol": symbol} if symbol else {}
+        across, up = points["unwanted_per_hour"], points["in_time"]
+        name = label if of == "policy" else f"{label}, {'in use' if of == 'in use' else 'its log'}"
+        trace = marks(across, up, _texts(points), name=name, marker=marker, cliponaxis=False)
+        traces.append(trace.update(mode=mode, line=line if mode != "markers" else None))
+    return traces
+
+
+def _texts(points: pd.DataFrame) -> list[str]:
+    """For the mouse: the numbers behind a point."""
+    kinds = [kind.value for kind in UNWANTED]
+    return [
+        f"{_where(row['of'], row['threshold'])}<br>{row['in_time']} alerted in time, "
+        f"{row['unwanted_per_hour']:.1f} unwanted per hour<br>"
+        + ", ".join(f"{row[kind]} {kind}" for kind in kinds)
+        for row in points.to_dict("records")
+    ]
+
+
+def _where(of: str, threshold: float) -> str:
+    if of == "log":
+        return "its own log"
+    return f"score from {threshold:.4g}" if np.isfinite(threshold) else "every box"
+
+
+def alert_trade_off(result: Result, *, theme: Theme) -> go.Figure:
+    """Urgent encounters alerted in time against unwanted alerts, over the score threshold."""
+    view = alerts_in(result)
+    names = result.x.name, result.y.name
+    return trade_off_plot(view.curve, names, n_urgent=view.n_urgent, theme=theme)
+
+
+FIGURES: Final = {"alert_trade_off": alert_trade_off}
+"""By their names in `nvcore.api.figures.Figures`."""

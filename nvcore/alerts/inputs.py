@@ -1,0 +1,185 @@
+"""Logs of alerts and policies that a session names, read and put to the data."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.alerts.policy import Policy, read_policy
+from nvcore.dataset import Dataset
+from nvcore.errors import InputError
+from nvcore.inputs.added import Input
+from nvcore.inputs.files import digest, find_files
+from nvcore.inputs.hashes import changed_input
+from nvcore.inputs.readers.base import SourceFile
+from nvcore.inputs.readers.csv_columns import (
+    NUMBERS,
+    Header,
+    csv_content,
+    read_columns,
+    read_header,
+)
+from nvcore.inputs.readers.parse.table import TextTable, parse_table
+from nvcore.inputs.session import Session, SystemSource
+from nvcore.schema import NO_TRACK
+from nvcore.wording import one_line
+
+ALERTS_INPUT: Final = "alerts"
+"""Subject of these files among truth and systems."""
+ALERTED: Final = "alerted"
+LOG_COLUMNS: Final = ("start_s", "end_s", "kind")
+"""Of a log; track and recording may follow, and recording must where there are several."""
+_LINES: Final = 1 << 32
+"""More than the lines of any file."""
+
+
+@dataclass(frozen=True, eq=False)
+class AlertLog:
+    """A system's own log of its alerts, of one of two forms.
+
+    Attributes
+    ----------
+    places
+        File and line of each detection that was an alert, as one number (`places_of`); None: the
+        log is a table.
+    table
+        One row per alert: recording (its name in the data), start_s, end_s (since the
+        recording's first listed frame), track (`NO_TRACK`: none), log_kind (the log's own word).
+    """
+
+    places: np.ndarray | None = None
+    table: pd.DataFrame | None = None
+
+
+@dataclass(frozen=True)
+class AlertInputs:
+    """Logs and policies by the number of the system; those without are absent."""
+
+    logs: dict[int, AlertLog]
+    policies: dict[int, Policy]
+
+
+def places_of(boxes: pd.DataFrame) -> np.ndarray:
+    """File and line of boxes as one number; int64, shape (n,)."""
+    file, line = (boxes[name].to_numpy(dtype=np.int64) for name in ("file", "line"))
+    places: np.ndarray = file * _LINES + line
+    return places
+
+
+def with_alerts(dataset: Dataset, session: Session) -> Dataset:
+    """The dataset with the logs and policies that its session names.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used; with file and line.
+    """
+    logs: dict[int, AlertLog] = {}
+    policies: dict[int, Policy] = {}
+    files: list[SourceFile] = []
+    for number, source in enumerate(session.systems):
+        if source.alerts is not None:
+            file = SourceFile(session.folder / source.alerts, source.alerts)
+            logs[number] = _read_log(file, dataset, session, source, dataset.systems[number])
+            files.append(file)
+        if source.alert_policy is not None:
+            file = SourceFile(session.folder / source.alert_policy, source.alert_policy)
+            policies[number] = read_policy(file)
+            files.append(file)
+    digests, names = digest(files), [file.name for file in files]
+    rows = {
+        "subject": ALERTS_INPUT,
+        "file": names,
+        "sha256": digests,
+        "format": ["toml" if name.endswith(".toml") else "csv" for name in names],
+        "conversion": "",
+    }
+    text = "\n".join([dataset.fingerprint, ALERTS_INPUT, *digests])
+    return replace(
+        dataset,
+        inputs=pd.concat([dataset.inputs, pd.DataFrame(rows)], ignore_index=True),
+        findings=(
+            *dataset.findings,
+            *changed_input(ALERTS_INPUT, names, digests, session.hashes),
+        ),
+        fingerprint=hashlib.sha256(text.encode()).hexdigest(),
+        of_subjects={**dataset.of_subjects, "alerts": AlertInputs(logs, policies)},
+    )
+
+
+def _read_log(
+    file: SourceFile, dataset: Dataset, session: Session, source: SystemSource, name: str
+) -> AlertLog:
+    content = csv_content(file, role="detections")
+    header = read_header(content[: content.find(b"\n")].decode())
+    columns = [column.lower() for column in header.names]
+    if ALERTED not in columns:
+        log = parse_table(content, name=file.name, what="alerts", required=LOG_COLUMNS)
+        title_of = {entry.name: entry.title for entry in session.recordings if entry.title}
+        return AlertLog(table=_log_table(log, dataset, title_of))
+    of_system = find_files(source, session.folder, "detections")[0]
+    same = [known.name for known in of_system if known.path.resolve() == file.path.resolve()]
+    inputs = dataset.inputs
+    rows = np.flatnonzero((inputs["subject"] == name) & inputs["file"].isin(same))
+    if not len(rows):
+        problem = f"has a column {ALERTED}, and is no file of the detections of {one_line(name)}"
+        raise InputError(f"{problem}; name that file, or a table of alerts", file=file.name)
+    place = header.place | {ALERTED: columns.index(ALERTED)}
+    number = next(column for column in header.place if column in NUMBERS)
+    known = Header(header.names, header.delimiter, place)
+    values, line, _ = read_columns(file, known, content, [number, ALERTED])
+    alerted = line[values[ALERTED].to_numpy(dtype=bool)].astype(np.int64)
+    return AlertLog(places=int(rows[0]) * _LINES + alerted)
+
+
+def _log_table(log: TextTable, dataset: Dataset, title_of: dict[str, str]) -> pd.DataFrame:
+    n = len(log)
+    start_s = log.numbers("start_s", low=0.0)
+    end_s = log.numbers("end_s", low=0.0)
+    if (is_before := end_s < start_s).any():
+        raise log.fault(int(np.argmax(is_before)), "end_s: expected start_s or more")
+    track = np.full(n, NO_TRACK)
+    if "track" in log:
+        ids = log.numbers("track", may_be_empty=True)
+        track[~np.isnan(ids)] = ids[~np.isnan(ids)].astype(np.int64)
+    names = dataset.recordings["name"].tolist()
+    if "recording" in log:
+        recording = [title_of.get(name, name) for name in log.texts("recording")]
+    elif len(names) == 1:
+        recording = names * n
+    else:
+        raise log.fault(0, "expected a column recording, as there are several recordings")
+    row_of = {name: row for row, name in enumerate(names)}
+    frames = dataset.frame_columns
+    last_s = dataset.frames["time_s"].to_numpy()
+    for row, name in enumerate(recording):  # small tables: every row may be wrong by itself
+        if name not in row_of:
+            raise log.fault(row, f"recording: there is no {one_line(name)!r}")
+        first, stop = frames.first[row_of[name]], frames.first[row_of[name] + 1]
+        if stop == first or start_s[row] > last_s[stop - 1]:
+            ends = f"ends at {last_s[stop - 1]:g} s" if stop > first else "has no frames"
+            raise log.fault(row, f"start_s: {start_s[row]:g} s, but {one_line(name)} {ends}")
+    name_of = {title: name for name, title in title_of.items()}
+    own = [name_of.get(name, name) for name in recording]
+    return pd.DataFrame(
+        {
+            "recording": pd.Series(own, dtype=object),
+            "start_s": start_s,
+            "end_s": end_s,
+            "track": track,
+            "log_kind": pd.Series(log.texts("kind", may_be_empty=True), dtype=object),
+        }
+    )
+
+
+INPUT: Final = Input(
+    name=ALERTS_INPUT,
+    is_named=lambda session: any(
+        system.alerts is not None or system.alert_policy is not None for system in session.systems
+    ),
+    join=with_alerts,
+)

@@ -1,0 +1,30 @@
+"""Kinds of alerts by what they were worth, with one sentence each."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Final
+
+
+class AlertKind(StrEnum):
+    """What an alert was worth; the first that holds, in this order."""
+
+    IGNORED = "ignored"
+    FALSE = "false"
+    NUISANCE = "nuisance"
+    REDUNDANT = "redundant"
+    NEEDED = "needed"
+    WANTED = "wanted"
+
+
+ALERT_TEXT: Final[dict[AlertKind, str]] = {
+    AlertKind.IGNORED: "About what the ground truth ignores: neither right nor wrong.",
+    AlertKind.FALSE: "Its boxes match {nobody}, and nothing that is ignored.",
+    AlertKind.NUISANCE: "About {a_one} who is not urgent, and far or outside of the corridor when "
+    "it begins.",
+    AlertKind.REDUNDANT: "About {a_one} whom the driver has seen before it begins.",
+    AlertKind.NEEDED: "About {a_one} whom the driver has not seen when it begins.",
+    AlertKind.WANTED: "Redundant or needed: whether the driver sees the {one} is not known.",
+}
+UNWANTED: Final = (AlertKind.FALSE, AlertKind.NUISANCE, AlertKind.REDUNDANT)
+"""Alerts that the driver would rather not have had."""

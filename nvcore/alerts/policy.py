@@ -1,0 +1,124 @@
+"""Policies by which detections become alerts: named ones, and files of their settings.
+
+base = "balanced"
+alert_k = 0.4
+alert_pause_s = 5
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from nvcore.errors import InputError, ParameterError
+from nvcore.inputs.readers.base import SourceFile
+from nvcore.params import SETTINGS
+from nvcore.wording import did_you_mean, listed, one_line
+
+Policy = Mapping[str, Any]
+"""Values of settings by name, those of `POLICY_SETTINGS` or some of them."""
+POLICY_SETTINGS: Final = tuple(name for name in SETTINGS if name.startswith("alert_"))
+MAX_BYTES: Final = 1 << 20
+BASE: Final = "base"
+"""Key of a file: the named policy that has what the file does not say."""
+
+
+@dataclass(frozen=True)
+class NamedPolicy:
+    """A policy with a name, and what it means in a sentence."""
+
+    text: str
+    values: Policy
+
+
+POLICIES: Final[Mapping[str, NamedPolicy]] = {
+    "cautious": NamedPolicy(
+        "Few alerts: only near and well ahead, after half a second, then five seconds of silence.",
+        {
+            "alert_k": 0.75,
+            "alert_corridor": 0.5,
+            "alert_on_s": 0.5,
+            "alert_off_s": 0.5,
+            "alert_least_s": 1.0,
+            "alert_pause_s": 5.0,
+        },
+    ),
+    "balanced": NamedPolicy(
+        "The defaults: from the nearness on that counts, after two tenths of a second.", {}
+    ),
+    "eager": NamedPolicy(
+        "Early alerts: from afar and in the whole picture, at the first box, without a pause.",
+        {
+            "alert_k": 0.25,
+            "alert_corridor": 1.0,
+            "alert_on_s": 0.0,
+            "alert_off_s": 0.2,
+            "alert_least_s": 0.5,
+            "alert_pause_s": 0.0,
+        },
+    ),
+}
+"""Named policies; what one does not say is as by default. All are choices of ours."""
+
+
+def named_policy(name: str) -> dict[str, Any]:
+    """All values of a named policy that have a default.
+
+    Raises
+    ------
+    ParameterError
+        If there is none of this name.
+    """
+    if name not in POLICIES:
+        hint = did_you_mean(name, POLICIES, f"they are {listed([*POLICIES])}")
+        raise ParameterError(f"there is no policy {one_line(name)!r}; {hint}")
+    default = {name: SETTINGS[name].default for name in POLICY_SETTINGS}
+    given = {name: value for name, value in default.items() if value is not None}
+    return {**given, **POLICIES[name].values}
+
+
+def policy_from(text: str | Path) -> dict[str, Any]:
+    """The policy of this name, else of the file at this path.
+
+    Raises
+    ------
+    InputError, ParameterError
+        As `named_policy` and `read_policy`.
+    """
+    path = Path(text)
+    if str(text) in POLICIES or not (path.suffix or path.exists()):
+        return named_policy(str(text))
+    return read_policy(SourceFile(path, str(text)))
+
+
+def read_policy(file: SourceFile) -> dict[str, Any]:
+    """A policy from a TOML file; what neither it nor its base says is as by default.
+
+    Raises
+    ------
+    InputError
+        If it is no TOML, or has a key that is no setting of a policy or a value outside its range.
+    """
+    if file.is_larger_than(MAX_BYTES):
+        raise InputError("is too large for a policy", file=file.name)
+    with file.open() as stream:
+        content = stream.read()
+    try:
+        values = tomllib.loads(content.decode())
+    except ValueError as error:  # bad UTF-8, too
+        raise InputError(f"is not TOML: {error}", file=file.name) from error
+    try:
+        policy = named_policy(str(values.pop(BASE, "balanced")))
+        for name, value in values.items():
+            if name not in POLICY_SETTINGS:
+                known = (BASE, *POLICY_SETTINGS)
+                hint = did_you_mean(name, known, f"its keys are {', '.join(known)}")
+                raise ParameterError(f"a policy has no {one_line(name)!r}; {hint}")
+            SETTINGS[name].check(name, value)
+            policy[name] = value
+    except ParameterError as error:
+        raise InputError(str(error), file=file.name) from error
+    return policy

@@ -1,0 +1,29 @@
+"""What a session says of a system's alerts: its own log of them, and a policy of its own.
+
+[[system]]
+alerts = "fir_alerts.csv"    start_s,end_s,kind[,track][,recording]; or its file of detections,
+                             with a column alerted
+alert_policy = "fir.toml"    settings of alerts for this system alone
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nvcore.inputs.facts import path_field
+
+
+@dataclass(frozen=True, kw_only=True)
+class SystemAlerts:
+    """What a ``[[system]]`` says of its alerts; None: nothing.
+
+    Attributes
+    ----------
+    alerts
+        CSV of its alerts, or its file of detections with a column ``alerted``.
+    alert_policy
+        TOML file of its policy (`nvcore.alerts.policy`).
+    """
+
+    alerts: str | None = path_field()
+    alert_policy: str | None = path_field()

@@ -1,0 +1,109 @@
+"""Settings of alerts: the policy by which detections become alerts, or that the log tells them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final, Literal
+
+from nvcore.driver.comparison.settings import DRIVER
+from nvcore.stages import MATCH, PROXIMITY, Stage, setting, share
+from nvcore.time_left.settings import URGENCY
+
+ALERTS: Final = Stage("alerts", "Alerts", (MATCH, PROXIMITY, URGENCY, DRIVER), "alerts")
+
+RESULTS: Final = (ALERTS,)
+"""The stages whose results are shown."""
+
+Asked = Literal["off", "policy", "log"]
+Oracle = Literal["off", "on"]
+_USED: Final = ("alerts", ("policy", "log"))
+
+
+def _has_alerts(dataset: Any) -> bool:
+    return dataset.of("alerts") is not None
+
+
+def _setting(default: float | str | None, **known: Any) -> Any:
+    known = {"used_with": _USED, "is_advanced": True, "applies": _has_alerts} | known
+    return setting(ALERTS, default, **known)
+
+
+def _duration(default: float, label: str, meaning: str) -> Any:
+    known: dict[str, Any] = {"low": 0, "high": 600, "slider_high": 10, "step": 0.1, "unit": "s"}
+    return _setting(default, label=label, meaning=meaning, **known)
+
+
+@dataclass(frozen=True)
+class AlertSettings:
+    """The part of `nvcore.params.Params` that says when a system alerts the driver."""
+
+    alerts: Asked = _setting(
+        "off",
+        used_with=None,
+        words={"off": "not asked for", "policy": "by the policy", "log": "by its own log"},
+        label="Alerts",
+        meaning="How detections become alerts: by the policy that the next settings make, or by "
+        "the system's own log where the data have one, else by the policy (log). Off: alerts are "
+        "not judged.",
+    )
+    alert_k: float = share(
+        ALERTS,
+        0.5,
+        used_with=_USED,
+        applies=_has_alerts,
+        is_advanced=True,
+        label="Alert from (proximity weight)",
+        meaning="Least proximity weight of a box that can alert the driver.",
+    )
+    alert_distance_m: float | None = _setting(
+        None,
+        low=0,
+        high=1000,
+        slider_high=200,
+        unit="m",
+        label="Alert within",
+        meaning="Largest distance of a box that can alert the driver, where it is reported; "
+        "the proximity weight decides on the others. Default: it decides on all.",
+        unset="by proximity weight alone",
+    )
+    alert_corridor: float = share(
+        ALERTS,
+        0.75,
+        used_with=_USED,
+        applies=_has_alerts,
+        is_advanced=True,
+        unit="of half the image width",
+        label="Alert corridor (of half the width)",
+        meaning="A box farther from the middle of the picture than this does not alert the driver. "
+        "1: the whole picture counts.",
+    )
+    alert_score: float | None = _setting(
+        None,
+        label="Alert from (score)",
+        meaning="Least score of a box that can alert the driver, of both systems, beyond the "
+        "threshold of each. Default: that threshold alone.",
+        unset="the score threshold alone",
+    )
+    alert_on_s: float = _duration(
+        0.2, "Alert on after", "So long a track has to meet all this before the alert begins."
+    )
+    alert_off_s: float = _duration(
+        0.4, "Alert off after", "So long it may fail to meet it before the alert ends."
+    )
+    alert_least_s: float = _duration(
+        0.8, "Shortest alert", "So long an alert lasts at least, whatever becomes of its track."
+    )
+    alert_pause_s: float = _duration(
+        2.0, "Pause after an alert", "So long after an alert the same track gives no other."
+    )
+    alert_oracle: Oracle = _setting(
+        "off",
+        words={"off": "alert anyway", "on": "keep still (an oracle)"},
+        label="If the driver has seen {him}",
+        meaning="Whether a box of {a_one} whom the driver has seen before cannot alert him (on): "
+        "what a perfect driver monitor would bring, an oracle, as no system knows it. False alarms "
+        "alert anyway. Of no effect where no detectability is known.",
+    )
+
+    def check_together(self) -> None:
+        """All values go together."""

@@ -1,0 +1,273 @@
+"""What alerts add to a comparison: their step, and what they made as one view."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, cast
+
+import numpy as np
+import pandas as pd
+
+from nvcore.alerts.episodes import (
+    NO_ALERTS,
+    Reported,
+    Scene,
+    alerts_by_log,
+    alerts_by_policy,
+    log_of,
+    policy_of,
+)
+from nvcore.alerts.kinds import UNWANTED, AlertKind
+from nvcore.alerts.settings import ALERTS
+from nvcore.comparison import Result
+from nvcore.measures.entry import Condition
+from nvcore.metrics.matching import Matches, match_system
+from nvcore.metrics.proximity import Weights
+from nvcore.params import Params
+from nvcore.schema import Category
+from nvcore.scoring import Inputs, ScoringStep, SystemInputs, SystemResult
+from nvcore.time_left.steps import time_left_in
+
+MOST_POINTS: Final = 40
+"""Thresholds of a trade-off curve, at most."""
+
+
+def _scene(at: Inputs, k_truth: Weights, urgency: pd.DataFrame, seen: pd.DataFrame) -> Scene:
+    return Scene(at.dataset, at.encounters, k_truth.k, urgency, seen, float(at.params.corridor))
+
+
+def _find_alerts(
+    at: SystemInputs,
+    matches: Matches,
+    weights: Weights,
+    k_truth: Weights,
+    urgency: pd.DataFrame,
+    seen: pd.DataFrame,
+) -> pd.DataFrame:
+    if at.params.alerts == "off":
+        return NO_ALERTS
+    scene, number = _scene(at, k_truth, urgency, seen), at.dataset.systems.index(at.name)
+    log = log_of(at.dataset, number)
+    if at.params.alerts == "log" and log is not None:
+        whole = match_system(at.dataset, at.name, None, at.params)
+        return alerts_by_log(scene, Reported(at.detections, weights.k, whole), log)
+    policy = policy_of(at.params, at.dataset, number)
+    reported = Reported(at.detections, weights.k, matches)
+    return alerts_by_policy(scene, reported, policy, threshold=_in_use(at.threshold, policy))
+
+
+def _in_use(threshold: float | None, policy: Params) -> float:
+    """The score threshold in use: the comparison's, or that of the policy if it is higher."""
+    return max(-np.inf if value is None else value for value in (threshold, policy.alert_score))
+
+
+STEPS: Final = (
+    ScoringStep(
+        "alerts",
+        _find_alerts,
+        (ALERTS,),
+        ("matches", "weights", "k_truth", "urgency", "detectable"),
+    ),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class AlertsView:
+    """Alerts in a comparison: what ``result.of("alerts")`` returns."""
+
+    result: Result
+
+    @property
+    def is_asked(self) -> bool:
+        """Whether alerts are judged."""
+        return bool(self.result.params.alerts != "off")
+
+    def of(self, system: SystemResult) -> pd.DataFrame:
+        """Alerts of a system (`nvcore.alerts.episodes.NO_ALERTS` has the columns)."""
+        return cast("pd.DataFrame", system.made["alerts"])
+
+    def is_logged(self, system: SystemResult) -> bool:
+        """Whether they are those of its own log."""
+        number = self.result.dataset.systems.index(system.name)
+        has_log = log_of(self.result.dataset, number) is not None
+        return bool(self.result.params.alerts == "log" and has_log)
+
+    def rows_of_kind(self, system: SystemResult, *kinds: AlertKind) -> np.ndarray:
+        """First frame row of each alert of these kinds; int64."""
+        alerts = self.of(system)
+        rows: np.ndarray = alerts["first_row"].to_numpy()[alerts["kind"].isin(kinds).to_numpy()]
+        return rows
+
+    def count(self, system: SystemResult) -> dict[AlertKind, int]:
+        """Alerts of each kind."""
+        return count_kinds(self.of(system))
+
+    def first_alert(self, system: SystemResult) -> np.ndarray:
+        """Frame row of the first alert of each encounter, -1: none; int64, (n_encounters,)."""
+        return first_alerts(self.of(system), len(self.result.encounters))
+
+    def in_time(self, system: SystemResult) -> np.ndarray:
+        """Urgent encounters alerted before the last chance; bool, shape (n_encounters,)."""
+        return self._in_time(self.of(system))
+
+    def _in_time(self, alerts: pd.DataFrame) -> np.ndarray:
+        time_left = time_left_in(self.result)
+        row = first_alerts(alerts, len(self.result.encounters))
+        last_chance = time_left.urgency["urgent_row"].to_numpy()
+        in_time: np.ndarray = time_left.is_urgent & (row >= 0) & (row < last_chance)
+        return in_time
+
+    def lead_s(self, system: SystemResult) -> np.ndarray:
+        """Time from the first alert of each urgent encounter to its last chance, seconds.
+
+        More is better, 0 or less is too late; NaN unless urgent and alerted; float64, shape
+        (n_encounters,). The last chance has the reaction time in it already.
+        """
+        time_left, frames = time_left_in(self.result), self.result.dataset.frame_columns
+        row = self.first_alert(system)
+        is_alerted = time_left.is_urgent & (row >= 0)
+        first, last = row[is_alerted], time_left.urgency["urgent_row"].to_numpy()[is_alerted]
+        lead_s = np.full(len(row), np.nan)
+        rate = frames.fps[frames.recording[first]]
+        lead_s[is_alerted] = (frames.frame[last] - frames.frame[first]) / rate
+        return lead_s
+
+    @cached_property
+    def is_near(self) -> np.ndarray:
+        """Encounters that count; bool, shape (n_encounters,)."""
+        is_near: np.ndarray = self.result.category != Category.DISTANT.value
+        return is_near
+
+    @cached_property
+    def table(self) -> pd.DataFrame:
+        """Alerts of X, then of Y, as in ``alerts.csv`` (docs/alerts.md)."""
+        return pd.concat([*self._tables()], ignore_index=True)
+
+    def _tables(self) -> Iterator[pd.DataFrame]:
+        result = self.result
+        frames, recordings = result.dataset.frame_columns, result.dataset.recordings["name"]
+        time_s = result.dataset.frames["time_s"].to_numpy()
+        for letter, system in result.sides:
+            alerts, lead_s = self.of(system), self.lead_s(system)
+            first, last = alerts["first_row"].to_numpy(), alerts["last_row"].to_numpy()
+            encounter = alerts["encounter"].to_numpy()
+            is_first = np.zeros(len(alerts), bool)
+            is_met = encounter >= 0
+            is_first[is_met] = self.first_alert(system)[encounter[is_met]] == first[is_met]
+            whose, lead = np.full(len(alerts), None), np.full(len(alerts), np.nan)
+            whose[is_met] = result.encounters.track[encounter[is_met]]
+            lead[is_first] = lead_s[encounter[is_first]]
+            yield pd.DataFrame(
+                {
+                    "system": letter,
+                    "recording": recordings.to_numpy()[alerts["recording"]],
+                    "start_frame": frames.frame[first],
+                    "end_frame": frames.frame[last],
+                    "start_s": time_s[first],
+                    "duration_s": time_s[last] + frames.step_s[last] - time_s[first],
+                    "track": alerts["track"].where(alerts["track"] >= 0).astype("Int64"),
+                    "kind": alerts["kind"],
+                    "encounter": pd.array(whose, dtype="Int64"),
+                    "lead_s": lead,
+                    "log_kind": alerts["log_kind"],
+                }
+            )
+
+    @cached_property
+    def curve(self) -> pd.DataFrame:
+        """Pedestrians alerted in time against unwanted alerts, over the score threshold.
+
+        The rest of the policy is as it is. Down to the lowest score that the system reports,
+        whatever the threshold of the comparison.
+
+        Returns
+        -------
+        Rows of X, then of Y, each with the threshold ascending: system (``x`` or ``y``), of
+        (``policy``; ``in use``: at the threshold in use; ``log``: what the log tells), threshold
+        (-inf: every box; NaN of a log), alerts of each `AlertKind` (its name), unwanted_per_hour
+        (fewer is better), in_time (urgent encounters alerted in time, more is better),
+        share_in_time (NaN: none is urgent), alerted (encounters that count).
+        """
+        rows = [
+            {"system": letter, **self._point(alerts), "of": of, "threshold": threshold}
+            for letter, system in self.result.sides
+            for of, threshold, alerts in self._points(system)
+        ]
+        first = ("system", "of", "threshold")
+        return pd.DataFrame(
+            rows, columns=[*first, *(name for name in rows[0] if name not in first)]
+        )
+
+    def _points(self, system: SystemResult) -> Iterator[tuple[str, float, pd.DataFrame]]:
+        result, params = self.result, self.result.params
+        dataset, made = result.dataset, result.made
+        inputs = Inputs(dataset, params, result.tracks, result.encounters)
+        scene = _scene(inputs, result.k_truth, made["urgency"], made["detectable"])
+        matches = match_system(dataset, system.name, None, params)
+        reported = Reported(dataset.system(system.name), system.weights.k, matches)
+        policy = policy_of(params, dataset, dataset.systems.index(system.name))
+        # a loop over thresholds: which boxes are linked, and the pauses, are others at each
+        for threshold in thresholds_of(reported.boxes.score):
+            yield (
+                "policy",
+                threshold,
+                alerts_by_policy(scene, reported, policy, threshold=threshold),
+            )
+        in_use = _in_use(system.threshold, policy)
+        yield "in use", in_use, alerts_by_policy(scene, reported, policy, threshold=in_use)
+        if self.is_logged(system):
+            yield "log", np.nan, self.of(system)
+
+    def _point(self, alerts: pd.DataFrame) -> dict[str, float]:
+        counts, n_encounters = count_kinds(alerts), len(self.result.encounters)
+        hours = self.result.duration_s / 3600
+        n_unwanted, n_urgent = sum(counts[kind] for kind in UNWANTED), self.n_urgent
+        in_time = int(np.count_nonzero(self._in_time(alerts)))
+        is_alerted = self.is_near & (first_alerts(alerts, n_encounters) >= 0)
+        return {
+            **{kind.value: n for kind, n in counts.items()},
+            "unwanted_per_hour": n_unwanted / hours if hours else np.nan,
+            "in_time": in_time,
+            "share_in_time": in_time / n_urgent if n_urgent else np.nan,
+            "alerted": int(np.count_nonzero(is_alerted)),
+        }
+
+    @property
+    def n_urgent(self) -> int:
+        """Urgent encounters."""
+        return int(np.count_nonzero(time_left_in(self.result).is_urgent))
+
+
+def count_kinds(alerts: pd.DataFrame) -> dict[AlertKind, int]:
+    """Alerts of each kind."""
+    return {kind: int((alerts["kind"] == kind.value).sum()) for kind in AlertKind}
+
+
+def first_alerts(alerts: pd.DataFrame, n_encounters: int) -> np.ndarray:
+    """Frame row of the first alert of each encounter, -1: none; int64, (n_encounters,)."""
+    encounter = alerts["encounter"].to_numpy()
+    is_met = encounter >= 0
+    never = np.iinfo(np.int64).max
+    row = np.full(n_encounters, never)
+    np.minimum.at(row, encounter[is_met], alerts["first_row"].to_numpy()[is_met])
+    row[row == never] = -1
+    return row
+
+
+def thresholds_of(score: np.ndarray) -> list[float]:
+    """Thresholds of a curve: every box, then scores that occur, `MOST_POINTS` in all at most."""
+    known = np.unique(score[~np.isnan(score)])[1:]  # at the least of all every box is there
+    if len(known) > MOST_POINTS - 1:
+        known = known[np.linspace(0, len(known) - 1, MOST_POINTS - 1).round().astype(int)]
+    return [-np.inf, *known.tolist()]
+
+
+def alerts_in(result: Result) -> AlertsView:
+    """Alerts in a comparison: what ``result.of("alerts")`` returns."""
+    return cast("AlertsView", result.of("alerts"))
+
+
+ASKED: Final = Condition(lambda result: alerts_in(result).is_asked, "where `alerts` is off")
+"""That alerts are judged."""

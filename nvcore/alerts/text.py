@@ -1,0 +1,62 @@
+"""Alerts as text for the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.alerts.measures import MEASURES
+from nvcore.alerts.said import alert_facts
+from nvcore.alerts.steps import AlertsView
+from nvcore.measures.table import label_words
+from nvcore.sentences import say
+from nvcore.wording import aligned, number, one_line
+
+MOST_SHOWN: Final = 8
+"""Points of each curve that are printed."""
+
+
+def render_alerts(view: AlertsView) -> str:
+    """What there is to say, the measures, and the curves in some of their points."""
+    result = view.result
+    lines = [
+        *(f"{letter.upper()}: {one_line(system.name)}" for letter, system in result.sides),
+        "",
+        *(say(fact, result.objects) for fact in alert_facts(result)),
+        "",
+        *aligned([("", "X", "Y"), *_measures(view)]),
+        "",
+        "over the score threshold, the rest of the policy as it is:",
+        *aligned([("", "score from", "unwanted per hour", "in time", "alerted"), *_curve(view)]),
+    ]
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def _measures(view: AlertsView) -> Iterator[tuple[str, ...]]:
+    result, words = view.result, label_words(view.result)
+    for measure in MEASURES:
+        if measure.of is not None:
+            label = result.objects.say(measure.label, **words)
+            values = (measure.of(result, system) for _, system in result.sides)
+            yield label, *(number(value, measure.form) for value in values)
+
+
+def _curve(view: AlertsView) -> Iterator[tuple[str, ...]]:
+    curve = view.curve
+    for letter, _ in view.result.sides:
+        own = curve[curve["system"] == letter]
+        points = own[own["of"] == "policy"]
+        shown = np.unique(np.linspace(0, len(points) - 1, MOST_SHOWN).round().astype(int))
+        others = own[own["of"] != "policy"]
+        for row in pd.concat([points.iloc[shown], others]).to_dict("records"):
+            name = letter.upper() if row["of"] == "policy" else f"{letter.upper()}, {row['of']}"
+            yield (
+                name,
+                "every box" if np.isneginf(row["threshold"]) else number(row["threshold"], ".4g"),
+                number(row["unwanted_per_hour"], ".1f"),
+                str(row["in_time"]),
+                str(row["alerted"]),
+            )

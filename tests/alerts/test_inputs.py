@@ -1,0 +1,236 @@
+"""Logs and policies as files, the command, and what of all this a comparison shows."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from approach import ALL, approach, only
+from builders import Box, at
+from inputs import nvcore as run
+from inputs import write
+
+import nvcore as nv
+from nvcore.alerts.policy import named_policy
+from nvcore.alerts.steps import AlertsView, alerts_in
+from nvcore.errors import InputError, ParameterError
+from nvcore.inputs.session_toml import read_session, write_session
+
+HEAD = "frame,x,y,w,h,score,track"
+
+
+def rows(boxes: list[Box]) -> list[str]:
+    return [f"{box.frame},{box.x},{box.y},{box.w},{box.h},{box.score},{box.track}" for box in boxes]
+
+
+@pytest.fixture
+def night(tmp_path: Path) -> Path:
+    """A session: an urgent pedestrian, whom X finds from frame 5 on; both have a false track."""
+    boxes = approach(ALL, 5)
+    false = [at(frame, 20, w=6.0, track=9, score=0.5) for frame in range(10, 20)]
+    truth = [f"{box.frame},{box.x},{box.y},{box.w},{box.h},{box.track}" for box in boxes]
+    write(tmp_path / "truth.csv", "frame,x,y,w,h,track", *truth)
+    write(tmp_path / "x.csv", HEAD, *rows([*only(boxes, range(5, 40)), *false]))
+    write(tmp_path / "y.csv", HEAD, *rows(false))
+    return session(tmp_path)
+
+
+def session(folder: Path, *of_x: str) -> Path:
+    return write(
+        folder / "night.toml",
+        "[defaults]", 'size = "100x100"', "fps = 10", 'frames = "0:39"',
+        "[truth]", 'path = "truth.csv"',
+        "[[system]]", 'name = "X"', 'path = "x.csv"', *of_x,
+        "[[system]]", 'name = "Y"', 'path = "y.csv"',
+    )  # fmt: skip
+
+
+def of_x(view: AlertsView) -> pd.DataFrame:
+    own = view.table[view.table["system"] == "x"].reset_index(drop=True)
+    return own.drop(columns="log_kind")
+
+
+def test_a_log_written_from_a_policy_gives_its_alerts(night: Path):
+    by_policy = of_x(nv.judge_alerts(night, policy="eager"))
+    assert by_policy["kind"].tolist() == ["wanted", "false"]
+    end_s = by_policy["start_s"] + by_policy["duration_s"] - 0.1  # begin of its last frame
+    log = [
+        f"{start},{end:.6f},pedestrian,{track}"
+        for start, end, track in zip(by_policy["start_s"], end_s, by_policy["track"], strict=True)
+    ]
+    write(night.parent / "log.csv", "start_s,end_s,kind,track", *log)
+    view = nv.judge_alerts(session(night.parent, 'alerts = "log.csv"'))
+    pd.testing.assert_frame_equal(of_x(view), by_policy)
+    assert view.table["log_kind"].tolist()[:2] == ["pedestrian"] * 2
+    assert view.curve[view.curve["of"] == "log"]["system"].tolist() == ["x"]
+
+
+def test_a_column_of_the_detections_is_a_log_as_well(night: Path):
+    quick = {"alert_off_s": 0.0, "alert_least_s": 0.0, "alert_corridor": 1.0}
+    by_policy = of_x(nv.judge_alerts(night, alerts="policy", **quick))
+    with (night.parent / "x.csv").open() as file:
+        lines = [*csv.reader(file)]
+    spans = by_policy[["track", "start_frame", "end_frame"]].to_numpy().tolist()
+    flags = [
+        int(
+            any(int(line[6]) == track and low <= int(line[0]) <= high for track, low, high in spans)
+        )
+        for line in lines[1:]
+    ]
+    alerted = [",".join([*line, str(flag)]) for line, flag in zip(lines[1:], flags, strict=True)]
+    write(night.parent / "x.csv", f"{HEAD},alerted", *alerted)
+    view = nv.judge_alerts(session(night.parent, 'alerts = "x.csv"'))
+    pd.testing.assert_frame_equal(of_x(view), by_policy)
+
+
+def test_a_log_without_tracks_is_about_whom_the_system_finds_meanwhile(night: Path):
+    write(night.parent / "log.csv", "start_s;end_s;kind", "0;0,3;a", "1,04;1,2;b", "0,4;0,6;")
+    table = of_x(nv.judge_alerts(session(night.parent, 'alerts = "log.csv"')))
+    kinds = table[["start_frame", "end_frame", "kind"]].to_numpy().tolist()
+    # before frame 5 X has no box; of two boxes in frame 11 that which matches counts
+    assert kinds == [[0, 3, "false"], [4, 6, "wanted"], [11, 12, "wanted"]]
+    assert table["lead_s"].tolist()[1] == pytest.approx(2.5)
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        (["start_s,end_s", "0,1"], "kind is missing"),
+        (["start_s,end_s,kind", "2,1,a"], "line 2.*end_s: expected start_s or more"),
+        (["start_s,end_s,kind", "0,1,a", "9,10,a"], r"line 3.*9 s, but .* ends at 3.9 s"),
+        (["start_s,end_s,kind,recording", "0,1,a,there"], "line 2.*there is no 'there'"),
+        (["frame,x,y,w,h,alerted", "0,1,1,1,1,1"], "no file of the detections of X"),
+    ],
+)
+def test_a_log_that_cannot_be_used_is_refused_with_its_line(night: Path, lines, words):
+    write(night.parent / "log.csv", *lines)
+    with pytest.raises(InputError, match=words):
+        nv.judge_alerts(session(night.parent, 'alerts = "log.csv"'))
+
+
+def test_a_policy_is_a_file_that_begins_from_a_named_one(night: Path):
+    write(night.parent / "ours.toml", 'base = "eager"', "alert_on_s = 3.4")
+    view = nv.judge_alerts(night, policy=night.parent / "ours.toml")
+    params = view.result.params
+    assert (params.alert_on_s, params.alert_k) == (3.4, named_policy("eager")["alert_k"])
+    assert of_x(view)["start_frame"].tolist() == [39]
+    own = nv.judge_alerts(session(night.parent, 'alert_policy = "ours.toml"'))
+    assert of_x(own)["start_frame"].tolist() == [39]
+    assert own.table["system"].tolist() == ["x", "y"]  # Y by the settings
+    for line in ("alert_corner = 1", "alert_k = 2", 'alerts = "off"', "= 1"):
+        write(night.parent / "ours.toml", line)
+        with pytest.raises(InputError, match=r"ours\.toml"):
+            nv.judge_alerts(night, policy=night.parent / "ours.toml")
+    with pytest.raises(ParameterError, match="cautious, balanced and eager"):
+        nv.judge_alerts(night, policy="bold")
+
+
+def test_named_policies_alert_the_more_the_bolder_they_are(night: Path):
+    n = [len(nv.judge_alerts(night, policy=name).table) for name in ("cautious", "balanced")]
+    assert named_policy("balanced")["alert_k"] == 0.5
+    assert n[0] <= n[1] <= len(nv.judge_alerts(night, policy="eager").table)
+
+
+def test_the_session_that_is_written_names_log_and_policy(night: Path):
+    write(night.parent / "log.csv", "start_s,end_s,kind", "0,1,a")
+    write(night.parent / "ours.toml", "alert_k = 0.1")
+    given = session(night.parent, 'alerts = "log.csv"', 'alert_policy = "ours.toml"')
+    text = write_session(read_session(given), version="0", fingerprint="0")
+    again = read_session(write(night.parent / "again.toml", text))
+    assert again.systems[0].alerts == (night.parent / "log.csv").as_posix()
+    comparison = nv.compare(night.parent / "again.toml", alerts="log")
+    comparison.write(night.parent / "out")
+    write(night.parent / "log.csv", "start_s,end_s,kind", "0,2,a")
+    changed = nv.load(night.parent / "out" / "session.toml")
+    assert "input-changed" in {finding.code for finding in changed.findings}
+    assert changed.fingerprint != comparison.dataset.fingerprint
+
+
+def test_the_log_is_found_again_where_recordings_are_renamed_or_left_out(night: Path):
+    name = night.parent.name  # of the recording, too
+    write(night.parent / "log.csv", "start_s,end_s,kind,recording", f"0,1,a,{name}")
+    given = session(night.parent, 'alerts = "log.csv"')
+    dataset = nv.load(given, alerts="log")
+    renamed = dataset.renamed({"X": "FIR"}, {name: "drive"})
+    table = alerts_in(nv.compare(renamed).result).table
+    assert table[table["system"] == "x"]["recording"].tolist() == ["drive"]
+
+
+def test_the_command_prints_measures_and_curve_and_writes_both_tables(night: Path):
+    out = night.parent / "out"
+    result = run("alerts", night, "--policy", "eager", "--out", out)
+    assert result.exit_code == 0, result.output
+    assert "X gives 2 alerts (1 false, 1 wanted); in time for 1 of 1 urgent encounter" in (
+        result.output
+    )
+    assert "unwanted alerts per hour" in result.output
+    assert "every box" in result.output
+    written = pd.read_csv(out / "alerts.csv")
+    assert written["kind"].tolist() == ["wanted", "false", "false"]
+    assert {"policy", "in use"} == set(pd.read_csv(out / "alert_curve.csv")["of"])
+    assert run("alerts", night, "--alerts", "off").exit_code == 2
+
+
+def test_a_comparison_shows_alerts_only_if_it_is_asked_for_them(night: Path, tmp_path: Path):
+    plain = run("compare", night, "--out", tmp_path / "plain").stdout
+    asked = run("compare", night, "--alerts", "policy", "--out", tmp_path / "asked").stdout
+    assert "alerts:" in asked
+    assert "alerts:" not in plain
+    summaries = [
+        json.loads((tmp_path / name / "summary.json").read_text()) for name in ("plain", "asked")
+    ]
+    new = set(summaries[1]["x"]) - set(summaries[0]["x"])
+    assert {"alerts_unwanted_per_hour", "alerted_in_time", "median_alert_lead_s"} <= new
+    assert "alerts" not in summaries[0]["parameters"]
+    assert summaries[1]["parameters"]["alerts"] == "policy"
+    heads = [list(pd.read_csv(tmp_path / name / "encounters.csv")) for name in ("plain", "asked")]
+    assert set(heads[1]) - set(heads[0]) == {
+        f"alert_{name}_{letter}" for name in ("frame", "lead_s") for letter in "xy"
+    }
+    rule = ("gate", night, "--rule", "alerted_in_time_x >= 1")
+    assert run(*rule, "--alerts", "policy").exit_code == 0
+    assert run(*rule).exit_code == 1  # undefined
+
+
+def test_the_report_has_a_section_and_the_figure_marks_what_is_in_use(night: Path, tmp_path: Path):
+    comparison = nv.compare(night, alerts="policy")
+    comparison.write_html(tmp_path / "night.html", stability=False)
+    html = (tmp_path / "night.html").read_text()
+    assert 'id="alerts"' in html
+    assert "Alerts by what they were worth" in html
+    names = [trace.name for trace in comparison.figures.alert_trade_off().data]
+    assert names == ["X: X", "X: X, in use", "Y: Y", "Y: Y, in use"]
+
+
+@pytest.mark.realdata
+def test_on_kitti_the_kinds_part_the_alerts_and_a_log_of_them_is_the_same(
+    realdata: Path, tmp_path: Path
+):
+    folder = realdata / "kitti_tracking"
+    text = [
+        "[defaults]", 'size = "1224x370"', "fps = 10",
+        "[truth]", f'path = "{folder}/label_02/0016.txt"',
+        "[[system]]", 'name = "X"', f'path = "{folder}/rrc_ped/0016.txt"',
+        "[[system]]", 'name = "Y"', f'path = "{folder}/pointrcnn_ped/0016.txt"',
+    ]  # fmt: skip
+    view = nv.judge_alerts(write(tmp_path / "kitti.toml", *text), policy="eager")
+    alerts = of_x(view)
+    assert len(alerts) > 10
+    assert {"wanted", "false"} <= set(alerts["kind"])
+    assert (alerts["duration_s"] >= 0.5 - 1e-9).sum() >= len(alerts) - 3  # but at the end
+    about = alerts["kind"].isin(["nuisance", "redundant", "needed", "wanted"])
+    assert (alerts["encounter"].notna() == about).all()
+    curve = view.curve[view.curve["of"] == "policy"]
+    assert (curve[["in_time", "alerted"]].iloc[-1] <= curve[["in_time", "alerted"]].iloc[0]).all()
+    end_s = alerts["start_s"] + alerts["duration_s"] - 0.1
+    log = [
+        f"{start:.6f},{end:.6f},,{track}"
+        for start, end, track in zip(alerts["start_s"], end_s, alerts["track"], strict=True)
+    ]
+    write(tmp_path / "log.csv", "start_s,end_s,kind,track", *log)
+    text.insert(text.index('name = "X"'), 'alerts = "log.csv"')
+    logged = nv.judge_alerts(write(tmp_path / "logged.toml", *text))
+    pd.testing.assert_frame_equal(of_x(logged), alerts)
