@@ -12,7 +12,7 @@ from ui.widgets.text import docs_link
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """The policy, what its alerts come to, the alerts one by one, and whether the driver can react."""
+    """The policy, its alerts in numbers and one by one, and whether the driver can react."""
     st.caption(
         state.say(
             "Which detections would reach the driver as alerts, and was each of them worth it? A "

@@ -11,7 +11,7 @@ from builders import Place, at, make_dataset, result_of
 from other_params import OTHER, WITH
 from scenes import draw_scene
 
-from nvcore.alerts.settings import ALERTS
+from nvcore.alerts.settings import ALERTS, IN_TIME
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
@@ -78,6 +78,7 @@ MADE_BY: dict[Stage, set[str]] = {
     MISS_WEIGHTS: {"k_miss"},
     DRIVER: {"detectable"},
     ALERTS: {"x alerts"},
+    IN_TIME: {"in time for drivers"},
 }
 """What a setting of a stage changes first: one of these at least."""
 
@@ -114,6 +115,7 @@ def figures(result: Result) -> dict[str, Any]:
         "urgency": time_left_in(result).urgency,
         "track": result.tracks.track, "lead": result.lead_time_s, "duration": result.duration_s,
         "without_distance": result.k_truth.n_without_distance,
+        "in time for drivers": alerts_in(result).in_time_for_drivers.table,
     }  # fmt: skip
     for name in (spec.name for spec in dataclasses.fields(result.encounters)):
         by_name[f"encounters {name}"] = getattr(result.encounters, name)

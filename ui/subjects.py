@@ -10,8 +10,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+import plotly.graph_objects as go
 
 from nvcore.comparison import Result
+from nvcore.palette import Theme
 from nvcore.stages import Stage
 from nvcore.subjects import resolve, subjects
 
@@ -82,6 +84,24 @@ class MadeFile:
     meaning: str
 
 
+@dataclass(frozen=True)
+class TimelinePlot:
+    """A figure over time below the lanes of the page Timeline.
+
+    Attributes
+    ----------
+    applies
+        Whether a comparison has what it shows.
+    make
+        Of the result, the recording's row and the theme. A mark's ``customdata`` is the row in
+        ``dataset.frames`` and that in ``result.encounters``, -1: nobody.
+    """
+
+    key: str
+    applies: Callable[[Result], bool]
+    make: Callable[[Result, int, Theme], go.Figure]
+
+
 @cache
 def contributed(kind: str) -> tuple[Any, ...]:
     """What each subject adds to a list of the dashboard, of those that add to it.
@@ -93,8 +113,9 @@ def contributed(kind: str) -> tuple[Any, ...]:
         ``"PAGES"`` (`Page`), ``"DOCUMENTS"`` (`Document`), ``"ASIDE"`` (`ui.jobs.runs.Aside`),
         ``"ROUTES"`` (`ui.session.routes.Place`), ``"STUDIES"`` (`ui.people.studies.Studies`),
         ``"PRELOADED"`` (modules that `ui.confined.nursery` loads before it forks: none that loads
-        Streamlit), ``"SIGHT"`` (`ui.widgets.drawing.Sight`) or ``"MADE_FILES"`` (function of the
-        session and of the one to be written: each `MadeFile` by its name in the latter).
+        Streamlit), ``"TIMELINE_PLOTS"`` (`TimelinePlot`), ``"SIGHT"``
+        (`ui.widgets.drawing.Sight`) or ``"MADE_FILES"`` (function of the session and of the one to
+        be written: each `MadeFile` by its name in the latter).
     """
     rooms = [subject.ui for _, subject in subjects().values() if subject.ui]
     return tuple(

@@ -12,7 +12,7 @@ SUBJECT = Subject(
     measures="measures:MEASURES",
     doubts="said:doubt_of",
     columns="columns:COLUMNS",
-    figures="figures.trade_off:FIGURES",
+    figures="figures:FIGURES",
     points="report:POINTS",
     texts="facts:TEXTS",
     lines="report:lines",
@@ -20,5 +20,6 @@ SUBJECT = Subject(
     system_keys="session:SystemAlerts",
     inputs="inputs:INPUT",
     commands="commands:COMMANDS",
+    ui="ui.alerts",
     names={"judge_alerts": "face:judge_alerts"},
 )

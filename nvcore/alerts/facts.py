@@ -51,6 +51,47 @@ class Oracle(Fact):
     kind: Literal["on", "without effect"]
 
 
+@dataclass(frozen=True)
+class ShareOfKind(Fact):
+    """The shares of urgent encounters in which a kind of alert is in time, with X and with Y."""
+
+    name: str
+    x: float
+    y: float
+
+
+@dataclass(frozen=True)
+class InTimeByKind(Fact):
+    """How often drivers react in time, by kind of alert."""
+
+    n_urgent: int
+    kinds: tuple[ShareOfKind, ...]
+
+
+@dataclass(frozen=True)
+class MoreDoubt(Fact):
+    """What contributes more doubt to the difference in time of a kind of alert.
+
+    Attributes
+    ----------
+    kind
+        The ``drivers``, who react differently, or the ``recordings``; ``few``: too few of these to
+        know.
+    low, high
+        Ends of the interval of X - Y in which both vary; of ``few`` that of the drivers. Shares.
+    drivers, recordings
+        Half the width of the interval of each alone.
+    """
+
+    kind: Literal["drivers", "recordings", "few"]
+    name: str
+    difference: float
+    low: float
+    high: float
+    drivers: float
+    recordings: float
+
+
 _TIME: Final = "; in time for {in_time} of {n_urgent!n:urgent encounter}"
 
 TEXTS: Final[Texts] = {
@@ -62,6 +103,32 @@ TEXTS: Final[Texts] = {
     },
     ViewUnknown: "of {n!n:wanted alert} it is not known whether the driver had seen the {one}: "
     "redundant and needed ones are one kind there.",
+    ShareOfKind: "{name} {x:.0%} and {y:.0%}",
+    InTimeByKind: "of {n_urgent!n:urgent encounter}, drivers brake in time with X and with Y in: "
+    "{kinds:, }",
+    MoreDoubt: {
+        kind: f"with {{name}} alerts X - Y is {{difference:+.0%}} (95 %: {{low:+.0%}} to "
+        f"{{high:+.0%}}{of}). {why}"
+        for kind, of, why in (
+            (
+                "drivers",
+                "",
+                "How drivers differ contributes more doubt (±{drivers:.0%}) than which recordings "
+                "these are (±{recordings:.0%}): more recordings of the same drivers help less.",
+            ),
+            (
+                "recordings",
+                "",
+                "Which recordings these are contributes more doubt (±{recordings:.0%}) than how "
+                "drivers differ (±{drivers:.0%}): more recordings help.",
+            ),
+            (
+                "few",
+                ", other drivers alone",
+                "The recordings are too few to know what others would give.",
+            ),
+        )
+    },
     Oracle: {
         "on": "alerts about {many} whom the driver has seen are held back, as a perfect driver "
         "monitor would: an oracle, which no system has.",

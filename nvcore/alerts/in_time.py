@@ -26,6 +26,13 @@ from nvcore.time_left.steps import time_left_in
 
 MOST_DRAWS, FEWEST_DRAWS, DRAWN = 2_000, 200, 20_000_000
 """Draws of all drivers' reactions, and resamples of recordings: as many as keep so many numbers."""
+DRIVER_WORDS: Final = {
+    "sees": "sees {him} by himself in time",
+    "does_not": "does not",
+    "not_known": "is not known to, or not to",
+    "all": "all",
+}
+"""Rows of `InTime.of_hundred`: what the driver does."""
 NEVER: Final = -np.inf
 """Slack of an encounter without an alert."""
 

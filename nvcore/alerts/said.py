@@ -4,7 +4,18 @@ from __future__ import annotations
 
 from typing import Literal
 
-from nvcore.alerts.facts import AlertsOf, OfKind, Oracle, ViewUnknown
+import numpy as np
+
+from nvcore.alerts.facts import (
+    AlertsOf,
+    InTimeByKind,
+    MoreDoubt,
+    OfKind,
+    Oracle,
+    ShareOfKind,
+    ViewUnknown,
+)
+from nvcore.alerts.in_time import InTime
 from nvcore.alerts.kinds import AlertKind
 from nvcore.alerts.settings import ALERTS
 from nvcore.alerts.steps import alerts_in
@@ -44,6 +55,31 @@ def notes(result: Result) -> tuple[Fact, ...]:
     if result.params.alert_oracle == "on":
         facts.append(Oracle("on" if result.dataset.has_detectability else "without effect"))
     return tuple(facts)
+
+
+def in_time_by_kind(result: Result) -> tuple[InTimeByKind, ...]:
+    """How often drivers react in time, by kind of alert; empty: nobody is urgent."""
+    judged = alerts_in(result).in_time_for_drivers
+    if judged.chances.empty:
+        return ()
+    shares = judged.table[judged.table["measure"] == "share"]
+    means = shares.pivot_table("mean", "kind", "side", sort=False)
+    kinds = tuple(ShareOfKind(str(kind), row["x"], row["y"]) for kind, row in means.iterrows())
+    return (InTimeByKind(len(judged.chances), kinds),)
+
+
+def more_doubt(judged: InTime, name: str) -> MoreDoubt:
+    """What contributes more doubt to the difference in time of a kind of alert."""
+    keys = judged.table[["kind", "measure", "side"]].agg(tuple, axis=1)
+    row = judged.table[keys == (name, "share", "difference")].iloc[0]
+    drivers, recordings = (
+        (row[f"{of}_high"] - row[f"{of}_low"]) / 2 for of in ("draws", "recordings")
+    )
+    if np.isnan(recordings):
+        ends = row["draws_low"], row["draws_high"]
+        return MoreDoubt("few", name, row["mean"], *ends, drivers, recordings)
+    kind: Literal["drivers", "recordings"] = "drivers" if drivers > recordings else "recordings"
+    return MoreDoubt(kind, name, row["mean"], row["low"], row["high"], drivers, recordings)
 
 
 def doubt_of(result: Result, measure: Measure) -> str:

@@ -4,13 +4,23 @@ from __future__ import annotations
 
 from typing import Final
 
-from nvcore.alerts.figures.trade_off import alert_trade_off
+from nvcore.alerts.figures import alert_trade_off, alerts_in_time
+from nvcore.alerts.in_time import DRIVER_WORDS
 from nvcore.alerts.kinds import ALERT_TEXT, AlertKind
-from nvcore.alerts.said import alert_facts
+from nvcore.alerts.said import alert_facts, in_time_by_kind, more_doubt
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
 from nvcore.params import Params
-from nvcore.report.html.blocks import Chart, Intro, Section, SectionOf, Sentences, Table, table
+from nvcore.report.html.blocks import (
+    Block,
+    Chart,
+    Intro,
+    Section,
+    SectionOf,
+    Sentences,
+    Table,
+    table,
+)
 from nvcore.sentences import say
 from nvcore.wording import number
 
@@ -20,7 +30,12 @@ def _section(result: Result) -> Section:
     sentences = tuple(say(fact, result.objects) for fact in alert_facts(result))
     figure = alert_trade_off(result, theme=result.scheme("light"))
     in_words = "Urgent encounters alerted in time over unwanted alerts per hour, X and Y"
-    blocks = (Sentences(sentences), _kinds(result), Chart("alert-trade-off", figure, in_words))
+    blocks = (
+        Sentences(sentences),
+        _kinds(result),
+        Chart("alert-trade-off", figure, in_words),
+        *_in_time(result),
+    )
     return Section("alerts", "Alerts", _introduction(result.params), blocks)
 
 
@@ -58,6 +73,27 @@ def _kinds(result: Result) -> Table:
     ]
     head = ("Alerts", "X", "Y", "X per hour", "Y per hour", "Meaning")
     return table("Alerts by what they were worth", head, rows, right=(1, 2, 3, 4))
+
+
+def _in_time(result: Result) -> tuple[Block, ...]:
+    """In how many urgent encounters drivers react in time; empty: nobody is urgent."""
+    judged = alerts_in(result).in_time_for_drivers
+    if judged.chances.empty:
+        return ()
+    figure = alerts_in_time(result, theme=result.scheme("light"))
+    kinds = list(dict.fromkeys(judged.table["kind"]))
+    facts = (*in_time_by_kind(result), *(more_doubt(judged, kind) for kind in kinds))
+    rows = [
+        (kind, result.objects.say(DRIVER_WORDS[driver]), *(f"{share:.0f}" for share in shares))
+        for kind in kinds
+        for driver, *shares in judged.of_hundred(kind).itertuples()
+    ]
+    head = ("Alert", "The driver", "Of 100", "X and Y in time", "Only X", "Only Y", "Neither")
+    return (
+        Chart("alerts-in-time", figure, "Shares in time by kind of alert, X and Y"),
+        Sentences(tuple(say(fact, result.objects) for fact in facts)),
+        table("Of 100 urgent encounters (ours)", head, rows, right=(2, 3, 4, 5, 6)),
+    )
 
 
 SECTIONS: Final = (

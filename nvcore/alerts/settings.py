@@ -11,7 +11,9 @@ from nvcore.time_left.settings import URGENCY
 
 ALERTS: Final = Stage("alerts", "Alerts", (MATCH, PROXIMITY, URGENCY, DRIVER), "alerts")
 
-RESULTS: Final = (ALERTS,)
+IN_TIME: Final = Stage("in time for the driver", "Alerts", (ALERTS,), "alerts")
+
+RESULTS: Final = (ALERTS, IN_TIME)
 """The stages whose results are shown."""
 
 Asked = Literal["off", "policy", "log"]
@@ -23,14 +25,14 @@ def _has_alerts(dataset: Any) -> bool:
     return dataset.of("alerts") is not None
 
 
-def _setting(default: float | str | None, **known: Any) -> Any:
+def _setting(default: float | str | None, *, stage: Stage = ALERTS, **known: Any) -> Any:
     known = {"used_with": _USED, "is_advanced": True, "applies": _has_alerts} | known
-    return setting(ALERTS, default, **known)
+    return setting(stage, default, **known)
 
 
-def _duration(default: float, label: str, meaning: str) -> Any:
+def _duration(default: float | None, label: str, meaning: str, **more: Any) -> Any:
     known: dict[str, Any] = {"low": 0, "high": 600, "slider_high": 10, "step": 0.1, "unit": "s"}
-    return _setting(default, label=label, meaning=meaning, **known)
+    return _setting(default, label=label, meaning=meaning, **known | more)
 
 
 @dataclass(frozen=True)
@@ -103,6 +105,34 @@ class AlertSettings:
         meaning="Whether a box of {a_one} whom the driver has seen before cannot alert him (on): "
         "what a perfect driver monitor would bring, an oracle, as no system knows it. False alarms "
         "alert anyway. Of no effect where no detectability is known.",
+    )
+
+    own_reaction_s: float | None = _duration(
+        None,
+        "Own reaction time (mean)",
+        "Mean time of your own drivers from the onset of an alert to their first movement. "
+        "Default: only the times of the source, by kind of alert.",
+        stage=IN_TIME,
+        low=0.05,
+        unset="those of the source alone",
+    )
+    own_reaction_sd_s: float = _duration(
+        0.0,
+        "Own reaction time (SD)",
+        "Standard deviation of these times; 0: all drivers alike.",
+        stage=IN_TIME,
+    )
+    foot_s: float = _duration(
+        0.0,
+        "Movement of the foot",
+        "Time from the driver's reaction to his foot on the brake.",
+        stage=IN_TIME,
+    )
+    brakes_s: float = _duration(
+        0.0,
+        "Build-up of the brakes",
+        "Time from the foot on the brake until the car brakes.",
+        stage=IN_TIME,
     )
 
     def check_together(self) -> None:

@@ -19,6 +19,7 @@ from nvcore.alerts.episodes import (
     log_of,
     policy_of,
 )
+from nvcore.alerts.in_time import REACTIONS, InTime, Reaction, judge_in_time
 from nvcore.alerts.kinds import UNWANTED, AlertKind
 from nvcore.alerts.settings import ALERTS
 from nvcore.comparison import Result
@@ -88,11 +89,14 @@ class AlertsView:
         """Alerts of a system (`nvcore.alerts.episodes.NO_ALERTS` has the columns)."""
         return cast("pd.DataFrame", system.made["alerts"])
 
-    def is_logged(self, system: SystemResult) -> bool:
-        """Whether they are those of its own log."""
+    def has_log(self, system: SystemResult) -> bool:
+        """Whether a system has a log of its own."""
         number = self.result.dataset.systems.index(system.name)
-        has_log = log_of(self.result.dataset, number) is not None
-        return bool(self.result.params.alerts == "log" and has_log)
+        return log_of(self.result.dataset, number) is not None
+
+    def is_logged(self, system: SystemResult) -> bool:
+        """Whether its alerts are those of its own log."""
+        return bool(self.result.params.alerts == "log" and self.has_log(system))
 
     def rows_of_kind(self, system: SystemResult, *kinds: AlertKind) -> np.ndarray:
         """First frame row of each alert of these kinds; int64."""
@@ -133,6 +137,21 @@ class AlertsView:
         rate = frames.fps[frames.recording[first]]
         lead_s[is_alerted] = (frames.frame[last] - frames.frame[first]) / rate
         return lead_s
+
+    @cached_property
+    def in_time_for_drivers(self) -> InTime:
+        """In how many urgent encounters drivers react in time (`nvcore.alerts.in_time`)."""
+        params, reactions = self.result.params, dict(REACTIONS)
+        if params.own_reaction_s is not None:
+            own = Reaction(params.own_reaction_s, params.own_reaction_sd_s)
+            reactions = {"own": own, **reactions}
+        return judge_in_time(
+            self.result,
+            [self.first_alert(system) for _, system in self.result.sides],
+            reactions=reactions,
+            movement_s=params.foot_s,
+            brakes_s=params.brakes_s,
+        )
 
     @cached_property
     def is_near(self) -> np.ndarray:

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.alerts.measures import MEASURES
-from nvcore.alerts.said import alert_facts
+from nvcore.alerts.said import alert_facts, in_time_by_kind
 from nvcore.alerts.steps import AlertsView
 from nvcore.measures.table import label_words
 from nvcore.sentences import say
@@ -25,7 +25,7 @@ def render_alerts(view: AlertsView) -> str:
     lines = [
         *(f"{letter.upper()}: {one_line(system.name)}" for letter, system in result.sides),
         "",
-        *(say(fact, result.objects) for fact in alert_facts(result)),
+        *(say(fact, result.objects) for fact in (*alert_facts(result), *in_time_by_kind(result))),
         "",
         *aligned([("", "X", "Y"), *_measures(view)]),
         "",

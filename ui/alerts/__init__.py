@@ -2,8 +2,10 @@
 
 from typing import Final
 
-from nvcore.alerts.settings import ALERTS
-from ui.subjects import ColumnLook, Document, Page
+from nvcore.alerts.figures.episodes import alerts_over_time
+from nvcore.alerts.settings import ALERTS, IN_TIME
+from nvcore.alerts.steps import alerts_in
+from ui.subjects import ColumnLook, Document, Page, TimelinePlot
 
 PAGES: Final = (
     Page(
@@ -11,12 +13,15 @@ PAGES: Final = (
         "Alerts",
         "Compare",
         after="time_left",
-        shown=(ALERTS,),
-        own=(ALERTS,),
+        shown=(ALERTS, IN_TIME),
+        own=(ALERTS, IN_TIME),
         asks="Which alerts would reach the driver?",
     ),
 )
 DOCUMENTS: Final = (Document("alerts", "Alerts", after="time_left"),)
+TIMELINE_PLOTS: Final = (
+    TimelinePlot("alerts_over_time", lambda result: alerts_in(result).is_asked, alerts_over_time),
+)
 COLUMN_LOOKS: Final = {
     "lead_s": ColumnLook("lead (s)", "+.2f"),
     "encounter": ColumnLook("{One}"),

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import streamlit as st
 
-from nvcore.alerts.figures.in_time import in_time_plot
-from nvcore.alerts.said import hundred, in_time_said
+from nvcore.alerts.figures import alerts_in_time
+from nvcore.alerts.in_time import DRIVER_WORDS
+from nvcore.alerts.said import in_time_by_kind, more_doubt
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
 from ui.session import state
@@ -19,38 +20,40 @@ from ui.widgets.text import docs_link, plain
 def draw(result: Result) -> None:
     """Shares in time by kind of alert, then the page for who decides."""
     st.header("In time for the driver")
-    judged = alerts_in(result).in_time_judged
+    judged = alerts_in(result).in_time_for_drivers
     if judged.chances.empty:
         st.info(state.say("{Nobody} is urgent at this speed: there is no last chance to miss."))
         return
-    for fact in in_time_said(result):
+    for fact in in_time_by_kind(result):
         st.markdown(plain(state.say(fact)))
+    link = docs_link("in time", "in-time-for-the-driver", doc="alerts")
     theme = state.theme()
     figure = kept_figure(
         "alerts_in_time",
         (comparison_key(result), theme),
-        lambda: in_time_plot(judged, (result.x.name, result.y.name), theme=theme),
+        lambda: alerts_in_time(result, theme=theme),
     )
     draw_chart(
         figure,
         "alerts_in_time",
         help="Reaction times are drawn from a lognormal distribution with mean and SD of the "
         "source's eleven persons. All kinds are judged on the same urgent encounters. Thick: other "
-        f"drivers on these recordings; thin: other recordings as well ({docs_link('in time', 'in-time-for-the-driver', doc='alerts')}).",
+        f"drivers on these recordings; thin: other recordings as well ({link}).",
     )
     st.subheader("Of 100 urgent encounters")
     kinds = [*dict.fromkeys(judged.table["kind"])]
     kind = choose_side_by_side("Kind of alert", kinds, "alerts_reaction", default=kinds[0])
     table = judged.of_hundred(kind)
     rows = [
-        MeasureRow(words, tuple(f"{value:.0f}" for value in table.loc[name]))
-        for name, words in hundred(result.objects).items()
+        MeasureRow(state.say(words), tuple(f"{value:.0f}" for value in table.loc[name]))
+        for name, words in DRIVER_WORDS.items()
     ]
     head = ("of 100", "X and Y in time", "only X", "only Y", "neither")
     st.html(measures_html(rows, key="alerts-hundred", head=head, first="The driver"))
+    st.markdown(plain(state.say(more_doubt(judged, kind))))
     st.caption(
         state.say(
             "What follows is ours, not the source's: who has seen the {one} is taken to need no "
-            "alert, and every driver is taken to answer every alert. Rounded, so a row may be one off."
+            "alert, and every driver is taken to answer every alert. Rounded: a row may be one off."
         )
     )

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import streamlit as st
 
-from nvcore.alerts.figures.trade_off import trade_off_plot
+from nvcore.alerts.figures import alert_trade_off
 from nvcore.alerts.measures import MEASURES
-from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
 from nvcore.tables.scorecard import score_rows
 from ui.session import state
@@ -30,8 +29,8 @@ def draw(result: Result) -> None:
         st.html(measures_html(rows, key="alerts"))
         st.caption(
             state.say(
-                "An hour is an hour of these recordings. Whether a difference is more than chance is "
-                "tested on the Overview ({link}).",
+                "An hour is an hour of these recordings. Whether a difference is more than "
+                "chance is tested on the Overview ({link}).",
                 link=docs_link("Alerts", "alerts", doc="alerts"),
             )
         )
@@ -44,17 +43,15 @@ def _draw_curve(result: Result) -> None:
     figure = kept_figure(
         "alerts_trade_off",
         (comparison_key(result), theme),
-        lambda: trade_off_plot(
-            alerts_in(result).curve, (result.x.name, result.y.name), theme=theme
-        ),
+        lambda: alert_trade_off(result, theme=theme),
     )
     threshold = clicked_chart(
         figure,
         "alerts_trade_off",
         help=state.say(
-            "Up and left is better: more {many} alerted in time, fewer alerts that the driver could "
-            "do without. Each point is the same policy with another score threshold; the large mark "
-            "is the one in use. Click a point to alert from that score on."
+            "Up and left is better: more {many} alerted in time, fewer that the driver could do "
+            "without. Each point is the same policy with another score threshold; the large "
+            "mark is the one in use. Click a point to alert from that score on."
         ),
     )
     if threshold is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, Final, Literal, NoReturn
 
 import numpy as np
@@ -14,8 +15,10 @@ from nvcore.figures.over_time.similarity import TimeLayout, similarity_plot
 from nvcore.stages import shown_results
 from ui.session import state, store
 from ui.session.chosen import choose_encounter, chosen_encounter
+from ui.session.results import comparison_key
 from ui.shell import title
 from ui.streamlit_inside.types import DeltaGenerator
+from ui.subjects import contributed
 from ui.timeline import listed, panel
 from ui.widgets import compared_viewer
 from ui.widgets.charts import clicked_chart, kept_figure
@@ -67,6 +70,7 @@ def draw_all(result: Result, recording: int) -> None:
     with right, st.container(height=PANEL_PX, border=False, key="frame_panel"):
         panel.draw(result, state.row_in_all())
     _draw_lanes(result)
+    _draw_added(result)
 
 
 def _draw_lanes(result: Result) -> None:
@@ -100,6 +104,25 @@ def _draw_lanes(result: Result) -> None:
         row, encounter = clicked
         choose_encounter(result, encounter)
         _go_to(row)
+
+
+def _draw_added(result: Result) -> None:
+    """What subjects show of the recording over time."""
+    recording, theme = state.recording(), state.theme()
+    for plot in contributed("TIMELINE_PLOTS"):
+        if not plot.applies(result):
+            continue
+        figure = kept_figure(
+            plot.key,
+            (comparison_key(result), recording, theme),
+            partial(plot.make, result, recording, theme),
+        )
+        clicked = _clicked(figure, plot.key, "x")
+        if clicked is not None:
+            row, encounter = clicked
+            if encounter >= 0:
+                choose_encounter(result, encounter)
+            _go_to(row)
 
 
 def _first_lane(place: DeltaGenerator, order: np.ndarray, chosen: int | None) -> int:

@@ -10,9 +10,9 @@ import plotly.graph_objects as go
 from nvcore.alerts.kinds import AlertKind
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
-from nvcore.figures.marks import line_up, marks, still_line, system_marker, with_gaps
+from nvcore.figures.marks import marks, still_line, system_marker, with_gaps
 from nvcore.figures.over_time.similarity import end_of, time_range
-from nvcore.figures.style import LEFT_PX, LOOK, axis, draw, plain, rows_axis
+from nvcore.figures.style import LEFT_PX, LOOK, axis, draw, empty_figure, plain, rows_axis
 from nvcore.palette import Theme
 from nvcore.wording import count_text
 
@@ -20,10 +20,8 @@ ROW_PX: Final = 22
 AROUND_PX: Final = 100
 
 
-def alerts_over_time(
-    result: Result, recording: int, *, theme: Theme, cursor_row: int | None = None
-) -> go.Figure | None:
-    """A bar for each alert, from its onset on; None: the recording has none.
+def alerts_over_time(result: Result, recording: int, theme: Theme) -> go.Figure:
+    """A bar for each alert, from its onset on.
 
     `customdata` of the mark at the onset is the row in ``dataset.frames`` and that in
     ``result.encounters`` (-1: about nobody).
@@ -32,13 +30,13 @@ def alerts_over_time(
     ----------
     recording
         Row of ``dataset.recordings``.
-    cursor_row
-        Row in ``dataset.frames`` of the frame that is shown; None: no cursor.
     """
     frames, view = result.dataset.frames, alerts_in(result)
     frame, time_s = frames["frame"].to_numpy(), frames["time_s"].to_numpy()
     step_s = result.dataset.frame_columns.step_s
-    traces, labels, n_alerts = [], [], 0
+    traces: list[go.Scatter] = []
+    labels: list[str] = []
+    n_alerts = 0
     for letter, system in result.sides:
         alerts = view.of(system)
         alerts = alerts[alerts["recording"].to_numpy() == recording]
@@ -74,8 +72,8 @@ def alerts_over_time(
                 )
             )
     if not labels:
-        return None
-    figure = draw(
+        return empty_figure("Nothing alerts the driver in this recording.", theme=theme)
+    return draw(
         traces,
         theme,
         title=f"Alerts, {plain(result.dataset.recordings['name'][recording])}",
@@ -87,6 +85,3 @@ def alerts_over_time(
         xaxis=axis(theme, ticksuffix=" s", range=time_range(end_of(result, recording))),
         yaxis=rows_axis(theme, labels, fixedrange=True, showgrid=False),
     )
-    if cursor_row is not None:
-        line_up(figure, float(time_s[cursor_row]), "cursor", theme)
-    return figure

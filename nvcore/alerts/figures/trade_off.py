@@ -9,8 +9,6 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.alerts.kinds import UNWANTED
-from nvcore.alerts.steps import alerts_in
-from nvcore.comparison import Result
 from nvcore.figures.marks import marks, system_marker
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, system_label
 from nvcore.palette import Theme
@@ -27,7 +25,7 @@ def trade_off_plot(
     """Urgent encounters alerted in time over unwanted alerts an hour; up and left is better.
 
     A line for each system over its score threshold, the policy as it is; a large mark where its
-    threshold stands, and a star where its own log does.
+    threshold stands, and a star where its own log does. `customdata` is the threshold.
 
     Parameters
     ----------
@@ -84,7 +82,13 @@ def _of_system(own: pd.DataFrame, letter: str, label: str, theme: Theme) -> list
         marker |= {"symbol": symbol} if symbol else {}
         across, up = points["unwanted_per_hour"], points["in_time"]
         name = label if of == "policy" else f"{label}, {'in use' if of == 'in use' else 'its log'}"
-        trace = marks(across, up, _texts(points), name=name, marker=marker, cliponaxis=False)
+        trace = marks(
+            *(across, up, _texts(points)),
+            name=name,
+            customdata=points["threshold"],
+            marker=marker,
+            cliponaxis=False,
+        )
         traces.append(trace.update(mode=mode, line=line if mode != "markers" else None))
     return traces
 
@@ -104,14 +108,3 @@ def _where(of: str, threshold: float) -> str:
     if of == "log":
         return "its own log"
     return f"score from {threshold:.4g}" if np.isfinite(threshold) else "every box"
-
-
-def alert_trade_off(result: Result, *, theme: Theme) -> go.Figure:
-    """Urgent encounters alerted in time against unwanted alerts, over the score threshold."""
-    view = alerts_in(result)
-    names = result.x.name, result.y.name
-    return trade_off_plot(view.curve, names, n_urgent=view.n_urgent, theme=theme)
-
-
-FIGURES: Final = {"alert_trade_off": alert_trade_off}
-"""By their names in `nvcore.api.figures.Figures`."""
