@@ -78,9 +78,9 @@ class MoreDoubt(Fact):
         The ``drivers``, who react differently, or the ``recordings``; ``few``: too few of these to
         know.
     low, high
-        Ends of the interval of X - Y in which both vary; of ``few`` that of the drivers. Shares.
+        Ends of the interval of X - Y in which both vary; of ``few`` that of the drivers.
     drivers, recordings
-        Half the width of the interval of each alone.
+        Half the width of the interval of each alone. All in percentage points.
     """
 
     kind: Literal["drivers", "recordings", "few"]
@@ -105,22 +105,22 @@ TEXTS: Final[Texts] = {
     "redundant and needed ones are one kind there.",
     ShareOfKind: "{name} {x:.0%} and {y:.0%}",
     InTimeByKind: "of {n_urgent!n:urgent encounter}, drivers brake in time with X and with Y in: "
-    "{kinds:, }",
+    "{kinds:, }.",
     MoreDoubt: {
-        kind: f"with {{name}} alerts X - Y is {{difference:+.0%}} (95 %: {{low:+.0%}} to "
-        f"{{high:+.0%}}{of}). {why}"
+        kind: f"with {{name}} alerts X - Y is {{difference:+.0f}} percentage points (95 %: "
+        f"{{low:+.0f}} to {{high:+.0f}}{of}). {why}"
         for kind, of, why in (
             (
                 "drivers",
                 "",
-                "How drivers differ contributes more doubt (±{drivers:.0%}) than which recordings "
-                "these are (±{recordings:.0%}): more recordings of the same drivers help less.",
+                "How drivers differ contributes more doubt (±{drivers:.0f}) than which recordings "
+                "these are (±{recordings:.0f}): more recordings of the same drivers help less.",
             ),
             (
                 "recordings",
                 "",
-                "Which recordings these are contributes more doubt (±{recordings:.0%}) than how "
-                "drivers differ (±{drivers:.0%}): more recordings help.",
+                "Which recordings these are contributes more doubt (±{recordings:.0f}) than how "
+                "drivers differ (±{drivers:.0f}): more recordings help.",
             ),
             (
                 "few",

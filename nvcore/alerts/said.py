@@ -71,7 +71,16 @@ def in_time_by_kind(result: Result) -> tuple[InTimeByKind, ...]:
 def more_doubt(judged: InTime, name: str) -> MoreDoubt:
     """What contributes more doubt to the difference in time of a kind of alert."""
     keys = judged.table[["kind", "measure", "side"]].agg(tuple, axis=1)
-    row = judged.table[keys == (name, "share", "difference")].iloc[0]
+    columns = [
+        "mean",
+        "draws_low",
+        "draws_high",
+        "recordings_low",
+        "recordings_high",
+        "low",
+        "high",
+    ]
+    row = 100 * judged.table.loc[keys == (name, "share", "difference"), columns].iloc[0]
     drivers, recordings = (
         (row[f"{of}_high"] - row[f"{of}_low"]) / 2 for of in ("draws", "recordings")
     )

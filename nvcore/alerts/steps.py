@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final, cast
+from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
 import pandas as pd
@@ -19,7 +19,6 @@ from nvcore.alerts.episodes import (
     log_of,
     policy_of,
 )
-from nvcore.alerts.in_time import REACTIONS, InTime, Reaction, judge_in_time
 from nvcore.alerts.kinds import UNWANTED, AlertKind
 from nvcore.alerts.settings import ALERTS
 from nvcore.comparison import Result
@@ -30,6 +29,9 @@ from nvcore.params import Params
 from nvcore.schema import Category
 from nvcore.scoring import Inputs, ScoringStep, SystemInputs, SystemResult
 from nvcore.time_left.steps import time_left_in
+
+if TYPE_CHECKING:
+    from nvcore.alerts.in_time import InTime
 
 MOST_POINTS: Final = 40
 """Thresholds of a trade-off curve, at most."""
@@ -141,6 +143,9 @@ class AlertsView:
     @cached_property
     def in_time_for_drivers(self) -> InTime:
         """In how many urgent encounters drivers react in time (`nvcore.alerts.in_time`)."""
+        # here: it resamples by `nvcore.evidence`, which knows the measures, and these this module
+        from nvcore.alerts.in_time import REACTIONS, Reaction, judge_in_time
+
         params, reactions = self.result.params, dict(REACTIONS)
         if params.own_reaction_s is not None:
             own = Reaction(params.own_reaction_s, params.own_reaction_sd_s)

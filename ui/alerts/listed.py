@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import Final
 
@@ -15,13 +16,25 @@ from nvcore.comparison import Result
 from nvcore.wording import capitalised
 from ui.session import state, store
 from ui.widgets import compared_viewer
-from ui.widgets.choices import choose_side_by_side, draw_steps
-from ui.widgets.table import draw_table
-from ui.widgets.table_columns import MOST_ROWS, as_shown, columns_of, rows_told
+from ui.widgets.choices import choose_side_by_side, download_csv, draw_steps
+from ui.widgets.table import TableColumn, draw_table
+from ui.widgets.table_columns import MOST_ROWS, rows_told
 
 VIEWER: Final = "alerts_viewer"
 VIEWER_PX: Final = 460
-COLUMNS: Final = ("system", "recording", "start_s", "duration_s", "kind", "encounter", "lead_s")
+COLUMNS: Final = {
+    "system": TableColumn("", "Whose alert it is, X or Y.", is_head=True),
+    "recording": TableColumn("Recording"),
+    "start_s": TableColumn("Start (s)", "When it begins.", ".2f"),
+    "kind": TableColumn("Kind", "What it was worth."),
+    "encounter": TableColumn("{One}", "Whom it is about; –: {nobody}.", is_number=True),
+    "lead_s": TableColumn(
+        "Lead (s)",
+        "From the first alert about an urgent {one} to the last chance to brake; 0 or less is too "
+        "late.",
+        "+.2f",
+    ),
+}
 
 
 def draw(result: Result) -> None:
@@ -50,10 +63,9 @@ def draw(result: Result) -> None:
         st.info("There is no such alert: nothing would have reached the driver.")
         return
     _draw_moving(result, table.head(MOST_ROWS))
-    st.caption(
-        "All of them are in `alerts.csv` on the page Export. "
-        f"{rows_told(len(table), 'first')}".strip()
-    )
+    if told := rows_told(len(table), "first"):
+        st.caption(told)
+    download_csv("alerts.csv", lambda: alerts_in(result).table, "alerts.csv", "alerts_csv")
 
 
 def _first_rows(result: Result) -> np.ndarray:
@@ -66,17 +78,22 @@ def _first_rows(result: Result) -> np.ndarray:
 def _draw_moving(result: Result, table: pd.DataFrame) -> None:
     rows = table["row"].tolist()
     at = min(store.ALERT_AT.get(), len(rows) - 1)
-    left, right = st.columns([4, 5], gap="medium")
+    left, right = st.columns(2, gap="medium")
     with left:
         draw_steps(at, len(rows), partial(_go_to, rows), key="alerts")
         is_one = len(state.recording_names()) < 2
-        columns = [name for name in COLUMNS if not (is_one and name == "recording")]
+        columns = {
+            name: replace(column, label=state.say(column.label), help=state.say(column.help))
+            for name, column in COLUMNS.items()
+            if not (is_one and name == "recording")
+        }
         draw_table(
-            as_shown(table),
-            columns_of("alerts.csv", *columns),
+            table.assign(system=table["system"].str.upper()),
+            columns,
             key="alerts_list",
             name="Alerts, those of X first",
             on_click=lambda row, _column: _go_to(rows, row),
+            most_lines=14,
             selected=at if at >= 0 else None,
         )
     with right:

@@ -62,7 +62,7 @@ def in_time_plot(judged: InTime, names: tuple[str, str], *, theme: Theme) -> go.
     return draw(
         traces,
         theme,
-        title="In time for the driver",
+        title="Brakes in time, by kind of alert",
         subtitle=f"of {count_text(n, 'urgent encounter')}; thick: other drivers, thin: other "
         "drivers and recordings (95 %)",
         height=150 + ROW_PX * len(kinds),
