@@ -63,7 +63,7 @@ TEXTS: Final[Texts] = {
     ViewUnknown: "of {n!n:wanted alert} it is not known whether the driver had seen the {one}: "
     "redundant and needed ones are one kind there.",
     Oracle: {
-        "on": "alerts about {many} whom the driver has seen are held back, as a perfect driver "
+        "on": "alerts about {many} {whom} the driver has seen are held back, as a perfect driver "
         "monitor would: an oracle, which no system has.",
         "without effect": "the oracle has no effect, as it is not known whether the driver sees "
         "{a_one}.",

@@ -61,7 +61,7 @@ def _rate(
         form=".1f",
         better=better,
         stages=(ALERTS, DRIVER) if seen & {*kinds} else (ALERTS,),
-        is_worsened_by_alarms=better == LOWER,
+        is_worsened_by_alarms=AlertKind.FALSE in kinds,
         leads=inference is not None,
         of=rate,
         unit="1/h",
@@ -204,7 +204,7 @@ MEASURES: Final[tuple[Measure, ...]] = (
     *(
         _rate(
             kind.value,
-            f"{kind.value} per hour",
+            f"{kind.value} alerts per hour",
             (kind,),
             LOWER if kind in UNWANTED else "",
             ALERT_TEXT[kind],

@@ -34,9 +34,9 @@ def _introduction(params: Params) -> Intro:
         f"farther from the middle than {params.alert_corridor:g} of half the width, for "
         f"{params.alert_on_s:g} s. It ends when they have not for {params.alert_off_s:g} s, and "
         f"lasts {params.alert_least_s:g} s at least; the same track is then silent for "
-        f"{params.alert_pause_s:g} s. An alert is about the {{one}} whom its first box matches "
-        "that matches anybody. In time is one that begins before the last chance to brake, which "
-        "has the reaction time in it.",
+        f"{params.alert_pause_s:g} s. An alert is about the {{one}} {{whom}} its first box matches "
+        "that matches {anybody}. In time is one that begins before the last chance to brake, "
+        "which has the reaction time in it.",
         best="All urgent {many} alerted in time, no alert unwanted.",
         limits="An alert in time could have been heeded; whether it would have been is not known. "
         "Where it is not known whether the driver sees the {one}, redundant alerts are not told "
