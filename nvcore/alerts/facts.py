@@ -51,7 +51,7 @@ class Oracle(Fact):
     kind: Literal["on", "without effect"]
 
 
-_TIME: Final = "; in time for {in_time} of {n_urgent!n:urgent encounter}"
+_TIME: Final = "; in time for {in_time} of {n_urgent!n:urgent encounter}."
 
 TEXTS: Final[Texts] = {
     OfKind: "{n} {name}",

@@ -12,7 +12,6 @@ from nvcore.comparison import Result
 from nvcore.params import Params
 from nvcore.report.html.blocks import Chart, Intro, Section, SectionOf, Sentences, Table, table
 from nvcore.sentences import say
-from nvcore.wording import number
 
 
 def _section(result: Result) -> Section:
@@ -45,19 +44,18 @@ def _introduction(params: Params) -> Intro:
 
 
 def _kinds(result: Result) -> Table:
-    view, hours = alerts_in(result), result.duration_s / 3600
+    view = alerts_in(result)
     counts = [view.count(system) for _, system in result.sides]
     rows = [
         (
             kind.value,
             *(f"{count[kind]:,}" for count in counts),
-            *(number(count[kind] / hours if hours else None, ".1f") for count in counts),
             result.objects.say(ALERT_TEXT[kind]),
         )
         for kind in AlertKind
     ]
-    head = ("Alerts", "X", "Y", "X per hour", "Y per hour", "Meaning")
-    return table("Alerts by what they were worth", head, rows, right=(1, 2, 3, 4))
+    head = ("Alerts", "X", "Y", "Meaning")
+    return table("Alerts by what they were worth", head, rows, right=(1, 2))
 
 
 SECTIONS: Final = (
