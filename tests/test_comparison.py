@@ -77,7 +77,7 @@ MADE_BY: dict[Stage, set[str]] = {
     CONFIRMED: {"x confirmed"},
     MISS_WEIGHTS: {"k_miss"},
     DRIVER: {"detectable"},
-    ALERTS: {"x alerts"},
+    ALERTS: {"x alerts", "y alerts"},
     IN_TIME: {"in time for drivers"},
 }
 """What a setting of a stage changes first: one of these at least."""

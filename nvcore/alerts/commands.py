@@ -34,7 +34,7 @@ from nvcore.wording import one_line
 )
 @input_options
 @grouped_option(
-    "Alerts",
+    "Policy",
     "--policy",
     metavar="NAME|FILE",
     help="By which detections become alerts: cautious, balanced, eager, or a TOML file of settings "

@@ -92,7 +92,7 @@ class MoreDoubt(Fact):
     recordings: float
 
 
-_TIME: Final = "; in time for {in_time} of {n_urgent!n:urgent encounter}"
+_TIME: Final = "; in time for {in_time} of {n_urgent!n:urgent encounter}."
 
 TEXTS: Final[Texts] = {
     OfKind: "{n} {name}",
@@ -130,7 +130,7 @@ TEXTS: Final[Texts] = {
         )
     },
     Oracle: {
-        "on": "alerts about {many} whom the driver has seen are held back, as a perfect driver "
+        "on": "alerts about {many} {whom} the driver has seen are held back, as a perfect driver "
         "monitor would: an oracle, which no system has.",
         "without effect": "the oracle has no effect, as it is not known whether the driver sees "
         "{a_one}.",

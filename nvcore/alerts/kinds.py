@@ -18,13 +18,14 @@ class AlertKind(StrEnum):
 
 
 ALERT_TEXT: Final[dict[AlertKind, str]] = {
-    AlertKind.IGNORED: "About what the ground truth ignores: neither right nor wrong.",
-    AlertKind.FALSE: "Its boxes match {nobody}, and nothing that is ignored.",
-    AlertKind.NUISANCE: "About {a_one} who is not urgent, and far or outside of the corridor when "
-    "it begins.",
-    AlertKind.REDUNDANT: "About {a_one} whom the driver has seen before it begins.",
-    AlertKind.NEEDED: "About {a_one} whom the driver has not seen when it begins.",
-    AlertKind.WANTED: "Redundant or needed: whether the driver sees the {one} is not known.",
+    AlertKind.IGNORED: "Alerts about what the ground truth ignores: neither right nor wrong.",
+    AlertKind.FALSE: "Alerts whose boxes match {nobody}, and nothing that is ignored.",
+    AlertKind.NUISANCE: "Alerts about {a_one} {who} is not urgent, and far or outside of the "
+    "corridor when they begin.",
+    AlertKind.REDUNDANT: "Alerts about {a_one} {whom} the driver has seen before they begin.",
+    AlertKind.NEEDED: "Alerts about {a_one} {whom} the driver has not seen when they begin.",
+    AlertKind.WANTED: "Alerts that are redundant or needed: whether the driver sees the {one} is "
+    "not known.",
 }
 UNWANTED: Final = (AlertKind.FALSE, AlertKind.NUISANCE, AlertKind.REDUNDANT)
 """Alerts that the driver would rather not have had."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
+from itertools import chain
+from typing import Any, Final
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from nvcore.measures.entry import (
     MeasureTable,
     Parts,
 )
-from nvcore.measures.values import per_recording, rate_by_recording
+from nvcore.measures.values import per_recording, rate_by_recording, ratio_of
 from nvcore.metrics.venn import Venn, categorise, count_categories
 from nvcore.scoring import SystemResult
 from nvcore.time_left.steps import time_left_in
@@ -35,48 +36,74 @@ _SHARE: Final = AxisScale(".0%", least=1.0, least_reach=1.0)
 _NOBODY: Final = "no encounter is urgent"
 
 
-def _rate(
-    name: str,
-    label: str,
-    kinds: tuple[AlertKind, ...],
-    better: Better,
-    meaning: str,
-    inference: Inference | None = None,
-) -> Measure:
-    """Alerts of some kinds an hour."""
+def _of_kinds(
+    key: str, label: str, kinds: tuple[AlertKind, ...], meaning: str, better: Better
+) -> tuple[Measure, Measure]:
+    """The alerts of some kinds: how many, and how many an hour."""
 
-    def rate(result: Result, system: SystemResult) -> float:
-        n = len(alerts_in(result).rows_of_kind(system, *kinds))
-        return n * _HOUR_S / result.duration_s if result.duration_s else np.nan
+    def count(result: Result, system: SystemResult) -> int:
+        return len(alerts_in(result).rows_of_kind(system, *kinds))
+
+    def per_hour(result: Result, system: SystemResult) -> float:
+        return ratio_of(_HOUR_S * count(result, system), result.duration_s)
 
     def counts(result: Result, system: SystemResult) -> np.ndarray:
         rows = alerts_in(result).rows_of_kind(system, *kinds)
-        return per_recording(result, None, result.dataset.frame_columns.recording[rows])
+        of_recordings = per_recording(result, None, result.dataset.frame_columns.recording[rows])
+        return of_recordings.astype(np.int64)
 
-    seen = {AlertKind.REDUNDANT, AlertKind.NEEDED}
-    return Measure(
-        key=f"alerts_{name}_per_hour",
-        label=label,
-        part="" if inference else label,
-        form=".1f",
-        better=better,
-        stages=(ALERTS, DRIVER) if seen & {*kinds} else (ALERTS,),
-        is_worsened_by_alarms=better == LOWER,
-        leads=inference is not None,
-        of=rate,
-        unit="1/h",
-        meaning=meaning,
-        empty=NO_FRAMES,
-        by_recording=rate_by_recording(counts, per_s=_HOUR_S),
-        tables=(MeasureTable.SCORECARD,),
-        applies=ASKED.holds,
-        only_if=ASKED,
-        inference=inference,
+    def parts(result: Result, system: SystemResult) -> Parts:
+        return Parts(alerts_in(result).rows_of_kind(system, *kinds), None)
+
+    is_whole = kinds == UNWANTED
+    rests_on_driver = {AlertKind.REDUNDANT, AlertKind.NEEDED} & {*kinds}
+    shared: dict[str, Any] = {
+        "better": better,
+        "stages": (ALERTS, DRIVER) if rests_on_driver else (ALERTS,),
+        "is_worsened_by_alarms": AlertKind.FALSE in kinds,
+        "applies": ASKED.holds,
+        "only_if": ASKED,
+    }
+    rate = Inference(
+        test="units",
+        scale=AxisScale(",.0f", least=1.0, least_reach=1.0, unit="alerts per hour"),
+        parts=parts,
+        per="duration_s",
+        factor=_HOUR_S,
+        not_of_pedestrians="a false alert belongs to no {one}",
+        noun=label,
+        noun_unit=" per hour",
+        needs_tracks=True,
     )
-
-
-def _unwanted_parts(result: Result, system: SystemResult) -> Parts:
-    return Parts(alerts_in(result).rows_of_kind(system, *UNWANTED), None)
+    return (
+        Measure(
+            key=key,
+            label=label,
+            part=label if {*kinds} < {*UNWANTED} else "",
+            form="d",
+            leads=is_whole,
+            of=count,
+            unit="alerts",
+            meaning=meaning,
+            by_recording=counts,
+            tables=(MeasureTable.SCORECARD,),
+            **shared,
+        ),
+        Measure(
+            key=f"{key}_per_hour",
+            label=f"{label} per hour",
+            part="per hour",
+            form=".1f",
+            of=per_hour,
+            unit="1/h",
+            meaning="The same per hour.",
+            empty=NO_FRAMES,
+            by_recording=rate_by_recording(counts, per_s=_HOUR_S),
+            tables=(MeasureTable.SCORECARD,) if is_whole else (),
+            inference=rate if is_whole else None,
+            **shared,
+        ),
+    )
 
 
 def _count(
@@ -182,32 +209,21 @@ def _median_lead_s(result: Result, system: SystemResult) -> float:
 
 
 MEASURES: Final[tuple[Measure, ...]] = (
-    _rate(
-        "unwanted",
-        "unwanted alerts per hour: false, nuisance or redundant",
+    *_of_kinds(
+        "alerts_unwanted",
+        "unwanted alerts",
         UNWANTED,
+        "Alerts that are false, a nuisance or redundant. There may be more redundant ones where it "
+        "is not known whether the driver sees the {many}.",
         LOWER,
-        "Alerts that are false, a nuisance or redundant, per hour. Of redundant ones there may be "
-        "more where it is not known whether the driver sees the {many}.",
-        Inference(
-            test="units",
-            scale=AxisScale(",.0f", least=1.0, least_reach=1.0, unit="alerts per hour"),
-            parts=_unwanted_parts,
-            per="duration_s",
-            factor=_HOUR_S,
-            not_of_pedestrians="a false alert belongs to no {one}",
-            noun="unwanted alerts",
-            noun_unit=" per hour",
-            needs_tracks=True,
-        ),
     ),
-    *(
-        _rate(
-            kind.value,
-            f"{kind.value} per hour",
+    *chain.from_iterable(
+        _of_kinds(
+            f"alerts_{kind.value}",
+            f"{kind.value} alerts",
             (kind,),
-            LOWER if kind in UNWANTED else "",
             ALERT_TEXT[kind],
+            LOWER if kind in UNWANTED else "",
         )
         for kind in AlertKind
         if kind is not AlertKind.IGNORED

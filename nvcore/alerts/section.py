@@ -22,7 +22,6 @@ from nvcore.report.html.blocks import (
     table,
 )
 from nvcore.sentences import say
-from nvcore.wording import number
 
 
 def _section(result: Result) -> Section:
@@ -49,9 +48,9 @@ def _introduction(params: Params) -> Intro:
         f"farther from the middle than {params.alert_corridor:g} of half the width, for "
         f"{params.alert_on_s:g} s. It ends when they have not for {params.alert_off_s:g} s, and "
         f"lasts {params.alert_least_s:g} s at least; the same track is then silent for "
-        f"{params.alert_pause_s:g} s. An alert is about the {{one}} whom its first box matches "
-        "that matches anybody. In time is one that begins before the last chance to brake, which "
-        "has the reaction time in it.",
+        f"{params.alert_pause_s:g} s. An alert is about the {{one}} {{whom}} its first box matches "
+        "that matches {anybody}. In time is one that begins before the last chance to brake, "
+        "which has the reaction time in it.",
         best="All urgent {many} alerted in time, no alert unwanted.",
         limits="An alert in time could have been heeded; whether it would have been is not known. "
         "Where it is not known whether the driver sees the {one}, redundant alerts are not told "
@@ -60,19 +59,18 @@ def _introduction(params: Params) -> Intro:
 
 
 def _kinds(result: Result) -> Table:
-    view, hours = alerts_in(result), result.duration_s / 3600
+    view = alerts_in(result)
     counts = [view.count(system) for _, system in result.sides]
     rows = [
         (
             kind.value,
             *(f"{count[kind]:,}" for count in counts),
-            *(number(count[kind] / hours if hours else None, ".1f") for count in counts),
             result.objects.say(ALERT_TEXT[kind]),
         )
         for kind in AlertKind
     ]
-    head = ("Alerts", "X", "Y", "X per hour", "Y per hour", "Meaning")
-    return table("Alerts by what they were worth", head, rows, right=(1, 2, 3, 4))
+    head = ("Alerts", "X", "Y", "Meaning")
+    return table("Alerts by what they were worth", head, rows, right=(1, 2))
 
 
 def _in_time(result: Result) -> tuple[Block, ...]:

@@ -210,9 +210,9 @@ class AlertsView:
         -------
         Rows of X, then of Y, each with the threshold ascending: system (``x`` or ``y``), of
         (``policy``; ``in use``: at the threshold in use; ``log``: what the log tells), threshold
-        (-inf: every box; NaN of a log), alerts of each `AlertKind` (its name), unwanted_per_hour
-        (fewer is better), in_time (urgent encounters alerted in time, more is better),
-        share_in_time (NaN: none is urgent), alerted (encounters that count).
+        (-inf: every box; NaN of a log), alerts of each `AlertKind` (its name), unwanted and
+        unwanted_per_hour (fewer is better), in_time (urgent encounters alerted in time, more is
+        better), share_in_time (NaN: none is urgent), alerted (encounters that count).
         """
         rows = [
             {"system": letter, **self._point(alerts), "of": of, "threshold": threshold}
@@ -252,6 +252,7 @@ class AlertsView:
         is_alerted = self.is_near & (first_alerts(alerts, n_encounters) >= 0)
         return {
             **{kind.value: n for kind, n in counts.items()},
+            "unwanted": n_unwanted,
             "unwanted_per_hour": n_unwanted / hours if hours else np.nan,
             "in_time": in_time,
             "share_in_time": in_time / n_urgent if n_urgent else np.nan,

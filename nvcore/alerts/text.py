@@ -11,8 +11,8 @@ import pandas as pd
 from nvcore.alerts.measures import MEASURES
 from nvcore.alerts.said import alert_facts, in_time_by_kind
 from nvcore.alerts.steps import AlertsView
-from nvcore.measures.table import label_words
 from nvcore.sentences import say
+from nvcore.tables.scorecard import score_rows
 from nvcore.wording import aligned, number, one_line
 
 MOST_SHOWN: Final = 8
@@ -30,18 +30,17 @@ def render_alerts(view: AlertsView) -> str:
         *aligned([("", "X", "Y"), *_measures(view)]),
         "",
         "over the score threshold, the rest of the policy as it is:",
-        *aligned([("", "score from", "unwanted per hour", "in time", "alerted"), *_curve(view)]),
+        *aligned([("", "score from", "unwanted", "in time", "alerted"), *_curve(view)]),
     ]
     return "\n".join(line.rstrip() for line in lines)
 
 
 def _measures(view: AlertsView) -> Iterator[tuple[str, ...]]:
-    result, words = view.result, label_words(view.result)
-    for measure in MEASURES:
-        if measure.of is not None:
-            label = result.objects.say(measure.label, **words)
-            values = (measure.of(result, system) for _, system in result.sides)
-            yield label, *(number(value, measure.form) for value in values)
+    own = {measure.key for measure in MEASURES}
+    for row in score_rows(view.result):
+        if row.key in own:
+            values = (number(value, row.form) for value in (row.x, row.y))
+            yield "  " * row.level + row.label, *values
 
 
 def _curve(view: AlertsView) -> Iterator[tuple[str, ...]]:
@@ -56,7 +55,7 @@ def _curve(view: AlertsView) -> Iterator[tuple[str, ...]]:
             yield (
                 name,
                 "every box" if np.isneginf(row["threshold"]) else number(row["threshold"], ".4g"),
-                number(row["unwanted_per_hour"], ".1f"),
+                str(row["unwanted"]),
                 str(row["in_time"]),
                 str(row["alerted"]),
             )

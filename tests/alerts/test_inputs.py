@@ -166,7 +166,7 @@ def test_the_command_prints_measures_and_curve_and_writes_both_tables(night: Pat
     assert "X gives 2 alerts (1 false, 1 wanted); in time for 1 of 1 urgent encounter" in (
         result.output
     )
-    assert "unwanted alerts per hour" in result.output
+    assert "unwanted alerts" in result.output
     assert "every box" in result.output
     written = pd.read_csv(out / "alerts.csv")
     assert written["kind"].tolist() == ["wanted", "false", "false"]

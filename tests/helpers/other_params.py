@@ -36,5 +36,7 @@ WITH: Final[dict[str, dict[str, Any]]] = {
     "recency_midpoint_s": {"recency_unit": "seconds"},
     "recency_spread_s": {"recency_unit": "seconds"},
     **{name: {"alerts": "policy"} for name in SETTINGS if name.startswith("alert_")},
+    "alert_off_s": {"alerts": "policy", "alert_least_s": 0.0},
+    "alert_least_s": {"alerts": "policy", "alert_off_s": 0.0},
 }
 """Where a parameter has an effect at all."""

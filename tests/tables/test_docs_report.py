@@ -8,6 +8,7 @@ from __future__ import annotations
 import io
 import json
 import re
+from dataclasses import replace
 from itertools import chain
 from typing import Any
 
@@ -25,6 +26,7 @@ from nvcore.findings import Cases, Finding, Severity
 from nvcore.inputs.load import load
 from nvcore.objects import PEDESTRIAN
 from nvcore.output.csv_text import to_csv_bytes
+from nvcore.params import Params
 from nvcore.report.files import export_files
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT
 from nvcore.subjects import contributed
@@ -73,6 +75,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     head, *lines = [*truth.read_text(encoding="utf-8").splitlines(), "rural,3,50,200,1,2,9"]
     seen = [f"{line},0.{i % 2}5" for i, line in enumerate(lines)]
     truth.write_text("\n".join([f"{head},detectability", *seen, ""]), encoding="utf-8")
+    session = replace(session, params=Params(alerts="policy"))
     dataset = load(session)
     files = {
         name: make()

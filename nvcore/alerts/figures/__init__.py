@@ -17,7 +17,9 @@ def alert_trade_off(result: Result, *, theme: Theme) -> go.Figure:
     """Urgent encounters alerted in time against unwanted alerts, over the score threshold."""
     view = alerts_in(result)
     names = result.x.name, result.y.name
-    return trade_off_plot(view.curve, names, n_urgent=view.n_urgent, theme=theme)
+    return trade_off_plot(
+        view.curve, names, n_urgent=view.n_urgent, duration_s=result.duration_s, theme=theme
+    )
 
 
 def alerts_in_time(result: Result, *, theme: Theme) -> go.Figure:

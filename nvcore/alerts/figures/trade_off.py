@@ -12,7 +12,7 @@ from nvcore.alerts.kinds import UNWANTED
 from nvcore.figures.marks import marks, system_marker
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, system_label
 from nvcore.palette import Theme
-from nvcore.wording import count_text
+from nvcore.wording import LEAST_HOURLY_S, count_text, duration_text
 
 HEIGHT_PX: Final = 380
 IN_USE_PX: Final = 13
@@ -20,7 +20,7 @@ LOG_PX: Final = 15
 
 
 def trade_off_plot(
-    curve: pd.DataFrame, names: tuple[str, str], *, n_urgent: int, theme: Theme
+    curve: pd.DataFrame, names: tuple[str, str], *, n_urgent: int, duration_s: float, theme: Theme
 ) -> go.Figure:
     """Urgent encounters alerted in time over unwanted alerts an hour; up and left is better.
 
@@ -35,15 +35,19 @@ def trade_off_plot(
         Names of X and Y.
     n_urgent
         Urgent encounters.
+    duration_s
+        Recording time: where it is short, no rate an hour is shown but the number.
     """
     if not n_urgent:
         return empty_figure(
             "No encounter is urgent: nobody has to be alerted in time.", theme=theme
         )
+    is_short = duration_s < LEAST_HOURLY_S
+    column = "unwanted" if is_short else "unwanted_per_hour"
     traces: list[go.Scatter] = []
     for letter, name in zip("xy", names, strict=True):
         own = curve[curve["system"] == letter]
-        traces += _of_system(own, letter, system_label(letter, name), theme)
+        traces += _of_system(own, column, letter, system_label(letter, name), theme)
     return draw(
         traces,
         theme,
@@ -53,7 +57,8 @@ def trade_off_plot(
         height=HEIGHT_PX,
         xaxis=axis(
             theme,
-            "unwanted alerts per hour: false, nuisance or redundant",
+            f"unwanted alerts {f'in {duration_text(duration_s)}' if is_short else 'per hour'}: "
+            "false, nuisance or redundant",
             rangemode="tozero",
             fixedrange=True,
         ),
@@ -67,7 +72,9 @@ def trade_off_plot(
     )
 
 
-def _of_system(own: pd.DataFrame, letter: str, label: str, theme: Theme) -> list[go.Scatter]:
+def _of_system(
+    own: pd.DataFrame, column: str, letter: str, label: str, theme: Theme
+) -> list[go.Scatter]:
     look, traces = LOOK[theme], []
     line = {"width": 2.4, "color": look.of(letter), "dash": look.dash(letter)}
     for of, mode, size, symbol in (
@@ -80,7 +87,7 @@ def _of_system(own: pd.DataFrame, letter: str, label: str, theme: Theme) -> list
             continue
         marker: dict[str, Any] = system_marker(letter, size, theme)
         marker |= {"symbol": symbol} if symbol else {}
-        across, up = points["unwanted_per_hour"], points["in_time"]
+        across, up = points[column], points["in_time"]
         name = label if of == "policy" else f"{label}, {'in use' if of == 'in use' else 'its log'}"
         trace = marks(
             *(across, up, _texts(points)),
@@ -98,8 +105,7 @@ def _texts(points: pd.DataFrame) -> list[str]:
     kinds = [kind.value for kind in UNWANTED]
     return [
         f"{_where(row['of'], row['threshold'])}<br>{row['in_time']} alerted in time, "
-        f"{row['unwanted_per_hour']:.1f} unwanted per hour<br>"
-        + ", ".join(f"{row[kind]} {kind}" for kind in kinds)
+        f"{row['unwanted']} unwanted: " + ", ".join(f"{row[kind]} {kind}" for kind in kinds)
         for row in points.to_dict("records")
     ]
 
