@@ -7,7 +7,7 @@ from typing import Any, Final
 from nvcore.params import SETTINGS
 from nvcore.stages import Setting
 
-OF_UNIT: Final = {"px": 90.0, "m": 30.0, "": 0.5}
+OF_UNIT: Final = {"s": 1.5, "px": 90.0, "m": 30.0, "": 0.5}
 """For numbers without a default."""
 
 
@@ -36,6 +36,8 @@ WITH: Final[dict[str, dict[str, Any]]] = {
     "recency_midpoint_s": {"recency_unit": "seconds"},
     "recency_spread_s": {"recency_unit": "seconds"},
     **{name: {"alerts": "policy"} for name in SETTINGS if name.startswith("alert_")},
+    **{name: {"alerts": "policy"} for name in ("own_reaction_s", "foot_s", "brakes_s")},
+    "own_reaction_sd_s": {"alerts": "policy", "own_reaction_s": 1.0},
     "alert_off_s": {"alerts": "policy", "alert_least_s": 0.0},
     "alert_least_s": {"alerts": "policy", "alert_off_s": 0.0},
 }

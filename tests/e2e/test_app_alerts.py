@@ -1,0 +1,41 @@
+"""Alerts in a real browser: the policy's slider makes a nuisance, which opens in the Timeline."""
+
+from __future__ import annotations
+
+import re
+
+from playwright.sync_api import expect
+
+# Place in the plot's area of a trace's first point, and its customdata: [x, y, [row, encounter]].
+FIRST_POINT = """(plot, name) => {
+  const { _fullData, _fullLayout: { xaxis, yaxis } } = plot;
+  const trace = _fullData.find(one => one.name === name);
+  return [xaxis.d2p(trace.x[0]), yaxis.d2p(trace.y[0]), Object.values(trace.customdata[0])];
+}"""
+
+
+def test_a_policy_moved_by_its_slider_gives_a_nuisance_that_opens_in_the_timeline(visit):
+    one = visit("alerts?recording=urban_crossing")
+    one.page.get_by_role("button", name="Cautious").click()
+    kinds = one.keyed("alerts_kind")
+    expect(kinds).to_be_visible()
+    expect(kinds.get_by_text(re.compile("^nuisance"))).to_have_count(0)
+    one.page.get_by_role("button", name="Eager").click()
+    expect(kinds.get_by_text(re.compile("^nuisance"))).to_be_visible()
+    few = kinds.get_by_text(re.compile("^nuisance")).inner_text()
+    nearness = one.slider("Alert from (proximity weight)")
+    expect(nearness).to_have_value("0.25")
+    nearness.press("Home")
+    one.query("alert_k", "0.0")
+    expect(kinds.get_by_text(few, exact=True)).to_have_count(0)
+    kinds.get_by_text(re.compile("^nuisance")).click()
+    one.wait_until_drawn()
+    one.table("alerts_list").get_by_role("rowheader").first.click()
+    expect(one.page.get_by_text(re.compile(r"^1 of \d+$"))).to_be_visible()
+    frame = one.viewer.get_attribute("data-frame")
+    one.switch_to("Timeline")
+    *_, (row, encounter) = one.click_plot("alerts_over_time", FIRST_POINT, "X nuisance")
+    assert encounter >= 0
+    one.shows(re.compile(r"^\d+$"))
+    assert frame is not None
+    assert row >= 0

@@ -1,0 +1,81 @@
+"""The Alerts page, driven without a browser."""
+
+from __future__ import annotations
+
+import pytest
+from streamlit.testing.v1 import AppTest
+
+from nvcore.alerts.policy import POLICIES, named_policy
+from nvcore.alerts.steps import alerts_in
+from pages import alone, checked, figures, opened, press, tables, texts
+
+
+@pytest.fixture(scope="module")
+def page() -> AppTest:
+    """The page on the sample with the balanced policy, to look at."""
+    return checked(alone("alerts", alerts="policy").run())
+
+
+def titles(page: AppTest) -> list[str]:
+    return [figure["layout"]["meta"][0] for figure in figures(page)]
+
+
+def test_without_a_policy_it_asks_for_one_and_a_named_one_is_taken() -> None:
+    page = opened("alerts", is_folded=True)
+    assert "Alerts are off. Choose a policy to judge them." in texts(page)
+    assert not page.segmented_control
+    press(page, "alerts_policy_eager")
+    params = page.session_state["workspace"].result.params
+    assert params.alerts == "policy"
+    for name, value in named_policy("eager").items():
+        assert getattr(params, name) == value
+    assert page.button(key="alerts_policy_eager").proto.type == "primary"
+    press(page, "alerts_policy_off")
+    assert page.session_state["workspace"].result.params.alerts == "off"
+
+
+def test_the_policy_in_use_is_marked_and_no_other(page: AppTest) -> None:
+    marked = [
+        name
+        for name in POLICIES
+        if page.button(key=f"alerts_policy_{name}").proto.type == "primary"
+    ]
+    assert marked == ["balanced"]
+
+
+def test_it_lists_every_alert_and_those_of_a_kind(page: AppTest) -> None:
+    result = page.session_state["workspace"].result
+    view = alerts_in(result)
+    assert len(tables(page)[-1]) == len(view.table)
+    one = checked(alone("alerts", alerts="policy").run())
+    kind = one.segmented_control(key="alerts_kind")
+    n_false = int((view.table["kind"] == "false").sum())
+    assert f"false ({n_false})" in kind.options
+    kind.set_value("false").run()
+    assert tables(checked(one))[-1]["kind"].tolist() == ["false"] * n_false
+
+
+def test_an_alert_of_the_list_is_gone_to(page: AppTest) -> None:
+    one = checked(alone("alerts", alerts="policy").run())
+    view = alerts_in(one.session_state["workspace"].result)
+    rows = view.of(view.result.x)["first_row"].tolist()
+    press(one, "alerts_next")
+    press(one, "alerts_next")
+    frames = view.result.dataset.frame_columns
+    recording = int(frames.recording[rows[1]])
+    assert one.session_state["place"] == (recording, rows[1] - int(frames.first[recording]))
+    assert "**2** of" in texts(one)
+
+
+def test_of_100_encounters_each_kind_of_alert_has_its_table(page: AppTest) -> None:
+    assert titles(page)[1:] == ["Brakes in time, by kind of alert"]
+    said = texts(page)
+    assert "Of 20 urgent encounters, drivers brake in time with X and with Y in: visual" in said
+    assert "With visual alerts X" in said
+    checked(page.segmented_control(key="alerts_reaction").set_value("haptic").run())
+    assert "With haptic alerts X" in texts(page)
+
+
+def test_where_nobody_is_urgent_no_share_is_invented() -> None:
+    page = checked(alone("alerts", alerts="policy", speed_kmh="1", reaction_s="0").run())
+    assert "Nobody is urgent at this speed" in texts(page)
