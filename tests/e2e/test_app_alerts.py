@@ -26,7 +26,7 @@ def test_a_policy_moved_by_its_slider_gives_a_nuisance_that_opens_in_the_timelin
     nearness = one.slider("Alert from (proximity weight)")
     expect(nearness).to_have_value("0.25")
     nearness.press("Home")
-    one.query("alert_k", "0.0")
+    one.query("alert_k", "0")
     expect(kinds.get_by_text(few, exact=True)).to_have_count(0)
     kinds.get_by_text(re.compile("^nuisance")).click()
     one.wait_until_drawn()

@@ -23,7 +23,7 @@ def titles(page: AppTest) -> list[str]:
 def test_without_a_policy_it_asks_for_one_and_a_named_one_is_taken() -> None:
     page = opened("alerts", is_folded=True)
     assert "Alerts are off. Choose a policy to judge them." in texts(page)
-    assert not page.segmented_control
+    assert "alerts_kind" not in {widget.key for widget in page.segmented_control}
     press(page, "alerts_policy_eager")
     params = page.session_state["workspace"].result.params
     assert params.alerts == "policy"
