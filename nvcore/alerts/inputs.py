@@ -80,25 +80,25 @@ def with_alerts(dataset: Dataset, session: Session) -> Dataset:
     """
     logs: dict[int, AlertLog] = {}
     policies: dict[int, Policy] = {}
-    files: list[SourceFile] = []
-    for number, source in enumerate(session.systems):
+    files: dict[str, SourceFile] = {}
+    for number, (name, source) in enumerate(zip(dataset.systems, session.systems, strict=True)):
         if source.alerts is not None:
             file = SourceFile(session.folder / source.alerts, source.alerts)
-            logs[number] = _read_log(file, dataset, session, source, dataset.systems[number])
-            files.append(file)
+            logs[number] = _read_log(file, dataset, session, source, name)
+            files[f"log of {name}"] = file
         if source.alert_policy is not None:
             file = SourceFile(session.folder / source.alert_policy, source.alert_policy)
             policies[number] = read_policy(file)
-            files.append(file)
-    digests, names = digest(files), [file.name for file in files]
+            files[f"policy of {name}"] = file
+    digests, names = digest([*files.values()]), [file.name for file in files.values()]
     rows = {
         "subject": ALERTS_INPUT,
         "file": names,
         "sha256": digests,
-        "format": ["toml" if name.endswith(".toml") else "csv" for name in names],
-        "conversion": "",
+        "format": ["toml" if what.startswith("policy") else "csv" for what in files],
+        "conversion": [*files],
     }
-    text = "\n".join([dataset.fingerprint, ALERTS_INPUT, *digests])
+    text = "\n".join([dataset.fingerprint, *files, *digests])
     return replace(
         dataset,
         inputs=pd.concat([dataset.inputs, pd.DataFrame(rows)], ignore_index=True),

@@ -30,7 +30,7 @@ from nvcore.inputs.recordings import (
     describe_recordings,
     missing_pictures,
 )
-from nvcore.inputs.session import Session, Source
+from nvcore.inputs.session import SYSTEM_KEYS_OF_SUBJECTS, Session, Source
 from nvcore.memory import check_room
 from nvcore.schema import BOX_DTYPES, TRUTH
 from nvcore.wording import listed
@@ -339,7 +339,8 @@ def _fingerprint(
         for name, default in (("frame_names", None), ("frame_step", 1.0)):
             if settings.get(name) == default:
                 settings.pop(name, None)
-        settings.pop("provenance", None)  # a path; what counts is the record
+        for name in ("provenance", *SYSTEM_KEYS_OF_SUBJECTS):
+            settings.pop(name, None)  # paths; what counts is the record, and what subjects add
         if not item.reading.is_laid_out:
             del settings["boxes"]
         # what is taken otherwise may as well be given

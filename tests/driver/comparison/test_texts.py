@@ -349,7 +349,7 @@ def test_the_gate_says_that_what_is_known_of_the_driver_was_learnt_from_simulate
 
 
 def test_every_name_of_a_rule_has_a_value_with_and_without_a_driver():
-    for result in (eight(), result_of(make_dataset([at(0, 50, track=1)]))):
+    for result in (eight(alerts="policy"), result_of(make_dataset([at(0, 50, track=1)]))):
         measures = gate_measures(result, (), result.dataset.settings.protocol, measure_names())
         assert set(measure_names()) <= set(measures)
         listed = listed_names(result, measures)
