@@ -12,12 +12,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 from nvcore.codes import COLUMNS, CodedInterval
 from nvcore.errors import InputError, ParameterError
 from nvcore.inputs.readers.parse.table import read_table
 from nvcore.inputs.session import Session
 from nvcore.wording import MOST_NAMED, did_you_mean, listed
+
+MOST_CODES: Final = 10_000
 
 
 def with_codes(session: Session, names: Sequence[str]) -> Session:
@@ -40,6 +43,8 @@ def with_codes(session: Session, names: Sequence[str]) -> Session:
     file = session.codes_file
     rows = [(interval, 0) for interval in session.codes]
     rows += [] if file is None else read_codes(session.folder / file)
+    if len(rows) > MOST_CODES:
+        raise InputError(f"expected {MOST_CODES:,} coded intervals at the most", file=file)
     for interval, line in rows:
         if title_of.get(interval.recording) not in names:
             known = f"the recordings are {listed(names, most=MOST_NAMED)}"

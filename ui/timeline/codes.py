@@ -10,8 +10,8 @@ import streamlit as st
 
 from nvcore.codes import COLUMNS, CodedInterval
 from nvcore.errors import NvcoreError
-from nvcore.inputs.codes import with_codes
 from nvcore.tables.result import codes_table
+from ui.confined.reading import with_codes_confined
 from ui.session import state, store
 from ui.session.uploads import new_upload, store_annotations
 from ui.shell.messages import shown_error
@@ -106,7 +106,7 @@ def _draw_reading(every: Iterable[CodedInterval], key: str) -> None:
         folder = new_upload(space)
         (path,) = store_annotations(space, folder, "codes", [file])
         sent = replace(session, folder=folder, codes_file=str(path), codes=())
-        read = with_codes(sent, state.opened().whole.recordings["name"].tolist()).codes
+        read = with_codes_confined(sent, state.opened().whole.recordings["name"].tolist()).codes
     except NvcoreError as error:
         st.error(shown_error(error), icon=":material/error:")
         return

@@ -228,3 +228,15 @@ def test_a_stretch_is_marked_at_the_frame_shown_becomes_a_class_and_is_changed_a
     checked(page.selectbox[0].set_value(replace(marked, code="low sun")).run())
     press(page, "code_remove")
     assert space_of(page).opened.session.codes == ()
+
+
+def test_stretches_of_a_file_are_added_unless_it_has_a_wrong_line():
+    page = checked(part("ui.timeline.codes.draw(state.recording())").run())
+    lines = ["recording,start_s,end_s,code", "rural_child,1,2,glare", "rural_child,3,2,glare"]
+    for n_lines, n_codes in ((3, 0), (2, 1)):
+        content = "\n".join(lines[:n_lines]).encode()
+        checked(page.file_uploader[0].set_value(("codes.csv", content, "text/csv")).run())
+        assert len(space_of(page).opened.session.codes) == n_codes
+        if not n_codes:
+            assert "line 3" in page.error[0].value
+    assert not page.error
