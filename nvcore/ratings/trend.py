@@ -66,7 +66,7 @@ def fit_trend(clips: pd.DataFrame) -> Trend | None:
         return None
     middle = x.mean()
     terms = np.column_stack([np.ones(len(x)), x - middle, y, (x - middle) ** 2, (x - middle) * y])
-    code, names = pd.factorize(clips["clip"])
+    code, names = pd.factorize(clips["recording"])
     by_recording = np.zeros((len(names), terms.shape[1]))
     np.add.at(by_recording, code, terms)
     slope, height = _lines(by_recording.sum(axis=0))
