@@ -130,7 +130,8 @@ def compare_clips(result: Result, clips: Iterable[str]) -> Result:
         recording, start_s, end_s = (clip, np.nan, np.nan) if clip in place else stretch_of(clip)
         if recording in place:
             own = rows_between(dataset, place[recording], start_s, end_s)
-            names, parents, rows = [*names, clip], [*parents, place[recording]], [*rows, own]
+            if own or np.isnan(start_s):  # a stretch beyond the end is none
+                names, parents, rows = [*names, clip], [*parents, place[recording]], [*rows, own]
     if set(names) <= set(place):
         return result
     frame = dataset.frames["frame"].to_numpy()

@@ -135,7 +135,7 @@ def find_drivers(ranks: pd.DataFrame, clips: pd.DataFrame) -> RatingDrivers:
     table = table.assign(value=odds[0], low=odds[1], high=odds[2], reason=reasons)
     if no_alpha:
         return RatingDrivers(table, np.nan, np.nan, np.nan, no_alpha, *counts)
-    return RatingDrivers(table, *_alpha(values[:, :2], above, n_people, recording), *counts)
+    return RatingDrivers(table, *_alpha(filled[:, :2], above, n_people, recording), *counts)
 
 
 def _too_little(n_with: int, spread: float, n: int) -> str:

@@ -9,6 +9,7 @@ import pandas as pd
 
 from nvcore.evidence.bootstrap import MIN_UNITS, SEED, count_units, expanded_tail
 from nvcore.inputs.readers.parse.table import parse_table
+from nvcore.output.csv_text import to_csv_bytes
 
 ANSWERS: Final = {"yes": "Yes", "no": "No", "unsure": "Cannot say"}
 """Answers to "Was this alert worth it?", in words."""
@@ -34,10 +35,8 @@ class Alert(NamedTuple):
     kind: str
 
 
-def read_alerts(content: bytes, *, name: str) -> list[Alert]:
-    """Alerts from CSV text with the columns recording, system, start_s, end_s, kind.
-
-    A table in memory is read as ``to_csv_bytes(table)``; other columns do not matter.
+def read_alerts(table: pd.DataFrame | bytes, *, name: str = "table") -> list[Alert]:
+    """Alerts from a table, or its CSV text, with the columns of `Alert`; others do not matter.
 
     Raises
     ------
@@ -45,6 +44,7 @@ def read_alerts(content: bytes, *, name: str) -> list[Alert]:
         If a column or field is missing, a time is none, an alert ends before it begins, the kind
         is none of `KINDS`, or an alert is there twice.
     """
+    content = table if isinstance(table, bytes) else to_csv_bytes(table)
     text = parse_table(content, name=name, what="alerts", required=COLUMNS)
     start_s, end_s = (text.numbers(column, low=0) for column in COLUMNS[2:4])
     if (is_wrong := end_s < start_s).any():

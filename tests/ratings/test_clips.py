@@ -60,7 +60,9 @@ def test_a_clips_name_says_what_it_is_of():
 
 
 def test_clips_that_make_up_a_recording_lose_what_it_loses(result):
-    halves = compare_clips(result, ["r0 [0-30 s]", "r0 [30-60 s]", "another [0-3 s]"])
+    halves = compare_clips(
+        result, ["r0 [0-30 s]", "r0 [30-60 s]", "another [0-3 s]", "r0 [70-80 s]"]
+    )
     assert halves.dataset.recordings["name"].tolist() == ["r0 [0-30 s]", "r0 [30-60 s]"]
     for letter in "xy":
         of_halves, whole = halves.system(letter), result.system(letter)

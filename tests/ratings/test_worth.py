@@ -5,7 +5,6 @@ import pandas as pd
 import pytest
 
 from nvcore.errors import FormatError
-from nvcore.output.csv_text import to_csv_bytes
 from nvcore.ratings.worth import agreement_of_kinds, read_alerts
 
 HEAD = "recording,system,start_s,end_s,kind\n"
@@ -59,7 +58,7 @@ def test_alerts_are_read_from_a_file_or_a_table():
     alerts = read_alerts(text.encode(), name="alerts.csv")
     assert alerts[0] == ("night", "FIR", 1.5, 3.0, "false")
     table = pd.DataFrame(alerts).assign(more=1)
-    assert read_alerts(to_csv_bytes(table), name="table") == alerts
+    assert read_alerts(table) == alerts
 
 
 @pytest.mark.parametrize(

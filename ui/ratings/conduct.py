@@ -21,9 +21,9 @@ from ui.people.studies import CONDUCT, enter
 from ui.people.terms import ask_consent, ask_days, draw_addresses
 from ui.ratings.participant import ENDS
 from ui.ratings.sessions import SESSIONS, shown_thresholds
+from ui.ratings.source import ask_for_file
 from ui.session import state
 from ui.session.store import RATINGS_PART
-from ui.settings.limits import MEBI
 from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side, download_csv
 from ui.widgets.table import TableColumn, draw_table
@@ -32,7 +32,6 @@ from ui.widgets.text import docs_link, number, plain
 RESULTS: Final = "Results"
 SESSION: Final = "Rating session"
 GROUPS: Final = "Groups"
-MOST_MB: Final = 5
 NEWS_S: Final = 5.0
 """Interval at which the progress is updated, seconds."""
 
@@ -148,26 +147,22 @@ def _choose_stretches(result: Result) -> list[tuple[Any, ...]]:
 def _ask_alerts(result: Result) -> list[Alert]:
     """Alerts of which it is asked whether they were worth it, from a file."""
     with st.expander("Ask of alerts whether they were worth it"):
-        sent = st.file_uploader(
+        sent = ask_for_file(
             f"Alerts (CSV with the columns {', '.join(COLUMNS)})",
-            type=["csv", "txt"],
-            key="rating_alerts",
-            max_upload_size=MOST_MB,
-            help="Times in seconds since the recording's first frame. Kinds: "
+            "rating_alerts",
+            "Times in seconds since the recording's first frame. Kinds: "
             f"{', '.join(KINDS)}. After the clips each alert is shown with what happens around it.",
         )
         if sent is None:
             return []
-        if sent.size > MOST_MB * MEBI:  # the browser refuses it, unless it is made not to
-            raise InputError(f"the file is larger than {MOST_MB} MB", file=sent.name)
-        alerts = read_alerts(sent.getvalue(), name=sent.name)
+        alerts = read_alerts(sent[0], name=sent[1])
         names = state.recording_names(), (result.x.name, result.y.name)
         for alert in alerts:
             if alert.recording not in names[0] or alert.system not in names[1]:
                 raise InputError(
                     f"an alert of {alert.system} in {alert.recording}: this comparison has no such "
                     "recording or system",
-                    file=sent.name,
+                    file=sent[1],
                 )
         st.caption(f"{count_text(len(alerts), 'alert')}.")
     return alerts

@@ -9,15 +9,15 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.arguments.groups import GroupArguments, Scale
-from nvcore.errors import InputError, NvcoreError
+from nvcore.errors import NvcoreError
 from nvcore.group_statistics import GroupComparison, compare_groups
 from nvcore.group_statistics.reading import LABELS, SUMMARY
 from nvcore.group_statistics.text import cells_of
 from nvcore.inputs.readers.parse.table import TextTable, parse_table
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.people.participants import MOST_NAME
+from ui.ratings.source import ask_for_file
 from ui.session import state
-from ui.settings.limits import MEBI
 from ui.shell.messages import shown_error
 from ui.widgets.choices import choose_side_by_side, download_csv
 from ui.widgets.table import TableColumn, draw_table
@@ -26,7 +26,6 @@ from ui.widgets.text import docs_link, plain
 FILE: Final = "CSV file"
 VALUES: Final = "Values, typed in"
 MEANS: Final = "Means and SD, typed in"
-MOST_MB: Final = 5
 MOST_KEPT: Final = 4
 COLUMNS: Final[dict[str, dict[str, Any]]] = {
     VALUES: {
@@ -80,18 +79,12 @@ def draw() -> None:
 
 
 def _from_file() -> TextTable | None:
-    sent = st.file_uploader(
+    sent = ask_for_file(
         "Groups (CSV with the columns condition and value, participant if known; or condition, n, "
         "mean, sd)",
-        type=["csv", "txt"],
-        key="groups_file",
-        max_upload_size=MOST_MB,
+        "groups_file",
     )
-    if sent is None:
-        return None
-    if sent.size > MOST_MB * MEBI:  # the browser refuses it, unless it is made not to
-        raise InputError(f"the file is larger than {MOST_MB} MB", file=sent.name)
-    return _parsed(sent.getvalue(), sent.name)
+    return None if sent is None else _parsed(*sent)
 
 
 def _typed(way: str) -> TextTable | None:

@@ -14,6 +14,7 @@ from nvcore.pictures.stretch import STRETCH
 from nvcore.ratings.clips import rows_between
 from nvcore.ratings.store import Clip, RatingStore, Study
 from nvcore.ratings.worth import ANSWERS
+from nvcore.wording import count_text
 from ui.people.form import draw_form
 from ui.people.studies import PARTICIPANT, STUDY, enter
 from ui.people.terms import draw_consent
@@ -128,6 +129,11 @@ def _welcome(study: Study, store: RatingStore) -> None:
         "right or wrong answer. Every rating is kept at once: you may stop at any time and go on "
         "later with the same name."
     )
+    if study.alerts:
+        st.markdown(
+            f"Then you see {count_text(len(study.alerts), 'alert')} of such a system, and say of "
+            "each whether it was worth it."
+        )
     if study.consent:
         draw_consent(study.consent)
     if study.ends_at is not None:
