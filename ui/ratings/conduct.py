@@ -11,7 +11,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.errors import InputError
-from nvcore.ratings.clips import LEAD_S, LENGTH_S, cut_clips
+from nvcore.ratings.clips import LEAD_S, LENGTH_S, cut_clips, rows_between
 from nvcore.ratings.store import CONSENT, Study
 from nvcore.ratings.worth import COLUMNS, KINDS, Alert, agreement_of_kinds, read_alerts
 from nvcore.wording import count_text, minus
@@ -158,10 +158,13 @@ def _ask_alerts(result: Result) -> list[Alert]:
         alerts = read_alerts(sent[0], name=sent[1])
         names = state.recording_names(), (result.x.name, result.y.name)
         for alert in alerts:
-            if alert.recording not in names[0] or alert.system not in names[1]:
+            is_there = alert.recording in names[0] and alert.system in names[1]
+            if not is_there or not rows_between(
+                result.dataset, names[0].index(alert.recording), alert.start_s, np.inf
+            ):
                 raise InputError(
-                    f"an alert of {alert.system} in {alert.recording}: this comparison has no such "
-                    "recording or system",
+                    f"an alert of {alert.system} in {alert.recording} at {alert.start_s:g} s: this "
+                    "comparison has no such recording, system or time",
                     file=sent[1],
                 )
         st.caption(f"{count_text(len(alerts), 'alert')}.")

@@ -364,7 +364,7 @@ def test_it_is_asked_of_every_alert_whether_it_was_worth_it(store: RatingStore):
             ("a.csv", b"recording,system,start_s,end_s,kind\nx,FIR,1,2,false", "text/csv")
         ).run()
     )
-    assert "an alert of FIR in x: this comparison has no such" in words(page)
+    assert "an alert of FIR in x at 1 s: this comparison has no such" in words(page)
     alerts = page.file_uploader(key="rating_alerts")
     checked(alerts.set_value(("a.csv", "\n".join(lines).encode(), "text/csv")).run())
     study = begun(store, "odd_pose", page=page)
