@@ -24,7 +24,8 @@ export function countUpTo(values, value) {
 export class Recording {
   constructor(sent) {
     this.nRows = sent.n_rows;
-    [this.firstRow, this.lastRow] = sent.rows ?? [0, sent.n_rows - 1];
+    this.firstRow = sent.rows?.[0] ?? 0;
+    this.lastRow = sent.rows?.[1] ?? sent.n_rows - 1;
     this.width = sent.width;
     this.height = sent.height;
     this.frames = Recording.framesOf(sent);
