@@ -17,6 +17,7 @@ CALLS = {
     "first": (COMPARE, "new"),
     "second": (COMPARE, "new"),
     "import": (("-c", "from nvcore import compare"), "new"),
+    "libraries": (("-c", "import numba, pandas, pyarrow, scipy.stats"), "new"),
 }
 """By name, Python's arguments and the folder of compiled functions (``NUMBA_CACHE_DIR``).
 

@@ -4,7 +4,8 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from ui.people.studies import is_participant
-from ui.ratings import conduct, participant, results
+from ui.ratings import conduct, groups, participant, results
+from ui.session.store import RATINGS_PART
 from ui.shell.messages import needs_comparison
 from ui.widgets.text import docs_link
 
@@ -18,8 +19,7 @@ def draw(result: Result) -> None:
             "The ratings ask how annoying it is to drive with a system that draws boxes around "
             f"what is on the road: not asked of {objects.plural}."
         )
-        return
-    if conduct.choose_part() == conduct.RESULTS:
+    elif RATINGS_PART.get() == conduct.RESULTS:
         results.draw(result)
     else:
         conduct.draw(result)
@@ -30,9 +30,12 @@ if is_participant():
 else:
     st.title("Ratings")
     st.caption(
-        "People watch clips, each a recording with the boxes of one system, and rate how annoying "
-        "it would be to drive with. Saliency claims to say the same without asking anybody; here "
-        f"the two are compared ({docs_link('Ratings', 'ratings', doc='ratings')})."
+        "People watch clips, each with the boxes of one system, and rate how annoying it would be "
+        "to drive with. Saliency claims to say the same without asking anybody; here the two are "
+        f"compared ({docs_link('Ratings', 'ratings', doc='ratings')})."
     )
     participant.draw_waiting()
-    draw()
+    if conduct.choose_part() == conduct.GROUPS:
+        groups.draw()
+    else:
+        draw()

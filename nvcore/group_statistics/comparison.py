@@ -39,6 +39,7 @@ from nvcore.group_statistics.summaries import (
     welch,
 )
 from nvcore.group_statistics.text import render_groups
+from nvcore.inputs.readers.parse.table import TextTable
 from nvcore.objects import PEDESTRIAN
 from nvcore.sentences import groups as said
 from nvcore.sentences import say
@@ -134,8 +135,13 @@ class _Analysis(NamedTuple):
     assumptions: pd.DataFrame
 
 
-def compare_groups(asked: GroupArguments) -> GroupComparison:
+def compare_groups(asked: GroupArguments, text: TextTable | None = None) -> GroupComparison:
     """Groups compared by every test that their table allows.
+
+    Parameters
+    ----------
+    text
+        As of `read_groups`.
 
     Raises
     ------
@@ -145,7 +151,7 @@ def compare_groups(asked: GroupArguments) -> GroupComparison:
         If a choice is impossible, or does not go with the table.
     """
     _check(asked)
-    read = read_groups(asked)
+    read = read_groups(asked, text)
     names, data = read.conditions, _data_of(read)
     is_comparable = len(names) > 1 and data.design != "mixed"
     analysis = _Analysis([], pd.DataFrame(columns=[*PAIR_COLUMNS]), pd.DataFrame(columns=CHECKED))

@@ -62,13 +62,18 @@ class GroupTable(NamedTuple):
         return [*(self.rows if self.summaries is None else self.summaries)["condition"].unique()]
 
 
-def read_groups(asked: GroupArguments) -> GroupTable:
+def read_groups(asked: GroupArguments, text: TextTable | None = None) -> GroupTable:
     """Values, or means and SD, whichever the columns of the table are.
 
     Values: ``condition``, the measure, and if known ``participant``. A drive may have a row for
     each ``kind`` of what is counted: counts of one participant, condition and, where there is that
     column, ``run`` are added. An empty value is a missing one. Participants whose names differ in
     capitals or spaces only are one. Summaries: ``condition,n,mean,sd``.
+
+    Parameters
+    ----------
+    text
+        The table, where it was read already; None: it is that of `asked`.
 
     Raises
     ------
@@ -77,6 +82,8 @@ def read_groups(asked: GroupArguments) -> GroupTable:
     ParameterError
         If there is no such column, condition, participant or kind.
     """
+    if text is not None:
+        return _read(text, asked)
     if not isinstance(asked.table, pd.DataFrame):
         text = read_table(Path(asked.table), what="groups", required=["condition"])
         return _read(text, asked)

@@ -35,13 +35,19 @@ def amount_form(values: np.ndarray) -> str:
 
 def render_groups(comparison: GroupComparison) -> str:
     """The sentences and every table; what fits has a star."""
-    rows = (_group_rows, _test_rows, _pair_rows, _check_rows, _size_rows)
-    tables = [
-        aligned(rows_of(comparison)) if len(getattr(comparison, name)) else []
-        for name, rows_of in zip(TABLES, rows, strict=True)
-    ]
+    tables = [aligned(rows) for rows in cells_of(comparison).values()]
     parts = [comparison.sentences, *tables]
     return "\n\n".join("\n".join(map(one_line, lines)) for lines in parts if lines)
+
+
+def cells_of(comparison: GroupComparison) -> dict[str, list[tuple[str, ...]]]:
+    """Every table of `TABLES` that has rows as text, its headings first; what fits has a star."""
+    rows = (_group_rows, _test_rows, _pair_rows, _check_rows, _size_rows)
+    return {
+        name: [*rows_of(comparison)]
+        for name, rows_of in zip(TABLES, rows, strict=True)
+        if len(getattr(comparison, name))
+    }
 
 
 def _group_rows(comparison: GroupComparison) -> Iterator[tuple[str, ...]]:
@@ -57,7 +63,7 @@ def _group_rows(comparison: GroupComparison) -> Iterator[tuple[str, ...]]:
 
 
 def _test_rows(comparison: GroupComparison) -> Iterator[tuple[str, ...]]:
-    yield ("  test of all", "", "df", "p", "eta²", "omega²", "f", "ways", "")
+    yield ("  test of all", "value", "df", "p", "eta²", "omega²", "f", "ways", "note")
     for row in comparison.tests.to_dict("records"):
         df = [f"{row[name]:.4g}" for name in ("df_between", "df_within") if row[name] > 0]
         ways = f"{row['n_reached']:,} of {row['n_ways']:,}" if row["n_ways"] else ""
@@ -92,7 +98,7 @@ def _pair_rows(comparison: GroupComparison) -> Iterator[tuple[str, ...]]:
 
 
 def _check_rows(comparison: GroupComparison) -> Iterator[tuple[str, ...]]:
-    yield ("  assumption", "", "p", "")
+    yield ("  assumption", "value", "p", "it is")
     for row in comparison.assumptions.to_dict("records"):
         holds = "" if math.isnan(row["holds"]) else "not rejected" if row["holds"] else "rejected"
         yield (f"  {CHECKS[row['check']]}", number(row["value"], ".3g"), _p(row["p"]), holds)
@@ -100,7 +106,7 @@ def _check_rows(comparison: GroupComparison) -> Iterator[tuple[str, ...]]:
 
 def _size_rows(comparison: GroupComparison) -> Iterator[tuple[str, ...]]:
     where = "persons" if comparison.design == "same" else "n in each group"
-    yield ("  a further study of", "", "shown at p", where)
+    yield ("  a further study of", "effect", "shown at p", where)
     for row in comparison.sizes.to_dict("records"):
         what, letter = ("two conditions", "d") if row["test"] == "t" else ("all conditions", "f")
         effect = f"{letter} = {number(row['effect'], '.2f')}"

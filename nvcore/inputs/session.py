@@ -69,7 +69,8 @@ class RecordingEntry(KeysOfSubjects):
     another camera, and `visible_map` (sx, sy, dx, dy) says where these show what the recording
     does: a point (x, y) of it, px, lies at (sx x + dx, sy y + dy) of them; None: by the two sizes.
     `context` is that of the traffic, from 0 (urban) to 1 (rural),
-    `speed_kmh` the speed of the car. `tags` are words by which recordings can be chosen, such as
+    `speed_kmh` the speed of the car, and `speed` a CSV of it over time
+    (`nvcore.inputs.speed`). `tags` are words by which recordings can be chosen, such as
     "night". `title` is what it is called in place of its name in the data. Recordings of one
     `unit` (a drive, a route, a car) are not independent: tests and intervals take them as one.
     """
@@ -89,6 +90,7 @@ class RecordingEntry(KeysOfSubjects):
     unit: str | None = None
     visible: str | None = path_field()
     visible_map: tuple[float, float, float, float] | None = None
+    speed: str | None = path_field()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "tags", as_names(self.tags))
@@ -269,7 +271,10 @@ class Session(TablesOfSubjects, Settings):
         checked when it is loaded.
     pipes
         Paths that were pipes when the session was written: what came through them is gone.
-    x, y, params, protocol, only_tags, only, objects, published, accept
+    codes_file
+        A CSV of coded intervals (`nvcore.inputs.codes`); once it has been read they are in `codes`,
+        and it is None.
+    x, y, params, protocol, only_tags, only, objects, published, accept, codes
         See `nvcore.settings.Settings`.
     """
 
@@ -283,12 +288,14 @@ class Session(TablesOfSubjects, Settings):
     frames: str | None = None
     hashes: Mapping[str, str] = field(default_factory=dict)
     pipes: tuple[str, ...] = ()
+    codes_file: str | None = None
 
     def __post_init__(self) -> None:
         for name in ("only_tags", "only", "accept"):
             object.__setattr__(self, name, as_names(getattr(self, name)))
         check_rate(self.fps)
         check_path("frames", self.frames)
+        check_path("codes", self.codes_file)
         names = [recording.name for recording in self.recordings]
         for name in names:
             if names.count(name) > 1:
@@ -298,6 +305,8 @@ class Session(TablesOfSubjects, Settings):
         """What it names of files still to be read, as they are written."""
         if self.recordings_file is not None and self.has_unread_recordings:
             yield self.recordings_file.path
+        if self.codes_file is not None:
+            yield self.codes_file
         for source in (self.truth, *self.systems):
             yield from source.path
         for frames in (self.frames, *(recording.frames for recording in self.recordings)):
@@ -408,6 +417,7 @@ class Session(TablesOfSubjects, Settings):
             recordings=tuple(map(of_entry, self.recordings)),
             recordings_file=None if table is None else RecordingsFile(rename(table.path)),
             frames=of_frames(self.frames),
+            codes_file=None if self.codes_file is None else rename(self.codes_file),
             **{name: with_paths_in(getattr(self, name), rename) for name in TABLES_OF_SUBJECTS},
         )
 

@@ -131,7 +131,7 @@ def fit_saliency(
     InputError
         With fewer than five recordings among the clips, or where all mean ranks are the same.
     """
-    recording = pd.factorize(clips["clip"])[0]
+    recording = pd.factorize(clips["recording"])[0]
     if recording.max(initial=-1) + 1 < LEAST_RECORDINGS:
         raise InputError(
             f"a fit that is judged on recordings left out needs {LEAST_RECORDINGS} rated "
@@ -162,7 +162,7 @@ def fit_saliency(
     best = int(total.argmax())
     n_pairs = int(np.count_nonzero(order))
     held_out = _agreement_held_out(agreement)
-    counts = _by_recording(np.abs(order), recording)
+    counts = sum_by_recording(np.abs(order), recording)
     intervals = _intervals(held_out.astype(float), agreement[0].astype(float), counts)
     (low, high), (gain_low, gain_high), reason = intervals
     changed = {
@@ -299,11 +299,31 @@ def _agreement(saliency: np.ndarray, order: np.ndarray, recording: np.ndarray) -
     return agreement
 
 
-def _by_recording(pairs: np.ndarray, recording: np.ndarray) -> np.ndarray:
+def sum_by_recording(pairs: np.ndarray, recording: np.ndarray) -> np.ndarray:
     """Sums over the pairs of clips of every two recordings; float64, (recordings, recordings)."""
     member = (recording[:, None] == np.arange(recording.max() + 1)).astype(np.float64)
     sums: np.ndarray = member.T @ pairs @ member
     return sums
+
+
+def resample_pairs(drawn: np.ndarray, sums: np.ndarray) -> np.ndarray:
+    """Sums over all pairs of clips in each resample; a clip and its copy are no pair.
+
+    Parameters
+    ----------
+    drawn
+        How often each recording was drawn; float64, shape (n_resamples, n_recordings).
+    sums
+        Of `sum_by_recording`.
+
+    Returns
+    -------
+    Shape (n_resamples,).
+    """
+    within = np.diag(sums)
+    across = ((drawn @ (sums - np.diag(within))) * drawn).sum(axis=1)
+    total: np.ndarray = across + drawn @ within
+    return total
 
 
 def _agreement_held_out(agreement: np.ndarray) -> np.ndarray:
@@ -338,16 +358,12 @@ def _intervals(
     if n < MIN_UNITS:
         return none, none, f"an interval needs {MIN_UNITS} recordings; there are {n}"
     rng = np.random.default_rng(SEED)
-    weight = count_units(rng.integers(0, n, (N_RESAMPLES, n)), n)
-
-    def resample(sums: np.ndarray) -> np.ndarray:
-        within = np.diag(sums)
-        across = ((weight @ (sums - np.diag(within))) * weight).sum(axis=1)
-        total: np.ndarray = across + weight @ within
-        return total
-
+    drawn = count_units(rng.integers(0, n, (N_RESAMPLES, n)), n)
+    n_drawn = resample_pairs(drawn, counts)
     with np.errstate(invalid="ignore", divide="ignore"):
-        share, before = (0.5 + 0.5 * resample(sums) / resample(counts) for sums in (fitted, start))
+        share, before = (
+            0.5 + 0.5 * resample_pairs(drawn, sums) / n_drawn for sums in (fitted, start)
+        )
     ends = [50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE)]
     interval, gain = (
         tuple(np.nanpercentile(values, ends).tolist()) for values in (share, share - before)

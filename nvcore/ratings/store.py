@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import json
+import math
 import sqlite3
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Literal, NamedTuple
 
 import pandas as pd
 
 from nvcore.errors import InputError
+from nvcore.people.form import check_answers, check_questions, form_of
 from nvcore.people.participants import (
     KEPT_DAYS,
     PARTICIPANTS,
@@ -25,13 +27,17 @@ from nvcore.people.participants import (
     remove,
 )
 from nvcore.people.store import AnswerFile, new_names
+from nvcore.ratings.clips import clip_name
+from nvcore.ratings.worth import ANSWERS, Alert
+from nvcore.wording import listed
 
 MOST_CLIPS: Final = 500
 TABLES: Final = f"""
 CREATE TABLE IF NOT EXISTS study (
     token TEXT PRIMARY KEY, conductor TEXT NOT NULL UNIQUE, fingerprint TEXT NOT NULL,
     clips TEXT NOT NULL, low INTEGER NOT NULL, high INTEGER NOT NULL,
-    thresholds TEXT NOT NULL, consent TEXT NOT NULL DEFAULT '', ends_at TEXT);
+    thresholds TEXT NOT NULL, consent TEXT NOT NULL DEFAULT '', ends_at TEXT,
+    alerts TEXT NOT NULL DEFAULT '[]', form TEXT NOT NULL DEFAULT '{{}}');
 {PARTICIPANTS}
 CREATE TABLE IF NOT EXISTS consent (
     study TEXT NOT NULL, participant TEXT NOT NULL, consented_at TEXT NOT NULL,
@@ -42,23 +48,43 @@ CREATE TABLE IF NOT EXISTS rating (
     rated_at TEXT NOT NULL DEFAULT CURRENT_TIMESTAMP, n_plays INTEGER, first_rating INTEGER,
     PRIMARY KEY (study, participant, clip),
     FOREIGN KEY (study, participant) REFERENCES participant (study, name));
+CREATE TABLE IF NOT EXISTS worth (
+    study TEXT NOT NULL, participant TEXT NOT NULL, alert INTEGER NOT NULL, answer TEXT NOT NULL,
+    answered_at TEXT NOT NULL DEFAULT CURRENT_TIMESTAMP,
+    PRIMARY KEY (study, participant, alert),
+    FOREIGN KEY (study, participant) REFERENCES participant (study, name));
+CREATE TABLE IF NOT EXISTS form (
+    study TEXT NOT NULL, participant TEXT NOT NULL, field TEXT NOT NULL, answer TEXT NOT NULL,
+    PRIMARY KEY (study, participant, field),
+    FOREIGN KEY (study, participant) REFERENCES participant (study, name));
 """
 
 ADDED: Final = {
     "rating": {"n_plays": "INTEGER", "first_rating": "INTEGER"},
-    "study": {"consent": "TEXT NOT NULL DEFAULT ''", "ends_at": "TEXT"},
+    "study": {
+        "consent": "TEXT NOT NULL DEFAULT ''",
+        "ends_at": "TEXT",
+        "alerts": "TEXT NOT NULL DEFAULT '[]'",
+        "form": "TEXT NOT NULL DEFAULT '{}'",
+    },
 }
 """Columns that files of earlier versions lack, by table."""
-OF_PARTICIPANT: Final = ("consent", "rating")
+OF_STUDY: Final = (
+    "token, conductor, fingerprint, clips, low, high, thresholds, consent, ends_at, alerts, form"
+)
+"""Columns of a study; files of earlier versions have them in another order."""
+OF_PARTICIPANT: Final = ("consent", "rating", "worth", "form")
 """Tables with what a participant left."""
+FORM: Final = ("age", "sex", "licence", "night_driving")
+"""Fields of the form before a session's own questions."""
 CONSENT: Final = """\
 You watch short clips of drives at night, and say after each how annoying the mistakes of a driver \
 assistance system are.
 
-We keep your ratings, when you gave them, how often you played each clip, and the name or code \
-that you enter on this page; no one needs your real name. You may stop at any time, without a \
-reason. Tell the person who conducts the session your name or code, and you get a copy of your \
-ratings, or they are deleted.
+We keep your ratings and answers, when you gave them, how often you played each clip, what you \
+say about yourself, and the name or code that you enter on this page; no one needs your real \
+name. You may stop at any time, without a reason. Tell the person who conducts the session your \
+name or code, and you get a copy of your ratings, or they are deleted.
 """
 RATE: Final = """
 INSERT INTO rating (study, participant, clip, rating, n_plays) VALUES (?, ?, ?, ?, ?)
@@ -69,6 +95,35 @@ ON CONFLICT (study, participant, clip) DO UPDATE SET
         ELSE COALESCE(rating.n_plays, 0) + excluded.n_plays END,
     rating = excluded.rating, rated_at = CURRENT_TIMESTAMP
 """
+
+
+class Clip(NamedTuple):
+    """What is rated: a recording, or a stretch of it, with the boxes of one system.
+
+    Attributes
+    ----------
+    start_s, end_s
+        Seconds since the recording's first frame; None: all of it.
+    reason
+        What the stretch was cut around (`nvcore.ratings.clips.cut_clips`).
+    """
+
+    recording: str
+    system: str
+    start_s: float | None = None
+    end_s: float | None = None
+    reason: str = ""
+
+    @property
+    def stretch_s(self) -> tuple[float, float]:
+        """Start and end; NaN: all of it."""
+        none = self.start_s is None or self.end_s is None
+        return (math.nan, math.nan) if none else (self.start_s, self.end_s)  # type: ignore[return-value]
+
+    @property
+    def name(self) -> str:
+        """What it is called in tables of ratings."""
+        return clip_name(self.recording, *self.stretch_s)
 
 
 @dataclass(frozen=True)
@@ -84,7 +139,7 @@ class Study:
     fingerprint
         Of the dataset that the clips are from.
     clips
-        Recording and system (whose boxes are shown) of each clip.
+        What is rated.
     low, high
         Ends of the scale: not annoying at all, very annoying.
     thresholds
@@ -94,17 +149,23 @@ class Study:
         Text that participants agree to before they begin; empty: none is shown.
     ends_at
         When the study is deleted with all ratings, UTC; None: it is not, by itself.
+    alerts
+        Of each it is asked whether it was worth it, after the clips.
+    form
+        Labels of the fields that participants are asked to fill in, by field; empty: no form.
     """
 
     token: str
     conductor: str
     fingerprint: str
-    clips: tuple[tuple[str, str], ...]
+    clips: tuple[Clip, ...]
     low: int
     high: int
     thresholds: Mapping[str, float | None]
     consent: str = ""
     ends_at: datetime | None = None
+    alerts: tuple[Alert, ...] = ()
+    form: Mapping[str, str] = field(default_factory=dict)
 
 
 class RatingStore(AnswerFile):
@@ -136,23 +197,31 @@ class RatingStore(AnswerFile):
     def begin(
         self,
         fingerprint: str,
-        clips: Sequence[tuple[str, str]],
+        clips: Sequence[tuple[Any, ...]],
         *,
         low: int = 1,
         high: int = 7,
         thresholds: Mapping[str, float | None] | None = None,
         consent: str | None = None,
         keep_days: int = KEPT_DAYS,
+        alerts: Sequence[Alert] = (),
+        questions: Sequence[str] | None = None,
         now: datetime | None = None,
     ) -> Study:
-        """A new study of these clips, each a recording and a system.
+        """A new study of these clips.
 
         Parameters
         ----------
+        clips
+            Fields of `Clip`: recording and system at least.
         consent
             Text that participants agree to; None: they are asked elsewhere.
         keep_days
             After so many days the study is deleted with all ratings.
+        alerts
+            Of `nvcore.ratings.worth.read_alerts`.
+        questions
+            Own questions of the form; None: participants fill in none.
         now
             When it begins, UTC; None: the clock's time.
 
@@ -162,21 +231,30 @@ class RatingStore(AnswerFile):
             If there is no clip, one twice or too many, the scale has no two steps, or the terms
             cannot be.
         """
-        if not 0 < len(clips) <= MOST_CLIPS or len(set(clips)) < len(clips):
+        shown = tuple(Clip(*clip) for clip in clips)
+        if not 0 < len(shown) <= MOST_CLIPS or len(set(shown)) < len(shown):
             raise InputError(f"a rating session needs 1 to {MOST_CLIPS} clips, each once")
         if low >= high:
             raise InputError(f"the scale must rise; it goes from {low} to {high}")
+        if len(alerts) > MOST_CLIPS:
+            raise InputError(
+                f"a rating session asks of {MOST_CLIPS} alerts at most; got {len(alerts):,}"
+            )
+        check_questions(questions or ())
         check_terms(CONSENT if consent is None else consent, keep_days)
         thresholds_shown = dict(thresholds or {})
         token, conductor = new_names()
         study = Study(
-            *(token, conductor, fingerprint, tuple(clips), low, high, thresholds_shown),
+            *(token, conductor, fingerprint, shown, low, high, thresholds_shown),
             consent=consent or "",
             ends_at=(now or datetime.now(UTC)) + timedelta(days=keep_days),
+            alerts=tuple(alerts),
+            form={} if questions is None else form_of(FORM, questions),
         )
         with self.connect() as base:
             base.execute(
-                "INSERT INTO study VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                f"INSERT INTO study ({OF_STUDY}) VALUES "  # noqa: S608  # our own names
+                "(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
                 (
                     token,
                     conductor,
@@ -187,29 +265,35 @@ class RatingStore(AnswerFile):
                     json.dumps(thresholds_shown),
                     study.consent,
                     None if study.ends_at is None else study.ends_at.isoformat(),
+                    json.dumps(study.alerts),
+                    json.dumps(study.form),
                 ),
             )
         return study
 
     def study(self, token: str) -> Study | None:
         """The study that participants know by that name, if there is one."""
-        return self._study("SELECT * FROM study WHERE token = ?", token)
+        return self._study("token", token)
 
     def study_of_conductor(self, conductor: str) -> Study | None:
         """The study that its conductor knows by that name, if there is one."""
-        return self._study("SELECT * FROM study WHERE conductor = ?", conductor)
+        return self._study("conductor", conductor)
 
-    def _study(self, query: str, name: str) -> Study | None:
+    def _study(self, column: str, name: str) -> Study | None:
+        query = f"SELECT {OF_STUDY} FROM study WHERE {column} = ?"  # noqa: S608  # our own names
         with self.connect() as base:
             row = base.execute(query, (name,)).fetchone()
         if row is None:
             return None
-        token, conductor, fingerprint, clips, low, high, thresholds, consent, ends_at = row
-        pairs = tuple((recording, system) for recording, system in json.loads(clips))
+        token, conductor, fingerprint, clips, low, high, thresholds, consent, ends_at, *more = row
+        alerts, form = map(json.loads, more)
+        shown = tuple(Clip(*clip) for clip in json.loads(clips))
         return Study(
-            *(token, conductor, fingerprint, pairs, low, high, json.loads(thresholds)),
+            *(token, conductor, fingerprint, shown, low, high, json.loads(thresholds)),
             consent=consent,
             ends_at=None if ends_at is None else datetime.fromisoformat(ends_at),
+            alerts=tuple(Alert(*alert) for alert in alerts),
+            form=dict(form),
         )
 
     def agree(self, study: Study, participant: str, *, now: datetime | None = None) -> None:
@@ -229,6 +313,79 @@ class RatingStore(AnswerFile):
                 (study.token, name, when),
             )
 
+    def fill_in(self, study: Study, participant: str, answers: Mapping[str, str]) -> None:
+        """Keep what a participant who has joined says in the form; what was said before stays.
+
+        Raises
+        ------
+        InputError
+            If the form has no such field, or an answer is too long.
+        """
+        check_answers(study.form, answers)
+        with self.connect() as base:
+            name = _joined(base, study, participant)
+            base.executemany(
+                "INSERT INTO form VALUES (?, ?, ?, ?) ON CONFLICT DO NOTHING",
+                [(study.token, name, *answer) for answer in answers.items()],
+            )
+
+    def forms(self, study: Study) -> pd.DataFrame:
+        """What everybody says in the form: ``participant`` and its fields; "" where left empty."""
+        rows = self._rows(study, "form", "field, answer")
+        people = self.participants(study)["participant"]
+        said = {person: dict.fromkeys(study.form, "") for person in people}
+        for person, field_name, answer in rows:
+            said[person][field_name] = answer
+        table = pd.DataFrame([*said.values()], columns=[*study.form])
+        table.insert(0, "participant", [*said])
+        return table
+
+    def judge(self, study: Study, participant: str, alert: int, answer: str) -> None:
+        """Keep whether an alert was worth it; another answer to the same replaces it.
+
+        Raises
+        ------
+        InputError
+            If there is no such alert, answer or participant.
+        """
+        if not 0 <= alert < len(study.alerts):
+            raise InputError(f"there is no alert {alert + 1}")
+        if answer not in ANSWERS:
+            raise InputError(f"an answer is {listed([*ANSWERS])}; given {answer!r}")
+        with self.connect() as base:
+            name = _joined(base, study, participant)
+            base.execute(
+                "INSERT INTO worth (study, participant, alert, answer) VALUES (?, ?, ?, ?) "
+                "ON CONFLICT DO UPDATE SET answer = excluded.answer",
+                (study.token, name, alert, answer),
+            )
+
+    def worth(self, study: Study) -> pd.DataFrame:
+        """All answers: ``participant``, ``alert`` (its number), ``answer``, fields of `Alert`."""
+        rows = self._rows(study, "worth", "alert, answer")
+        table = pd.DataFrame(rows, columns=["participant", "alert", "answer"])
+        alerts = pd.DataFrame(study.alerts, columns=[*Alert._fields])
+        return table.join(alerts, on="alert")
+
+    def judged(self, study: Study, participant: str) -> set[int]:
+        """Numbers of the alerts that this participant has answered."""
+        with self.connect() as base:
+            rows = base.execute(
+                "SELECT alert FROM worth WHERE study = ? AND participant = ?",
+                (study.token, known_name(base, study.token, participant)),
+            ).fetchall()
+        return {alert for (alert,) in rows}
+
+    def _rows(self, study: Study, table: str, columns: str) -> list[tuple[Any, ...]]:
+        """Participant and these columns of what all left in a table, by number, then these."""
+        with self.connect() as base:
+            return base.execute(
+                f"SELECT participant, {columns} FROM {table} JOIN participant ON "  # noqa: S608  # our own names
+                f"participant.study = {table}.study AND participant.name = {table}.participant "
+                f"WHERE {table}.study = ? ORDER BY number, {columns}",
+                (study.token,),
+            ).fetchall()
+
     def may_rate(self, study: Study, participant: str) -> bool:
         """Whether nothing has to be agreed to first: there is no text, or it was agreed to."""
         if not study.consent:
@@ -246,7 +403,10 @@ class RatingStore(AnswerFile):
                 return None
             tables = record_of(base, study.token, name, OF_PARTICIPANT)
         for row in tables["rating"]:
-            row["clip"] = dict(zip(("recording", "system"), study.clips[row["clip"]], strict=True))
+            clip = study.clips[row["clip"]]._asdict()
+            row["clip"] = {name: value for name, value in clip.items() if value not in (None, "")}
+        for row in tables["worth"]:
+            row["alert"] = study.alerts[row["alert"]]._asdict()
         return {"participant": name, **tables}
 
     def delete(self, study: Study, participant: str) -> bool:
@@ -254,8 +414,10 @@ class RatingStore(AnswerFile):
         with self.connect() as base:
             return remove(base, study.token, participant, OF_PARTICIPANT)
 
-    def order(self, study: Study, participant: str) -> list[int]:
-        """Clips in this participant's own order; a new participant gets the next free one.
+    def order(
+        self, study: Study, participant: str, *, of: Literal["clips", "alerts"] = "clips"
+    ) -> list[int]:
+        """Clips (or alerts) in this participant's own order; who is new gets the next free one.
 
         Names that differ in capitals or spaces only are one participant, here and in every call.
 
@@ -266,7 +428,7 @@ class RatingStore(AnswerFile):
         """
         with self.connect() as base:
             number = join(base, study.token, participant)
-        return [int(clip) for clip in counterbalanced_order(len(study.clips), number)]
+        return [int(place) for place in counterbalanced_order(len(getattr(study, of)), number)]
 
     def ratings_of(self, study: Study, participant: str) -> dict[int, int]:
         """Ratings that this participant has given, by clip."""
@@ -299,9 +461,7 @@ class RatingStore(AnswerFile):
         if not study.low <= rating <= study.high:
             raise InputError(f"a rating is {study.low} to {study.high}; given {rating}")
         with self.connect() as base:
-            name = known_name(base, study.token, participant)
-            if name is None:
-                raise InputError(f"{participant} has not joined this rating session")
+            name = _joined(base, study, participant)
             base.execute(RATE, (study.token, name, clip, rating, n_plays))
 
     def participants(self, study: Study) -> pd.DataFrame:
@@ -322,27 +482,32 @@ class RatingStore(AnswerFile):
         -------
         Also ``n_plays``, how often the clip was played to its end (missing: not recorded), and
         ``first_rating``, what `rating` was before it was changed (missing: it never was); both
-        Int64.
+        Int64. Where clips are stretches, ``recording``, ``start_s``, ``end_s`` and ``reason``.
         """
-        with self.connect() as base:
-            rows = base.execute(
-                "SELECT participant, clip, rating, n_plays, first_rating FROM rating "
-                "JOIN participant ON "
-                "participant.study = rating.study AND participant.name = rating.participant "
-                "WHERE rating.study = ? ORDER BY number, clip",
-                (study.token,),
-            ).fetchall()
+        rows = self._rows(study, "rating", "clip, rating, n_plays, first_rating")
         clips = [study.clips[row[1]] for row in rows]
-        return pd.DataFrame(
+        table = pd.DataFrame(
             {
                 "participant": pd.Series([row[0] for row in rows], dtype=str),
-                "clip": pd.Series([recording for recording, _ in clips], dtype=str),
-                "system": pd.Series([system for _, system in clips], dtype=str),
+                "clip": pd.Series([clip.name for clip in clips], dtype=str),
+                "system": pd.Series([clip.system for clip in clips], dtype=str),
                 "rating": pd.Series([row[2] for row in rows], dtype=float),
                 "n_plays": pd.Series([row[3] for row in rows], dtype="Int64"),
                 "first_rating": pd.Series([row[4] for row in rows], dtype="Int64"),
             }
         )
+        if all(clip.start_s is None for clip in study.clips):
+            return table
+        own = pd.DataFrame(clips, columns=[*Clip._fields]).drop(columns="system")
+        return table.join(own.astype({"start_s": float, "end_s": float}))
+
+
+def _joined(base: sqlite3.Connection, study: Study, participant: str) -> str:
+    """The name of somebody who takes part, as it was given first."""
+    name = known_name(base, study.token, participant)
+    if name is None:
+        raise InputError(f"{participant} has not joined this rating session")
+    return name
 
 
 def _add_columns(base: sqlite3.Connection) -> None:

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
+from nvcore.evidence.bootstrap import CONFIDENCE
 from nvcore.ratings.validation import LEAST_CLIPS, SEED
 
 N_RESAMPLES: Final = 2_000
@@ -17,7 +18,6 @@ OUTLIER_SPREADS: Final = 3.0
 """An outlier lies so many robust standard deviations from the line."""
 MAD_TO_SD: Final = 1.4826
 """Standard deviation of a normal distribution over its median absolute deviation."""
-LEVEL: Final = 0.95
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ def fit_trend(clips: pd.DataFrame) -> Trend | None:
         return None
     middle = x.mean()
     terms = np.column_stack([np.ones(len(x)), x - middle, y, (x - middle) ** 2, (x - middle) * y])
-    code, names = pd.factorize(clips["clip"])
+    code, names = pd.factorize(clips["recording"])
     by_recording = np.zeros((len(names), terms.shape[1]))
     np.add.at(by_recording, code, terms)
     slope, height = _lines(by_recording.sum(axis=0))
@@ -74,7 +74,7 @@ def fit_trend(clips: pd.DataFrame) -> Trend | None:
     drawn = rng.multinomial(len(names), np.full(len(names), 1 / len(names)), size=N_RESAMPLES)
     slopes, heights = _lines(drawn @ by_recording)
     rank = np.linspace(x.min(), x.max(), N_POINTS)
-    tails = 50 * (1 - LEVEL), 50 * (1 + LEVEL)
+    tails = 50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE)
     is_line = np.isfinite(slopes)  # a resample may hold one rank only
     lines = heights[is_line, None] + slopes[is_line, None] * (rank - middle)
     least_s, most_s = np.percentile(lines, tails, axis=0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -13,8 +14,10 @@ import scipy
 
 from nvcore.comparison import Result
 from nvcore.errors import InputError
+from nvcore.measures.values import duration_of_recordings, per_recording
 from nvcore.metrics.saliency import aggregate_events, recency_weight
 from nvcore.params import Params
+from nvcore.ratings.clips import stretch_of
 from nvcore.ratings.reading import DELAY
 
 LEAST_CLIPS: Final = 5
@@ -55,28 +58,54 @@ class Correlation:
 
 
 def clip_saliency(result: Result, delay_s: pd.Series | None = None) -> pd.DataFrame:
-    """Saliency of every recording with the boxes of X and with those of Y, seconds, 0 is best.
+    """Saliency of every clip with the boxes of X and with those of Y, and what it loses.
 
     Parameters
     ----------
+    result
+        The comparison whose recordings are the clips (`nvcore.ratings.clips.compare_clips`).
     delay_s
         Of `mean_delay`: with recency in seconds the time from a clip's end to its rating counts as
         well. None: clips are rated as they end.
 
     Returns
     -------
-    Columns ``clip`` (the recording), ``system``, ``saliency_s`` and ``delay_s`` (seconds, 0 where
-    it is not known): first all of X, then of Y.
+    First all of X, then of Y: ``clip``, ``system``, ``saliency_s`` (0 is best), ``delay_s``
+    (seconds, 0 where it is not known); ``recording`` that the clip is of; means over its time of
+    ``loss_miss``, ``D(G, S) / (W/2)``, and ``loss_false``, ``D(S, G) / (W/2)``, both before alpha
+    weighs them; ``missed_s``, seconds of its saliency events, and ``recency``, the mean of theirs
+    by duration (0..1; NaN without any).
     """
+    frames = result.dataset.frame_columns
     names = result.dataset.recordings["name"].astype(str).tolist()
+    sums = partial(per_recording, result)
+    length_s, n = duration_of_recordings(result), len(names)
     parts = []
     for _, system in result.sides:
         clips = pd.MultiIndex.from_product([names, [system.name]])
-        delays = np.zeros(len(names))
+        delays = np.zeros(n)
         if delay_s is not None:
             delays = delay_s.reindex(clips).fillna(0.0).to_numpy(dtype=float)
-        values = saliency_after(system.events, delays, result.params)
-        columns = {"clip": names, "system": system.name, "saliency_s": values, DELAY: delays}
+        events = system.events
+        recording = events["recording"].to_numpy(dtype=np.int64)
+        tau, rest_s, duration_s = (
+            events[name].to_numpy(dtype=float) for name in ("tau", "rest_s", "duration_s")
+        )
+        recency = recency_weight(tau, rest_s + delays[recording], result.params)
+        step_s = frames.step_s / frames.half_width
+        missed_s = sums(duration_s, recording)
+        with np.errstate(invalid="ignore"):  # a recording may have no frames, a clip no miss
+            columns = {
+                "clip": names,
+                "system": system.name,
+                "saliency_s": saliency_after(events, delays, result.params),
+                DELAY: delays,
+                "recording": [stretch_of(name)[0] for name in names],
+                "loss_miss": sums(system.distances.d_miss * step_s, frames.recording) / length_s,
+                "loss_false": sums(system.distances.d_false * step_s, frames.recording) / length_s,
+                "missed_s": missed_s,
+                "recency": sums(duration_s * recency, recording) / missed_s,
+            }
         parts.append(pd.DataFrame(columns))
     return pd.concat(parts, ignore_index=True)
 
@@ -166,8 +195,8 @@ def join_clips(ranks: pd.DataFrame, saliency: pd.DataFrame) -> pd.DataFrame:
 
     Returns
     -------
-    Columns ``clip``, ``system``, ``mean_rank`` (1 is least annoying), ``n_ratings``,
-    ``saliency_s``, ``delay_s``.
+    Columns ``clip``, ``system``, ``mean_rank`` (1 is least annoying), ``n_ratings``, and those of
+    `saliency`.
 
     Raises
     ------
@@ -179,7 +208,7 @@ def join_clips(ranks: pd.DataFrame, saliency: pd.DataFrame) -> pd.DataFrame:
     clips: pd.DataFrame = rank_of_clip.merge(saliency, on=["clip", "system"], how="inner")
     if clips.empty:
         raise _none_known(rank_of_clip["clip"])
-    return clips[["clip", "system", "mean_rank", "n_ratings", "saliency_s", DELAY]]
+    return clips
 
 
 def _pearson(x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -17,6 +17,7 @@ def clips(n: int = 12) -> pd.DataFrame:
     return pd.DataFrame(
         {
             "clip": [f"<b>drive {i}" for i in range(n)],
+            "recording": [f"drive {i}" for i in range(n)],
             "system": ["FIR", "NIR"] * (n // 2),
             "mean_rank": rank,
             "n_ratings": 5,

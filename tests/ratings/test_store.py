@@ -13,7 +13,8 @@ import pytest
 from nvcore.errors import InputError
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.ratings.reading import read_ratings
-from nvcore.ratings.store import RatingStore
+from nvcore.ratings.store import FORM, Clip, RatingStore
+from nvcore.ratings.worth import Alert
 
 CLIPS = (("A", "FIR"), ("B", "FIR"), ("A", "NIR"), ("B", "NIR"))
 
@@ -52,7 +53,7 @@ os.kill(os.getpid(), signal.SIGKILL)
     store = RatingStore(path)
     study = store.study(token)
     assert study is not None
-    assert study.clips == CLIPS
+    assert study.clips == tuple(Clip(*clip) for clip in CLIPS)
     assert store.ratings_of(study, "P1") == {int(clip): 6}
 
 
@@ -266,3 +267,41 @@ def test_a_session_is_deleted_with_all_ratings_when_its_days_are_over(tmp_path):
 def test_terms_that_cannot_be_are_refused(store, terms, words):
     with pytest.raises(InputError, match=words):
         store.begin("print", CLIPS, **terms)
+
+
+def test_stretches_alerts_and_form_are_kept_and_deleted_with_their_participant(store):
+    stretch = Clip("A", "FIR", 5.0, 20.0, "encounter 3")
+    alert = Alert("A", "FIR", 7.5, 8.0, "needed")
+    study = store.begin("print", [stretch, ("B", "FIR")], alerts=[alert], questions=["Shoe size"])
+    assert store.study(study.token) == study
+    assert [*study.form] == [*FORM, "1. Shoe size"]
+    for name in ("Ann", "Bob"):
+        store.order(study, name)
+        store.rate(study, name, 0, 3)
+        store.judge(study, name, 0, "no")
+    store.fill_in(study, "ann", {"age": "41", "1. Shoe size": "39"})
+    store.fill_in(study, "ann", {"age": "14"})  # what was said first stays
+    store.judge(study, "ann", 0, "yes")
+    ratings = store.ratings(study)
+    assert ratings["clip"].tolist() == ["A [5-20 s]"] * 2
+    assert ratings.loc[0, ["recording", "start_s", "end_s", "reason"]].tolist() == [
+        "A", 5.0, 20.0, "encounter 3",
+    ]  # fmt: skip
+    assert store.forms(study).iloc[:, [0, 1, 5]].to_numpy().tolist() == [
+        ["Ann", "41", "39"], ["Bob", "", ""],
+    ]  # fmt: skip
+    worth = store.worth(study).set_index("participant")
+    assert worth["answer"].to_dict() == {"Ann": "yes", "Bob": "no"}
+    assert tuple(worth.loc["Ann", [*Alert._fields]]) == alert
+    record = store.record(study, "Ann")
+    assert record["rating"][0]["clip"]["reason"] == "encounter 3"
+    assert record["worth"][0]["alert"]["kind"] == "needed"
+    assert {row["field"]: row["answer"] for row in record["form"]}["age"] == "41"
+    store.delete(study, "Ann")
+    assert store.worth(study)["participant"].tolist() == ["Bob"]
+    assert store.forms(study)["participant"].tolist() == ["Bob"]
+    for wrong in ({"answer": "maybe"}, {"alert": 1}, {"participant": "Eve"}):
+        with pytest.raises(InputError, match=r"an answer is|there is no alert|has not joined"):
+            store.judge(study, **{"participant": "Bob", "alert": 0, "answer": "no"} | wrong)
+    with pytest.raises(InputError, match="the form has no field"):
+        store.fill_in(study, "Bob", {"name": "Robert"})

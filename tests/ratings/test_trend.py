@@ -11,7 +11,7 @@ from nvcore.ratings.trend import fit_trend
 
 def clips(rank: np.ndarray, saliency_s: np.ndarray, *, per_recording: int = 1) -> pd.DataFrame:
     names = [f"r{i // per_recording}" for i in range(len(rank))]
-    return pd.DataFrame({"clip": names, "mean_rank": rank, "saliency_s": saliency_s})
+    return pd.DataFrame({"recording": names, "mean_rank": rank, "saliency_s": saliency_s})
 
 
 def test_a_perfect_line_has_its_slope_no_width_and_no_outlier():

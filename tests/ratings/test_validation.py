@@ -289,7 +289,7 @@ def test_many_clips_counted_by_sorting_have_the_same_intervals(monkeypatch):
 def blocks(recording, pairs):
     from nvcore.ratings import fit as module
 
-    return module._by_recording(np.asarray(pairs), recording)
+    return module.sum_by_recording(np.asarray(pairs), recording)
 
 
 def test_the_interval_of_the_share_is_that_of_recordings_drawn_one_by_one():

@@ -2,28 +2,36 @@
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Hashable
+from typing import Any, Final
 
+import numpy as np
+import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.errors import InputError
+from nvcore.ratings.clips import LEAD_S, LENGTH_S, cut_clips, rows_between
 from nvcore.ratings.store import CONSENT, Study
-from nvcore.wording import count_text
+from nvcore.ratings.worth import COLUMNS, KINDS, Alert, agreement_of_kinds, read_alerts
+from nvcore.wording import count_text, minus
+from ui.people.form import ask_questions
 from ui.people.one_participant import draw_one_participant
 from ui.people.studies import CONDUCT, enter
 from ui.people.terms import ask_consent, ask_days, draw_addresses
 from ui.ratings.participant import ENDS
 from ui.ratings.sessions import SESSIONS, shown_thresholds
+from ui.ratings.source import ask_for_file
 from ui.session import state
 from ui.session.store import RATINGS_PART
 from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side, download_csv
 from ui.widgets.table import TableColumn, draw_table
-from ui.widgets.text import plain
+from ui.widgets.text import docs_link, number, plain
 
 RESULTS: Final = "Results"
 SESSION: Final = "Rating session"
+GROUPS: Final = "Groups"
 NEWS_S: Final = 5.0
 """Interval at which the progress is updated, seconds."""
 
@@ -32,7 +40,7 @@ def choose_part() -> str:
     """The part of the page; a conductor's link opens the rating session."""
     RATINGS_PART.setdefault(SESSION if CONDUCT in st.query_params else RESULTS)
     return choose_side_by_side(
-        "Part", [RESULTS, SESSION], RATINGS_PART.key, label_visibility="collapsed"
+        "Part", [RESULTS, SESSION, GROUPS], RATINGS_PART.key, label_visibility="collapsed"
     )
 
 
@@ -72,10 +80,22 @@ def _begin(result: Result) -> None:
         ),
     )
     systems = both if whose == "both" else [whose]
-    clips = [(name, system) for system in systems for name in names if name in recordings]
+    try:
+        stretches = _choose_stretches(result)
+        alerts = _ask_alerts(result)
+    except InputError as error:
+        st.error(plain(str(error)))
+        return
+    chosen = [stretch for stretch in stretches if stretch[0] in recordings]
+    clips = [(of[0], system, *of[1:]) for system in systems for of in chosen]
     st.caption(f"{count_text(len(clips), 'clip')}.")
-    with st.expander("Consent, and how long ratings are kept"):
+    with st.expander("Consent, form, and how long ratings are kept"):
         consent = ask_consent(CONSENT, "rating")
+        questions = None
+        if st.checkbox(
+            "Ask for age, sex, driving licence and driving at night", key="rating_has_form"
+        ):
+            questions = ask_questions("Own questions, one a line, after these", "rating")
         keep_days = ask_days("Days until the session is deleted with all ratings", "rating")
     if button("Start a rating session", type="primary", key="rating_start"):
         try:
@@ -85,12 +105,70 @@ def _begin(result: Result) -> None:
                 thresholds=shown_thresholds(),
                 consent=consent,
                 keep_days=keep_days,
+                alerts=alerts,
+                questions=questions,
             )
         except InputError as error:
             st.error(plain(str(error)))
             return
         SESSIONS.conduct(study)
         st.rerun()
+
+
+def _choose_stretches(result: Result) -> list[tuple[Any, ...]]:
+    """What is rated of the recordings: recording, and start, end and reason of stretches."""
+    rated = choose_side_by_side(
+        "What is rated",
+        {"whole": "Whole recordings", "clips": "Clips around encounters and false alerts"},
+        "rating_what",
+        default="whole",
+    )
+    if rated == "whole":
+        return [(name,) for name in state.recording_names()]
+    first, second = st.columns(2)
+    length_s = first.number_input(
+        "Length of a clip, s", *(1.0, 600.0, LENGTH_S), format="%g", key="rating_length_s"
+    )
+    lead_s = second.number_input(
+        "Before what it is cut around, s", *(0.0, 600.0, LEAD_S), format="%g", key="rating_lead_s"
+    )
+    st.caption(
+        "The same clips for both systems; what begins inside a clip belongs to it "
+        f"({docs_link('the rule', 'clips', doc='ratings')})."
+    )
+    table = state.workspace().cached(
+        "rating_stretches",
+        (result.dataset.fingerprint, result.params, result.x.name, result.y.name, length_s, lead_s),
+        lambda: cut_clips(result, length_s=length_s, lead_s=lead_s).drop(columns="clip"),
+    )
+    return [*table.itertuples(index=False, name=None)]
+
+
+def _ask_alerts(result: Result) -> list[Alert]:
+    """Alerts of which it is asked whether they were worth it, from a file."""
+    with st.expander("Ask of alerts whether they were worth it"):
+        sent = ask_for_file(
+            f"Alerts (CSV with the columns {', '.join(COLUMNS)})",
+            "rating_alerts",
+            "Times in seconds since the recording's first frame. Kinds: "
+            f"{', '.join(KINDS)}. After the clips each alert is shown with what happens around it.",
+        )
+        if sent is None:
+            return []
+        alerts = read_alerts(sent[0], name=sent[1])
+        names = state.recording_names(), (result.x.name, result.y.name)
+        for alert in alerts:
+            is_there = alert.recording in names[0] and alert.system in names[1]
+            if not is_there or not rows_between(
+                result.dataset, names[0].index(alert.recording), alert.start_s, np.inf
+            ):
+                raise InputError(
+                    f"an alert of {alert.system} in {alert.recording} at {alert.start_s:g} s: this "
+                    "comparison has no such recording, system or time",
+                    file=sent[1],
+                )
+        st.caption(f"{count_text(len(alerts), 'alert')}.")
+    return alerts
 
 
 def _conduct(study: Study) -> None:
@@ -117,7 +195,15 @@ def _conduct(study: Study) -> None:
         # outside the part that is redrawn every few seconds: a click would miss its button
         store = SESSIONS.store()
         download_csv("Ratings (CSV)", lambda: store.ratings(study), "ratings.csv", "rating_export")
+        if study.alerts:
+            download_csv("Answers (CSV)", lambda: store.worth(study), "alerts.csv", "worth_export")
+        if study.form:
+            download_csv(
+                "Participants (CSV)", lambda: store.forms(study), "participants.csv", "form_export"
+            )
     _draw_progress(study)
+    if study.alerts and len(answers := store.worth(study)):
+        _draw_worth(answers)
     draw_one_participant(
         "Name or code of the participant",
         "rating",
@@ -154,3 +240,40 @@ def _draw_progress(study: Study) -> None:
         st.caption("Nobody has joined yet. This is looked up every five seconds.")
     if n_ratings:
         st.caption(f'Whether they agree is told under "{RESULTS}", with ratings from "{SESSION}".')
+
+
+def _draw_worth(answers: pd.DataFrame) -> None:
+    """How far the kinds of alerts agree with the answers."""
+    st.header("Were the alerts worth it?")
+    table = agreement_of_kinds(answers)
+    shown = table[["kind", "n_alerts", "n_answers", "n_unsure"]].assign(
+        **{
+            of: [_with_ends(row, of) for row in table.to_dict("records")]
+            for of in ("share", "kappa")
+        }
+    )
+    columns = {
+        "kind": TableColumn("Kind", is_head=True),
+        "n_alerts": TableColumn("Alerts"),
+        "n_answers": TableColumn("Yes or no"),
+        "n_unsure": TableColumn("Cannot say"),
+        "share": TableColumn(
+            "Agree (95 %)", "Share of the answers that the kind lets expect.", is_number=True
+        ),
+        "kappa": TableColumn(
+            "Cohen's kappa (95 %)", "1: the same, 0: as by chance.", is_number=True
+        ),
+    }
+    draw_table(shown, columns, key="worth", name="Kinds against answers", is_sortable=False)
+    st.caption(
+        "Needed and wanted alerts let expect a yes, all others a no. Intervals are from resampling "
+        f"the recordings ({docs_link('how', 'was-this-alert-worth-it', doc='ratings')})."
+    )
+
+
+def _with_ends(row: dict[Hashable, Any], of: str) -> str:
+    """A value with its interval, where there is one."""
+    value = number(row[of], ".2f")
+    if np.isnan(row[f"{of}_low"]):
+        return value
+    return minus(f"{value} ({row[f'{of}_low']:.2f} to {row[f'{of}_high']:.2f})")

@@ -33,6 +33,7 @@ SIMULATED: Final = "Fitted to **simulated ratings**: nobody was asked."
 
 def draw(
     result: Result,
+    of_clips: Result,
     clips: pd.DataFrame,
     ratings_key: object,
     rating_source: RatingSource,
@@ -41,7 +42,7 @@ def draw(
     """The button that fits, and what the fit gives.
 
     With a fit in use that was made from some of these ratings, the gain is over the settings before
-    it. The `ratings_key` differs where the ratings do.
+    it. The recordings of `of_clips` are the clips. The `ratings_key` differs where the ratings do.
     """
     st.header("Fit saliency to these ratings")
     st.caption(
@@ -53,7 +54,7 @@ def draw(
     start = result.params if fit_in_use is None else fit_in_use.settings_before(result.params)
     fit: Any = state.workspace().peek("rating_fit", key := _key(result, start, ratings_key))
     if fit is None:
-        fit = _ask(result, start, clips, key)
+        fit = _ask(of_clips, start, clips, key)
     if fit is not None:
         with st.container(border=True, key="rating_fit_found"):
             _draw_worth(fit, "settings in use" if fit_in_use is None else "settings before")

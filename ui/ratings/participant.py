@@ -11,7 +11,11 @@ from nvcore.comparison import Result
 from nvcore.errors import InputError
 from nvcore.people.participants import MOST_NAME
 from nvcore.pictures.stretch import STRETCH
-from nvcore.ratings.store import RatingStore, Study
+from nvcore.ratings.clips import rows_between
+from nvcore.ratings.store import Clip, RatingStore, Study
+from nvcore.ratings.worth import ANSWERS
+from nvcore.wording import count_text
+from ui.people.form import draw_form
 from ui.people.studies import PARTICIPANT, STUDY, enter
 from ui.people.terms import draw_consent
 from ui.ratings.sessions import SESSIONS, set_thresholds, thresholds_apart
@@ -26,6 +30,9 @@ from ui.widgets.viewer import n_plays_in, viewer
 ENDS: Final = ("not annoying at all", "very annoying")
 """Words at the ends of the scale; they are ours, the paper gives none."""
 HEIGHT_PX: Final = 640
+BEFORE_S: Final = 5.0
+AFTER_S: Final = 2.0
+"""What is shown before and after an alert; ours."""
 Letter = Literal["x", "y"]
 
 
@@ -53,11 +60,15 @@ def draw() -> None:
     order = store.order(study, name)
     rated = store.ratings_of(study, name)
     left = [clip for clip in order if clip not in rated]
+    judged = store.judged(study, name) if study.alerts else set()
+    alerts = [of for of in store.order(study, name, of="alerts") if of not in judged]
     rated_clips = [clip for clip in order if clip in rated]
     if rated_clips and RATING_CHANGES.get():
         _change(result, study, store, name, rated_clips[-1])
     elif left:
         _clip(result, study, store, name, left)
+    elif alerts:
+        _alert(result, study, store, name, alerts)
     else:
         _thanks(study)
 
@@ -89,7 +100,7 @@ def draw_waiting() -> None:
 
 def _is_open(study: Study) -> bool:
     """Whether what is open has the clips of the study."""
-    systems = {system for _, system in study.clips}
+    systems = {clip.system for clip in study.clips} | {alert.system for alert in study.alerts}
     return state.opened().dataset.fingerprint == study.fingerprint and systems <= set(
         state.systems()
     )
@@ -118,6 +129,11 @@ def _welcome(study: Study, store: RatingStore) -> None:
         "right or wrong answer. Every rating is kept at once: you may stop at any time and go on "
         "later with the same name."
     )
+    if study.alerts:
+        st.markdown(
+            f"Then you see {count_text(len(study.alerts), 'alert')} of such a system, and say of "
+            "each whether it was worth it."
+        )
     if study.consent:
         draw_consent(study.consent)
     if study.ends_at is not None:
@@ -126,6 +142,10 @@ def _welcome(study: Study, store: RatingStore) -> None:
             "if you ask for it."
         )
     with st.form("rating_join", border=False):
+        answers = {}
+        if study.form:
+            st.markdown("**About you.** Leave empty what you do not want to say.")
+            answers = draw_form(study.form, "rating")
         name = st.text_input(
             "Your name, or the code that you were given",
             key="rating_name",
@@ -145,7 +165,7 @@ def _welcome(study: Study, store: RatingStore) -> None:
         if store.ratings_of(study, typed_name):
             RATING_NAME.set(typed_name)
         else:
-            _join(study, store, typed_name)
+            _join(study, store, typed_name, answers)
     if known := RATING_NAME.get():
         st.info(
             f"{plain(known)} has rated {len(store.ratings_of(study, known))} of {n} clips already. "
@@ -153,15 +173,16 @@ def _welcome(study: Study, store: RatingStore) -> None:
         )
         if button(f"I am {plain(known)}: go on", key="rating_known"):
             RATING_NAME.set("")
-            _join(study, store, known)
+            _join(study, store, known, {})
     _back(study)
 
 
-def _join(study: Study, store: RatingStore, name: str) -> None:
+def _join(study: Study, store: RatingStore, name: str, answers: dict[str, str]) -> None:
     try:
         store.order(study, name)
         if study.consent:
             store.agree(study, name)
+        store.fill_in(study, name, answers)
     except InputError as error:
         st.error(plain(str(error)))
     else:
@@ -174,10 +195,11 @@ def _clip(result: Result, study: Study, store: RatingStore, name: str, left: lis
     number = n - len(left) + 1
     st.markdown(f"# Clip {number} of {n}")
     st.progress((number - 1) / n)
-    if not _played(result, study, clip, f"clip_{clip}_of_{name}"):
+    key = f"clip_{clip}_of_{name}"
+    if not _play_clip(result, study.clips[clip], key):
         st.caption("Watch the clip to its end; then say how annoying it was.")
     else:
-        _ask(study, store, name, clip, f"clip_{clip}_of_{name}")
+        _ask(study, store, name, clip, key)
     if number > 1:
         _offer_change()
 
@@ -195,7 +217,7 @@ def _change(result: Result, study: Study, store: RatingStore, name: str, clip: i
     rating, key = store.ratings_of(study, name)[clip], f"again_{clip}_of_{name}"
     st.markdown("# Your last clip")
     st.markdown(f"You gave it **{rating}**. You may watch it again, and give another rating.")
-    _played(result, study, clip, key)
+    _play_clip(result, study.clips[clip], key)
     _ask(study, store, name, clip, key)
     if button(f"Keep {rating}", key="rating_keep", icon=":material/arrow_forward:"):
         RATING_CHANGES.set(False)
@@ -225,12 +247,45 @@ def _scale(study: Study, clip: int) -> int | None:
     return chosen
 
 
-def _played(result: Result, study: Study, clip: int, key: str) -> bool:
-    """Show the clip; whether it was seen to its end."""
-    name, system = study.clips[clip]
-    recording = state.recording_names().index(name)
+def _play_clip(result: Result, clip: Clip, key: str) -> bool:
+    return _played(result, clip.recording, clip.system, clip.stretch_s, key)
+
+
+def _alert(result: Result, study: Study, store: RatingStore, name: str, left: list[int]) -> None:
+    """An alert with what happens around it, and whether it was worth it."""
+    alert, n = left[0], len(study.alerts)
+    number = n - len(left) + 1
+    shown, key = study.alerts[alert], f"alert_{alert}_of_{name}"
+    begin_s = max(0.0, shown.start_s - BEFORE_S)
+    stretch_s = (begin_s, shown.end_s + AFTER_S)
+    st.markdown(f"# Alert {number} of {n}")
+    st.progress((number - 1) / n)
+    st.markdown(
+        f"In this clip, after **{shown.start_s - begin_s:.1f} s**, the system alerts the driver, "
+        f"for {shown.end_s - shown.start_s:.1f} s."
+    )
+    if not _played(result, shown.recording, shown.system, stretch_s, key):
+        st.caption("Watch the clip to its end; then say whether the alert was worth it.")
+        return
+    with st.container(key="rating_scale"):
+        st.markdown("**Was this alert worth it?**")
+        columns = st.columns(len(ANSWERS))
+        for (answer, label), column in zip(ANSWERS.items(), columns, strict=True):
+            if button(label, key=f"worth_{alert}_{answer}", width="stretch", at=column):
+                store.judge(study, name, alert, answer)
+                st.rerun()
+
+
+def _played(
+    result: Result, recording_name: str, system: str, stretch_s: tuple[float, float], key: str
+) -> bool:
+    """Show a stretch (s; NaN: all) of a recording with a system; whether it was seen to its end."""
+    recording = state.recording_names().index(recording_name)
     letter: Letter = "x" if system == result.x.name else "y"
     n_rows = len(state.frame_numbers(recording))
+    first = int(result.dataset.frame_columns.first[recording])
+    own = rows_between(result.dataset, recording, *stretch_s)
+    rows = range(own.start - first, own.stop - first) if own else range(n_rows)
     lo, hi = STRETCH
     nothing = np.full(n_rows, np.nan)
     row = viewer(
@@ -240,14 +295,15 @@ def _played(result: Result, study: Study, clip: int, key: str) -> bool:
         intervals=((), ()),
         misses=(),
         names=("", ""),
-        seek=(0, 0),
+        seek=(rows.start, 0),
         lo=lo,
         hi=hi,
         height_px=HEIGHT_PX,
         key=key,
         only=letter,
+        rows=rows,
     )
-    return row is None or row == n_rows - 1
+    return row is None or row == rows[-1]
 
 
 def _thanks(study: Study) -> None:

@@ -12,6 +12,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.errors import InputError
 from nvcore.ratings.agreement import Agreement, measure_agreement, rank_ratings
+from nvcore.ratings.clips import compare_clips
 from nvcore.ratings.figures import participants_plot, rating_plot
 from nvcore.ratings.validation import (
     Correlation,
@@ -22,7 +23,7 @@ from nvcore.ratings.validation import (
     split_known,
 )
 from nvcore.wording import count_text, minus, p_text, p_value
-from ui.ratings import applied_fit, fit, source
+from ui.ratings import applied_fit, drivers, fit, source
 from ui.ratings.applied_fit import AppliedFit
 from ui.ratings.source import RatingSource
 from ui.session import state
@@ -43,7 +44,8 @@ def draw(result: Result) -> None:
     rating_source = source.choose(result)
     if rating_source is None:
         return
-    saliency = clip_saliency(result)
+    of_clips = _of_clips(result, rating_source)
+    saliency = clip_saliency(of_clips)
     try:
         ratings, unknown = split_known(rating_source.ratings, saliency, system=rating_source.system)
     except InputError as error:
@@ -57,14 +59,28 @@ def draw(result: Result) -> None:
     if ranks.empty:
         st.info("Nobody is left." if left_out else "No clip of this comparison is rated.")
         return
-    clips = join_clips(ranks, clip_saliency(result, mean_delay(included)))
+    clips = join_clips(ranks, clip_saliency(of_clips, mean_delay(included)))
     rating_source = replace(rating_source, ratings=included)
     fit_in_use = applied_fit.in_use(result, rating_source)
     st.header("Does saliency say what people say?")
     _cautions(result, rating_source, len(ranks), fit_in_use)
     _against_saliency(result, clips)
-    fit.draw(result, clips, (digest, tuple(left_out)), rating_source, fit_in_use)
+    drivers.draw(result, ranks, clips, (digest, tuple(left_out)))
+    fit.draw(result, of_clips, clips, (digest, tuple(left_out)), rating_source, fit_in_use)
     _downloads(included, ranks)
+
+
+def _of_clips(result: Result, rating_source: RatingSource) -> Result:
+    """The comparison whose recordings are the clips that were rated."""
+    names = tuple(rating_source.ratings["clip"].unique())
+    if set(names) <= set(state.recording_names()):
+        return result
+    return state.workspace().cached(
+        "rating_clips",
+        (result.dataset.fingerprint, result.params, result.x.name, result.y.name, names),
+        lambda: compare_clips(result, names),
+        most=2,
+    )
 
 
 def _draw_unknown(ratings: pd.DataFrame, unknown: pd.DataFrame) -> None:
@@ -220,11 +236,13 @@ def _against_saliency(result: Result, clips: pd.DataFrame) -> None:
         draw_table(
             clips.sort_values("mean_rank", ascending=False, kind="stable"),
             {
-                "clip": TableColumn("Recording", is_head=True),
+                "clip": TableColumn("Clip", is_head=True),
                 "system": TableColumn("Boxes of"),
                 "mean_rank": TableColumn("Mean rank", "1 is the least annoying clip.", ".1f"),
                 "n_ratings": TableColumn("Ratings"),
                 "saliency_s": TableColumn("Saliency (s)", form=".2f"),
+                "loss_miss": TableColumn("Loss to misses", "Before alpha weighs it.", ".3f"),
+                "loss_false": TableColumn("Loss to false alarms", "Before alpha weighs it.", ".4f"),
             },
             key="rating_clips",
             name="Mean rank of each clip",

@@ -93,20 +93,30 @@ def _simulated_file() -> Path:
     return state.SAMPLE.parent / RATINGS_FILE
 
 
-def _file(_: Result) -> pd.DataFrame | None:
-    sent = st.file_uploader(
-        "Ratings (CSV with the columns participant, clip, rating, and system if both were shown)",
-        type=["csv", "txt"],
-        key="ratings_file",
-        max_upload_size=MOST_MB,
-        help="The clip is the name of a recording, the system that of X or Y. A higher rating is "
-        "more annoying; only the order counts, so any scale will do. An empty rating is missing.",
-    )
+def ask_for_file(label: str, key: str, help: str | None = None) -> tuple[bytes, str] | None:  # noqa: A002
+    """A field for a small CSV file: its content and name; None while there is none.
+
+    Raises
+    ------
+    InputError
+        If it is too large.
+    """
+    sent = st.file_uploader(label, type=["csv", "txt"], key=key, max_upload_size=MOST_MB, help=help)
     if sent is None:
         return None
     if sent.size > MOST_MB * MEBI:  # the browser refuses it, unless it is made not to
         raise InputError(f"the file is larger than {MOST_MB} MB", file=sent.name)
-    return parse_ratings(sent.getvalue(), name=sent.name)
+    return sent.getvalue(), sent.name
+
+
+def _file(_: Result) -> pd.DataFrame | None:
+    sent = ask_for_file(
+        "Ratings (CSV with the columns participant, clip, rating, and system if both were shown)",
+        "ratings_file",
+        "The clip is the name of a recording, the system that of X or Y. A higher rating is more "
+        "annoying; only the order counts, so any scale will do. An empty rating is missing.",
+    )
+    return None if sent is None else parse_ratings(sent[0], name=sent[1])
 
 
 def _session(result: Result) -> pd.DataFrame | None:

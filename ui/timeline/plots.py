@@ -19,7 +19,7 @@ from ui.session.results import comparison_key
 from ui.shell import title
 from ui.streamlit_inside.types import DeltaGenerator
 from ui.subjects import contributed
-from ui.timeline import listed, panel
+from ui.timeline import codes, listed, panel
 from ui.widgets import compared_viewer
 from ui.widgets.charts import clicked_chart, kept_figure
 from ui.widgets.choices import choose_first, choose_side_by_side
@@ -71,6 +71,7 @@ def draw_all(result: Result, recording: int) -> None:
         panel.draw(result, state.row_in_all())
     _draw_lanes(result)
     _draw_added(result)
+    codes.draw(state.recording())
 
 
 def _draw_lanes(result: Result) -> None:
@@ -88,7 +89,7 @@ def _draw_lanes(result: Result) -> None:
     first = _first_lane(right, order, chosen)
     lanes = kept_figure(  # they stay while alpha and the like move
         "lanes",
-        (*key, first, chosen, state.theme()),
+        (*key, first, chosen, state.theme(), result.dataset.settings.codes),
         lambda: lanes_figure(
             result,
             recording,

@@ -10,6 +10,7 @@ from typing import Any, Final, Literal
 
 from nvcore.driver.inputs.trials import LATE_S, is_same_time
 from nvcore.errors import InputError
+from nvcore.people.form import check_questions, form_of
 from nvcore.people.participants import KEPT_DAYS, check_terms
 from nvcore.wording import listed
 
@@ -23,8 +24,6 @@ ADAPTATION_S: Final = (0.0, 1.0, 2.5, 4.0, 5.5, 7.0)
 LONGEST_S: Final = 600.0
 MOST_TIMES: Final = 24
 """Times after the change of light."""
-MOST_QUESTIONS: Final = 20
-MOST_QUESTION: Final = 300
 CONSENT: Final = """\
 You look at pictures of roads at dusk, each for a moment, and touch the place where you saw \
 a pedestrian. Before each picture the screen is bright, then dark at once. This may be unpleasant \
@@ -35,14 +34,8 @@ the pictures are on your screen. We keep no name: you get a code, and only who h
 say which answers are yours. You may stop at any time, without a reason. Tell the person who \
 conducts the study your code, and you get a copy of your answers, or they are deleted.
 """
-FORM: Final = {
-    "age": "Age in years",
-    "vision": "Vision",
-    "licence": "Driving licence",
-    "screen_inch": "Diagonal of the screen, inches",
-    "distance_cm": "Distance from your eyes to the screen, cm",
-}
-"""Fields of the form before a study's own questions, with labels; none has to be filled in."""
+FORM: Final = ("age", "vision", "licence", "screen_inch", "distance_cm")
+"""Fields of the form before a study's own questions."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -213,20 +206,14 @@ class StudySettings:
         if self.design not in DESIGNS:
             raise InputError(f"design: expected {' or '.join(DESIGNS)}, got {self.design}")
         check_terms(self.consent, self.keep_days)
-        if len(self.questions) > MOST_QUESTIONS:
-            raise InputError(f"a form has {MOST_QUESTIONS} own questions at most")
-        if any(not 0 < len(text.strip()) <= MOST_QUESTION for text in self.questions):
-            raise InputError(f"a question has 1 to {MOST_QUESTION} characters")
-        if len(set(self.questions)) < len(self.questions):
-            raise InputError("two questions of the form are the same")
+        check_questions(self.questions)
         if not 0 <= self.n_practice <= 10:
             raise InputError(f"expected 0 to 10 practice runs, got {self.n_practice}")
 
     @property
     def form(self) -> dict[str, str]:
         """Label of each field of the form; own questions are numbered."""
-        own = {f"{n}. {text}": text for n, text in enumerate(self.questions, start=1)}
-        return {**FORM, **own}
+        return form_of(FORM, self.questions)
 
     def to_json(self) -> dict[str, Any]:
         """As values of JSON; what is not known is null."""

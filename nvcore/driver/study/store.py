@@ -14,8 +14,9 @@ from typing import Any, Final
 from nvcore.driver.study.pictures import StudyPicture
 from nvcore.driver.study.plan import Trial, plan_trials
 from nvcore.driver.study.records import Answer, DetectabilityStudy, Participant
-from nvcore.driver.study.settings import MOST_QUESTION, StudySettings
+from nvcore.driver.study.settings import StudySettings
 from nvcore.errors import InputError
+from nvcore.people.form import check_answers
 from nvcore.people.participants import (
     MOST_NAME,
     PARTICIPANTS,
@@ -29,8 +30,6 @@ from nvcore.people.participants import (
 from nvcore.people.store import AnswerFile, new_names
 
 MOST_DEVICE: Final = 200
-MOST_ANSWER: Final = 2000
-"""Characters of a field of the form."""
 MOST_STUDIES: Final = 1000
 MOST_PARTICIPANTS: Final = 2000
 """Of a study; on a server that is open to all somebody may try how many there can be."""
@@ -154,11 +153,7 @@ class DetectabilityStore(AnswerFile):
         InputError
             If the study's form has no such field, an answer is too long, or the study is full.
         """
-        unknown = [field for field in form if field not in study.settings.form]
-        if unknown:
-            raise InputError(f"the form has no field {unknown[0][:MOST_QUESTION]}")
-        if any(len(text) > MOST_ANSWER for text in form.values()):
-            raise InputError(f"an answer of the form has {MOST_ANSWER:,} characters at most")
+        check_answers(study.settings.form, form)
         code, consented_at = new_code(), now or datetime.now(UTC)
         with self.connect() as base:
             number = join(base, study.token, code)

@@ -9,6 +9,7 @@
     horizon = 236.0
     context = "urban"        of the traffic: "urban", "rural", or a number from 0 to 1
     speed_kmh = 50           speed of the car
+    speed = "speed.csv"      the same over time: time_s,speed_kmh (see nvcore.inputs.speed)
     pictures = "urban_01.mp4" a video, a folder, or an archive
     first_picture = 0        number of the frame that the first picture shows
     tags = ["night", "rain"] words by which recordings can be chosen
@@ -66,6 +67,15 @@
     tags = ["night"]
     recordings = ["drive_1"]
     expand = 1.25
+
+    [codes]                  stretches of recordings with a code: recording,start_s,end_s,code
+    path = "codes.csv"       (nvcore.inputs.codes)
+
+    [[code]]                 the same, one by one
+    recording = "urban_01"
+    start_s = 12.5
+    end_s = 18
+    code = "glare"
 
     [[published]]            operating points of others, drawn beside the curves: recall or
     name = "Report 2015"     miss_rate, and precision, fppi or fppw

@@ -56,6 +56,15 @@ test("it stops at the last row", () => {
   assert.equal(viewer.stoppedAt, 30);
 });
 
+test("a stretch is played from its first row to its last", () => {
+  const viewer = playerOf();
+  viewer.recording = new Recording(recordingOf(TENTHS, { rows: [8, 16] }));
+  assert.deepEqual([0, 12, 30].map((row) => viewer.recording.clamp(row)), [8, 12, 16]);
+  Object.assign(viewer, { row: 8, shownRow: 8, playing: { position: viewer.recording.clock[8], from: 8, at: null } });
+  assert.deepEqual(play(viewer, 0, 500, 1000, 1500), [8, 12, 16, 16]);
+  assert.equal(viewer.stoppedAt, 16);
+});
+
 function strideOf(secondsPerPicture, speed = 1) {
   return rowsPerPicture({
     recording: new Recording(recordingOf(TENTHS)), row: 0, speed,

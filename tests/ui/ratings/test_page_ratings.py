@@ -11,10 +11,11 @@ from ratings_page import SIMULATED, from_file, metrics, opened, table, words
 
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.ratings.agreement import rank_ratings
+from nvcore.ratings.drivers import DRIVERS, RatingDrivers
 from nvcore.ratings.reading import read_ratings
 from pages import TIMEOUT_S, checked, press
 from ui.jobs.background import JobState
-from ui.ratings import fit, results
+from ui.ratings import drivers, fit, results
 
 CONTRARY = "P12"
 
@@ -34,11 +35,21 @@ def test_the_samples_simulated_ratings_are_shown_as_such_and_without_who_is_left
     assert correlations["Value"].tolist() == ["0.86", "0.84", "0.66"]
     assert correlations["95 % interval"][0] == "0.59 to 0.95"
     assert len(table(page, "mean_rank")) == 20
+    assert "cannot be told from these ratings: anything from 0.20 to 1.00 fits" in words(page)
+    assert table(page, "value")["driver"].tolist() == [*DRIVERS.values()]
     checked(page.multiselect(key="ratings_left_out").set_value([CONTRARY]).run())
     assert "1 participant left out by hand: P12. All numbers are without them." in words(page)
     assert metrics(page)["participants"] == "15"
     assert float(metrics(page)["Kendall's W"]) > 0.6
     assert table(page, "mean_rank")["n_ratings"].max() == 15
+
+
+def test_the_alpha_of_people_is_set_against_the_one_in_use():
+    found = RatingDrivers(pd.DataFrame(), 0.7, 0.61, 0.8, "", 40, 20, 12)
+    weighed = "by an alpha of **0.70** (95 %: 0.61 to 0.80)"
+    assert weighed in drivers.alpha_text(found, 0.9)
+    assert "The 0.9 in use is outside of it." in drivers.alpha_text(found, 0.9)
+    assert "The 0.65 in use agrees with that." in drivers.alpha_text(found, 0.65)
 
 
 def test_a_file_without_systems_asks_whose_boxes_were_shown():

@@ -21,7 +21,7 @@ from ratings_page import (
 from streamlit.testing.v1 import AppTest
 
 from nvcore.inputs.session_toml import read_session
-from nvcore.ratings.store import RatingStore, Study
+from nvcore.ratings.store import Clip, RatingStore, Study
 from pages import alone, begin_with, checked, part, press, rows, write
 from pages import opened as app_opened
 from ui.people import terms
@@ -35,7 +35,7 @@ STRANGE = "there is no rating session of the name in the address"
 @pytest.fixture(autouse=True)
 def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RatingStore:
     """The file of the ratings; whoever rates has seen each clip to its end."""
-    monkeypatch.setattr(participant, "viewer", lambda **of: of["n_rows"] - 1)
+    monkeypatch.setattr(participant, "viewer", lambda **of: of["rows"][-1])
     monkeypatch.setenv("NVCORE_RATINGS", str(tmp_path / "kept" / "ratings.sqlite"))
     return RatingStore(tmp_path / "kept" / "ratings.sqlite")
 
@@ -73,7 +73,7 @@ def test_a_rating_session_has_an_address_for_each_side_and_opens_again_by_it(
     addresses = [code.value for code in page.code]
     assert addresses[0].endswith(f"?study={study.token}")
     assert addresses[1].endswith(f"?conduct={study.conductor}")
-    assert study.clips == (("rural_child", "NIR"), ("odd_pose", "NIR"))
+    assert study.clips == (Clip("rural_child", "NIR"), Clip("odd_pose", "NIR"))
     assert study.thresholds == {"FIR": 0.7, "NIR": 0.5}
     assert metrics(page)["ratings so far"] == "0"
     press(page, "rating_close")
@@ -110,7 +110,7 @@ def test_a_participant_sees_clips_only_and_every_rating_is_kept(
     for number, clip in enumerate(store.order(study, "Ann")):
         page = rating(study, participant="Ann")  # as after a crash
         assert f"Clip {number + 1} of 4" in words(page)
-        recording, system = study.clips[clip]
+        recording, system, *_ = study.clips[clip]
         assert shown[-1] == (names.index(recording), "x" if system == "FIR" else "y")
         press(page, f"rating_{clip}_{number + 2}")
         assert store.ratings_of(study, "Ann")[clip] == number + 2
@@ -312,3 +312,94 @@ def test_the_terms_are_those_that_the_conductor_writes(store: RatingStore):
     assert "Only for us" in words(person)
     assert study.ends_at is not None
     assert f"Your ratings are kept until {study.ends_at:%d %B %Y}" in words(person)
+
+
+def test_clips_are_cut_played_and_counted_one_by_one(
+    store: RatingStore, monkeypatch: pytest.MonkeyPatch
+):
+    page = conducting()
+    checked(page.button_group(key="rating_what").set_value("clips").run())
+    page.number_input(key="rating_length_s").set_value(4.0)
+    checked(page.number_input(key="rating_lead_s").set_value(1.0).run())
+    names = [recording.name for recording in read_session(state.SAMPLE).recordings]
+    study = begun(store, *names, page=page)
+    assert all(clip.end_s - clip.start_s < 4.01 and clip.reason for clip in study.clips)
+    assert len(study.clips) > 2 * len(names)
+    shown = []
+
+    def seen(**of):
+        shown.append((of["rows"], of["seek"], of["n_rows"]))
+        return of["rows"][-1]
+
+    monkeypatch.setattr(participant, "viewer", seen)
+    number = next(i for i, clip in enumerate(study.clips) if clip.start_s)
+    orders = {"clips": [number], "alerts": []}
+    monkeypatch.setattr(RatingStore, "order", lambda *_, of="clips": orders[of])
+    store.agree(study, "Ann")
+    press(rating(study, participant="Ann"), f"rating_{number}_4")
+    rows_shown, seek, n_rows = shown[0]
+    assert seek == (rows_shown.start, 0)
+    assert 0 < rows_shown.start < rows_shown.stop <= n_rows
+    for person in ("Ann", "Bob"):
+        store.agree(study, person)
+        for clip in range(len(study.clips)):
+            store.rate(study, person, clip, 1 + clip % 7)
+    page = show_source(opened(conduct=study.conductor), source.SESSION)
+    assert metrics(page)["clips"] == str(len(study.clips))
+    ranked = table(page, "mean_rank")
+    assert set(ranked["clip"]) == {clip.name for clip in study.clips}
+    assert "not in this comparison" not in warnings(page)
+
+
+def test_it_is_asked_of_every_alert_whether_it_was_worth_it(store: RatingStore):
+    page = conducting()
+    lines = [
+        "recording,system,start_s,end_s,kind",
+        "odd_pose,FIR,3,4,needed",
+        "odd_pose,NIR,6,7,false",
+    ]
+    alerts = page.file_uploader(key="rating_alerts")
+    checked(
+        alerts.set_value(
+            ("a.csv", b"recording,system,start_s,end_s,kind\nx,FIR,1,2,false", "text/csv")
+        ).run()
+    )
+    assert "an alert of FIR in x at 1 s: this comparison has no such" in words(page)
+    alerts = page.file_uploader(key="rating_alerts")
+    checked(alerts.set_value(("a.csv", "\n".join(lines).encode(), "text/csv")).run())
+    study = begun(store, "odd_pose", page=page)
+    assert [alert.kind for alert in study.alerts] == ["needed", "false"]
+    assert "Were the alerts worth it?" not in words(page)
+    store.agree(study, "Ann")
+    for clip in range(2):
+        store.rate(study, "Ann", clip, 3)
+    person = rating(study, participant="Ann")
+    assert "after 3.0 s, the system alerts the driver, for 1.0 s" in words(person)
+    assert "needed" not in words(person)
+    press(person, "worth_0_yes")
+    assert "Alert 2 of 2" in words(person)
+    assert "after 5.0 s" in words(person)
+    press(person, "worth_1_unsure")
+    assert person.title[0].value == "Thank you"
+    shown = table(conducting(conduct=study.conductor), "kappa")
+    assert shown[["kind", "n_answers", "n_unsure"]].to_numpy().tolist() == [
+        ["all", 1, 1], ["false", 0, 1], ["needed", 1, 0],
+    ]  # fmt: skip
+    assert shown["share"].tolist() == ["1.00", "–", "1.00"]
+
+
+def test_participants_fill_in_the_form_that_the_conductor_asks_for(store: RatingStore):
+    page = conducting()
+    checked(page.checkbox(key="rating_has_form").check().run())
+    page.text_area(key="rating_questions").set_value("Shoe size\n\n")
+    study = begun(store, "odd_pose", page=page)
+    person = rating(study)
+    person.number_input(key="rating_form_0").set_value(41)
+    person.selectbox(key="rating_form_3").select("every week")
+    person.text_input(key="rating_form_4").set_value("39")
+    join(person, "Ann")
+    said = store.forms(study).iloc[0].to_dict()
+    assert said == {
+        "participant": "Ann", "age": "41", "sex": "", "licence": "", "night_driving": "every week",
+        "1. Shoe size": "39",
+    }  # fmt: skip

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
+from dataclasses import asdict
 from itertools import groupby
-from typing import Any, Final
+from typing import Any
 
 import streamlit as st
 
 from nvcore.driver.study.plan import Trial, duration_s, plan_trials
 from nvcore.driver.study.practice import FIGURES, SIZE
 from nvcore.driver.study.records import DetectabilityStudy, Participant
-from nvcore.driver.study.settings import MOST_QUESTION
 from nvcore.driver.study.store import DetectabilityStore
 from nvcore.errors import InputError
 from nvcore.people.participants import MOST_NAME
@@ -20,20 +19,13 @@ from ui.driver.study.files import STUDIES, folder_of
 from ui.driver.study.on_screen import PRACTICE, OnScreen
 from ui.driver.study.screen import draw_run
 from ui.driver.study.setup import LIMITS, length_text
+from ui.people.form import draw_form
 from ui.people.studies import ON_SCREEN, PARTICIPANT, STUDY, enter, leave_screen
 from ui.people.terms import draw_consent
 from ui.session import state
 from ui.session.store import PRACTISED
 from ui.shell.messages import shown_error
 from ui.widgets.buttons import button, submit_button
-from ui.widgets.text import plain
-
-"""Practice runs that a participant has had since the page was loaded; the code follows."""
-CHOICES: Final = {
-    "vision": ("normal", "corrected by glasses or lenses", "impaired"),
-    "licence": ("yes", "no"),
-}
-"""Fields of the form with few answers."""
 
 
 def draw() -> None:
@@ -83,14 +75,15 @@ def _welcome(study: DetectabilityStudy, store: DetectabilityStore) -> None:
     with st.expander("What a screen cannot be"):
         st.markdown(LIMITS)
     with st.form("study_join", border=False):
-        form = _draw_form(study)
+        st.markdown("**About you and your screen.** Leave empty what you do not want to say.")
+        form = draw_form(settings.form, "study", usual=asdict(settings.facts))
         agrees = st.checkbox("I have read this and agree to take part", key="study_agrees")
         is_sent = submit_button("Take part", type="primary", key="study_take_part")
     if is_sent and not agrees:
         st.warning("Without your agreement nothing is kept, and there is nothing to take part in.")
     elif is_sent:
         try:
-            person = store.join(study, {field: text for field, text in form.items() if text})
+            person = store.join(study, form)
         except InputError as error:
             st.error(shown_error(error))
         else:
@@ -104,29 +97,6 @@ def _welcome(study: DetectabilityStudy, store: DetectabilityStore) -> None:
             else:
                 enter(study.token, known.code)
     _back(study)
-
-
-def _draw_form(study: DetectabilityStudy) -> dict[str, str]:
-    """The answers of the form; empty where nothing is entered."""
-    st.markdown("**About you and your screen.** Leave empty what you do not want to say.")
-    usual = study.settings.facts
-    answers: dict[str, str] = {}
-    columns = st.columns(3)
-    for number, (field, label) in enumerate(study.settings.form.items()):
-        column, key = columns[number % 3], f"study_form_{number}"
-        if field in CHOICES:
-            answers[field] = column.selectbox(label, CHOICES[field], index=None, key=key) or ""
-        elif field == "age":
-            age = column.number_input(label, 1, 120, None, key=key)
-            answers[field] = "" if age is None else str(age)
-        elif field in ("screen_inch", "distance_cm"):
-            known = getattr(usual, field)
-            value = None if math.isnan(known) else known  # NaN
-            size = column.number_input(label, 1.0, 1000.0, value, format="%g", key=key)
-            answers[field] = "" if size is None else f"{size:g}"
-        else:
-            answers[field] = st.text_input(plain(label), key=key, max_chars=MOST_QUESTION).strip()
-    return answers
 
 
 def _next(screen: OnScreen, person: Participant) -> None:

@@ -21,9 +21,9 @@ from nvcore.driver.study.settings import (
     Timing,
 )
 from nvcore.errors import InputError
-from nvcore.people.participants import MOST_TEXT
 from nvcore.wording import count_text
 from ui.driver.study.files import STUDIES, folder_of, folders
+from ui.people.form import ask_questions
 from ui.people.terms import ask_consent, ask_days
 from ui.session import state, store
 from ui.shell.messages import shown_error
@@ -138,10 +138,8 @@ def _draw_settings() -> StudySettings:
         facts = {k: math.nan if v is None else float(v) for k, v in values.items()}
     with st.expander("Consent, form, and how long answers are kept"):
         consent = ask_consent(CONSENT, "study")
-        questions = st.text_area(
-            "Own questions, one a line, after age, vision and driving licence",
-            key="study_questions",
-            max_chars=MOST_TEXT,
+        questions = ask_questions(
+            "Own questions, one a line, after age, vision and driving licence", "study"
         )
         keep_days = ask_days("Days until the study is deleted with all answers", "study")
     # last: what is refused would take all fields below it off the page, with what was entered
@@ -150,7 +148,7 @@ def _draw_settings() -> StudySettings:
         timing=Timing(adaptation_s=_times(times_text), **parts_s),
         facts=Facts(**facts),
         consent=consent,
-        questions=tuple(line.strip() for line in questions.splitlines() if line.strip()),
+        questions=questions,
         n_practice=int(store.N_PRACTICE.get()),
         keep_days=keep_days,
     )

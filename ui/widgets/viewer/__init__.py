@@ -82,6 +82,7 @@ def viewer(
     key: str,
     picture_version: str = "",
     only: Literal["x", "y"] | None = None,
+    rows: range | None = None,
     cost: CostMap | None = None,
     chosen: int | None = None,
     on_choose: Callable[[int], None] | None = None,
@@ -138,6 +139,8 @@ def viewer(
         style that does not tell which it is, played from the first row to the last by one button,
         without seeking. The browser then never gets `names`; `traces`, `intervals` and `misses`
         are not shown.
+    rows : range or None
+        The rows that can be shown, one at least, where these are not all.
     cost : CostMap or None
         What missing a pedestrian would cost in this recording, to be laid over the picture on
         request; it is never sent with `only`.
@@ -193,6 +196,7 @@ def viewer(
             "colours": colours_of(theme),
             "height_px": int(height_px),
             "only": only,
+            "rows": None if rows is None else [rows.start, rows.stop - 1],
             "cost": None if cost is None or only else pack_cost(cost, objects),
             "chosen": None if chosen is None or only else int(chosen),
             "words": {word: objects.say("{" + word + "}") for word in WORDS},

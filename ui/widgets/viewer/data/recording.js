@@ -24,6 +24,8 @@ export function countUpTo(values, value) {
 export class Recording {
   constructor(sent) {
     this.nRows = sent.n_rows;
+    this.firstRow = sent.rows?.[0] ?? 0;
+    this.lastRow = sent.rows?.[1] ?? sent.n_rows - 1;
     this.width = sent.width;
     this.height = sent.height;
     this.frames = Recording.framesOf(sent);
@@ -70,7 +72,7 @@ export class Recording {
   }
 
   clamp(row) {
-    return Math.max(0, Math.min(this.nRows - 1, row));
+    return Math.max(this.firstRow, Math.min(this.lastRow, row));
   }
 
   // The row that is `seconds` away, at least one row.

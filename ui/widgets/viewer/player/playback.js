@@ -15,7 +15,7 @@ function longestLag(speed) {
 // The row to paint now: the newest one that is due and complete. Frames are dropped, never mixed.
 export function advance(viewer, now) {
   const { playing, recording, speed } = viewer;
-  const { clock, nRows } = recording;
+  const { clock } = recording;
   if (playing.at !== null) playing.position += ((now - playing.at) / 1000) * speed;
   playing.at = now;
   const shown = Math.max(playing.from, Math.min(viewer.shownRow, viewer.row));
@@ -28,7 +28,7 @@ export function advance(viewer, now) {
     showPosition(viewer, row);
   }
   viewer.load();
-  if (row === nRows - 1) viewer.stopAt(row);
+  if (row === recording.lastRow) viewer.stopAt(row);
   return row;
 }
 

@@ -62,7 +62,7 @@ export class Player {
       return;
     }
     const { recording } = this;
-    if (this.row >= recording.nRows - 1) this.goTo(0);
+    if (this.row >= recording.lastRow) this.goTo(recording.firstRow);
     clearTimeout(this.settleTimer);
     this.startClock();
     this.direction = 1;

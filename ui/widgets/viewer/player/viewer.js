@@ -128,7 +128,7 @@ export class Viewer extends Looking {
       || before.n_rows !== sent.n_rows;
     const differs = (...names) => isOther
       || names.some((name) => JSON.stringify(before[name]) !== JSON.stringify(sent[name]));
-    if (differs("frames", "times", "picture_spans", "width", "height", "fps")) this.recording = new Recording(sent);
+    if (differs("frames", "times", "picture_spans", "rows", "width", "height", "fps")) this.recording = new Recording(sent);
     const address = (kind) => `${sent.base}/nv/${encodeURIComponent(sent.token)}/${kind}/${sent.recording}`;
     if (isOther) this.boxes.reset(address("boxes"), sent.version, sent.n_rows);
     else this.boxes.setVersion(sent.version);
