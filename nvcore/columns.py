@@ -146,8 +146,11 @@ class FrameColumns:
         Frames to the next listed frame (last one: the median gap), float64, shape (n_frames,).
     first
         First row of each recording, int64, shape (n_recordings + 1,).
-    width, height, fps, horizon, context, speed_kmh
-        float64, shape (n_recordings,); horizon, context and speed NaN where unknown.
+    width, height, fps, horizon, context
+        float64, shape (n_recordings,); horizon and context NaN where unknown.
+    speed_kmh
+        Of the car in each frame, by a series of it, else its recording's; float64, shape
+        (n_frames,); NaN where neither states it.
     """
 
     recording: np.ndarray

@@ -76,6 +76,7 @@ FRAME_DTYPES: Final[dict[str, str]] = {
     "frame": "int64",  # the recording's own frame number
     "time_s": "float64",  # seconds since the recording's first listed frame
     "step_s": "float64",  # seconds to the next listed frame (last one: the median gap)
+    "speed_kmh": "float64",  # speed of the car by a series of it; NaN: none, or not there
 }
 
 RECORDING_DTYPES: Final[dict[str, str]] = {
@@ -85,7 +86,7 @@ RECORDING_DTYPES: Final[dict[str, str]] = {
     "fps": "float64",  # frames per second
     "horizon": "float64",  # row of the horizon, px; NaN: unknown
     "context": "float64",  # traffic: 0 urban to 1 rural; NaN: not stated
-    "speed_kmh": "float64",  # speed of the car; NaN: not stated
+    "speed_kmh": "float64",  # speed of the car where no series states it; NaN: not stated
     "tags": "object",  # words for choosing recordings, tuple of str
     "unit": "object",  # what it is part of: a drive, a route, a car; empty: by itself
 }

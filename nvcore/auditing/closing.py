@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+import pandas as pd
 
 from nvcore.auditing.cases import spelled
 from nvcore.dataset import Dataset
@@ -30,7 +31,9 @@ def audit_closing_speed(dataset: Dataset, params: Params) -> list[Finding]:
     are those of the stated or assumed speed. Where the two speeds differ, so do the two cars.
     """
     closing_kmh = closing_speeds(dataset)
-    stated_kmh = dataset.frame_columns.speed_kmh
+    frames = dataset.frame_columns
+    of_recording = pd.Series(frames.speed_kmh).groupby(frames.recording).median()
+    stated_kmh = of_recording.reindex(range(len(closing_kmh))).to_numpy()
     used_kmh = np.where(np.isnan(stated_kmh), params.speed_kmh, stated_kmh)
     is_far = np.maximum(used_kmh, closing_kmh) >= FACTOR * np.minimum(used_kmh, closing_kmh)
     odd = np.flatnonzero(is_far)
@@ -38,7 +41,7 @@ def audit_closing_speed(dataset: Dataset, params: Params) -> list[Finding]:
         return []
     names = dataset.recordings["name"]
     speeds = [
-        f"{names.iloc[row]} at {closing_kmh[row]:.0f} km/h ({used_kmh[row]:g} km/h "
+        f"{names.iloc[row]} at {closing_kmh[row]:.0f} km/h ({used_kmh[row]:.4g} km/h "
         f"{'assumed' if np.isnan(stated_kmh[row]) else 'stated'})"
         for row in odd
     ]

@@ -51,11 +51,11 @@ class Dataset:
     ----------
     recordings
         One row per recording: name, width, height (px), fps, horizon (px, NaN unknown), context
-        (0 urban to 1 rural, NaN not stated), speed_kmh (of the car, NaN not stated), tags (tuple
-        of str), unit (what it is part of; empty: it stands by itself).
+        (0 urban to 1 rural, NaN not stated), speed_kmh (of the car in frames that no series knows,
+        NaN not stated), tags (tuple of str), unit (what it is part of; empty: it stands by itself).
     frames
         One row per listed frame, frames without boxes too: recording (row of `recordings`),
-        frame, time_s, step_s. Sorted by recording, then frame.
+        frame, time_s, step_s, speed_kmh (by a series, NaN none). Sorted by recording, then frame.
     boxes
         Truth and all systems: columns of `nvcore.schema.DATASET_BOX_DTYPES`, sorted by source,
         frame_index, file order.
@@ -125,10 +125,15 @@ class Dataset:
         frame = self.frames["frame"].to_numpy()
         numbers = {
             name: self.recordings[name].to_numpy()
-            for name in ("width", "height", "fps", "horizon", "context", "speed_kmh")
+            for name in ("width", "height", "fps", "horizon", "context")
         }
         gap = frame_gaps(frame, first)
-        return FrameColumns(recording, frame, gap, first.astype(np.int64), **numbers)
+        by_series = self.frames["speed_kmh"].to_numpy()
+        of_recording = self.recordings["speed_kmh"].to_numpy()[recording]
+        speed_kmh = np.where(np.isnan(by_series), of_recording, by_series)
+        return FrameColumns(
+            recording, frame, gap, first.astype(np.int64), **numbers, speed_kmh=speed_kmh
+        )
 
     @cached_property
     def copies(self) -> tuple[Copy, ...]:

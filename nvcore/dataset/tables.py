@@ -110,7 +110,7 @@ def dataset_from_tables(
         key = source.astype(np.int64) * max(len(frames), 1) + frame_index
         table = table.iloc[np.argsort(key, kind="stable")].reset_index(drop=True)
     if fingerprint is None:
-        tables = [what_is_stated(recordings), frames, _boxes_stated(table)]
+        tables = [what_is_stated(recordings), _frames_stated(frames), _boxes_stated(table)]
         fingerprint = tables_fingerprint(tables, systems)
     return Dataset(recordings, frames, table, tuple(systems), fingerprint, **other_fields)  # type: ignore[arg-type]
 
@@ -127,6 +127,11 @@ def what_is_stated(recordings: pd.DataFrame) -> pd.DataFrame:
         "unit": not any(recordings["unit"]),
     }
     return recordings.drop(columns=[name for name, empty in is_empty.items() if empty])
+
+
+def _frames_stated(frames: pd.DataFrame) -> pd.DataFrame:
+    """The frames as a fingerprint includes them: without speeds if no series states any."""
+    return frames.drop(columns="speed_kmh") if frames["speed_kmh"].isna().all() else frames
 
 
 def _boxes_stated(boxes: pd.DataFrame) -> pd.DataFrame:

@@ -1,4 +1,4 @@
-"""What subjects read of a session, and what they know of the data by it."""
+"""What is read of a session beside truth and systems, by the core and by subjects."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Input:
-    """Files of a subject beside those of the truth and the systems.
+    """Files beside those of the truth and the systems, such as those of a subject.
 
     Attributes
     ----------

@@ -40,6 +40,7 @@ from nvcore.inputs.recordings import check_names
 from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.inputs.subsets import renamed_reading, with_subsets_joined
+from nvcore.inputs.speed import SPEEDS
 from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.progress import Progress, no_progress
 from nvcore.subjects import contributed
@@ -90,7 +91,8 @@ def load(
         truth = _read(session, session.truth, "truth", "truth", None, truth_table, named)
     names = truth.reading.recordings["name"].tolist()
     loaded = [truth]
-    added: list[Input] = [of for of in contributed("inputs") if of.is_named(session)]
+    inputs: tuple[Input, ...] = (SPEEDS, *contributed("inputs"))
+    added = [of for of in inputs if of.is_named(session)]
     reserved = [of.name for of in added]
     path_names = system_names(session.systems, names)
     for source, by_path in zip(session.systems, path_names, strict=True):

@@ -63,7 +63,8 @@ class RecordingEntry(KeysOfSubjects):
     another camera, and `visible_map` (sx, sy, dx, dy) says where these show what the recording
     does: a point (x, y) of it, px, lies at (sx x + dx, sy y + dy) of them; None: by the two sizes.
     `context` is that of the traffic, from 0 (urban) to 1 (rural),
-    `speed_kmh` the speed of the car. `tags` are words by which recordings can be chosen, such as
+    `speed_kmh` the speed of the car, and `speed` a CSV of it over time
+    (`nvcore.inputs.speed`). `tags` are words by which recordings can be chosen, such as
     "night". `title` is what it is called in place of its name in the data. Recordings of one
     `unit` (a drive, a route, a car) are not independent: tests and intervals take them as one.
     """
@@ -83,6 +84,7 @@ class RecordingEntry(KeysOfSubjects):
     unit: str | None = None
     visible: str | None = path_field()
     visible_map: tuple[float, float, float, float] | None = None
+    speed: str | None = path_field()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "tags", as_names(self.tags))

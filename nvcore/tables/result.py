@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
+from nvcore.dataset import Dataset
 from nvcore.dataset.copies import units_of
 from nvcore.findings import Finding
 from nvcore.measures.entry import is_met
@@ -186,7 +187,7 @@ def recordings_table(result: Result) -> pd.DataFrame:
         "height": dataset.recordings["height"],
         "fps": dataset.recordings["fps"],
         "context": dataset.recordings["context"],
-        "speed_kmh": dataset.recordings["speed_kmh"],
+        "speed_kmh": _mean_speeds(dataset),
         "unit": units_of(dataset),
         "n_frames": np.diff(frames.first),
         "duration_s": duration_of_recordings(result),
@@ -204,6 +205,12 @@ def recordings_table(result: Result) -> pd.DataFrame:
             if measure.by_recording is not None and is_met(measure.only_if, result)
         }
     return pd.DataFrame(columns | added_values("recordings.csv", result))
+
+
+def _mean_speeds(dataset: Dataset) -> pd.Series[float]:
+    """Speed of each recording, km/h: the mean of its series, else the one it states."""
+    by_series = dataset.frames["speed_kmh"].groupby(dataset.frames["recording"]).mean()
+    return by_series.reindex(dataset.recordings.index).fillna(dataset.recordings["speed_kmh"])
 
 
 def findings_table(findings: tuple[Finding, ...]) -> pd.DataFrame:

@@ -12,9 +12,12 @@ from nvcore.wording import listed
 
 @dataclass(frozen=True)
 class Speed(Fact):
-    """At which speed: ``assumed``, that of each recording (``own``), or assumed for ``some``."""
+    """At which speed: ``assumed``, that of each recording (``own``), or assumed for ``some``.
 
-    kind: Literal["assumed", "own", "some"]
+    With a series of it that of each frame (``by frame``), or assumed in ``some frames``.
+    """
+
+    kind: Literal["assumed", "own", "some", "by frame", "some frames"]
     kmh: float
     n_assumed: int = 0
 
@@ -160,10 +163,20 @@ class WhyUnknown(Fact):
 
 @dataclass(frozen=True)
 class SpeedOfOne(Fact):
-    """The speed of the car in a recording, ``assumed`` or its ``own``."""
+    """The speed of the car, ``assumed`` or the recording's ``own``.
 
-    kind: Literal["assumed", "own"]
+    By a series of it that at the last chance, or the lowest and highest in the encounter's frames
+    (``by frame``), assumed in ``some frames``.
+    """
+
+    kind: Literal["assumed", "own", "by frame", "some frames"]
     kmh: float
+    highest_kmh: float = 0.0
+
+    @property
+    def span(self) -> str:
+        """The lowest and the highest, one number where they are shown as the same."""
+        return " to ".join(dict.fromkeys((f"{self.kmh:.1f}", f"{self.highest_kmh:.1f}")))
 
 
 @dataclass(frozen=True)
@@ -256,6 +269,9 @@ TEXTS: Final[Texts] = {
         "own": "at the speed of each recording",
         "some": "at the speed of each recording ({kmh:g} km/h assumed in {n_assumed!n:recording} "
         "without)",
+        "by frame": "at the speed of the car in each frame",
+        "some frames": "at the speed of the car in each frame ({kmh:g} km/h assumed in frames of "
+        "{n_assumed!n:recording} without)",
     },
     Confirmed: {
         "many": "of {n} urgent encounters {speed}, X confirms {x} in time and Y {y}; mean "
@@ -307,7 +323,12 @@ TEXTS: Final[Texts] = {
         "linked": "the truth gives this {one} no track id",
         "short": "{he} is there for too few frames, or cut by the picture's edge",
     },
-    SpeedOfOne: {"assumed": "{kmh:g} km/h (assumed)", "own": "{kmh:g} km/h"},
+    SpeedOfOne: {
+        "assumed": "{kmh:g} km/h (assumed)",
+        "own": "{kmh:g} km/h",
+        "by frame": "{fact.span} km/h",
+        "some frames": "{fact.span} km/h (assumed in some frames)",
+    },
     LastChance: {
         "unknown": "time left to stop is unknown: {why}.",
         "never nearer": "not urgent: the car never comes nearer, as far as the boxes tell.",

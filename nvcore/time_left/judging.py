@@ -98,9 +98,8 @@ def over_encounters(kernel: Callable[..., Any], encounters: Encounters, *argumen
 
 
 def speed_of_frames(frames: FrameColumns, speed_kmh: float) -> np.ndarray:
-    """Speed in every frame, km/h: its recording's own, else the one assumed; (n_frames,)."""
-    own = frames.speed_kmh[frames.recording]
-    return np.where(np.isnan(own), speed_kmh, own)
+    """Speed in every frame, km/h: its own or its recording's, else the assumed; (n_frames,)."""
+    return np.where(np.isnan(frames.speed_kmh), speed_kmh, frames.speed_kmh)
 
 
 def needed_time(speed_kmh: np.ndarray, params: Params) -> np.ndarray:

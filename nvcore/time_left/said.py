@@ -85,10 +85,12 @@ def urgent(result: Result) -> Urgent | None:
 
 def speed_of_all(result: Result) -> Speed:
     """At which speed time left is judged."""
-    is_assumed, kmh = time_left_in(result).has_assumed_speed, result.params.speed_kmh
-    if is_assumed.all():
+    view, kmh = time_left_in(result), result.params.speed_kmh
+    if view.assumed_speed_kmh is not None:
         return Speed("assumed", kmh)
-    n = int(np.count_nonzero(is_assumed))
+    n = int(np.count_nonzero(view.has_assumed_speed))
+    if result.dataset.frames["speed_kmh"].notna().any():
+        return Speed("some frames" if n else "by frame", kmh, n)
     return Speed("some" if n else "own", kmh, n)
 
 
@@ -195,10 +197,19 @@ def _why_unknown(result: Result, encounter: int) -> WhyUnknown:
 
 
 def _speed_of(result: Result, encounter: int) -> SpeedOfOne:
-    recording = int(result.encounters.recording[encounter])
-    if time_left_in(result).has_assumed_speed[recording]:
+    urgent_row, encounters = time_left_in(result).urgency["urgent_row"], result.encounters
+    rows = encounters.frame_index[slice(*encounters.offsets[encounter : encounter + 2])]
+    if urgent_row.iloc[encounter] >= 0:
+        rows = urgent_row.to_numpy()[[encounter]]
+    stated_kmh = result.dataset.frame_columns.speed_kmh[rows]
+    is_assumed = np.isnan(stated_kmh)
+    if is_assumed.all():
         return SpeedOfOne("assumed", result.params.speed_kmh)
-    return SpeedOfOne("own", float(result.dataset.frame_columns.speed_kmh[recording]))
+    if result.dataset.frames["speed_kmh"].iloc[rows].isna().all():
+        return SpeedOfOne("own", float(stated_kmh[0]))
+    used_kmh = np.where(is_assumed, result.params.speed_kmh, stated_kmh)
+    kind: Literal["by frame", "some frames"] = "some frames" if is_assumed.any() else "by frame"
+    return SpeedOfOne(kind, float(used_kmh.min()), float(used_kmh.max()))
 
 
 def orders(curve: pd.DataFrame) -> tuple[OrderOverSpeed, ...]:

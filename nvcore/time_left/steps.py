@@ -116,14 +116,17 @@ class TimeLeftView:
 
     @property
     def has_assumed_speed(self) -> np.ndarray:
-        """Recordings that do not state the car's speed; bool, shape (n_recordings,)."""
-        is_assumed: np.ndarray = np.isnan(self.result.dataset.frame_columns.speed_kmh)
+        """Recordings with frames in which no speed is stated; bool, shape (n_recordings,)."""
+        frames = self.result.dataset.frame_columns
+        of_unknown = frames.recording[np.isnan(frames.speed_kmh)]
+        is_assumed: np.ndarray = np.bincount(of_unknown, minlength=len(frames.fps)) > 0
         return is_assumed
 
     @property
     def assumed_speed_kmh(self) -> float | None:
-        """The speed that all recordings are assumed to have; None: some state their own."""
-        return float(self.result.params.speed_kmh) if self.has_assumed_speed.all() else None
+        """The speed that is assumed in all frames; None: some recordings state their own."""
+        is_assumed = np.isnan(self.result.dataset.frame_columns.speed_kmh).all()
+        return float(self.result.params.speed_kmh) if is_assumed else None
 
     @cached_property
     def over_speed(self) -> pd.DataFrame:

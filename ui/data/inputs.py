@@ -82,13 +82,15 @@ def _inputs(dataset: Dataset) -> pd.DataFrame:
     )
     for number, source in enumerate(inputs_table(dataset).to_dict("records")):
         letter = {x: "X: ", y: "Y: "}.get(source["subject"], "")
+        has_boxes = number <= len(dataset.systems)  # others are speeds and the like
+        boxes = f"{source['n_boxes']:,}" if has_boxes else UNDEFINED
         more = f" and {source['n_files'] - 1:,} more" if source["n_files"] > 1 else ""
         rows.append(
             {
                 "Source": f"{letter}{plain(source['subject'])}" if number else "Truth",
                 "Files": f"{plain(without_paths(source['first_file']))}{more}",
                 "Format": plain(source["format"]),
-                "Boxes": f"{source['n_boxes']:,}{'' if number else ignored}",
+                "Boxes": f"{boxes}{'' if number else ignored}",
                 "Left out": plain(source["left_out"] or UNDEFINED),
                 "Read as": plain(_without_old_name(source["conversion"])),
             }

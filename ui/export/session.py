@@ -66,7 +66,7 @@ def inputs_beside(portable: Session, given: Container[str] = ()) -> list[str]:
     given
         Names of files that come with it.
     """
-    entries = portable.recordings
+    entries = [replace(entry, speed=None) for entry in portable.recordings]
     of_view = {path for entry in entries for path in paths_in(entry)}
     names = dict.fromkeys(portable.paths())
     return [path for path in names if path not in of_view and path not in given]

@@ -121,6 +121,7 @@ def uploaded_session(content: bytes, folder: Path, files: Sequence[str], picture
     sent = _Sent(folder, files)
     if (table := session.recordings_file) is not None:
         session = replace(session, recordings_file=RecordingsFile(str(sent.find(table.path)[0])))
+    speeds = {entry.name: entry.speed for entry in session.recordings if entry.speed is not None}
     session = with_uploaded_recordings(replace(session, folder=folder), pictures)
     frames = None if session.frames is None else sent.frames(session.frames)
     return replace(
@@ -128,7 +129,11 @@ def uploaded_session(content: bytes, folder: Path, files: Sequence[str], picture
         truth=sent.source(session.truth),
         systems=tuple(sent.source(system) for system in session.systems),
         recordings=tuple(
-            replace(entry, frames=None if entry.frames is None else sent.frames(entry.frames))
+            replace(
+                entry,
+                frames=None if entry.frames is None else sent.frames(entry.frames),
+                speed=str(sent.find(speeds[entry.name])[0]) if entry.name in speeds else None,
+            )
             for entry in session.recordings
         ),
         frames=frames,

@@ -120,10 +120,10 @@ def with_interval(row: MeasureRow, of: Evidence | None, notes: Footnotes) -> Mea
 def _draw_meaning(result: Result) -> None:
     """What *in time* says, and what it does not."""
     params = result.params
-    is_assumed = time_left_in(result).has_assumed_speed
-    if is_assumed.any():
-        if not is_assumed.all():
-            st.markdown("In recordings that do not state their speed:")
+    view = time_left_in(result)
+    if view.has_assumed_speed.any():
+        if view.assumed_speed_kmh is None:
+            st.markdown("Where the recordings do not state their speed:")
         st.markdown(plain(state.say(needed(params))))
     else:
         st.markdown("The recordings state the speed of the car: the assumed one moves nothing.")

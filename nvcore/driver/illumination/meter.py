@@ -21,15 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.driver.srgb import LINEAR
-from nvcore.inputs.readers.parse.table import read_table
+from nvcore.inputs.readers.parse.table import read_series
 
-LIGHT_COLUMNS: Final = ("time_s", "lux")
 LEAST_HELD_S: Final = 1.0
 """So long a reading holds at least."""
 MOST_LATE: Final = 2.0
 """A reading that comes later than so many median steps leaves a gap: one may be lost; ours."""
-LONGEST_S: Final = 1e8
-"""Of times: what is larger is no time of a recording."""
 SAME_S: Final = 1e-6
 """Times closer than this are the same: they differ by rounding alone."""
 PICTURE_LEAST: Final = 0.002
@@ -138,28 +135,9 @@ def read_light(path: Path) -> Light:
     Raises
     ------
     InputError
-        If it cannot be opened, or, with the line, a field is no number, less than 0 lx, a time is
-        not after the one before, or no time of a recording (`LONGEST_S`).
+        If it cannot be used (`nvcore.inputs.readers.parse.table.read_series`).
     """
-    table = read_table(path, what="light readings", required=LIGHT_COLUMNS)
-    time_s = table.numbers("time_s")
-    is_absurd = np.abs(time_s) > LONGEST_S
-    if is_absurd.any():
-        row = int(is_absurd.argmax())
-        raise table.fault(
-            row,
-            f"time_s: expected seconds from frame 0 of the recording, {-LONGEST_S:g} to "
-            f"{LONGEST_S:g}, found {time_s[row]:g}; subtract the time of frame 0",
-        )
-    lux = table.numbers("lux", low=0)
-    backwards = np.flatnonzero(np.diff(time_s) <= 0)
-    if len(backwards):
-        row = int(backwards[0]) + 1
-        raise table.fault(
-            row,
-            f"time_s: expected a time after {time_s[row - 1]:g} of the row before, "
-            f"found {time_s[row]:g}",
-        )
+    time_s, lux = read_series(path, "lux", what="light readings")
     return Light(time_s, lux)
 
 

@@ -9,6 +9,7 @@
     horizon = 236.0
     context = "urban"        of the traffic: "urban", "rural", or a number from 0 to 1
     speed_kmh = 50           speed of the car
+    speed = "speed.csv"      the same over time: time_s,speed_kmh (see nvcore.inputs.speed)
     pictures = "urban_01.mp4" a video, a folder, or an archive
     first_picture = 0        number of the frame that the first picture shows
     tags = ["night", "rain"] words by which recordings can be chosen

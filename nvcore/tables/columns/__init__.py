@@ -178,7 +178,7 @@ _RECORDINGS = (
         "speed_kmh",
         _NUMBER,
         "km/h",
-        "Speed of the car.",
+        "Speed of the car; where a series states it, the mean over its frames.",
         empty="not stated: the parameter `speed_kmh` is assumed",
     ),
     Column(

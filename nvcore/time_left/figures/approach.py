@@ -173,7 +173,7 @@ def _texts(result: Result, part: pd.DataFrame, frame_row: np.ndarray, what: str)
     of_both, noun = responses_text(result, part.index.to_numpy()), result.objects.singular
     return [
         f"{noun} {track}, {plain(recording)}<br>{what}: frame {frame}, {time_s:.2f} s<br>"
-        f"last chance {ttc_s:.2f} s before contact, at {speed_kmh:g} km/h<br>{of_both_text}"
+        f"last chance {ttc_s:.2f} s before contact, at {speed_kmh:.4g} km/h<br>{of_both_text}"
         for track, recording, ttc_s, speed_kmh, frame, time_s, of_both_text in zip(
             *columns, *moments, of_both, strict=True
         )

@@ -16,7 +16,7 @@ from nvcore.figures.style import LOOK, axis, faded
 from nvcore.palette import Theme
 from nvcore.time_left.encounters import contact_at, nearest_contact
 from nvcore.time_left.figures.approach import responses_text
-from nvcore.time_left.judging import needed_time
+from nvcore.time_left.judging import needed_time, speed_of_frames
 from nvcore.time_left.steps import time_left_in
 
 MOST_S: Final = 6.0
@@ -34,8 +34,10 @@ def contact_strip(result: Result, recording: int, lanes_px: int, theme: Theme) -
     A click gives frame and encounter: `customdata` is the row in ``dataset.frames`` and that in
     ``result.encounters``.
     """
-    nearest, needed_s = nearest_contact(result, recording), _needed_s(result, recording)
-    reach_s = max(MOST_S, float(np.ceil(1.2 * needed_s)))
+    nearest, frames = nearest_contact(result, recording), result.dataset.frame_columns
+    speed_kmh = speed_of_frames(frames, result.params.speed_kmh)[frames.rows_of(recording)]
+    needed_s = needed_time(speed_kmh, result.params)
+    reach_s = max(MOST_S, float(np.ceil(1.2 * needed_s.max(initial=0))))
     if not (nearest["ttc_s"] < reach_s).any():
         return Strip()
     whole_px = lanes_px + GAP_PX + STRIP_PX
@@ -61,7 +63,7 @@ def _traces(
     result: Result,
     recording: int,
     nearest: pd.DataFrame,
-    needed_s: float,
+    needed_s: np.ndarray,
     reach_s: float,
     theme: Theme,
 ) -> list[go.Scatter]:
@@ -70,18 +72,19 @@ def _traces(
     ttc_s = np.nan_to_num(nearest["ttc_s"].to_numpy(), nan=np.inf)
     drawn = decimate(np.minimum(ttc_s, reach_s), n_points=POINTS)
     values = np.where(ttc_s < reach_s, ttc_s, np.nan)[drawn]
-    depth = np.where(values < needed_s, values, needed_s)
+    is_same = bool(np.ptp(needed_s) == 0)
+    at = np.array([0, -1]) if is_same else drawn
     limit = still_line(
-        time_s[[0, -1]],
-        [needed_s, needed_s],
-        f"{needed_s:.1f} s needed to stop",
+        time_s[at],
+        needed_s[at],
+        f"{needed_s[0]:.1f} s needed to stop" if is_same else "time needed to stop",
         showlegend=None,
         yaxis="y2",
         line={"color": look.muted, "width": 1, "dash": "dot"},
     )
     area = still_line(
         np.concatenate([time_s[drawn], time_s[drawn][::-1]]),
-        np.concatenate([depth, np.full(len(drawn), needed_s)]),
+        np.concatenate([np.fmin(values, needed_s[drawn]), needed_s[drawn][::-1]]),
         "too late to stop",
         yaxis="y2",
         fill="toself",
@@ -97,12 +100,6 @@ def _traces(
     )
     places = nearest.to_numpy(dtype=float)
     return [area, limit, line, _clicks(result, rows.start, time_s, places, reach_s)]
-
-
-def _needed_s(result: Result, recording: int) -> float:
-    own = float(result.dataset.frame_columns.speed_kmh[recording])
-    speed_kmh = result.params.speed_kmh if np.isnan(own) else own
-    return float(needed_time(np.array(speed_kmh), result.params))
 
 
 def _clicks(

@@ -22,6 +22,8 @@ MOST_ROWS: Final = 1_000_000
 MOST_COLUMNS: Final = 100
 MOST_BYTES: Final = 1 << 28
 SEPARATORS: Final = ",;\t"
+LONGEST_S: Final = 1e8
+"""Of times: what is larger is no time of a recording."""
 _FLAGS: Final = {"1": True, "true": True, "yes": True, "0": False, "false": False, "no": False}
 
 
@@ -257,6 +259,50 @@ def read_table(path: Path, *, what: str, required: Sequence[str]) -> TextTable:
     if len(content) > MOST_BYTES:
         raise FormatError(f"a table of {what} has {MOST_BYTES >> 20} MiB at most", file=path)
     return parse_table(content, name=str(path), what=what, required=required)
+
+
+def read_series(
+    path: Path, column: str, *, what: str
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Readings over the time of a recording, whose frame 0 is at 0 s.
+
+    Parameters
+    ----------
+    column
+        Of the readings, beside time_s.
+    what
+        What the readings are, as of `read_rows`.
+
+    Returns
+    -------
+    Seconds, ascending, and readings, 0 or more; float64, shape (n,).
+
+    Raises
+    ------
+    InputError
+        If it cannot be opened, or, with the line, a field is no number, less than 0, a time is not
+        after the one before, or no time of a recording (`LONGEST_S`).
+    """
+    table = read_table(path, what=what, required=("time_s", column))
+    time_s = table.numbers("time_s")
+    is_absurd = np.abs(time_s) > LONGEST_S
+    if is_absurd.any():
+        row = int(is_absurd.argmax())
+        raise table.fault(
+            row,
+            f"time_s: expected seconds from frame 0 of the recording, {-LONGEST_S:g} to "
+            f"{LONGEST_S:g}, found {time_s[row]:g}; subtract the time of frame 0",
+        )
+    readings = table.numbers(column, low=0)
+    backwards = np.flatnonzero(np.diff(time_s) <= 0)
+    if len(backwards):
+        row = int(backwards[0]) + 1
+        raise table.fault(
+            row,
+            f"time_s: expected a time after {time_s[row - 1]:g} of the row before, "
+            f"found {time_s[row]:g}",
+        )
+    return time_s, readings
 
 
 def _meant(absent: Sequence[str], header: Sequence[str], required: Sequence[str]) -> str:
