@@ -165,8 +165,7 @@ def find_speeding(
 
     Returns
     -------
-    Columns above_row (the first frame above the limit), first_row and last_row (frames of the
-    alert, inclusive), in the order of the frames.
+    Columns first_row and last_row (of the frames table, inclusive), in the order of the frames.
     """
     above = np.flatnonzero(speed_kmh > limit_kmh)  # never where one is NaN
     is_new = np.ones(len(above), dtype=bool)
@@ -175,7 +174,7 @@ def find_speeding(
     # passed counts frames over all recordings, which are never mixed: the onset is within the run
     due = frames.passed[first] + after_s * frames.fps[frames.recording[first]] * (1 - 1e-9)
     onset = np.searchsorted(frames.passed, due)
-    table = pd.DataFrame({"above_row": first, "first_row": onset, "last_row": last})
+    table = pd.DataFrame({"first_row": onset, "last_row": last})
     episodes: pd.DataFrame = table[onset <= last].reset_index(drop=True)
     return episodes
 
