@@ -234,5 +234,5 @@ def write_speed_signs(folder: Path) -> None:
     for drive in DRIVES:
         glow = Glow(sky_lux=60.0, warmth=0.2)
         frames = visible_pictures(drive.recording, glow, drive.view, noise=0.2)
-        path = own / f"{drive.recording.name}.mp4"
-        write_colour_video(path, frames, SIZE, quality=_QUALITY)
+        video = own / f"{drive.recording.name}.mp4"
+        write_colour_video(video, frames, SIZE, quality=_QUALITY)
