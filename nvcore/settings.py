@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal, Self, get_args
 
+from nvcore.codes import CodedInterval
 from nvcore.errors import ParameterError
 from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.params import Params
@@ -58,6 +59,8 @@ class Settings:
         Operating points of others, drawn beside the curves.
     accept
         Codes of errors of the audit that are meant: they are warnings.
+    codes
+        Stretches of recordings with a code, which is a class of the encounters that they overlap.
     primary
         The measure by which the comparison is decided.
     operating_point
@@ -75,6 +78,7 @@ class Settings:
     objects: Objects = PEDESTRIAN
     published: tuple[PublishedPoint, ...] = ()
     accept: tuple[str, ...] = ()
+    codes: tuple[CodedInterval, ...] = ()
     primary: Primary = Primary()
     operating_point: OperatingPoint | None = None
 
@@ -102,6 +106,10 @@ class Settings:
             y=None if self.y is None else systems.get(self.y, self.y),
             protocol=replace(self.protocol, recordings=counting),
             only=new_names(self.only, recordings),
+            codes=tuple(
+                replace(of, recording=recordings.get(of.recording, of.recording))
+                for of in self.codes
+            ),
         )
 
     def names(self, x: str | None, y: str | None) -> tuple[str | None, str | None]:

@@ -56,6 +56,7 @@ def load(
     fps: float | None = None,
     frames: str | range | None = None,
     recordings: PathLike | None = None,
+    codes: PathLike | None = None,
     name_x: str | None = None,
     name_y: str | None = None,
     protocol: str | Protocol | None = None,
@@ -87,6 +88,8 @@ def load(
     recordings
         A CSV file with a line for each recording: its size, frame rate, traffic context, tags and
         pictures (docs/formats.md); None: what the session names. `size` and `fps` go before it.
+    codes
+        A CSV file of stretches with a code (docs/formats.md); None: what the session says.
     name_x, name_y
         Names of X and Y; with a session: which of its systems they are.
     protocol
@@ -129,6 +132,7 @@ def load(
     inputs = {"truth": truth, "x": x, "y": y}
     if isinstance(source, Dataset):
         facts = {"size": size, "fps": fps, "frames": frames, "recordings": recordings}
+        facts["codes"] = codes
         given = {**inputs, **facts, "objects": objects}
         refuse_for_loaded([name for name, value in given.items() if value is not None])
         settings = with_choices(source.settings, name_x, name_y, protocol, primary, operating_point)
@@ -144,6 +148,8 @@ def load(
     if recordings is not None:
         table = RecordingsFile(str(Path.cwd() / recordings))
         session = replace(session, recordings_file=table)
+    if codes is not None:
+        session = replace(session, codes_file=str(Path.cwd() / codes), codes=())
     session = with_recordings_file(session, goes_first=recordings is not None)
     session = override_recordings(
         session, size=size_from(size), fps=fps, frames=frames_from(frames)

@@ -330,6 +330,13 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
         ),
         grouped_option(
             FACTS,
+            "--codes",
+            metavar="FILE",
+            help="CSV file of stretches with a code, such as glare: recording,start_s,end_s,code "
+            "(docs/formats.md); in place of the session's.",
+        ),
+        grouped_option(
+            FACTS,
             "--frames",
             metavar="FILE|F:L[:S]",
             help=f"Evaluated frames: {FRAMES} Default: the truth's own list, or from its first to "

@@ -121,6 +121,9 @@ def _with_facts(session: Session, options: dict[str, Any]) -> Session:
         table = RecordingsFile(path if is_here else str(Path.cwd() / path))
         session = replace(session, recordings_file=table)
     session = with_recordings_file(session, goes_first=path is not None)
+    codes = options["codes"]
+    if codes is not None:
+        session = replace(session, codes_file=str(Path.cwd() / codes), codes=())
     session = replace(
         session,
         only_tags=tuple(dict.fromkeys(options["tags"])) or session.only_tags,

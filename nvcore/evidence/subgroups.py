@@ -125,11 +125,12 @@ def _part(result: Result, factor: str, group: str, is_member: np.ndarray) -> Sub
 
 
 def _class_groups(result: Result, is_near: np.ndarray) -> list[Subgroup]:
-    """The largest classes that the truth names: derived ones would add tests to every table."""
-    if result.dataset.attributes.empty:
+    """The largest named classes and codes: derived ones would add tests to every table."""
+    if result.dataset.attributes.empty and not result.dataset.settings.codes:
         return []
     classes = classes_of(result.dataset)
-    members = {name: classes.members[name] & is_near for name in classes.named}
+    names = dict.fromkeys((*classes.named, *classes.coded))
+    members = {name: classes.members[name] & is_near for name in names if name in classes.members}
     parts = [
         _part(result, CLASS, name, is_member)
         for name, is_member in members.items()

@@ -20,6 +20,7 @@ from nvcore.dataset.tables import tables_fingerprint
 from nvcore.errors import InputError, UnnamedClassesError
 from nvcore.findings import Remedy, Step
 from nvcore.inputs.added import Input
+from nvcore.inputs.codes import with_codes
 from nvcore.inputs.files import digest, find_files, located, system_names
 from nvcore.inputs.laying_out import laid_out, sizes_given
 from nvcore.inputs.placing import LoadedSource, place_sources
@@ -39,8 +40,8 @@ from nvcore.inputs.readers.table import read_table, table_as_file
 from nvcore.inputs.recordings import check_names
 from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
-from nvcore.inputs.subsets import renamed_reading, with_subsets_joined
 from nvcore.inputs.speed import SPEEDS
+from nvcore.inputs.subsets import renamed_reading, with_subsets_joined
 from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.progress import Progress, no_progress
 from nvcore.subjects import contributed
@@ -112,7 +113,8 @@ def load(
         return {*chosen.only_tags} <= {*tags} and (not chosen.only or name in chosen.only)
 
     dataset = place_sources(session.of_all.as_titled, loaded, max_frames, is_compared)
-    session = session.choosing_from(dataset.recordings["name"].tolist())
+    names = dataset.recordings["name"].tolist()
+    session = with_codes(session.choosing_from(names), names)
     for of in added:
         dataset = of.join(dataset, session)
     return dataset.with_settings(session).only(session.only_tags, session.only)

@@ -265,7 +265,10 @@ class Session(TablesOfSubjects, Settings):
         checked when it is loaded.
     pipes
         Paths that were pipes when the session was written: what came through them is gone.
-    x, y, params, protocol, only_tags, only, objects, published, accept
+    codes_file
+        A CSV of coded intervals (`nvcore.inputs.codes`); once it has been read they are in `codes`,
+        and it is None.
+    x, y, params, protocol, only_tags, only, objects, published, accept, codes
         See `nvcore.settings.Settings`.
     """
 
@@ -279,12 +282,14 @@ class Session(TablesOfSubjects, Settings):
     frames: str | None = None
     hashes: Mapping[str, str] = field(default_factory=dict)
     pipes: tuple[str, ...] = ()
+    codes_file: str | None = None
 
     def __post_init__(self) -> None:
         for name in ("only_tags", "only", "accept"):
             object.__setattr__(self, name, as_names(getattr(self, name)))
         check_rate(self.fps)
         check_path("frames", self.frames)
+        check_path("codes", self.codes_file)
         names = [recording.name for recording in self.recordings]
         for name in names:
             if names.count(name) > 1:
@@ -294,6 +299,8 @@ class Session(TablesOfSubjects, Settings):
         """What it names of files still to be read, as they are written."""
         if self.recordings_file is not None and self.has_unread_recordings:
             yield self.recordings_file.path
+        if self.codes_file is not None:
+            yield self.codes_file
         for source in (self.truth, *self.systems):
             yield from source.path
         for frames in (self.frames, *(recording.frames for recording in self.recordings)):
@@ -404,6 +411,7 @@ class Session(TablesOfSubjects, Settings):
             recordings=tuple(map(of_entry, self.recordings)),
             recordings_file=None if table is None else RecordingsFile(rename(table.path)),
             frames=of_frames(self.frames),
+            codes_file=None if self.codes_file is None else rename(self.codes_file),
             **{name: with_paths_in(getattr(self, name), rename) for name in TABLES_OF_SUBJECTS},
         )
 

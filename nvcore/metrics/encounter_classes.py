@@ -1,7 +1,7 @@
-"""Classes of encounters: what the truth says of a pedestrian, and what follows from his boxes.
+"""Classes of encounters: what the truth says of a pedestrian, what follows from his boxes, codes.
 
-The derived classes are our choice (docs/metrics.md, classes of encounters). They depend on the
-truth alone, and on no setting.
+The derived classes are our choice (docs/metrics.md, classes of encounters). All depend on the truth
+and on the coded intervals alone, and on no parameter.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
+from nvcore.codes import NO_CODE
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.dataset import Dataset
 from nvcore.metrics.encounters import Encounters, encounters_of
@@ -38,6 +39,8 @@ CHILD_SHARE: Final = 0.75
 """A child is at most this share of the median pedestrian tall (1.7 m: 1.28 m)."""
 LEAST_COMPARED: Final = 5
 """Fewest encounters whose median may stand for a grown person."""
+SAME_S: Final = 1e-6
+"""Times closer than this are the same: they differ by rounding alone."""
 LEAST_DEPTH_PX: Final = 5.0
 """Least depth of a foot point below the horizon from which a stature is taken."""
 
@@ -52,16 +55,19 @@ class EncounterClasses:
         The most frequent text of the truth's column `attributes` over the encounter's frames, of
         those equally frequent the first; empty where there is none. Object, shape (n,).
     members
-        Encounters of each class by its name, those of the truth first, by name, then `DERIVED`;
-        bool, shape (n,). A class that the truth names as a derived one has the encounters of both.
-        Classes without an encounter are left out.
+        Encounters of each class by its name, those of the truth first, by name, then the codes, by
+        name, and `NO_CODE`, then `DERIVED`; bool, shape (n,). A class that two of these name has
+        the encounters of both. Classes without an encounter are left out.
     named
         The classes that the truth names.
+    coded
+        The codes, and `NO_CODE`; none without coded intervals.
     """
 
     attributes: np.ndarray
     members: dict[str, np.ndarray]
     named: tuple[str, ...]
+    coded: tuple[str, ...] = ()
 
     @cached_property
     def texts(self) -> np.ndarray:
@@ -73,8 +79,8 @@ class EncounterClasses:
 
 
 def classes_of(dataset: Dataset) -> EncounterClasses:
-    """Classes of the encounters of a dataset's ground truth; kept, since no setting moves them."""
-    key = "encounter_classes", dataset.objects
+    """Classes of the encounters of a dataset's ground truth; kept: no parameter moves them."""
+    key = "encounter_classes", dataset.objects, dataset.settings.codes
     if key not in dataset.derived:
         _, encounters = encounters_of(dataset)
         truth, frames = dataset.truth, dataset.frame_columns
@@ -88,13 +94,14 @@ def classes_of(dataset: Dataset) -> EncounterClasses:
         }
         if not dataset.objects.are_pedestrians:  # the rules are about people who walk
             derived = {}
-        members = dict(named)
-        for name, is_member in derived.items():
+        members, coded = dict(named), find_coded(encounters, dataset)
+        for name, is_member in (*coded.items(), *derived.items()):
             members[name] = members.get(name, np.zeros(len(encounters), dtype=bool)) | is_member
         dataset.derived[key] = EncounterClasses(
             attributes,
             {name: is_member for name, is_member in members.items() if is_member.any()},
             tuple(named),
+            tuple(coded),
         )
     classes: EncounterClasses = dataset.derived[key]
     return classes
@@ -149,7 +156,7 @@ def attributes_of(encounters: Encounters, texts: Any) -> np.ndarray:
 
 def shown_class(name: str) -> str:
     """A class as it is shown: ``in_road`` as "in road"."""
-    return name.replace("_", " ") if name in DERIVED else name
+    return name.replace("_", " ") if name in (*DERIVED, NO_CODE) else name
 
 
 def classes_named(attributes: np.ndarray) -> dict[str, np.ndarray]:
@@ -167,6 +174,25 @@ def classes_named(attributes: np.ndarray) -> dict[str, np.ndarray]:
             if name:
                 members[name] = members.get(name, False) | (codes == code)
     return {name: members[name] for name in sorted(members)}
+
+
+def find_coded(encounters: Encounters, dataset: Dataset) -> dict[str, np.ndarray]:
+    """Who is there, from the first to the last frame, while an interval of each code lasts; bool.
+
+    `NO_CODE` are the others; nothing without coded intervals.
+    """
+    codes = dataset.settings.codes
+    time_s = dataset.frames["time_s"].to_numpy()
+    first_s, last_s = time_s[encounters.first_row], time_s[encounters.last_row]
+    row_of = {name: row for row, name in enumerate(dataset.recordings["name"])}
+    members = {
+        code: np.zeros(len(encounters), dtype=bool) for code in sorted({of.code for of in codes})
+    }
+    for of in codes:  # a loop over what people marked: hundreds
+        is_there = encounters.recording == row_of.get(of.recording, -1)
+        is_there &= (first_s <= of.end_s + SAME_S) & (last_s >= of.start_s - SAME_S)
+        members[of.code] |= is_there
+    return {**members, NO_CODE: ~np.any([*members.values()], axis=0)} if members else {}
 
 
 def find_crossing(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:

@@ -37,6 +37,7 @@ from nvcore.tables.classes import classes_table, has_classes
 from nvcore.tables.columns import report_columns
 from nvcore.tables.inputs import finding_entries, horizons_table
 from nvcore.tables.result import (
+    codes_table,
     encounters_table,
     events_table,
     findings_table,
@@ -80,7 +81,7 @@ def export_files(
     """Every file of a report by name, written when called; the same input gives the same bytes.
 
     There is a ``session.toml`` only if the session names files; tables in memory have none. And
-    ``classes.csv`` only if truth and systems name classes.
+    ``classes.csv`` only if truth and systems name classes, ``codes.csv`` only with coded intervals.
 
     Parameters
     ----------
@@ -102,6 +103,8 @@ def export_files(
     }
     if has_classes(result):
         made["classes"] = lambda: classes_table(result)
+    if session.codes:
+        made["codes"] = lambda: codes_table(session.codes)
     files: dict[str, Callable[[], bytes]] = {
         f"{name}.{tables}": partial(_bytes_of, make, tables) for name, make in made.items()
     }

@@ -76,6 +76,8 @@ def files_read(session: Session) -> Iterator[Path]:
             yield session.folder / frames
     if session.recordings_file is not None:
         yield session.folder / session.recordings_file.path
+    if session.codes_file is not None:
+        yield session.folder / session.codes_file
     for part in session.parts:
         yield from (session.folder / path for path in paths_in(part))
 

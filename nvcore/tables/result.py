@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from nvcore.codes import CodedInterval
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.dataset.copies import units_of
@@ -205,6 +207,12 @@ def recordings_table(result: Result) -> pd.DataFrame:
             if measure.by_recording is not None and is_met(measure.only_if, result)
         }
     return pd.DataFrame(columns | added_values("recordings.csv", result))
+
+
+def codes_table(codes: Iterable[CodedInterval]) -> pd.DataFrame:
+    """One row per coded interval, by recording and time, as `nvcore.inputs.codes` reads them."""
+    rows = [of.given() for of in sorted(codes)]
+    return pd.DataFrame(rows, columns=column_names("codes.csv"))
 
 
 def _mean_speeds(dataset: Dataset) -> pd.Series[float]:

@@ -270,8 +270,8 @@ TEXTS: Final[Texts] = {
         "some": "at the speed of each recording ({kmh:g} km/h assumed in {n_assumed!n:recording} "
         "without)",
         "by frame": "at the speed of the car in each frame",
-        "some frames": "at the speed of the car in each frame ({kmh:g} km/h assumed in frames of "
-        "{n_assumed!n:recording} without)",
+        "some frames": "at the speed of the car in each frame ({kmh:g} km/h assumed in "
+        "{n_assumed!n:recording}, where none is stated)",
     },
     Confirmed: {
         "many": "of {n} urgent encounters {speed}, X confirms {x} in time and Y {y}; mean "

@@ -189,7 +189,7 @@ RECORDING = '[[recording]]\nname = "a"\n'
         (SYSTEM + f"scale = [1, {10**400}]", "is not TOML: an integer of more than 64 bits"),
         (
             "[truths]",
-            "the session has no key 'truths'; did you mean 'truth'? Its keys are compare, defaults",
+            "the session has no key 'truths'; did you mean 'truth'? Its keys are code, codes",
         ),
         ("truth = 1  # [truth]", "expected [truth] to be a table"),
         ("system = 1  # [[syste", "expected [[system]] to be a list of tables"),

@@ -104,7 +104,7 @@ def test_it_is_said_whether_speed_is_that_of_each_frame_or_assumed_in_some(tmp_p
         (
             ("0,50", "2,90"),
             Speed("some frames", 50.0, 1),
-            "(50 km/h assumed in frames of 1 recording without)",
+            "(50 km/h assumed in 1 recording, where none is stated)",
         ),
     ):
         result = met(tmp_path, *readings)

@@ -18,6 +18,7 @@ from inputs import drive, session_of
 from limits import limits_read
 from places import ROOT
 
+from nvcore.codes import CodedInterval
 from nvcore.comparison import compare
 from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT
 from nvcore.evidence.pairwise import pairwise_table
@@ -34,6 +35,7 @@ from nvcore.tables.classes import classes_table
 from nvcore.tables.column import CellKind, Column
 from nvcore.tables.columns import report_columns
 from nvcore.tables.evidence_columns import MATRIX_COLUMNS
+from nvcore.tables.result import codes_table
 from nvcore.tables.summary import SYSTEM_KEYS, summary_keys
 
 PAGE = ROOT / "docs" / "report.md"
@@ -82,6 +84,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     files = {
         **dict([*files.items()][:place]),
         "classes.csv": to_csv_bytes(classes_table(limits_read())),
+        "codes.csv": to_csv_bytes(codes_table([CodedInterval("rural", 0.0, 0.5, "glare")])),
         **dict([*files.items()][place:]),
     }
     return files | {MATRIX: to_csv_bytes(pairwise_table(dataset).replace(np.inf, np.nan))}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.dataset import Dataset
+from nvcore.inputs.codes import with_codes
 from nvcore.inputs.evaluated_frames import parse_frames
 from nvcore.inputs.files import find_files
 from nvcore.inputs.load import load, read_source
@@ -115,6 +117,17 @@ def with_recordings_confined(session: Session) -> Session:
         return session
     what = "reading the table of recordings"
     return call(with_recordings_file, session, allowance=SMALL, what=what)
+
+
+def with_codes_confined(session: Session, names: Sequence[str]) -> Session:
+    """As `nvcore.inputs.codes.with_codes`.
+
+    Raises
+    ------
+    InputError
+        Also if it takes too much memory or time.
+    """
+    return call(with_codes, session, names, allowance=SMALL, what="reading the codes")
 
 
 def _find(source: Source, folder: Path, role: Role) -> FilesFound:

@@ -6,6 +6,7 @@ from typing import Final
 
 import streamlit as st
 
+from nvcore.codes import NO_CODE
 from nvcore.comparison import Result
 from nvcore.evidence.measures import Evidence
 from nvcore.evidence.subgroup_table import judge_groups
@@ -16,6 +17,7 @@ from nvcore.metrics.encounter_classes import (
     CROSSING,
     GROUP,
     IN_ROAD,
+    EncounterClasses,
     classes_of,
     shown_class,
 )
@@ -39,6 +41,7 @@ MEANINGS: Final = {
     IN_ROAD: "At most 3.5 m beside the camera's axis in half of the frames, by {his} own height.",
     GROUP: "Another {one} beside {him} in half of the frames.",
     CHILD: "Small for where {he} stands, by {his} distance or the horizon.",
+    NO_CODE: "Overlaps no stretch with a code.",
 }
 
 
@@ -48,7 +51,7 @@ def draw(result: Result) -> None:
     if table.empty:
         return
     st.subheader(state.say("By class of {one}"))
-    named = classes_of(result.dataset).named
+    classes = classes_of(result.dataset)
     evidence = state.cached("by_class", comparison_key(result), lambda: _judge(result), most=8)
     notes = Footnotes()
     intervals = {name: interval_cell(row, notes) for name, row in evidence.items()}
@@ -67,7 +70,7 @@ def draw(result: Result) -> None:
                 minus(number(row["phi"], ".2f")),
             ),
             marks=intervals.get(str(name), NO_INTERVAL)[1],
-            hint="Named by the truth." if name in named else MEANINGS.get(str(name), ""),
+            hint=_hint(classes, str(name)),
         )
         for name, row in table.iterrows()
     ]
@@ -81,10 +84,18 @@ def draw(result: Result) -> None:
     lines = [f"{mark}: {plain(capitalised(note))}." for note, mark in notes.marks.items()]
     lines.append(
         state.say("{A_one} may have several classes. They come from the truth's column ")
-        + f"*attributes*{from_boxes}. Detected: as a share of those not "
-        "distant. Shared misses: Jaccard index."
+        + f"*attributes*, from stretches with a code{from_boxes}. Detected: as a share of "
+        "those not distant. Shared misses: Jaccard index."
     )
     st.caption("  \n".join(lines))
+
+
+def _hint(classes: EncounterClasses, name: str) -> str:
+    """Where a class comes from."""
+    ways = ["Named by the truth."] if name in classes.named else []
+    if name in classes.coded and name != NO_CODE:
+        ways.append("Overlaps a stretch with this code.")
+    return " ".join(ways) or MEANINGS.get(name, "")
 
 
 def _judge(result: Result) -> dict[str, Evidence]:

@@ -300,7 +300,8 @@ def _draw_widgets(encounters: pd.DataFrame, of_subjects: Mapping[str, Sequence[s
         placeholder="any",
         key=_filter("class").key,
         persist_state="session",
-        help=f"Any of these: classes of the truth's column *attributes*{from_boxes}.",
+        help="Any of these: classes of the truth's column *attributes*, codes of stretches"
+        f"{from_boxes}.",
     )
     return Filters(
         categories=tuple(categories),

@@ -121,6 +121,8 @@ def uploaded_session(content: bytes, folder: Path, files: Sequence[str], picture
     sent = _Sent(folder, files)
     if (table := session.recordings_file) is not None:
         session = replace(session, recordings_file=RecordingsFile(str(sent.find(table.path)[0])))
+    if session.codes_file is not None:
+        session = replace(session, codes_file=str(sent.find(session.codes_file)[0]))
     speeds = {entry.name: entry.speed for entry in session.recordings if entry.speed is not None}
     session = with_uploaded_recordings(replace(session, folder=folder), pictures)
     frames = None if session.frames is None else sent.frames(session.frames)

@@ -280,6 +280,8 @@ ENCOUNTER_IS_VISIBLE = Entry("encounters_visible", False)
 FIRST_LANE = Entry("lanes_first", 0)
 LANE_SEEN: Entry[int | None] = Entry("lanes_seen", None)
 """Encounter for which the page of lanes was turned."""
+N_CODE_CHANGES = Entry("codes_n_changes", 0)
+"""How often coded stretches were changed: fields for the next one begin anew."""
 SALIENCY_ROW: Entry[int | None] = Entry("saliency_open", None)
 """Frame row of the event that was clicked."""
 SALIENCY_RECORDING: Entry[int | None] = Entry("saliency_wanted", None)

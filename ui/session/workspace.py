@@ -8,7 +8,7 @@ import threading
 import weakref
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import Any, Final, Literal, NamedTuple, Protocol, TypeVar
@@ -131,6 +131,8 @@ class Opened:
             If the session chooses none of them.
         """
         session = session.choosing_from(whole.recordings["name"].tolist())
+        if session.codes_file is not None:  # read with the data
+            session = replace(session, codes=whole.settings.codes, codes_file=None)
         whole = whole if whole.settings is session else whole.with_settings(session)
         return cls(session, whole.only(session.only_tags, session.only), label, whole)
 

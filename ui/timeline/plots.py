@@ -16,7 +16,7 @@ from ui.session import state, store
 from ui.session.chosen import choose_encounter, chosen_encounter
 from ui.shell import title
 from ui.streamlit_inside.types import DeltaGenerator
-from ui.timeline import listed, panel
+from ui.timeline import codes, listed, panel
 from ui.widgets import compared_viewer
 from ui.widgets.charts import clicked_chart, kept_figure
 from ui.widgets.choices import choose_first, choose_side_by_side
@@ -67,6 +67,7 @@ def draw_all(result: Result, recording: int) -> None:
     with right, st.container(height=PANEL_PX, border=False, key="frame_panel"):
         panel.draw(result, state.row_in_all())
     _draw_lanes(result)
+    codes.draw(state.recording())
 
 
 def _draw_lanes(result: Result) -> None:
@@ -84,7 +85,7 @@ def _draw_lanes(result: Result) -> None:
     first = _first_lane(right, order, chosen)
     lanes = kept_figure(  # they stay while alpha and the like move
         "lanes",
-        (*key, first, chosen, state.theme()),
+        (*key, first, chosen, state.theme(), result.dataset.settings.codes),
         lambda: lanes_figure(
             result,
             recording,

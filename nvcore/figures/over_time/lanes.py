@@ -109,7 +109,8 @@ def lanes_figure(
 
     The most severe failures are on top. Filled: matched. Hollow and hatched: missed. Pale: not
     near enough to count. A bar in a lane: the last chance to stop. Above the lanes stands the time
-    to contact of who is nearest, where anybody is approached. A click gives frame and encounter:
+    to contact of who is nearest, where anybody is approached. Shaded: stretches with a code
+    (`nvcore.settings.Settings.codes`). A click gives frame and encounter:
     `customdata` is the row in ``dataset.frames`` and that in ``result.encounters``.
 
     Parameters
@@ -151,7 +152,7 @@ def lanes_figure(
     extent += ", most severe on top"
     if len(ordered) > len(encounters):
         extent += f", {first + 1} to {first + len(encounters)} drawn"
-    name = plain(result.dataset.recordings["name"][recording])
+    own_name = result.dataset.recordings["name"][recording]
     n_lanes = len(encounters)
     lane_px = next(px for most, px in LANE_PX if n_lanes <= most)
     rows = result.dataset.frame_columns.rows_of(recording)
@@ -168,6 +169,7 @@ def lanes_figure(
     for added in contributed("lanes"):
         strip = added.strip(result, recording, lanes_px, theme)
         traces.append(added.marks(result, encounters, 0.6 * lane_px, theme))
+    codes = [of for of in result.dataset.settings.codes if of.recording == own_name]
     along = axis(theme, side="top", ticksuffix=" s", range=time_range(end_of(result, recording)))
     figure = draw(
         [
@@ -176,8 +178,9 @@ def lanes_figure(
             _clicks(result, runs, n_lanes),
         ],
         theme,
-        title=f"Who is missed when, {name}",
-        subtitle=f"{extent}; upper bar {labels[0]}, lower bar {labels[1]}{strip.words}",
+        title=f"Who is missed when, {plain(own_name)}",
+        subtitle=f"{extent}; upper bar {labels[0]}, lower bar {labels[1]}{strip.words}"
+        + ("; shaded: stretches with a code" if codes else ""),
         height=AROUND_PX + lanes_px + strip.height_px,
         hoverdistance=-1,
         margin={"l": LEFT_PX, "t": AROUND_PX - EDGE_PX},
@@ -187,6 +190,11 @@ def lanes_figure(
         uirevision=f"{result.dataset.fingerprint} {recording} lanes",
         **strip.more,
     )
+    for of in codes:
+        shade = {"line": {"width": 0}, "fillcolor": faded(LOOK[theme].ink, 0.1), "layer": "below"}
+        label = {"text": plain(of.code), "textposition": "bottom left"}
+        ends = {"x0": of.start_s, "x1": of.end_s, "yref": "y domain", "y0": 0, "y1": 1}
+        figure.add_shape(type="rect", name="code", label=label, **shade, **ends)
     if cursor_row is not None and rows.start <= cursor_row < rows.stop:
         line_up(figure, float(time_s[cursor_row]), "cursor", theme)
     if chosen_lane >= 0:

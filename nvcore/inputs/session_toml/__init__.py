@@ -68,6 +68,15 @@
     recordings = ["drive_1"]
     expand = 1.25
 
+    [codes]                  stretches of recordings with a code: recording,start_s,end_s,code
+    path = "codes.csv"       (nvcore.inputs.codes)
+
+    [[code]]                 the same, one by one
+    recording = "urban_01"
+    start_s = 12.5
+    end_s = 18
+    code = "glare"
+
     [[published]]            operating points of others, drawn beside the curves: recall or
     name = "Report 2015"     miss_rate, and precision, fppi or fppw
     recall = 0.939

@@ -18,8 +18,9 @@ from pathlib import Path
 from types import UnionType
 from typing import Any, Final, TypeVar, get_args, get_origin, get_type_hints
 
+from nvcore.codes import CodedInterval
 from nvcore.errors import ParameterError, SessionError
-from nvcore.inputs.facts import parse_size
+from nvcore.inputs.facts import check_path, parse_size
 from nvcore.inputs.session import (
     TABLES_OF_SUBJECTS,
     RecordingEntry,
@@ -56,6 +57,8 @@ _TABLES: Final = frozenset(
         "parameters",
         "protocol",
         "published",
+        "code",
+        "codes",
         "written",
         *TABLES_OF_SUBJECTS,
     }
@@ -71,7 +74,7 @@ _COMPARE: Final = {
     "operating_point": str,
 }
 _PRIMARY: Final = {"measure": str, "fixed_at": str, "fingerprint": str, "changed": bool}
-_RECORDINGS: Final = {"path": str}
+_TABLE_FILE: Final = {"path": str}
 _WORDS: Final = {
     str: "a text",
     int: "a whole number",
@@ -154,6 +157,7 @@ class _Decoder:
         defaults = self.values(_DEFAULTS, self.table(content, "defaults"), "[defaults]")
         with self.errors_in("[defaults]"):
             defaults |= {"size": parse_size(defaults["size"])} if "size" in defaults else {}
+        table = self.table_file(content, "recordings")
         compare = self.compare(self.table(content, "compare"))
         primary = self.values(_PRIMARY, self.table(content, "primary"), "[primary]")
         settings, filters = self.table(content, "parameters"), self.table(content, "protocol")
@@ -164,6 +168,9 @@ class _Decoder:
         published = [
             self.decode(PublishedPoint, table, "[[published]]")
             for table in self.tables(content, "published")
+        ]
+        codes = [
+            self.decode(CodedInterval, table, "[[code]]") for table in self.tables(content, "code")
         ]
         written = self.table(content, "written")
         hashes = self.value(Mapping[str, str], written.get("sha256", {}), "[written]: sha256")
@@ -178,11 +185,13 @@ class _Decoder:
                 truth=truth,
                 systems=tuple(systems),
                 recordings=tuple(recordings),
-                recordings_file=self.recordings_file(content),
+                recordings_file=None if table is None else RecordingsFile(table),
                 params=params,
                 protocol=protocol,
                 primary=primary_from(primary),
                 published=tuple(published),
+                codes=tuple(codes),
+                codes_file=self.table_file(content, "codes"),
                 hashes=hashes,
                 pipes=pipes,
                 **added,
@@ -209,15 +218,18 @@ class _Decoder:
                 table = {**table, "context": parse_context(table["context"])}
         return self.decode(RecordingEntry, table, "[[recording]]")
 
-    def recordings_file(self, content: dict[str, Any]) -> RecordingsFile | None:
-        """The table of recordings that the session names, if it does."""
-        if "recordings" not in content:
+    def table_file(self, content: dict[str, Any], key: str) -> str | None:
+        """The CSV file that the session names for a table of it, if it does."""
+        if key not in content:
             return None
-        values = self.values(_RECORDINGS, self.table(content, "recordings"), "[recordings]")
-        if not values:
-            raise self.fail("[recordings]: expected a path")
-        with self.errors_in("[recordings]"):
-            return RecordingsFile(**values)
+        values = self.values(_TABLE_FILE, self.table(content, key), f"[{key}]")
+        if "path" not in values:
+            raise self.fail(f"[{key}]: expected a path")
+        if not values["path"]:
+            raise self.fail(f"[{key}]: path: expected a file, found nothing")
+        with self.errors_in(f"[{key}]"):
+            check_path("path", values["path"])
+        return str(values["path"])
 
     def source(self, kind: type[_T], table: dict[str, Any], where: str) -> _T:
         """A source; a single path or scale counts as a list of one."""

@@ -57,6 +57,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
         "parameters": _given(session.params.stated()),
         "protocol": session.protocol.given(),
         "recordings": {} if table is None else {"path": table.path},
+        "codes": {} if session.codes_file is None else {"path": session.codes_file},
         "defaults": _given(defaults),
         "truth": _source_table(session.truth),
         **{name: _given(vars(getattr(session, name))) for name in TABLES_OF_SUBJECTS},
@@ -76,6 +77,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
     parts += [f"[[recording]]\n{tomli_w.dumps(table)}" for table in recordings]
     parts += [f"[[system]]\n{tomli_w.dumps(table)}" for table in systems]
     parts += [f"[[published]]\n{tomli_w.dumps(point.given())}" for point in session.published]
+    parts += [f"[[code]]\n{tomli_w.dumps(of.given())}" for of in session.codes]
     return "\n".join(parts)
 
 

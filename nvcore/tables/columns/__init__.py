@@ -219,6 +219,12 @@ _FINDINGS = (
     Column("advice", _TEXT, "", "What to do about it."),
 )
 
+_CODES = (
+    RECORDING,
+    Column("start_s", _NUMBER, "s", "Start of the stretch, as `time_s` in `frames.csv`."),
+    Column("end_s", _NUMBER, "s", "Its end, which belongs to it."),
+    Column("code", _TEXT, "", "The code: a class of the encounters that the stretch overlaps."),
+)
 _NO_BOX = "the case is a frame or a row without a box"
 _NO_LINE = "it stands in no file"
 _FINDING_ENTRIES = (
@@ -248,6 +254,7 @@ _OWN: Final[dict[str, tuple[Column, ...]]] = {
     "findings.csv": _FINDINGS,
     "finding_entries.csv": _FINDING_ENTRIES,
     "classes.csv": CLASS_COLUMNS,
+    "codes.csv": _CODES,
 }
 
 

@@ -137,8 +137,9 @@ ENCOUNTER_COLUMNS: Final[tuple[Column, ...]] = (
         "classes",
         _TEXT,
         "",
-        "Its classes, `;` between them: those in `attributes`, and of `crossing`, `in_road`, "
-        "`group` and `child` those that its boxes show.",
+        "Its classes, `;` between them: those in `attributes`, the codes of the stretches that it "
+        "overlaps (`no_code`: none), and of `crossing`, `in_road`, `group` and `child` those that "
+        "its boxes show.",
         empty="none",
     ),
 )

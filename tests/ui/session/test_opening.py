@@ -212,6 +212,15 @@ def test_what_a_session_file_says_of_the_driver_is_one_of_the_files_sent(tmp_pat
         uploaded(tmp_path, TOML + '[driver]\ndetectability = "/etc/passwd"\n')
 
 
+def test_speeds_and_codes_are_among_the_files_sent(tmp_path: Path):
+    text = TOML.replace('name = "A"\n', 'name = "A"\nspeed = "/home/me/nir_1.csv"\n')
+    opened = uploaded(tmp_path, text + '[codes]\npath = "/home/me/nir_2.csv"\n')
+    assert (opened.recordings[0].speed, opened.codes_file) == ("nir_1.csv", "nir_2.csv")
+    for wrong in (text.replace("nir_1", "passwd"), TOML + '[codes]\npath = "/etc/passwd.csv"\n'):
+        with pytest.raises(SessionError, match=r"'passwd.csv', which was not sent"):
+            uploaded(tmp_path, wrong)
+
+
 def test_a_session_file_that_would_be_read_for_hours_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):

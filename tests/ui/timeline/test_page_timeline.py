@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from nvcore.codes import CodedInterval
 from nvcore.findings import Cases, Finding, Severity
+from nvcore.metrics.encounter_classes import classes_of
 from nvcore.pictures.recordings import RecordingPictures
-from pages import checked, figures, opened, part, press, tables, texts, to_page
+from pages import checked, figures, opened, part, press, space_of, tables, texts, to_page
 from ui.session.store import ENCOUNTER
 from ui.shell.review import Review
 from ui.timeline import plots
@@ -200,3 +202,41 @@ def test_an_entry_without_an_evaluated_frame_says_so_and_stays(of_two_recordings
         assert "which is not evaluated: there is nothing to show" in texts(app)
     finally:
         object.__setattr__(dataset, "left_out", left_out.iloc[:0])
+
+
+def test_a_stretch_is_marked_at_the_frame_shown_becomes_a_class_and_is_changed_and_removed():
+    page = part("ui.timeline.codes.draw(state.recording())", recording="rural_child", frame="57")
+    checked(page.run())
+    fields = {field.label: field for field in page.number_input}
+    assert fields["Start (s)"].value == pytest.approx(2.85)
+    fields["End (s)"].set_value(1.0)
+    page.text_input[0].set_value("glare")
+    assert "the start, or more; got 1" in press(page, "code_use").error[0].value
+    page.number_input[1].set_value(4.0)
+    press(page, "code_use")
+    marked = CodedInterval("rural_child", 2.85, 4.0, "glare")
+    assert space_of(page).opened.session.codes == (marked,)
+    classes = classes_of(space_of(page).opened.dataset)
+    assert classes.coded == ("glare", "no_code")
+    assert not classes.members["glare"].all()
+    # the fields are for a new one again, until a stretch is chosen
+    assert page.text_input[0].value == ""
+    checked(page.selectbox[0].set_value(marked).run())
+    checked(page.text_input[0].set_value("low sun").run())
+    press(page, "code_use")
+    assert space_of(page).opened.session.codes == (replace(marked, code="low sun"),)
+    checked(page.selectbox[0].set_value(replace(marked, code="low sun")).run())
+    press(page, "code_remove")
+    assert space_of(page).opened.session.codes == ()
+
+
+def test_stretches_of_a_file_are_added_unless_it_has_a_wrong_line():
+    page = checked(part("ui.timeline.codes.draw(state.recording())").run())
+    lines = ["recording,start_s,end_s,code", "rural_child,1,2,glare", "rural_child,3,2,glare"]
+    for n_lines, n_codes in ((3, 0), (2, 1)):
+        content = "\n".join(lines[:n_lines]).encode()
+        checked(page.file_uploader[0].set_value(("codes.csv", content, "text/csv")).run())
+        assert len(space_of(page).opened.session.codes) == n_codes
+        if not n_codes:
+            assert "line 3" in page.error[0].value
+    assert not page.error

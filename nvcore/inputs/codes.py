@@ -1,0 +1,81 @@
+"""Coded intervals from a CSV file that a session names.
+
+    recording,start_s,end_s,code
+    night_01,12.5,18,glare
+
+Times are seconds since the recording's first evaluated frame, as `time_s` in all tables and on the
+axis of the Timeline.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+from nvcore.codes import COLUMNS, CodedInterval
+from nvcore.errors import InputError, ParameterError
+from nvcore.inputs.readers.parse.table import read_table
+from nvcore.inputs.session import Session
+from nvcore.wording import MOST_NAMED, did_you_mean, listed
+
+MOST_CODES: Final = 10_000
+
+
+def with_codes(session: Session, names: Sequence[str]) -> Session:
+    """The session with the intervals of its file read into its own, by what recordings are called.
+
+    Parameters
+    ----------
+    names
+        What all recordings are called. Intervals may name them as in the data, too.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be used, or an interval names another recording; with file and line.
+    """
+    if session.codes_file is None and not session.codes:
+        return session
+    title_of = {entry.name: entry.title or entry.name for entry in session.recordings}
+    title_of |= {name: name for name in names}
+    file = session.codes_file
+    rows = [(interval, 0) for interval in session.codes]
+    rows += [] if file is None else read_codes(session.folder / file)
+    if len(rows) > MOST_CODES:
+        raise InputError(f"expected {MOST_CODES:,} coded intervals at the most", file=file)
+    for interval, line in rows:
+        if title_of.get(interval.recording) not in names:
+            known = f"the recordings are {listed(names, most=MOST_NAMED)}"
+            hint = did_you_mean(interval.recording, names, known)
+            text = f"there is no recording {interval.recording!r}; {hint}"
+            if line:
+                raise InputError(text, file=file, line=line)
+            raise InputError(f"[[code]]: {text}")
+    called = (replace(of, recording=title_of[of.recording]) for of, _ in rows)
+    return replace(session, codes=tuple(dict.fromkeys(called)), codes_file=None)
+
+
+def read_codes(path: Path) -> list[tuple[CodedInterval, int]]:
+    """Intervals and the line of each.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be used; with the line.
+    """
+    table = read_table(path, what="coded intervals", required=COLUMNS)
+    columns = (
+        table.texts("recording"),
+        table.numbers("start_s").tolist(),
+        table.numbers("end_s").tolist(),
+        table.texts("code"),
+    )
+    rows = []
+    for row, values in enumerate(zip(*columns, strict=True)):
+        try:
+            rows.append((CodedInterval(*values), int(table.lines[row])))
+        except ParameterError as error:
+            raise table.fault(row, str(error)) from error
+    return rows
