@@ -77,7 +77,7 @@ def read_share(table: pd.DataFrame, letter: str) -> Share:
 def _rows(result: Result, letter: str, system: SystemResult) -> pd.DataFrame:
     dataset = result.dataset
     truth, detections = dataset.truth.label, dataset.system(system.name).label
-    partner = _matches(result, system).truth_det
+    partner = matches_by_place(result, system).truth_det
     rows = np.flatnonzero((partner >= 0) & (truth != NO_LABEL))
     read = detections[partner[rows]]
     n_labels = len(dataset.labels)
@@ -95,8 +95,8 @@ def _rows(result: Result, letter: str, system: SystemResult) -> pd.DataFrame:
     )
 
 
-def _matches(result: Result, system: SystemResult) -> Matches:
-    """Which detections match, by place alone."""
+def matches_by_place(result: Result, system: SystemResult) -> Matches:
+    """Which detections match, by place alone, whatever `match_class` says."""
     if result.params.match_class == "any":
         return system.matches
     dataset = result.dataset

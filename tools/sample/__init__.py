@@ -6,6 +6,7 @@ truth, systems          boxes, and what two systems make of them
 canvas, backdrop, objects, vehicles, people, render     pictures
 writing, ratings        files; simulated ratings
 visible/                the same drives by visible light, at dusk
+speed_signs             a second sample: drives past speed signs
 study/                  a simulated study: who sees a pedestrian after the light changed
 """
 
@@ -22,6 +23,8 @@ from tools.sample.ratings import ratings_text, simulate_ratings
 from tools.sample.recordings import all_recordings
 from tools.sample.render import pictures
 from tools.sample.scene import Recording
+from tools.sample.speed_signs import FOLDER as SIGNS_FOLDER
+from tools.sample.speed_signs import write_speed_signs
 from tools.sample.study.scenes import FOLDER as STUDY_FOLDER
 from tools.sample.study.writing import write_study
 from tools.sample.systems import detections
@@ -77,7 +80,7 @@ def generate(folder: Path, *, progress: Progress = no_progress) -> None:
     (folder / RATINGS_FILE).write_bytes(ratings_text(simulate_ratings(session)).encode())
     (folder / "README.md").write_bytes(readme_text(recordings, sample_tables[TRUTH_FILE]).encode())
     lit = [recording for recording in recordings if recording.name in GLOWS]
-    n_steps = len(recordings) + len(lit) + 1
+    n_steps = len(recordings) + len(lit) + 2
     for n_done, recording in enumerate(recordings):
         progress(n_done / n_steps, recording.name)
         write_video(folder / f"{recording.name}.mp4", pictures(recording))
@@ -86,6 +89,8 @@ def generate(folder: Path, *, progress: Progress = no_progress) -> None:
         (folder / light_file(recording)).write_bytes(light_text(recording).encode())
         frames = visible_pictures(recording, GLOWS[recording.name])
         write_colour_video(folder / visible_file(recording), frames, VISIBLE_SIZE)
-    progress((n_steps - 1) / n_steps, STUDY_FOLDER)
+    progress((n_steps - 2) / n_steps, STUDY_FOLDER)
     write_study(folder)
+    progress((n_steps - 1) / n_steps, SIGNS_FOLDER)
+    write_speed_signs(folder)
     progress(1.0, "")

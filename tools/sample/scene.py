@@ -76,10 +76,12 @@ class Car:
 class Thing:
     """Something that stands beside the road.
 
-    `kind` is one of tree, bush, lamp, pole, sign, post, cabinet, house. `size_m` is its height,
-    `width_m` and `depth_m` its extent where the kind does not say it. `heat` runs from 0 to 1.
+    `kind` is one of tree, bush, lamp, pole, sign, post, cabinet, house; by visible light also
+    plate, a sign without a mast. `size_m` is its height, `width_m` and `depth_m` its extent where
+    the kind does not say it. `heat` runs from 0 to 1.
     `tempt` is how readily a system takes it for a pedestrian (log-odds at the best size); None:
     never. A hot thing tempts the far-infrared system, a sign or post the near-infrared one.
+    `shows` is what stands on a sign by visible light: a number, or ``"end"`` for a crossed one.
     """
 
     kind: str
@@ -90,6 +92,7 @@ class Thing:
     depth_m: float = 0.5
     heat: float = 0.0
     tempt: float | None = None
+    shows: str = ""
 
 
 @dataclass(frozen=True)

@@ -94,7 +94,11 @@ def write_video(path: Path, pictures: Iterable[NDArray[np.uint8]]) -> None:
 
 
 def write_colour_video(
-    path: Path, pictures: Iterable[NDArray[np.uint8]], size: tuple[int, int]
+    path: Path,
+    pictures: Iterable[NDArray[np.uint8]],
+    size: tuple[int, int],
+    *,
+    quality: str = _COLOUR_QUALITY,
 ) -> None:
     """Colour pictures as an H.264 video.
 
@@ -104,12 +108,14 @@ def write_colour_video(
         RGB, each of shape (height, width, 3).
     size
         Width and height, even.
+    quality
+        The encoder's crf: the larger, the smaller the file.
     """
     frames = (
         av.VideoFrame.from_ndarray(picture, format="rgb24").reformat(format="yuv420p")
         for picture in pictures
     )
-    _encode(path, frames, size, _COLOUR_QUALITY)
+    _encode(path, frames, size, quality)
 
 
 def _encode(
@@ -210,6 +216,13 @@ Each recording lasts {seconds} s at {fps} frames per second.
 - `ratings_simulated.csv`: made-up ratings, 1 (not annoying) to 7, of every recording with the boxes
   of each system. Nobody was asked: 16 participants are simulated, one of whom takes the scale the
   wrong way round, and some ratings are missing.
+
+A second, small sample, of [speed signs](../docs/objects.md#speed-alerts):
+
+- `speed_signs/`: three drives of {seconds} s at twilight past speed signs, a session of its own
+  (`speed_signs/session.toml`) with truth, two systems that read the signs (`mono.csv`,
+  `stereo.csv`), the speed of the car over time (`<recording>_speed.csv`) and pictures. Mono misses
+  a sign and reads a plate on a van, Stereo takes a 30 for 80 and misses the end of a limit.
 
 A study that never happened, either, of who sees a pedestrian how long after the light changed. No
 study of this kind is public.

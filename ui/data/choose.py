@@ -30,6 +30,10 @@ SAMPLE_TEXT = (
     "cyclist, glare, frost. A far infrared and a near infrared camera see them, each with the "
     "weaknesses such cameras have. With pictures."
 )
+SIGNS_TEXT = (
+    "Three short drives past speed signs, made by a program, too. Two systems read the limits, and "
+    "each makes its own mistakes. With pictures and the speed of the car."
+)
 
 
 def draw() -> None:
@@ -75,6 +79,10 @@ def _draw_sample() -> None:
     draw_trouble("sample")
     if button("Open the sample recordings", key="open_sample"):
         try_to_open(state.sample_session, label=state.SAMPLE_LABEL, place="sample")
+    st.markdown(SIGNS_TEXT)
+    if button("Open the drives past speed signs", key="open_signs"):
+        signs = partial(state.sample_session, state.SIGNS, state.SIGNS_LABEL)
+        try_to_open(signs, label=state.SIGNS_LABEL, place="sample")
 
 
 PLACE: Final = "session_file"

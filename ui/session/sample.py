@@ -1,8 +1,8 @@
-"""Comparisons that all visitors share (sample, start), with results computed once.
+"""Comparisons that all visitors share (samples, start), with results computed once.
 
-The sample recordings, and the session that the app was started with. Nothing of a visitor's own
-gets in here: a session takes part only while it has the very object `SharedSample.opened` open,
-which is never changed but replaced. Of the settings that it opens with all is kept; of others what
+The samples, and the session that the app was started with. Nothing of a visitor's own gets in
+here: a session takes part only while it has the very object `SharedSample.opened` open, which is
+never changed but replaced. Of the settings that it opens with all is kept; of others what
 was asked for last, where the recordings are short. Which pictures there are is
 looked up once as well; each session reads them by itself, since their files have a position.
 """
@@ -21,7 +21,7 @@ from nvcore.inputs.session_toml import read_session
 from nvcore.pictures.recordings import RecordingPictures, Source, session_pictures
 from ui.session.workspace import Caching, Opened, Workspace
 
-MOST_SAMPLES: Final = 2
+MOST_SAMPLES: Final = 3
 MOST_MOVED: Final = 24
 """Settings other than those that it opens with, whose values are kept."""
 MOVED_FRAMES: Final = 200_000

@@ -42,6 +42,8 @@ from ui.settings.start import start_file
 ROOT: Final = Path(__file__).resolve().parents[2]
 SAMPLE: Final = ROOT / "sample_data" / "session.toml"
 SAMPLE_LABEL: Final = "Sample recordings"
+SIGNS: Final = SAMPLE.parent / "speed_signs" / "session.toml"
+SIGNS_LABEL: Final = "Sample drives past speed signs"
 T = TypeVar("T")
 Cached = Callable[..., Any]
 """`Caching.cached`, of this session or of all visitors."""
@@ -109,9 +111,9 @@ def read_again(session: Session, *, then: Callable[[], None]) -> None:
     st.rerun()
 
 
-def sample_session() -> Session:
-    """The session of the sample recordings; cheap to open."""
-    return shared_sample(SAMPLE, label=SAMPLE_LABEL).opened.session
+def sample_session(path: Path = SAMPLE, label: str = SAMPLE_LABEL) -> Session:
+    """The session of the sample recordings, or of another sample; cheap to open."""
+    return shared_sample(path, label=label).opened.session
 
 
 def shared_start() -> SharedSample:

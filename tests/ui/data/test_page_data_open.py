@@ -23,6 +23,7 @@ from inputs import drive, mot_layout, write
 from streamlit.testing.v1 import AppTest
 
 from pages import checked, texts
+from pages import opened as opened_app
 
 
 def opened_session_file(folder: Path, text: str, *names: str) -> AppTest:
@@ -184,3 +185,9 @@ def test_a_local_list_of_evaluated_frames_is_followed_and_stops_the_opening_when
     open_local(checked(page.run()))
     assert "frames.txt: there is no such file" in texts(page)
     assert "The list of evaluated frames cannot be used" in texts(page)
+
+
+def test_the_second_sample_opens_beside_the_first():
+    page = press(checked(opened_app("data")), "open_signs")
+    assert "Opened: Sample drives past speed signs" in texts(page)
+    assert space_of(page).opened.dataset.systems == ("Mono", "Stereo")

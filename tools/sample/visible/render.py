@@ -51,11 +51,13 @@ class Drive:
         return picture
 
 
-def visible_pictures(recording: Recording, glow: Glow) -> Iterator[NDArray[np.uint8]]:
+def visible_pictures(
+    recording: Recording, glow: Glow, view: View | None = None, *, noise: float = 1.0
+) -> Iterator[NDArray[np.uint8]]:
     """Colour pictures of a recording in frame order, RGB, each of shape (height, width, 3)."""
-    view = View(recording.camera)
+    view = view or View(recording.camera)
     drive = Drive(recording, glow, view, last_frame=N_FRAMES - 1)
-    sensor = Sensor(zlib.crc32(recording.name.encode()), view)
+    sensor = Sensor(zlib.crc32(recording.name.encode()), view, noise=noise)
     outfits = [
         outfit(f"{recording.name} {index}", person.reflectance)
         for index, person in enumerate(recording.people)

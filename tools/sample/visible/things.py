@@ -24,11 +24,29 @@ _METAL: Final = np.array([0.17, 0.175, 0.18])
 _WOOD: Final = np.array([0.11, 0.085, 0.06])
 _WHITE: Final = np.array([0.70, 0.70, 0.69])
 _RED: Final = np.array([0.45, 0.03, 0.03])
+_INK: Final = np.full(3, 0.02)
 _GLASS: Final = np.array([0.03, 0.034, 0.04])
 _LEAVES: Final = np.array([0.055, 0.075, 0.03])
 _ROOF: Final = np.array([0.10, 0.055, 0.042])
 _ROOM: Final = np.array([1.55, 0.98, 0.46])
 _LIT_SHARE: Final = 0.3
+_PLACES: Final = {
+    "top": (-0.2, 0.32, 0.2, 0.44),
+    "middle": (-0.2, -0.06, 0.2, 0.06),
+    "bottom": (-0.2, -0.44, 0.2, -0.32),
+    "upper left": (-0.2, 0.0, -0.08, 0.44),
+    "upper right": (0.08, 0.0, 0.2, 0.44),
+    "lower left": (-0.2, -0.44, -0.08, 0.0),
+    "lower right": (0.08, -0.44, 0.2, 0.0),
+}
+"""Left, bottom, right, top of the bars of a digit, in radii of the sign."""
+_ALL: Final = frozenset(_PLACES)
+_BARS: Final = {
+    "0": _ALL - {"middle"},
+    "3": _ALL - {"upper left", "lower left"},
+    "5": _ALL - {"upper right", "lower left"},
+    "8": _ALL,
+}
 _WINDOWS_M: Final = 120.0
 """Farther windows along the road are a pixel wide."""
 
@@ -40,7 +58,8 @@ def draw_thing(stage: Stage, thing: Thing, ahead_m: float) -> None:
     elif thing.kind == "house":
         _house(stage, thing, ahead_m)
     elif ahead_m > 0.8:
-        draw = {"lamp": _lamp, "pole": _pole, "sign": _sign, "post": _post, "cabinet": _cabinet}
+        draw = {"lamp": _lamp, "pole": _pole, "sign": _sign, "plate": _plate, "post": _post}
+        draw["cabinet"] = _cabinet
         draw[thing.kind](stage, thing, ahead_m)
 
 
@@ -160,16 +179,38 @@ def _pole(stage: Stage, thing: Thing, z: float) -> None:
 
 
 def _sign(stage: Stage, thing: Thing, z: float) -> None:
-    """A round sign, whose film sends headlight back to the car."""
     _mast(stage, thing.x, 0.07, thing.size_m - 0.1, z, _METAL)
+    _plate(stage, thing, z)
+
+
+def _plate(stage: Stage, thing: Thing, z: float) -> None:
+    """The plate of a sign, whose film sends headlight back to the car."""
     half = thing.width_m / 2
     middle = np.array([thing.x, thing.size_m - half, z])
     angle = np.linspace(0, 2 * np.pi, 28, endpoint=False)
     rim = np.stack([np.cos(angle), np.sin(angle), np.zeros(28)], axis=1)
     back = stage.lights.headlamps(middle[None, :], TO_CAMERA)[0]
     gain = 1 + 6 * back / (back + 3.0)
-    faces = [(middle + half * rim, _RED * gain), (middle + 0.74 * half * rim, _WHITE * gain)]
+    edge = _INK if thing.shows == "end" else _RED * gain
+    inner = 0.93 if thing.shows == "end" else 0.74
+    faces = [(middle + half * rim, edge), (middle + inner * half * rim, _WHITE * gain)]
+    strokes = _strokes(thing.shows)
+    faces += [(middle + half * np.pad(stroke, ((0, 0), (0, 1))), _INK) for stroke in strokes]
     stage.lit(faces, TO_CAMERA)
+
+
+def _strokes(shows: str) -> list[Floats]:
+    """What stands on a sign of radius 1, as polygons of shape (4, 2); digits have seven bars."""
+    if shows == "end":
+        return [np.array([[-0.68, -0.48], [-0.48, -0.68], [0.68, 0.48], [0.48, 0.68]])]
+    strokes = []
+    for place, digit in enumerate(shows):
+        x = 0.56 * (place - (len(shows) - 1) / 2)
+        for bar in _BARS[digit]:
+            left, bottom, right, top = _PLACES[bar]
+            corners = [(left, bottom), (right, bottom), (right, top), (left, top)]
+            strokes.append(np.array(corners) + np.array([x, 0.0]))
+    return strokes
 
 
 def _post(stage: Stage, thing: Thing, z: float) -> None:

@@ -1,0 +1,418 @@
+"""Speed alerts: the limit stored from sign to sign, and when the car has been above it too long.
+
+A system stores the limit that it read last until it reads another, and alerts the driver once the
+car has been above it for `SpeedingSettings.speeding_after_s`, until it no longer is. The truth does
+the same with the signs that were passed. Where no limit or no speed is known nobody is alerted.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from enum import StrEnum
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.columns import BoxColumns, FrameColumns
+from nvcore.comparison import Result
+from nvcore.scoring import SystemResult
+from nvcore.stages import MATCH, Stage, setting
+from nvcore.tables.classes import matches_by_place
+
+SPEEDING: Final = Stage("speed alerts", "Alerts", (MATCH,), "speed alerts")
+NO_LIMIT: Final = math.inf
+"""Stored after the end of a limit: none is known to hold, so no speed is above it."""
+_ENDS: Final = re.compile(r"\b(ends?|derestrict\w*|unlimited|no (speed )?limit)\b", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class SpeedingSettings:
+    """The settings that speed alerts depend on, with fields as those of `nvcore.params.Params`."""
+
+    speeding_after_s: float = setting(
+        SPEEDING,
+        2.0,
+        low=0,
+        high=60,
+        slider_high=10,
+        step=0.5,
+        unit="s",
+        label="Speed alert after",
+        meaning="So long the car has to be above the stored limit before the driver is alerted.",
+        is_advanced=True,
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse impossible values (ParameterError)."""
+        for spec in fields(SpeedingSettings):
+            spec.metadata["setting"].check(spec.name, getattr(self, spec.name))
+
+
+class State(StrEnum):
+    """What an episode is."""
+
+    TRUE = "true"
+    """Of the truth: the driver was to be alerted."""
+    RIGHT = "right"
+    """A system's alert that overlaps an episode of the truth."""
+    FALSE = "false"
+    """A system's alert that overlaps none."""
+    NOT_KNOWN = "not_known"
+    """A system's alert that overlaps none, at a time when the truth knows no limit."""
+    MISSED = "missed"
+    """An episode of the truth that no alert of a system overlaps."""
+
+
+class Cause(StrEnum):
+    """Why a system's alert is false, or why there is none: what it had stored at the start."""
+
+    MISREAD = "misread"
+    """A limit read from a sign that shows another."""
+    NO_SIGN = "no_sign"
+    """A limit read where no sign is."""
+    AHEAD = "ahead"
+    """The limit of a sign that was not passed yet."""
+    NOT_READ = "not_read"
+    """No limit, or that of an earlier sign: the sign that holds was not read."""
+    TIMING = "timing"
+    """The right limit, but read so late or so early that the car was above it at other times."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stored:
+    """The limit stored in every frame.
+
+    Attributes
+    ----------
+    limit_kmh
+        km/h, float64, shape (n_frames,); NaN unknown, `NO_LIMIT` after the end of a limit.
+    row
+        Row of the box that shows it, among those of the truth or the system; -1 none yet; int64,
+        shape (n_frames,).
+    """
+
+    limit_kmh: np.ndarray
+    row: np.ndarray
+
+
+def limit_of(label: str) -> float:
+    """The limit that a class shows, km/h, as numbers are taken; NaN where it says none.
+
+    Parameters
+    ----------
+    label
+        One of `nvcore.dataset.Dataset.labels`: of speed signs the number, without its unit.
+
+    Examples
+    --------
+    >>> [*map(limit_of, ["50", "end of speed limit", "give way"])]
+    [50.0, inf, nan]
+    """
+    if label.isascii() and label.isdecimal():
+        return float(label)
+    return NO_LIMIT if _ENDS.search(label.replace("_", " ")) else math.nan
+
+
+def store_limits(
+    boxes: BoxColumns, rows: np.ndarray, limit_kmh: np.ndarray, frames: FrameColumns
+) -> Stored:
+    """Store the limit of each of these boxes from its frame until that of the next one.
+
+    Of several in one frame the highest box counts, as it is the nearest. Recordings begin without
+    a limit.
+
+    Parameters
+    ----------
+    boxes
+        Of the truth or a system.
+    rows
+        Rows of the boxes that are stored; int64, shape (n,).
+    limit_kmh
+        What each box shows; float64, shape (n_boxes,).
+    frames
+        The listed frames.
+    """
+    rows = rows[np.lexsort((boxes.h[rows], boxes.frame_index[rows]))]
+    at = boxes.frame_index[rows]
+    latest = np.searchsorted(at, np.arange(len(frames)), side="right") - 1
+    row = np.append(rows, -1)[latest]  # -1: the one appended
+    is_own = np.append(at, -1)[latest] >= frames.first[frames.recording]
+    row = np.where(is_own, row, -1)
+    return Stored(np.append(limit_kmh, math.nan)[row], row)
+
+
+def find_speeding(
+    limit_kmh: np.ndarray, speed_kmh: np.ndarray, frames: FrameColumns, *, after_s: float
+) -> pd.DataFrame:
+    """Episodes in which the driver is to be alerted: above the limit since `after_s` or longer.
+
+    An episode begins in the first frame at least `after_s` after the first one above the limit, and
+    ends with the last frame above it or the recording. A limit that changes in between does not
+    interrupt it; a limit or speed that is unknown does.
+
+    Parameters
+    ----------
+    limit_kmh, speed_kmh
+        Of every frame, km/h; float64, shape (n_frames,); NaN unknown.
+    frames
+        The listed frames.
+    after_s
+        Seconds, 0 or more.
+
+    Returns
+    -------
+    Columns first_row and last_row (of the frames table, inclusive), in the order of the frames.
+    """
+    above = np.flatnonzero(speed_kmh > limit_kmh)  # never where one is NaN
+    is_new = np.ones(len(above), dtype=bool)
+    is_new[1:] = (np.diff(above) > 1) | (np.diff(frames.recording[above]) != 0)
+    first, last = above[is_new], above[np.roll(is_new, -1)]
+    # passed counts frames over all recordings, which are never mixed: the onset is within the run
+    due = frames.passed[first] + after_s * frames.fps[frames.recording[first]] * (1 - 1e-9)
+    onset = np.searchsorted(frames.passed, due)
+    table = pd.DataFrame({"first_row": onset, "last_row": last})
+    episodes: pd.DataFrame = table[onset <= last].reset_index(drop=True)
+    return episodes
+
+
+@dataclass(frozen=True, eq=False)
+class Speeding:
+    """Speed alerts of a comparison.
+
+    Attributes
+    ----------
+    result
+        The comparison.
+    stored
+        The stored limits of ``"truth"``, ``"x"`` and ``"y"``.
+    episodes
+        One row per episode of the truth and of each system, and per episode that a system misses:
+        subject (``"truth"``, ``"x"``, ``"y"``), state (`State`), cause (`Cause` of what is false or
+        missed, else empty), recording (row of the recordings table), first_row and last_row (of the
+        frames table, inclusive), start_s and stop_s (the end of the last frame's time step, seconds
+        from the recording's first frame), limit_kmh (stored by the subject at the start; NaN none),
+        true_limit_kmh (by the truth, then), top_kmh (highest speed in it) and late_s (from the
+        start of the truth's episode to that of the system's first alert in it, seconds, negative:
+        earlier; NaN for all other rows). By subject, then time; a missed episode has the times of
+        the truth's.
+    """
+
+    result: Result
+    stored: Mapping[str, Stored] = field(repr=False)
+    episodes: pd.DataFrame = field(repr=False)
+
+    def limits(self) -> pd.DataFrame:
+        """Runs of frames with the same stored limit, as lanes.
+
+        Returns
+        -------
+        Columns subject, recording, first_row, last_row, start_s, stop_s (as of `episodes`) and
+        limit_kmh (NaN unknown, inf none holds), by subject, then time.
+        """
+        frames = self.result.dataset.frame_columns
+        parts = []
+        for subject, stored in self.stored.items():
+            limit = stored.limit_kmh
+            is_same = (limit[1:] == limit[:-1]) | (np.isnan(limit[1:]) & np.isnan(limit[:-1]))
+            is_new = np.ones(len(limit), dtype=bool)
+            is_new[1:] = ~is_same | (np.diff(frames.recording) != 0)
+            first, last = np.flatnonzero(is_new), np.flatnonzero(np.roll(is_new, -1))
+            part = _timed(
+                self.result, subject, pd.DataFrame({"first_row": first, "last_row": last})
+            )
+            parts.append(part.assign(limit_kmh=limit[first]))
+        return pd.concat(parts, ignore_index=True)
+
+    def summary(self) -> pd.DataFrame:
+        """How each system's speed alerts did, one row for X and one for Y.
+
+        Returns
+        -------
+        Columns system (its name), true (episodes of the truth), alerted (those with an alert),
+        missed, alerts (of the system), right, false, not_known; false_<cause> and missed_<cause>
+        for every `Cause`; median_late_s and most_late_s (of the alerted; NaN: none), false_s
+        (seconds of false alerts), right_limit (share of the time in which the system has stored the
+        truth's limit, where the truth knows one; NaN: never), no_limit_s and true_no_limit_s
+        (seconds in which the system, the truth has no limit stored or an unknown one) and
+        no_speed_s (seconds of unknown speed): in these nobody can be alerted.
+        """
+        frames = self.result.dataset.frame_columns
+        step_s, truth = frames.step_s, self.stored["truth"].limit_kmh
+        is_known = ~np.isnan(truth)
+        known_s = float(step_s[is_known].sum())
+        n_true = int((self.episodes["subject"] == "truth").sum())
+        rows = []
+        for letter, system in self.result.sides:
+            own = self.episodes[self.episodes["subject"] == letter]
+            n = {state: int((own["state"] == state).sum()) for state in State}
+            limit, late_s = self.stored[letter].limit_kmh, own["late_s"].dropna()
+            n_alerts = n[State.RIGHT] + n[State.FALSE] + n[State.NOT_KNOWN]
+            row: dict[str, object] = {"system": system.name}
+            row |= {"true": n_true, "alerted": n_true - n[State.MISSED]}
+            row |= {"missed": n[State.MISSED], "alerts": n_alerts, "right": n[State.RIGHT]}
+            row |= {"false": n[State.FALSE], "not_known": n[State.NOT_KNOWN]}
+            row |= {
+                f"{state}_{cause}": int(((own["state"] == state) & (own["cause"] == cause)).sum())
+                for state in (State.FALSE, State.MISSED)
+                for cause in Cause
+            }
+            false = own[own["state"] == State.FALSE]
+            right_s = float(step_s[is_known & (limit == truth)].sum())
+            row |= {
+                "median_late_s": late_s.median(),
+                "most_late_s": late_s.max(),
+                "false_s": float((false["stop_s"] - false["start_s"]).sum()),
+                "right_limit": right_s / known_s if known_s else math.nan,
+                "no_limit_s": float(step_s[np.isnan(limit)].sum()),
+                "true_no_limit_s": float(step_s[~is_known].sum()),
+                "no_speed_s": float(step_s[np.isnan(frames.speed_kmh)].sum()),
+            }
+            rows.append(row)
+        return pd.DataFrame(rows)
+
+
+def judge_speeding(
+    result: Result,
+    *,
+    settings: SpeedingSettings | None = None,
+    limits: Mapping[str, float] | None = None,
+) -> Speeding:
+    """Hold the systems' speed alerts against those that the truth calls for.
+
+    The truth stores a limit in the last annotated frame of its sign, when the car passes it (one
+    that is annotated to the end of the recording was not passed); a system in every frame in which
+    a detection that counts (matched or false) shows one. A sign of the truth whose limit is unknown
+    makes the stored one unknown; a system that cannot read a sign keeps what it had.
+
+    Parameters
+    ----------
+    result
+        A comparison of speed signs whose classes are their limits, with the speed of the car.
+    settings
+        When the driver is alerted; None: the defaults.
+    limits
+        Limits in km/h by label, of labels that are no number of km/h, such as ``{"30": 48.28}`` for
+        miles per hour; the others mean what `limit_of` says.
+    """
+    after_s = (settings or SpeedingSettings()).speeding_after_s
+    dataset, encounters = result.dataset, result.encounters
+    truth, frames = dataset.truth, dataset.frame_columns
+    known = limits or {}
+    of_label = [known.get(label, limit_of(label)) for label in dataset.labels]
+    shown = np.array([*of_label, math.nan])  # NO_LABEL is -1: the last
+    is_passed = encounters.last_row + 1 < frames.first[encounters.recording + 1]
+    passed = encounters.order[encounters.offsets[1:] - 1][is_passed]
+    stored = {"truth": store_limits(truth, passed, shown[truth.label], frames)}
+    for letter, system in result.sides:
+        boxes = dataset.system(system.name)
+        read = shown[boxes.label]
+        rows = np.flatnonzero(system.matches.is_counted & ~np.isnan(read))
+        stored[letter] = store_limits(boxes, rows, read, frames)
+    true, *own = (
+        find_speeding(limit.limit_kmh, frames.speed_kmh, frames, after_s=after_s)
+        for limit in stored.values()
+    )
+    parts = [_episodes(result, stored, "truth", true, State.TRUE)]
+    for (letter, system), alerts in zip(result.sides, own, strict=True):
+        causes = _causes(result, system, stored[letter], stored["truth"], shown)
+        parts += _judged(result, stored, letter, alerts, true, causes)
+    return Speeding(result, stored, pd.concat(parts, ignore_index=True))
+
+
+def _judged(
+    result: Result,
+    stored: Mapping[str, Stored],
+    letter: str,
+    alerts: pd.DataFrame,
+    true: pd.DataFrame,
+    causes: np.ndarray,
+) -> list[pd.DataFrame]:
+    """Rows of `Speeding.episodes` of a system, from its alerts and the truth's episodes."""
+    first = alerts["first_row"].to_numpy()
+    is_known = ~np.isnan(stored["truth"].limit_kmh[first])
+    state = np.where(is_known, State.FALSE, State.NOT_KNOWN).astype(object)
+    state[_first_overlap(alerts, true) >= 0] = State.RIGHT
+    alert = _first_overlap(true, alerts)
+    is_alerted = alert >= 0
+    time_s = result.dataset.frames["time_s"].to_numpy()
+    late_s = np.full(len(alerts), math.nan)
+    # backwards: an alert that covers several episodes has the time of the first
+    at, of = alert[is_alerted][::-1], true["first_row"].to_numpy()[is_alerted][::-1]
+    late_s[at] = time_s[first[at]] - time_s[of]
+    own = _episodes(result, stored, letter, alerts, state).assign(
+        cause=np.where(state == State.FALSE, causes[first], ""), late_s=late_s
+    )
+    missed = true[~is_alerted]
+    lacking = _episodes(result, stored, letter, missed, State.MISSED).assign(
+        cause=causes[missed["first_row"].to_numpy()]
+    )
+    return [pd.concat([own, lacking]).sort_values("first_row", kind="stable")]
+
+
+def _causes(
+    result: Result, system: SystemResult, own: Stored, true: Stored, shown: np.ndarray
+) -> np.ndarray:
+    """The `Cause` that would explain a wrong alert in each frame; object, shape (n_frames,)."""
+    encounters, truth = result.encounters, result.dataset.truth
+    sign = np.append(matches_by_place(result, system).det_truth, -1)[own.row]
+    of_sign = np.append(encounters.encounter_of, -1)[sign]
+    frame = np.arange(len(own.row))
+    kinds = [
+        (own.row < 0, Cause.NOT_READ),
+        (sign < 0, Cause.NO_SIGN),
+        (own.limit_kmh != np.append(shown[truth.label], math.nan)[sign], Cause.MISREAD),
+        (np.append(encounters.last_row, -1)[of_sign] > frame, Cause.AHEAD),
+        (own.limit_kmh != true.limit_kmh, Cause.NOT_READ),
+    ]
+    conditions, causes = zip(*kinds, strict=True)
+    return np.select(conditions, [np.array(cause, dtype=object) for cause in causes], Cause.TIMING)
+
+
+def _first_overlap(runs: pd.DataFrame, others: pd.DataFrame) -> np.ndarray:
+    """The first of the others that each run overlaps, -1 none; each kind is apart, in order."""
+    at = np.searchsorted(others["last_row"], runs["first_row"])
+    starts = np.append(others["first_row"], np.iinfo(np.int64).max)[at]
+    return np.where(starts <= runs["last_row"], at, -1)
+
+
+def _episodes(
+    result: Result,
+    stored: Mapping[str, Stored],
+    subject: str,
+    runs: pd.DataFrame,
+    state: np.ndarray | State,
+) -> pd.DataFrame:
+    """Rows of `Speeding.episodes` without cause and lateness."""
+    speed_kmh = np.append(result.dataset.frame_columns.speed_kmh, 0.0)
+    first, last = runs["first_row"].to_numpy(), runs["last_row"].to_numpy()
+    bounds = np.stack([first, last + 1], axis=1).ravel()
+    top_kmh = np.maximum.reduceat(speed_kmh, bounds)[::2] if len(bounds) else np.empty(0)
+    table = _timed(result, subject, runs)
+    table.insert(1, "state", state)
+    table.insert(2, "cause", "")
+    return table.assign(
+        limit_kmh=stored[subject].limit_kmh[first],
+        true_limit_kmh=stored["truth"].limit_kmh[first],
+        top_kmh=top_kmh,
+        late_s=math.nan,
+    )
+
+
+def _timed(result: Result, subject: str, runs: pd.DataFrame) -> pd.DataFrame:
+    """Runs of frames with subject, recording and times."""
+    frames = result.dataset.frames
+    first, last = frames.iloc[runs["first_row"]], frames.iloc[runs["last_row"]]
+    return pd.DataFrame(
+        {
+            "subject": subject,
+            "recording": first["recording"].to_numpy(),
+            "first_row": runs["first_row"].to_numpy(),
+            "last_row": runs["last_row"].to_numpy(),
+            "start_s": first["time_s"].to_numpy(),
+            "stop_s": last["time_s"].to_numpy() + last["step_s"].to_numpy(),
+        }
+    )
