@@ -4,7 +4,7 @@ import streamlit as st
 
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
-from ui.alerts import in_time, listed, numbers, policy
+from ui.alerts import in_time, listed, numbers, policy, speeding
 from ui.session import state
 from ui.shell.messages import draw_operating_point, draw_warnings, needs_comparison
 from ui.widgets.text import docs_link
@@ -23,11 +23,12 @@ def draw(result: Result) -> None:
             ),
         )
     )
+    draw_warnings(result)
+    draw_operating_point(result)
+    speeding.draw(result)
     policy.draw(result)
     if not alerts_in(result).is_asked:
         return
-    draw_warnings(result)
-    draw_operating_point(result)
     numbers.draw(result)
     listed.draw(result)
     in_time.draw(result)

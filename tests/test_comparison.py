@@ -11,7 +11,8 @@ from builders import Place, at, make_dataset, result_of
 from other_params import OTHER, WITH
 from scenes import draw_scene
 
-from nvcore.alerts.settings import ALERTS, IN_TIME
+from nvcore.alerts.settings import ALERTS, IN_TIME, SPEEDING
+from nvcore.alerts.speeding import judge_speeding
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
@@ -79,6 +80,7 @@ MADE_BY: dict[Stage, set[str]] = {
     DRIVER: {"detectable"},
     ALERTS: {"x alerts", "y alerts"},
     IN_TIME: {"in time for drivers"},
+    SPEEDING: {"speeding"},
 }
 """What a setting of a stage changes first: one of these at least."""
 
@@ -102,7 +104,10 @@ def busy() -> Dataset:
     for source, target in enumerate(boxes):  # of two classes, and now and then of none
         target[:] = [b._replace(label=(i + source) % 3 - 1) for i, b in enumerate(target)]
     boxes[0][:] = [b._replace(detectability=i % 11 / 10) for i, b in enumerate(boxes[0])]
-    return make_dataset(*boxes, places=places, labels=("30", "50"))
+    dataset = make_dataset(*boxes, places=places, labels=("30", "50"))
+    # where the car drives at 40 km/h; elsewhere it is assumed
+    kmh = np.where(dataset.frames["recording"] < 6, 40.0, np.nan)
+    return dataclasses.replace(dataset, frames=dataset.frames.assign(speed_kmh=kmh))
 
 
 def figures(result: Result) -> dict[str, Any]:
@@ -115,6 +120,7 @@ def figures(result: Result) -> dict[str, Any]:
         "urgency": time_left_in(result).urgency,
         "track": result.tracks.track, "lead": result.lead_time_s, "duration": result.duration_s,
         "without_distance": result.k_truth.n_without_distance,
+        "speeding": judge_speeding(result).episodes,
         "in time for drivers": alerts_in(result).in_time_for_drivers.table,
     }  # fmt: skip
     for name in (spec.name for spec in dataclasses.fields(result.encounters)):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
+import numpy as np
+
 from nvcore.driver.comparison.settings import DRIVER
 from nvcore.stages import MATCH, PROXIMITY, Stage, setting, share
 from nvcore.time_left.settings import URGENCY
@@ -13,7 +15,9 @@ ALERTS: Final = Stage("alerts", "Alerts", (MATCH, PROXIMITY, URGENCY, DRIVER), "
 
 IN_TIME: Final = Stage("in time for the driver", "Alerts", (ALERTS,), "alerts")
 
-RESULTS: Final = (ALERTS, IN_TIME)
+SPEEDING: Final = Stage("speed alerts", "Alerts", (MATCH,), "alerts")
+
+RESULTS: Final = (ALERTS, IN_TIME, SPEEDING)
 """The stages whose results are shown."""
 
 Asked = Literal["off", "policy", "log"]
@@ -23,6 +27,10 @@ _USED: Final = ("alerts", ("policy", "log"))
 
 def _has_alerts(dataset: Any) -> bool:
     return dataset.of("alerts") is not None
+
+
+def _has_speeds(dataset: Any) -> bool:
+    return not bool(np.isnan(dataset.frame_columns.speed_kmh).all())
 
 
 def _setting(default: float | str | None, *, stage: Stage = ALERTS, **known: Any) -> Any:
@@ -133,6 +141,21 @@ class AlertSettings:
         "Build-up of the brakes",
         "Time from the foot on the brake until the car brakes.",
         stage=IN_TIME,
+    )
+
+    speeding_after_s: float = setting(
+        SPEEDING,
+        2.0,
+        low=0,
+        high=60,
+        slider_high=10,
+        step=0.5,
+        unit="s",
+        applies=_has_speeds,
+        is_advanced=True,
+        label="Speed alert after",
+        meaning="So long the car has to be above the limit that was read last before the driver is "
+        "alerted. Of effect where speed signs are compared and the car's speed is known.",
     )
 
     def check_together(self) -> None:

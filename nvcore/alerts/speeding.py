@@ -1,7 +1,7 @@
 """Speed alerts: the limit stored from sign to sign, and when the car has been above it too long.
 
 A system stores the limit that it read last until it reads another, and alerts the driver once the
-car has been above it for `SpeedingSettings.speeding_after_s`, until it no longer is. The truth does
+car has been above it for the parameter `speeding_after_s`, until it no longer is. The truth does
 the same with the signs that were passed. Where no limit or no speed is known nobody is alerted.
 """
 
@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Final
 
@@ -19,37 +19,13 @@ import pandas as pd
 
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.comparison import Result
+from nvcore.dataset import Dataset
 from nvcore.scoring import SystemResult
-from nvcore.stages import MATCH, Stage, setting
 from nvcore.tables.classes import matches_by_place
 
-SPEEDING: Final = Stage("speed alerts", "Alerts", (MATCH,), "speed alerts")
 NO_LIMIT: Final = math.inf
 """Stored after the end of a limit: none is known to hold, so no speed is above it."""
 _ENDS: Final = re.compile(r"\b(ends?|derestrict\w*|unlimited|no (speed )?limit)\b", re.IGNORECASE)
-
-
-@dataclass(frozen=True)
-class SpeedingSettings:
-    """The settings that speed alerts depend on, with fields as those of `nvcore.params.Params`."""
-
-    speeding_after_s: float = setting(
-        SPEEDING,
-        2.0,
-        low=0,
-        high=60,
-        slider_high=10,
-        step=0.5,
-        unit="s",
-        label="Speed alert after",
-        meaning="So long the car has to be above the stored limit before the driver is alerted.",
-        is_advanced=True,
-    )
-
-    def __post_init__(self) -> None:
-        """Refuse impossible values (ParameterError)."""
-        for spec in fields(SpeedingSettings):
-            spec.metadata["setting"].check(spec.name, getattr(self, spec.name))
 
 
 class State(StrEnum):
@@ -115,6 +91,12 @@ def limit_of(label: str) -> float:
     if label.isascii() and label.isdecimal():
         return float(label)
     return NO_LIMIT if _ENDS.search(label.replace("_", " ")) else math.nan
+
+
+def has_limits(dataset: Dataset) -> bool:
+    """Whether there are signs whose class is a limit, and frames in which the speed is known."""
+    is_known = ~np.isnan(dataset.frame_columns.speed_kmh)
+    return bool(is_known.any() and (~np.isnan([*map(limit_of, dataset.labels)])).any())
 
 
 def store_limits(
@@ -275,12 +257,7 @@ class Speeding:
         return pd.DataFrame(rows)
 
 
-def judge_speeding(
-    result: Result,
-    *,
-    settings: SpeedingSettings | None = None,
-    limits: Mapping[str, float] | None = None,
-) -> Speeding:
+def judge_speeding(result: Result, *, limits: Mapping[str, float] | None = None) -> Speeding:
     """Hold the systems' speed alerts against those that the truth calls for.
 
     The truth stores a limit in the last annotated frame of its sign, when the car passes it (one
@@ -292,13 +269,10 @@ def judge_speeding(
     ----------
     result
         A comparison of speed signs whose classes are their limits, with the speed of the car.
-    settings
-        When the driver is alerted; None: the defaults.
     limits
         Limits in km/h by label, of labels that are no number of km/h, such as ``{"30": 48.28}`` for
         miles per hour; the others mean what `limit_of` says.
     """
-    after_s = (settings or SpeedingSettings()).speeding_after_s
     dataset, encounters = result.dataset, result.encounters
     truth, frames = dataset.truth, dataset.frame_columns
     known = limits or {}
@@ -313,7 +287,9 @@ def judge_speeding(
         rows = np.flatnonzero(system.matches.is_counted & ~np.isnan(read))
         stored[letter] = store_limits(boxes, rows, read, frames)
     true, *own = (
-        find_speeding(limit.limit_kmh, frames.speed_kmh, frames, after_s=after_s)
+        find_speeding(
+            limit.limit_kmh, frames.speed_kmh, frames, after_s=result.params.speeding_after_s
+        )
         for limit in stored.values()
     )
     parts = [_episodes(result, stored, "truth", true, State.TRUE)]

@@ -32,6 +32,7 @@ from nvcore.time_left.steps import time_left_in
 
 if TYPE_CHECKING:
     from nvcore.alerts.in_time import InTime
+    from nvcore.alerts.speeding import Speeding
 
 MOST_POINTS: Final = 40
 """Thresholds of a trade-off curve, at most."""
@@ -157,6 +158,13 @@ class AlertsView:
             movement_s=params.foot_s,
             brakes_s=params.brakes_s,
         )
+
+    @cached_property
+    def speeding(self) -> Speeding | None:
+        """Speed alerts; None: the objects are no speed signs, or no speed is known."""
+        from nvcore.alerts.speeding import has_limits, judge_speeding  # here: as above
+
+        return judge_speeding(self.result) if has_limits(self.result.dataset) else None
 
     @cached_property
     def is_near(self) -> np.ndarray:

@@ -28,6 +28,7 @@ def render_alerts(view: AlertsView) -> str:
         *(say(fact, result.objects) for fact in (*alert_facts(result), *in_time_by_kind(result))),
         "",
         *aligned([("", "X", "Y"), *_measures(view)]),
+        *_speeding(view),
         "",
         "over the score threshold, the rest of the policy as it is:",
         *aligned([("", "score from", "unwanted", "in time", "alerted"), *_curve(view)]),
@@ -41,6 +42,23 @@ def _measures(view: AlertsView) -> Iterator[tuple[str, ...]]:
         if row.key in own:
             values = (number(value, row.form) for value in (row.x, row.y))
             yield "  " * row.level + row.label, *values
+
+
+def _speeding(view: AlertsView) -> Iterator[str]:
+    """The speed alerts of both systems, where there are any."""
+    if view.speeding is None:
+        return
+    yield ""
+    yield f"speed alerts, above the limit for {view.result.params.speeding_after_s:g} s:"
+    columns = ("true", "alerted", "missed", "right", "false", "not_known", "median_late_s")
+    rows = view.speeding.summary()
+    yield from aligned(
+        [("", *(name.replace("_", " ") for name in columns))]
+        + [
+            (letter, *(number(row[name], ".2f" if "_s" in name else "d") for name in columns))
+            for letter, row in zip("XY", rows.to_dict("records"), strict=True)
+        ]
+    )
 
 
 def _curve(view: AlertsView) -> Iterator[tuple[str, ...]]:

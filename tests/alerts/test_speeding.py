@@ -13,13 +13,13 @@ import nvcore as nv
 from nvcore.alerts.speeding import (
     NO_LIMIT,
     Speeding,
-    SpeedingSettings,
     find_speeding,
     judge_speeding,
     limit_of,
 )
 from nvcore.dataset import Dataset
 from nvcore.errors import ParameterError
+from nvcore.params import Params
 
 LABELS = ("30", "50", "80", "end of speed limit", "give way")
 N_FRAMES = 12
@@ -38,8 +38,8 @@ def drive(truth=(), x=(), y=(), *, kmh: object = 60.0, places=(HALF_SECOND,)) ->
 
 
 def judged(*args: object, match_class: str = "any", after_s: float = 2.0, **more) -> Speeding:
-    result = result_of(drive(*args, **more), match_class=match_class)
-    return judge_speeding(result, settings=SpeedingSettings(after_s))
+    result = result_of(drive(*args, **more), match_class=match_class, speeding_after_s=after_s)
+    return judge_speeding(result)
 
 
 def rows(speeding: Speeding, *columns: str) -> list[tuple[object, ...]]:
@@ -216,7 +216,7 @@ def test_classes_that_speak_of_an_end_are_ends():
 
 def test_an_impossible_setting_is_refused():
     with pytest.raises(ParameterError, match="speeding_after_s: expected 0 to 60"):
-        SpeedingSettings(speeding_after_s=-1)
+        Params(speeding_after_s=-1)
 
 
 def test_the_sample_drives_have_an_alert_of_each_kind():

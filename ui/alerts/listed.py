@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Final
 
-import numpy as np
 import pandas as pd
 import streamlit as st
 
@@ -20,7 +20,6 @@ from ui.widgets.choices import choose_side_by_side, download_csv, draw_steps
 from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.table_columns import MOST_ROWS, rows_told
 
-VIEWER: Final = "alerts_viewer"
 VIEWER_PX: Final = 460
 COLUMNS: Final = {
     "system": TableColumn("", "Whose alert it is, X or Y.", is_head=True),
@@ -40,7 +39,9 @@ COLUMNS: Final = {
 def draw(result: Result) -> None:
     """The alerts of X, Y or both, of all kinds or one; the chosen one in the viewer."""
     st.header("One by one")
-    table = alerts_in(result).table.assign(row=_first_rows(result))
+    view = alerts_in(result)
+    alerts = pd.concat([view.of(system) for _, system in result.sides], ignore_index=True)
+    table = view.table.assign(row=alerts["first_row"], encounter_row=alerts["encounter"])
     with st.container(horizontal=True, vertical_alignment="bottom"):
         whose = choose_side_by_side(
             "Of", {"xy": "X and Y", "x": "X", "y": "Y"}, "alerts_of", default="xy"
@@ -62,64 +63,68 @@ def draw(result: Result) -> None:
     if table.empty:
         st.info("There is no such alert: nothing would have reached the driver.")
         return
-    _draw_moving(result, table.head(MOST_ROWS))
+    shown = table.head(MOST_ROWS)
+    draw_beside_viewer(
+        result,
+        shown.assign(system=shown["system"].str.upper()),
+        COLUMNS,
+        key="alerts",
+        name="Alerts, those of X first",
+    )
     if told := rows_told(len(table), "first"):
         st.caption(told)
-    download_csv("alerts.csv", lambda: alerts_in(result).table, "alerts.csv", "alerts_csv")
-
-
-def _first_rows(result: Result) -> np.ndarray:
-    """Frame row in which each alert of the table begins."""
-    view = alerts_in(result)
-    return np.concatenate([view.of(system)["first_row"].to_numpy() for _, system in result.sides])
+    download_csv("alerts.csv", lambda: view.table, "alerts.csv", "alerts_csv")
 
 
 @st.fragment
-def _draw_moving(result: Result, table: pd.DataFrame) -> None:
-    rows = table["row"].tolist()
-    at = min(store.ALERT_AT.get(), len(rows) - 1)
+def draw_beside_viewer(
+    result: Result,
+    table: pd.DataFrame,
+    columns: Mapping[str, TableColumn],
+    *,
+    key: str,
+    name: str,
+) -> None:
+    """A table whose rows are looked at one by one, beside the viewer.
+
+    Parameters
+    ----------
+    table
+        With the columns row and encounter_row: the frame row in which each begins, and the row in
+        ``result.encounters`` of whom it is about (-1: nobody).
+    """
+    rows, entry = table["row"].tolist(), store.ALERT_AT.of(key)
+    at = min(entry.get(), len(rows) - 1)
     left, right = st.columns(2, gap="medium")
     with left:
-        draw_steps(at, len(rows), partial(_go_to, rows), key="alerts")
-        is_one = len(state.recording_names()) < 2
-        columns = {
-            name: replace(column, label=state.say(column.label), help=state.say(column.help))
-            for name, column in COLUMNS.items()
-            if not (is_one and name == "recording")
-        }
+        draw_steps(at, len(rows), partial(_go_to, entry, rows), key=key)
         draw_table(
-            table.assign(system=table["system"].str.upper()),
-            columns,
-            key="alerts_list",
-            name="Alerts, those of X first",
-            on_click=lambda row, _column: _go_to(rows, row),
+            table,
+            {
+                name: replace(column, label=state.say(column.label), help=state.say(column.help))
+                for name, column in columns.items()
+                if name != "recording" or len(state.recording_names()) > 1
+            },
+            key=f"{key}_list",
+            name=name,
+            on_click=lambda row, _column: _go_to(entry, rows, row),
             most_lines=14,
             selected=at if at >= 0 else None,
         )
     with right:
         if at < 0:
-            st.caption(
-                "Click an alert to see the frame in which it begins; n and p go on and back."
-            )
-        settled = compared_viewer.settled(VIEWER)
+            st.caption("Click a row to see the frame in which it begins; n and p go on and back.")
+        viewer = f"{key}_viewer"
+        settled = compared_viewer.settled(viewer)
         if settled != state.row():
             state.settle(state.recording(), settled)
-        encounter = _encounter(result, table, at)
-        compared_viewer.draw(result, VIEWER, height_px=VIEWER_PX, encounter=encounter)
+        encounter = -1 if at < 0 else int(table["encounter_row"].iloc[at])
+        compared_viewer.draw(
+            result, viewer, height_px=VIEWER_PX, encounter=encounter if encounter >= 0 else None
+        )
 
 
-def _go_to(rows: list[int], at: int) -> None:
-    """Show the frame in which an alert begins. For callbacks."""
-    store.ALERT_AT.set(at)
+def _go_to(entry: store.Entry[int], rows: list[int], at: int) -> None:
+    """Show the frame in which a row begins. For callbacks."""
+    entry.set(at)
     state.go_to(*state.place_of(rows[at]))
-
-
-def _encounter(result: Result, table: pd.DataFrame, at: int) -> int | None:
-    """Row in ``result.encounters`` of whom the chosen alert is about."""
-    if at < 0:
-        return None
-    index = int(table.index[at])
-    of_x = len(alerts_in(result).of(result.x))
-    system, place = (result.x, index) if index < of_x else (result.y, index - of_x)
-    encounter = int(alerts_in(result).of(system)["encounter"].iloc[place])
-    return encounter if encounter >= 0 else None

@@ -295,8 +295,8 @@ HAS_SIDES = Entry("own_has_sides", False)
 """Whether each side of the picture has a margin of its own."""
 STABILITY_PLANE: Entry[str] = Entry("stability_plane", "")
 STABILITY_CRITERION: Entry[str] = Entry("stability_criterion", "")
-ALERT_AT = Entry("alert_at", -1)
-"""Which alert of the list on its page is looked at, counted from 0; -1: none."""
+ALERT_AT = Family("alert_at", -1)
+"""Which row of a list of alerts is looked at, counted from 0; -1: none."""
 URGENT_ENCOUNTER: Entry[tuple[int, int] | None] = Entry("time_left_open", None)
 """Encounter and frame row that were clicked."""
 HTML_DATE = Entry("html_date", "")

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from places import SAMPLE
 from streamlit.testing.v1 import AppTest
 
 from nvcore.alerts.policy import POLICIES, named_policy
 from nvcore.alerts.steps import alerts_in
-from pages import alone, checked, figures, opened, press, tables, texts
+from pages import alone, begin_with, checked, figures, opened, press, tables, texts
 
 
 @pytest.fixture(scope="module")
@@ -79,3 +80,15 @@ def test_of_100_encounters_each_kind_of_alert_has_its_table(page: AppTest) -> No
 def test_where_nobody_is_urgent_no_share_is_invented() -> None:
     page = checked(alone("alerts", alerts="policy", speed_kmh="1", reaction_s="0").run())
     assert "Nobody is urgent at this speed" in texts(page)
+
+
+def test_speed_signs_have_their_alerts_without_a_policy(monkeypatch: pytest.MonkeyPatch) -> None:
+    begin_with(SAMPLE.parent / "speed_signs" / "session.toml", monkeypatch)
+    page = checked(alone("alerts").run())
+    assert page.header[0].value == "Above the limit"
+    (episodes,) = tables(page)
+    speeding = alerts_in(page.session_state["workspace"].result).speeding
+    assert episodes["state"].tolist() == [*speeding.episodes["state"]]
+    assert {"true", "right", "missed"} <= {*episodes["state"]}
+    press(page, "speeding_next")
+    assert page.session_state["place"] == (0, 161)

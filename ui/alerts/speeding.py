@@ -1,0 +1,78 @@
+"""Alerts page: alerts of drivers above the limit that a system has read from a sign."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import streamlit as st
+
+from nvcore.alerts.speeding import Speeding
+from nvcore.alerts.steps import alerts_in
+from nvcore.comparison import Result
+from nvcore.wording import number
+from ui.alerts.listed import draw_beside_viewer
+from ui.widgets.choices import download_csv
+from ui.widgets.html import MeasureRow, measures_html
+from ui.widgets.table import TableColumn
+from ui.widgets.text import docs_link
+
+ROWS: Final = {
+    "alerted": ("alerted when the limit calls for it", "d"),
+    "missed": ("missed", "d"),
+    "false": ("false", "d"),
+    "median_late_s": ("median lateness (s)", "+.2f"),
+    "right_limit": ("time with the right limit", ".0%"),
+}
+"""Columns of `Speeding.summary` that are shown, their words and formats."""
+COLUMNS: Final = {
+    "subject": TableColumn(
+        "", "Whose alert it is: of X, of Y, or called for by the truth.", is_head=True
+    ),
+    "recording": TableColumn("Recording"),
+    "start_s": TableColumn("Start (s)", "When it begins.", ".2f"),
+    "state": TableColumn("What", "Right: overlaps one that the truth calls for."),
+    "cause": TableColumn("Why", "Why it is false or missed."),
+    "limit_kmh": TableColumn("Limit", "Limit stored then, km/h.", ".0f"),
+    "true_limit_kmh": TableColumn("True", "Limit by the truth then, km/h.", ".0f"),
+    "top_kmh": TableColumn("Speed", "Highest speed in it, km/h.", ".0f"),
+}
+
+
+def draw(result: Result) -> None:
+    """The speed alerts of X and Y; nothing where the objects are no speed signs."""
+    speeding = alerts_in(result).speeding
+    if speeding is None:
+        return
+    st.header("Above the limit")
+    link = docs_link("speed alerts", "speed-alerts", doc="objects")
+    st.caption(
+        "A system stores the limit that it read last. Once the car has been above it for "
+        f"{result.params.speeding_after_s:g} s the driver is alerted ({link})."
+    )
+    summary = speeding.summary().to_dict("records")
+    rows = [
+        MeasureRow(
+            words + (f", of {summary[0]['true']}" if name == "alerted" else ""),
+            tuple(number(row[name], form) for row in summary),
+        )
+        for name, (words, form) in ROWS.items()
+    ]
+    st.html(measures_html(rows, key="speeding", head=("X", "Y")))
+    _draw_episodes(result, speeding)
+
+
+def _draw_episodes(result: Result, speeding: Speeding) -> None:
+    episodes = speeding.episodes
+    if episodes.empty:
+        st.info("The car is never above a limit for so long.")
+        return
+    names = result.dataset.recordings["name"].to_numpy()
+    table = episodes.assign(
+        subject=episodes["subject"].map({"x": "X", "y": "Y", "truth": "truth"}),
+        state=episodes["state"].astype(str).str.replace("_", " "),
+        cause=episodes["cause"].astype(str).str.replace("_", " "),
+        recording=names[episodes["recording"]],
+    )
+    shown = table.assign(row=episodes["first_row"], encounter_row=-1)
+    draw_beside_viewer(result, shown, COLUMNS, key="speeding", name="Speed alerts")
+    download_csv("speeding.csv", lambda: table, "speeding.csv", "speeding_csv")
