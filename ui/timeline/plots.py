@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from itertools import chain
 from typing import Any, Final, Literal, NoReturn
 
 import numpy as np
@@ -110,7 +111,7 @@ def _draw_lanes(result: Result) -> None:
 def _draw_added(result: Result) -> None:
     """What subjects show of the recording over time."""
     recording, theme = state.recording(), state.theme()
-    for plot in contributed("TIMELINE_PLOTS"):
+    for plot in chain(*contributed("TIMELINE_PLOTS")):
         if not plot.applies(result):
             continue
         figure = kept_figure(
