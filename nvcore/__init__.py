@@ -40,6 +40,7 @@ __all__ = [
     "gate",
     "groups",
     "image_features",
+    "judge_alerts",
     "load",
     "read_session",
     "train",
@@ -71,6 +72,7 @@ if TYPE_CHECKING:
     from nvcore import pictures as pictures
     from nvcore import stability as stability
     from nvcore import tables as tables
+    from nvcore.alerts.face import judge_alerts
     from nvcore.api.calls import audit, compare, gate, groups
     from nvcore.api.inputs import load
     from nvcore.comparison import Result
