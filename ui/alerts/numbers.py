@@ -28,11 +28,8 @@ def draw(result: Result) -> None:
         ]
         st.html(measures_html(rows, key="alerts"))
         st.caption(
-            state.say(
-                "An hour is an hour of these recordings. Whether a difference is more than "
-                "chance is tested on the Overview ({link}).",
-                link=docs_link("Alerts", "alerts", doc="alerts"),
-            )
+            "Whether a difference is more than chance is tested on the Overview "
+            f"({docs_link('measures', 'measures', doc='alerts')})."
         )
     with right:
         _draw_curve(result)
