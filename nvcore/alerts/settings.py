@@ -13,11 +13,11 @@ from nvcore.time_left.settings import URGENCY
 
 ALERTS: Final = Stage("alerts", "Alerts", (MATCH, PROXIMITY, URGENCY, DRIVER), "alerts")
 
-IN_TIME: Final = Stage("in time for the driver", "Alerts", (ALERTS,), "alerts")
+IN_TIME: Final = Stage("in time for the driver", "Alerts", (ALERTS,))
 
-SPEEDING: Final = Stage("speed alerts", "Alerts", (MATCH,), "alerts")
+SPEEDING: Final = Stage("speed alerts", "Alerts", (MATCH,))
 
-RESULTS: Final = (ALERTS, IN_TIME, SPEEDING)
+RESULTS: Final = (ALERTS,)
 """The stages whose results are shown."""
 
 Asked = Literal["off", "policy", "log"]
@@ -133,7 +133,7 @@ class AlertSettings:
     foot_s: float = _duration(
         0.0,
         "Movement of the foot",
-        "Time from the driver's reaction to his foot on the brake.",
+        "Time from the driver's reaction to the foot on the brake.",
         stage=IN_TIME,
     )
     brakes_s: float = _duration(

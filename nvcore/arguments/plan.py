@@ -41,7 +41,8 @@ class PlanArguments:
         STUDY,
         "What to compare by, if not by the primary measure: severity_s_per_encounter, "
         "encounters_detected, mean_similarity, share_low, lost_s_per_min, saliency, in_time, "
-        "mean_impact_kmh, useful_alerts, false_alert_episodes_per_hour or log_average_miss_rate.",
+        "mean_impact_kmh, useful_alerts, false_alert_episodes_per_hour, log_average_miss_rate, "
+        "or, with alerts, alerts_unwanted_per_hour or alerted_in_time.",
         default=None,
         metavar="KEY",
     )

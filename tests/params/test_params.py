@@ -131,7 +131,9 @@ def test_given_makes_the_same_params_again() -> None:
 
 
 def test_an_unknown_name_is_refused_with_the_known_ones() -> None:
-    with pytest.raises(ParameterError, match=r"no parameter 'beta'; the parameters are alpha, "):
+    with pytest.raises(
+        ParameterError, match=r"no parameter 'beta'; the parameters are alert_corridor, "
+    ):
         params_from({"beta": 1})
 
 
@@ -192,7 +194,7 @@ def test_a_setting_is_used_only_with_possible_values_of_another():
         (
             "threshold_x",
             "matches and false alarms, similarity, low similarity, encounters, severity, saliency, "
-            "time left",
+            "time left, alerts",
         ),
     ],
 )

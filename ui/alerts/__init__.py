@@ -3,7 +3,7 @@
 from typing import Final
 
 from nvcore.alerts.figures.episodes import alerts_over_time
-from nvcore.alerts.settings import ALERTS, IN_TIME
+from nvcore.alerts.settings import ALERTS, IN_TIME, SPEEDING
 from nvcore.alerts.steps import alerts_in
 from ui.subjects import ColumnLook, Document, Page, TimelinePlot
 
@@ -13,8 +13,8 @@ PAGES: Final = (
         "Alerts",
         "Compare",
         after="time_left",
-        shown=(ALERTS, IN_TIME),
-        own=(ALERTS, IN_TIME),
+        shown=(ALERTS, IN_TIME, SPEEDING),
+        own=(ALERTS, IN_TIME, SPEEDING),
         asks="Which alerts would reach the driver?",
     ),
 )

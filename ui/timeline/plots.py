@@ -90,7 +90,7 @@ def _draw_lanes(result: Result) -> None:
     first = _first_lane(right, order, chosen)
     lanes = kept_figure(  # they stay while alpha and the like move
         "lanes",
-        (*key, first, chosen, state.theme(), result.dataset.settings.codes),
+        (*key, first, LANES, chosen, state.theme(), result.dataset.settings.codes),
         lambda: lanes_figure(
             result,
             recording,
