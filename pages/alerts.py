@@ -19,7 +19,7 @@ def draw(result: Result) -> None:
             "policy makes alerts of detections, from what a system knows as it drives; the truth "
             "then says what each alert was: {kinds}.",
             kinds=docs_link(
-                "needed, redundant, nuisance or false", "kinds-of-alerts", doc="alerts"
+                "needed, redundant, nuisance or false", "what-an-alert-was-worth", doc="alerts"
             ),
         )
     )

@@ -228,25 +228,27 @@ def _judged(
 def _first_decided(
     scene: Scene, system: Reported, tracks: _Tracks, alerts: pd.DataFrame
 ) -> np.ndarray:
-    """Row of the first box of each alert that matches a pedestrian or is absorbed; -1: none.
+    """Row of the box of each alert that says what it is about; -1: none.
 
-    From its first frame on; of several in one frame a match, and then the nearest.
+    The first that matches a pedestrian, else the first that is absorbed: people are often ignored
+    from afar, and annotated when they are near. Of several in one frame the nearest.
     """
     boxes, n_frames = system.boxes, len(scene.frames)
-    is_decided = system.is_decided[tracks.rows]
-    rows, track = tracks.rows[is_decided], tracks.track[is_decided]
-    frame_index = boxes.frame_index[rows]
-    recording = np.concatenate([scene.frames.recording[frame_index], alerts["recording"]])
-    code = _codes(recording.astype(np.int64), np.concatenate([track, alerts["track"]]))
-    own, wanted = code[: len(rows)] * n_frames + frame_index, code[len(rows) :] * n_frames
-    is_absorbed = system.matches.state[rows] == DetectionState.ABSORBED
-    order = np.lexsort((-system.k[rows], is_absorbed, own))
-    rows, own = rows[order], own[order]
-    place = np.searchsorted(own, wanted + alerts["first_row"].to_numpy())
     decided = np.full(len(alerts), -1)
-    is_there = place < len(own)
-    is_there[is_there] = own[place[is_there]] <= (wanted + alerts["last_row"].to_numpy())[is_there]
-    decided[is_there] = rows[place[is_there]]
+    for state in (DetectionState.MATCHED, DetectionState.ABSORBED):
+        is_decided = system.matches.state[tracks.rows] == state
+        rows, track = tracks.rows[is_decided], tracks.track[is_decided]
+        frame_index = boxes.frame_index[rows]
+        recording = np.concatenate([scene.frames.recording[frame_index], alerts["recording"]])
+        code = _codes(recording.astype(np.int64), np.concatenate([track, alerts["track"]]))
+        own, wanted = code[: len(rows)] * n_frames + frame_index, code[len(rows) :] * n_frames
+        order = np.lexsort((-system.k[rows], own))
+        rows, own = rows[order], own[order]
+        place = np.searchsorted(own, wanted + alerts["first_row"].to_numpy())
+        is_there = (place < len(own)) & (decided < 0)
+        last = (wanted + alerts["last_row"].to_numpy())[is_there]
+        is_there[is_there] = own[place[is_there]] <= last
+        decided[is_there] = rows[place[is_there]]
     return decided
 
 
@@ -284,10 +286,11 @@ def _with_kinds(
         at = encounters.order[np.searchsorted(key, who * n_frames + row)]
         is_far = scene.k_truth[at] < RELEVANT_K
         is_far |= is_outside(truth, at, scene.frames, scene.corridor)
-        is_urgent = scene.urgency["urgency"].to_numpy()[who] == Urgency.URGENT.value
+        urgency = scene.urgency["urgency"].to_numpy()[who]
+        is_not_urgent = ~np.isin(urgency, [Urgency.URGENT.value, Urgency.UNKNOWN.value])
         is_known = ~np.isnan(scene.seen["detectability"].to_numpy()[who])
         kinds[matched] = np.select(
-            [~is_urgent & is_far, scene.has_seen(who, row), is_known],
+            [is_not_urgent & is_far, scene.has_seen(who, row), is_known],
             [kind.value for kind in (AlertKind.NUISANCE, AlertKind.REDUNDANT, AlertKind.NEEDED)],
             AlertKind.WANTED.value,
         )

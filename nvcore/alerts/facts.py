@@ -62,8 +62,13 @@ class ShareOfKind(Fact):
 
 @dataclass(frozen=True)
 class InTimeByKind(Fact):
-    """How often drivers react in time, by kind of alert."""
+    """How often drivers react in time, by kind of alert; `after_s` for the foot and the brakes.
 
+    Without these (``bare``) it is optimistic.
+    """
+
+    kind: Literal["bare", "whole"]
+    after_s: float
     n_urgent: int
     kinds: tuple[ShareOfKind, ...]
 
@@ -104,8 +109,14 @@ TEXTS: Final[Texts] = {
     ViewUnknown: "of {n!n:wanted alert} it is not known whether the driver had seen the {one}: "
     "redundant and needed ones are one kind there.",
     ShareOfKind: "{name} {x:.0%} and {y:.0%}",
-    InTimeByKind: "of {n_urgent!n:urgent encounter}, drivers brake in time with X and with Y in: "
-    "{kinds:, }.",
+    InTimeByKind: {
+        kind: f"of {{n_urgent!n:urgent encounter}}, drivers brake in time with X and with Y in: "
+        f"{{kinds:, }}. Reaction times are those of a tap with the hand{after}."
+        for kind, after in (
+            ("bare", ", and no time is added for foot and brakes: optimistic"),
+            ("whole", "; {after_s:g} s are added for foot and brakes"),
+        )
+    },
     MoreDoubt: {
         kind: f"with {{name}} alerts X - Y is {{difference:+.0f}} percentage points (95 %: "
         f"{{low:+.0f}} to {{high:+.0f}}{of}). {why}"
@@ -114,7 +125,7 @@ TEXTS: Final[Texts] = {
                 "drivers",
                 "",
                 "How drivers differ contributes more doubt (±{drivers:.0f}) than which recordings "
-                "these are (±{recordings:.0f}): more recordings of the same drivers help less.",
+                "these are (±{recordings:.0f}): more recordings help less.",
             ),
             (
                 "recordings",

@@ -149,9 +149,9 @@ def draw(
 ) -> Drawn:
     """Judge the same encounters with each draw of their drivers' reactions.
 
-    In time: ``slack > reaction + after_s``. Else the car hits at
-    ``sqrt(v^2 - 2 * deceleration * v * (ttc at onset - reaction - after_s))``, without an alert at
-    v (``docs/metrics.md``, time left).
+    In time: ``slack >= reaction + after_s``, as an encounter is urgent below that. Else the car
+    hits at ``sqrt(v^2 - 2 * deceleration * v * (ttc at onset - reaction - after_s))``, without an
+    alert at v (``docs/metrics.md``, time left).
 
     Parameters
     ----------

@@ -115,7 +115,7 @@ def _read_log(
     file: SourceFile, dataset: Dataset, session: Session, source: SystemSource, name: str
 ) -> AlertLog:
     content = csv_content(file, role="detections")
-    header = read_header(content[: content.find(b"\n")].decode())
+    header = read_header(content.partition(b"\n")[0].decode())
     columns = [column.lower() for column in header.names]
     if ALERTED not in columns:
         log = parse_table(content, name=file.name, what="alerts", required=LOG_COLUMNS)

@@ -20,7 +20,10 @@ from nvcore.wording import did_you_mean, listed, one_line
 
 Policy = Mapping[str, Any]
 """Values of settings by name, those of `POLICY_SETTINGS` or some of them."""
-POLICY_SETTINGS: Final = tuple(name for name in SETTINGS if name.startswith("alert_"))
+POLICY_SETTINGS: Final = tuple(
+    name for name in SETTINGS if name.startswith("alert_") and name != "alert_oracle"
+)
+"""An oracle is none of them: no system could have it, so the comparison alone asks for it."""
 MAX_BYTES: Final = 1 << 20
 BASE: Final = "base"
 """Key of a file: the named policy that has what the file does not say."""
@@ -108,7 +111,7 @@ def read_policy(file: SourceFile) -> dict[str, Any]:
         content = stream.read()
     try:
         values = tomllib.loads(content.decode())
-    except ValueError as error:  # bad UTF-8, too
+    except (ValueError, RecursionError) as error:  # bad UTF-8, too
         raise InputError(f"is not TOML: {error}", file=file.name) from error
     try:
         policy = named_policy(str(values.pop(BASE, "balanced")))

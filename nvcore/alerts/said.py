@@ -65,7 +65,9 @@ def in_time_by_kind(result: Result) -> tuple[InTimeByKind, ...]:
     shares = judged.table[judged.table["measure"] == "share"]
     means = shares.pivot_table("mean", "kind", "side", sort=False)
     kinds = tuple(ShareOfKind(str(kind), row["x"], row["y"]) for kind, row in means.iterrows())
-    return (InTimeByKind(len(judged.chances), kinds),)
+    after_s = result.params.foot_s + result.params.brakes_s
+    whole: Literal["bare", "whole"] = "whole" if after_s else "bare"
+    return (InTimeByKind(whole, after_s, len(judged.chances), kinds),)
 
 
 def more_doubt(judged: InTime, name: str) -> MoreDoubt:

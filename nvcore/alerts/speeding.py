@@ -95,6 +95,8 @@ def limit_of(label: str) -> float:
 
 def has_limits(dataset: Dataset) -> bool:
     """Whether there are signs whose class is a limit, and frames in which the speed is known."""
+    if not dataset.objects.is_numbered:  # "1" is a class then, and no limit
+        return False
     is_known = ~np.isnan(dataset.frame_columns.speed_kmh)
     return bool(is_known.any() and (~np.isnan([*map(limit_of, dataset.labels)])).any())
 

@@ -103,11 +103,11 @@ def find_drivers(ranks: pd.DataFrame, clips: pd.DataFrame) -> RatingDrivers:
     counts = len(clips), len(names), len(ranks)
     values = clips[[*DRIVERS]].to_numpy(dtype=float)
     n_with = [len(np.unique(recording[values[:, i] > 0])) for i in range(len(DRIVERS))]
-    mean, sd = np.full(len(DRIVERS), np.nan), np.full(len(DRIVERS), np.nan)
+    mean = np.full(len(DRIVERS), np.nan)
     for i, column in enumerate(values.T):
         known = column[~np.isnan(column)]
         if len(known):
-            mean[i], sd[i] = known.mean(), known.std()
+            mean[i] = known.mean()
     # clips without a miss have no recency: they say nothing of it, as the mean does
     filled = np.where(np.isnan(values), mean, values)
     spread = filled.std(axis=0)
@@ -131,7 +131,7 @@ def find_drivers(ranks: pd.DataFrame, clips: pd.DataFrame) -> RatingDrivers:
         ends = np.quantile(drawn, [tail, 1 - tail], axis=0)
         odds[:, used] = np.exp(np.clip([b, *ends], -LARGEST_EFFECT, LARGEST_EFFECT))
     odds[:, [i for i, reason in enumerate(reasons) if reason]] = np.nan
-    table = pd.DataFrame({"driver": [*DRIVERS], "mean": mean, "sd": sd})
+    table = pd.DataFrame({"driver": [*DRIVERS], "mean": mean, "sd": spread})
     table = table.assign(value=odds[0], low=odds[1], high=odds[2], reason=reasons)
     if no_alpha:
         return RatingDrivers(table, np.nan, np.nan, np.nan, no_alpha, *counts)

@@ -101,13 +101,24 @@ def test_the_first_box_that_matches_says_whom_an_alert_is_about():
     assert alerts[["first_row", "last_row", "encounter"]].to_numpy().tolist() == [[2, 4, 0]]
 
 
-def test_nearness_is_that_of_the_frame_in_which_the_alert_begins():
-    # weight 0.5 from 10 px on: he has 9 px in frame 0, 11 px in frame 1, where a box matches
-    truth = [at(0, 50, h=9.0, w=4, track=1), *(at(f, 50, h=11.0, w=4, track=1) for f in (1, 2))]
+@pytest.mark.parametrize(
+    ("frames", "kind"), [(range(1, 12), "nuisance"), ((1, 2), "wanted")], ids=["known", "unknown"]
+)
+def test_nearness_is_that_of_the_frame_in_which_the_alert_begins(frames, kind):
+    # weight 0.5 from 10 px on: he has 9 px in frame 0, then 11 px, where a box matches; in three
+    # frames it is not known whether he is urgent, and nothing is called a nuisance
+    truth = [at(0, 50, h=9.0, w=4, track=1), *(at(f, 50, h=11.0, w=4, track=1) for f in frames)]
     missed = Box(0, 20, 10, 4, 9, track=1)
-    result = judged(truth, [missed, *only(truth, [1, 2])])
-    assert kinds(result) == ["nuisance"]
+    assert kinds(judged(truth, [missed, *only(truth, [1, 2])])) == [kind]
     assert kinds(judged(truth, only(truth, [1, 2]))) == ["wanted"]
+
+
+def test_an_alert_that_begins_where_he_is_still_ignored_is_about_him_once_he_is_annotated():
+    boxes = approach(ALL, 5)
+    truth = [box._replace(ignore=box.frame < 12) for box in boxes]
+    result = judged(truth, only(boxes, range(8, 20)))
+    alerts = alerts_in(result).of(result.x)
+    assert alerts[["first_row", "encounter", "kind"]].to_numpy().tolist() == [[8, 0, "wanted"]]
 
 
 def test_rates_are_of_an_hour_and_what_is_unwanted_is_false_nuisance_or_redundant():

@@ -187,8 +187,7 @@ class _Sent:
 
     def source(self, source: AnySource) -> AnySource:
         paths = [str(path) for text in source.path for path in self.find(text)]
-        if isinstance(source, SystemSource) and source.provenance is not None:
-            source = replace(source, provenance=str(self.find(source.provenance)[0]))
+        source = with_paths_in(source, lambda text: str(self.find(text)[0]))
         return replace(source, path=tuple(paths))
 
     def frames(self, text: str) -> str:

@@ -203,6 +203,14 @@ def test_a_record_of_provenance_is_one_of_the_files_sent(tmp_path: Path):
         uploaded(tmp_path, TOML + 'provenance = "../../etc/passwd"\n')
 
 
+@pytest.mark.parametrize("key", ["alerts", "alert_policy"])
+def test_what_a_system_says_of_its_alerts_is_one_of_the_files_sent(tmp_path: Path, key: str):
+    text = TOML + f'{key} = "/home/me/runs/A/det.txt"\n'
+    assert getattr(uploaded(tmp_path, text).systems[1], key) == "A/det.txt"
+    with pytest.raises(SessionError, match=r"'passwd', which was not sent"):
+        uploaded(tmp_path, TOML + f'{key} = "../../etc/passwd"\n')
+
+
 def test_what_a_session_file_says_of_the_driver_is_one_of_the_files_sent(tmp_path: Path):
     text = TOML.replace('name = "A"\n', 'name = "A"\nvisible = "/etc"\nlight = "/etc/passwd"\n')
     opened = uploaded(tmp_path, text + '[driver]\ndetectability = "/home/me/A/det.txt"\n')
