@@ -16,7 +16,7 @@ from nvcore.cli.options import (
     parameter_options,
 )
 from nvcore.cli.session_options import session_from
-from nvcore.cli.steps import compare_session, errors_of
+from nvcore.cli.steps import compare_session, errors_of, findings_shown, shown_paths
 from nvcore.inputs.session_toml import read_session
 from nvcore.wording import one_line
 
@@ -50,10 +50,11 @@ from nvcore.wording import one_line
 )
 @parameter_options
 def alerts(policy: str | None, out: Path | None, **options: Any) -> None:
-    """Judge the alerts of X and Y: how many of each kind an hour, and whom they are in time for.
+    """Judge the alerts of X and Y: how many of each kind, and whom they are in time for.
 
-    Inputs as for compare. Then comes what other score thresholds would give: unwanted alerts an
-    hour, and urgent encounters alerted in time. Exit code 0: fine, 2: bad input.
+    Inputs as for compare; what the audit of these found goes to stderr. Then comes what other score
+    thresholds would give: unwanted alerts, and urgent encounters alerted in time. Exit code 0:
+    fine, 2: bad input.
     """
     from nvcore.alerts.face import FILES, write_alerts
     from nvcore.alerts.policy import policy_from
@@ -61,6 +62,7 @@ def alerts(policy: str | None, out: Path | None, **options: Any) -> None:
     from nvcore.alerts.text import render_alerts
     from nvcore.output.files import check_folder
     from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
+    from nvcore.report.terminal import render_findings
 
     file = options["session_file"]
     if policy is not None:
@@ -76,10 +78,13 @@ def alerts(policy: str | None, out: Path | None, **options: Any) -> None:
         named = [path for path in (file, policy) if path is not None]
         refuse_to_replace((out / name for name in FILES), [*files_read(session), *map(Path, named)])
     with errors_of(session):
-        result, _ = compare_session(session)
+        result, findings = compare_session(session)
         view = alerts_in(result)
     if not view.is_asked:
         raise click.UsageError("--alerts off: there is nothing to judge; leave it out")
+    path = shown_paths(session.folder, session.sources, result.dataset.systems)
+    shown = findings_shown(findings, path, result.dataset.compared())
+    click.echo(render_findings(shown) + "\n", err=True)
     click.echo(render_alerts(view))
     if out is not None:
         write_alerts(out, view)

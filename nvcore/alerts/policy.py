@@ -68,7 +68,7 @@ POLICIES: Final[Mapping[str, NamedPolicy]] = {
 
 
 def named_policy(name: str) -> dict[str, Any]:
-    """All values of a named policy that have a default.
+    """All values of a named policy, None included.
 
     Raises
     ------
@@ -79,8 +79,7 @@ def named_policy(name: str) -> dict[str, Any]:
         hint = did_you_mean(name, POLICIES, f"they are {listed([*POLICIES])}")
         raise ParameterError(f"there is no policy {one_line(name)!r}; {hint}")
     default = {name: SETTINGS[name].default for name in POLICY_SETTINGS}
-    given = {name: value for name, value in default.items() if value is not None}
-    return {**given, **POLICIES[name].values}
+    return {**default, **POLICIES[name].values}
 
 
 def policy_from(text: str | Path) -> dict[str, Any]:

@@ -12,7 +12,6 @@ from nvcore.alerts.measures import MEASURES
 from nvcore.alerts.said import alert_facts, in_time_by_kind
 from nvcore.alerts.steps import AlertsView
 from nvcore.sentences import say
-from nvcore.sentences.facts import Fact
 from nvcore.tables.scorecard import score_rows
 from nvcore.time_left.said import urgent
 from nvcore.wording import aligned, number, one_line
@@ -27,7 +26,7 @@ def render_alerts(view: AlertsView) -> str:
     lines = [
         *(f"{letter.upper()}: {one_line(system.name)}" for letter, system in result.sides),
         "",
-        *(say(fact, result.objects) for fact in _facts(view)),
+        *_sentences(view),
         "",
         *aligned([("", "X", "Y"), *_measures(view)]),
         *_speeding(view),
@@ -38,13 +37,13 @@ def render_alerts(view: AlertsView) -> str:
     return "\n".join(line.rstrip() for line in lines)
 
 
-def _facts(view: AlertsView) -> Iterator[Fact]:
+def _sentences(view: AlertsView) -> Iterator[str]:
     """What is said before the numbers; who is urgent at which speed, as all else rests on it."""
     result = view.result
-    yield from alert_facts(result)
+    yield from (say(fact, result.objects) for fact in alert_facts(result))
     if (of_urgent := urgent(result)) is not None:
-        yield of_urgent
-    yield from in_time_by_kind(result)
+        yield f"{say(of_urgent, result.objects)}."
+    yield from (say(fact, result.objects) for fact in in_time_by_kind(result))
 
 
 def _measures(view: AlertsView) -> Iterator[tuple[str, ...]]:

@@ -48,7 +48,7 @@ def _draw_curve(result: Result) -> None:
         help=state.say(
             "Up and left is better: more {many} alerted in time, fewer that the driver could do "
             "without. Each point is the same policy with another score threshold; the large "
-            "mark is the one in use. Click a point to alert from that score on."
+            "mark is the one in use. Click a point: both alert from that score on."
         ),
     )
     if threshold is not None:

@@ -22,7 +22,7 @@ def titles(page: AppTest) -> list[str]:
 
 
 def test_without_a_policy_it_asks_for_one_and_a_named_one_is_taken() -> None:
-    page = opened("alerts", is_folded=True)
+    page = opened("alerts", is_folded=True, alert_score="0.9")
     assert "Alerts are off. Choose a policy to judge them." in texts(page)
     assert "alerts_kind" not in {widget.key for widget in page.segmented_control}
     press(page, "alerts_policy_eager")
