@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
-import numpy as np
-
 from nvcore.driver.comparison.settings import DRIVER
 from nvcore.stages import MATCH, PROXIMITY, Stage, setting, share
 from nvcore.time_left.settings import URGENCY
@@ -30,7 +28,7 @@ def _has_alerts(dataset: Any) -> bool:
 
 
 def _has_speeds(dataset: Any) -> bool:
-    return not bool(np.isnan(dataset.frame_columns.speed_kmh).all())
+    return bool(dataset.frames["speed_kmh"].notna().any())
 
 
 def _setting(default: float | str | None, *, stage: Stage = ALERTS, **known: Any) -> Any:

@@ -14,8 +14,11 @@ from ui.stability import survey, verdict_map
 
 @pytest.fixture(autouse=True)
 def no_survey(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The table of all maps is not made where it is not asked for."""
+    """The table of all maps is not made where it is not asked for, nor known from other tests."""
     monkeypatch.setattr(survey, "AT_ONCE", 0)
+    for shared in sample._samples.values():
+        for kind in [kind for kind in shared._caches if kind.startswith(survey.JOB)]:
+            del shared._caches[kind]
 
 
 MAP = "ui.stability.verdict_map.draw(RESULT)"
