@@ -28,6 +28,8 @@ CLASS_SEPARATOR: Final = ";"
 TABLE_ENDING: Final = " (table)"
 """End of the name of an input that is a table in memory; its rows are counted from 0."""
 
+SAME_S: Final = 1e-6
+"""Times closer than this are the same: they differ by rounding alone."""
 KMH: Final = 3.6
 """Kilometres per hour in one metre per second."""
 

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.alerts.inputs import AlertInputs, AlertLog, places_of
-from nvcore.alerts.kernels import SAME_S, switch_alerts
+from nvcore.alerts.kernels import switch_alerts
 from nvcore.alerts.kinds import AlertKind
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.dataset import Dataset
@@ -24,7 +24,8 @@ from nvcore.metrics.encounters import RELEVANT_K, Encounters
 from nvcore.metrics.linking import LINK_GAP, track_truth
 from nvcore.metrics.matching import Matches
 from nvcore.params import Params
-from nvcore.schema import NO_TRACK, DetectionState
+from nvcore.schema import NO_TRACK, SAME_S, DetectionState
+from nvcore.time_left.judging import is_outside
 from nvcore.time_left.kinds import Urgency
 
 NO_ALERTS: Final = pd.DataFrame(
@@ -93,13 +94,6 @@ class Reported:
     boxes: BoxColumns
     k: np.ndarray
     matches: Matches
-
-    @property
-    def is_decided(self) -> np.ndarray:
-        """Boxes that match a pedestrian or are absorbed; bool, shape (n,)."""
-        states = (DetectionState.MATCHED, DetectionState.ABSORBED)
-        is_decided: np.ndarray = np.isin(self.matches.state, states)
-        return is_decided
 
 
 def alerts_by_policy(
@@ -177,16 +171,6 @@ class _Tracks:
 def _tracked(boxes: BoxColumns, is_in: np.ndarray, frames: FrameColumns) -> _Tracks:
     """These boxes with the tracks that the system reports; others are linked over frames."""
     return _Tracks(np.flatnonzero(is_in), track_truth(boxes.only(is_in), frames).track)
-
-
-def is_outside(
-    boxes: BoxColumns, rows: np.ndarray, frames: FrameColumns, corridor: float
-) -> np.ndarray:
-    """Whether boxes are farther from the middle than a share of half the width; bool, (n,)."""
-    half = frames.half_width[boxes.frame_index[rows]]
-    centre = np.clip(boxes.x[rows] + 0.5 * boxes.w[rows], 0, 2 * half)
-    outside: np.ndarray = np.abs(centre - half) > corridor * half
-    return outside
 
 
 def _judged(

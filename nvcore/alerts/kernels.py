@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from nvcore.metrics.kernels import compiled
-
-SAME_S = 1e-6
-"""Times closer than this are the same: they differ by rounding alone."""
+from nvcore.schema import SAME_S
 
 
 @compiled

@@ -26,12 +26,11 @@ from nvcore.inputs.hashes import changed_input
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.parse.table import read_series
 from nvcore.inputs.session import Session
+from nvcore.schema import SAME_S
 from nvcore.wording import count_text
 
 SUBJECT: Final = "speed"
 """What the files are called in `Dataset.inputs`."""
-SAME_S: Final = 1e-6
-"""Times closer than this are the same: they differ by rounding alone."""
 
 
 def with_speeds(dataset: Dataset, session: Session) -> Dataset:

@@ -17,7 +17,7 @@ from nvcore.codes import NO_CODE
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.dataset import Dataset
 from nvcore.metrics.encounters import Encounters, encounters_of
-from nvcore.schema import CLASS_SEPARATOR
+from nvcore.schema import CLASS_SEPARATOR, SAME_S
 
 CROSSING: Final = "crossing"
 IN_ROAD: Final = "in_road"
@@ -39,8 +39,6 @@ CHILD_SHARE: Final = 0.75
 """A child is at most this share of the median pedestrian tall (1.7 m: 1.28 m)."""
 LEAST_COMPARED: Final = 5
 """Fewest encounters whose median may stand for a grown person."""
-SAME_S: Final = 1e-6
-"""Times closer than this are the same: they differ by rounding alone."""
 LEAST_DEPTH_PX: Final = 5.0
 """Least depth of a foot point below the horizon from which a stature is taken."""
 

@@ -112,6 +112,16 @@ def needed_time(speed_kmh: np.ndarray, params: Params) -> np.ndarray:
     return needed
 
 
+def is_outside(
+    boxes: BoxColumns, rows: np.ndarray, frames: FrameColumns, corridor: float
+) -> np.ndarray:
+    """Whether boxes are farther from the middle than a share of half the width; bool, (n,)."""
+    half = frames.half_width[boxes.frame_index[rows]]
+    centre = np.clip(boxes.x[rows] + 0.5 * boxes.w[rows], 0, 2 * half)
+    outside: np.ndarray = np.abs(centre - half) > corridor * half
+    return outside
+
+
 def find_urgent(
     contact: Contact,
     truth: BoxColumns,
@@ -143,12 +153,10 @@ def find_urgent(
     is_urgent = urgent >= 0
     place, first_known = urgent[is_urgent], known[is_urgent]
     row, frame_row = encounters.order[place], encounters.frame_index[place]
-    half = frames.half_width[frame_row]
-    centre = np.clip(truth.x[row] + 0.5 * truth.w[row], 0, 2 * half)
     classes = np.where(known >= 0, Urgency.NOT_URGENT.value, Urgency.UNKNOWN.value).astype(object)
     classes[is_urgent] = np.select(
         [
-            np.abs(centre - half) > params.corridor * half,
+            is_outside(truth, row, frames, params.corridor),
             frame_row == encounters.frame_index[first_known],
         ],
         [Urgency.OUTSIDE.value, Urgency.NO_CHANCE.value],

@@ -4,14 +4,8 @@ from __future__ import annotations
 
 import re
 
+from app_visit import FIRST_POINT
 from playwright.sync_api import expect
-
-# Place in the plot's area of a trace's first point, and its customdata: [x, y, [row, encounter]].
-FIRST_POINT = """(plot, name) => {
-  const { _fullData, _fullLayout: { xaxis, yaxis } } = plot;
-  const trace = _fullData.find(one => one.name === name);
-  return [xaxis.d2p(trace.x[0]), yaxis.d2p(trace.y[0]), Object.values(trace.customdata[0])];
-}"""
 
 
 def test_a_policy_moved_by_its_slider_gives_a_nuisance_that_opens_in_the_timeline(visit):

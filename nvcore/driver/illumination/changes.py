@@ -10,8 +10,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from nvcore.driver.illumination.kernels import find_changes
-from nvcore.driver.illumination.meter import PICTURE_LEAST, SAME_S, Light, LightSource
+from nvcore.driver.illumination.meter import PICTURE_LEAST, Light, LightSource
 from nvcore.driver.illumination.settings import LightSettings
+from nvcore.schema import SAME_S
 
 _APART_S: Final = 1000.0
 """Added to the length of each gap for windows over readings: more than any is wide."""

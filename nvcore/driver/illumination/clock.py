@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.driver.illumination.changes import Changes, changes_of
-from nvcore.driver.illumination.meter import SAME_S, Light, LightSource
+from nvcore.driver.illumination.meter import Light, LightSource
 from nvcore.driver.illumination.settings import LightSettings
+from nvcore.schema import SAME_S
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,13 +22,12 @@ from numpy.typing import NDArray
 
 from nvcore.driver.srgb import LINEAR
 from nvcore.inputs.readers.parse.table import read_series
+from nvcore.schema import SAME_S
 
 LEAST_HELD_S: Final = 1.0
 """So long a reading holds at least."""
 MOST_LATE: Final = 2.0
 """A reading that comes later than so many median steps leaves a gap: one may be lost; ours."""
-SAME_S: Final = 1e-6
-"""Times closer than this are the same: they differ by rounding alone."""
 PICTURE_LEAST: Final = 0.002
 """Mean luminance (share of the greatest) below which a picture counts as that dark."""
 _STEP: Final = 4

@@ -30,6 +30,13 @@ LISTENS = """key => {
     && Math.abs(layout.width - plot.getBoundingClientRect().width) < 1;
 }"""
 
+# Place in the plot's area of a trace's first point, and its customdata: [x, y, [row, encounter]].
+FIRST_POINT = """(plot, name) => {
+  const { _fullData, _fullLayout: { xaxis, yaxis } } = plot;
+  const trace = _fullData.find(one => one.name === name);
+  return [xaxis.d2p(trace.x[0]), yaxis.d2p(trace.y[0]), Object.values(trace.customdata[0])];
+}"""
+
 # A share of the width and of the height of a plot's area.
 SHARE = """(plot, [across, down]) => {
   const { w, h } = plot._fullLayout._size;

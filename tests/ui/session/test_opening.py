@@ -196,15 +196,8 @@ def test_a_session_file_never_reaches_files_that_were_not_sent(tmp_path: Path, p
         uploaded(tmp_path, text)
 
 
-def test_a_record_of_provenance_is_one_of_the_files_sent(tmp_path: Path):
-    text = TOML + 'provenance = "/home/me/runs/A/det.txt"\n'
-    assert uploaded(tmp_path, text).systems[1].provenance == "A/det.txt"
-    with pytest.raises(SessionError, match=r"'passwd', which was not sent"):
-        uploaded(tmp_path, TOML + 'provenance = "../../etc/passwd"\n')
-
-
-@pytest.mark.parametrize("key", ["alerts", "alert_policy"])
-def test_what_a_system_says_of_its_alerts_is_one_of_the_files_sent(tmp_path: Path, key: str):
+@pytest.mark.parametrize("key", ["provenance", "alerts", "alert_policy"])
+def test_a_file_that_a_system_names_beside_its_boxes_is_one_of_those_sent(tmp_path: Path, key: str):
     text = TOML + f'{key} = "/home/me/runs/A/det.txt"\n'
     assert getattr(uploaded(tmp_path, text).systems[1], key) == "A/det.txt"
     with pytest.raises(SessionError, match=r"'passwd', which was not sent"):
