@@ -26,7 +26,8 @@ def test_a_policy_moved_by_its_slider_gives_a_nuisance_that_opens_in_the_timelin
     kinds.get_by_text(re.compile("^nuisance")).click()
     one.wait_until_drawn()
     one.table("alerts_list").get_by_role("rowheader").first.click()
-    expect(one.page.get_by_text(re.compile(r"^1 of \d+$"))).to_be_visible()
+    place = one.page.get_by_role("paragraph").filter(has_text=re.compile(r"^1 of \d+$"))
+    expect(place).to_be_visible()  # among the alerts; the table says which of its rows, too
     one.switch_to("Timeline")
     plots = one.page.locator("[class*='st-key-alerts_over_time_']")
     (key,) = re.findall(r"st-key-(alerts_over_time_\d+)", plots.get_attribute("class") or "")
