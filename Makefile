@@ -25,6 +25,7 @@ DEVELOP := $(BIN)/.installed-dev
 TOOLS := .venv-tools/.installed
 PRODUCT := .venv-tools/product/.installed
 FUZZER := .venv-tools/fuzz/.installed
+S3 := .venv-tools/s3/.installed
 RIVALS := .venv-bench/tools/.installed
 MOTMETRICS := .venv-bench/motmetrics/.installed
 SCRIPTS := node_modules/.installed
@@ -42,12 +43,12 @@ unexport PYTHONDONTWRITEBYTECODE
 run: $(LIBRARY)
 	$(BIN)/streamlit run app.py $(if $(LOCAL_ROOT),-- --local-root "$(LOCAL_ROOT)")
 
-check: $(DEVELOP) lint test-js
+check: $(DEVELOP) $(S3) lint test-js
 	$(BIN)/python -m pytest -q -n auto --dist loadfile --ignore=tests/ui --ignore=tests/e2e
 
 # The browser tests run by themselves: they look at what is painted in time. In the order of their
 # names: the app's few long files first, else one of them is left alone at the end.
-test: $(DEVELOP) chromium lint test-js
+test: $(DEVELOP) $(S3) chromium lint test-js
 	$(BIN)/python -m pytest -q -n auto --dist loadfile --ignore=tests/e2e
 	$(BIN)/python -m pytest -q -n 2 --dist loadfile --no-loadscope-reorder tests/e2e
 
@@ -89,11 +90,12 @@ bench: $(DEVELOP) chromium $(RIVALS) $(MOTMETRICS)
 COMPILE = .venv-tools/bin/uv pip compile --quiet --universal --no-strip-extras --python-version 3.11 --generate-hashes --no-header $(PINS) pyproject.toml
 
 pins: $(TOOLS) $(DEVELOP)
-	$(COMPILE) --extra login --output-file requirements.txt
+	$(COMPILE) --extra login --extra fleet --output-file requirements.txt
 	$(COMPILE) --extra dev --constraint requirements.txt --output-file requirements-dev.txt
 	$(COMPILE:pyproject.toml=) --group pyproject.toml:build --constraint requirements.txt --output-file requirements-build.txt
 	$(COMPILE:pyproject.toml=) --group pyproject.toml:tools --output-file scripts/requirements-tools.txt
 	$(COMPILE:pyproject.toml=) --group pyproject.toml:fuzz --output-file scripts/fuzz/requirements-fuzz.txt
+	$(COMPILE:pyproject.toml=) --group pyproject.toml:s3 --output-file tests/fleet/requirements-s3.txt
 	$(NPM) $(if $(PINS),update,install) --package-lock-only --omit-lockfile-registry-resolved --ignore-scripts --no-audit --no-fund
 
 sbom: $(TOOLS) $(PRODUCT)
@@ -136,6 +138,12 @@ $(TOOLS): scripts/requirements-tools.txt
 $(FUZZER): scripts/fuzz/requirements-fuzz.txt $(LIBRARY)
 	rm -rf .venv-tools/fuzz
 	$(BIN)/python $(PINNED) --target .venv-tools/fuzz -r $<
+	touch $@
+
+# The S3 server of the tests runs by itself: its libraries want other versions than ours.
+$(S3): tests/fleet/requirements-s3.txt
+	$(PYTHON) -m venv .venv-tools/s3
+	.venv-tools/s3/bin/python $(PINNED) -r $<
 	touch $@
 
 # The environment that the SBOM describes: the pins and nothing else, not even pip.

@@ -12,7 +12,8 @@ from nvcore.subjects import subjects
 
 REPORT: Final = ("av", "cv2", "jinja2", "plotly", "tsdownsample")
 OF_SUBJECTS: Final = dict(chain(*(added.extras.items() for _, added in subjects().values())))
-APP: Final = (*REPORT, *chain(*(OF_SUBJECTS.get(name, ()) for name in subjects())), "streamlit")
+OF_PAGES: Final = chain(*(of.extras.get(name, ()) for name, (_, of) in subjects().items() if of.ui))
+APP: Final = (*REPORT, *OF_PAGES, "streamlit")
 PACKAGES: Final = {
     "report": REPORT,
     "app": APP,

@@ -25,6 +25,7 @@ SUBJECTS: Final[tuple[str, ...]] = (
     "nvcore.driver",
     "nvcore.ratings",
     "nvcore.alerts",
+    "nvcore.fleet",
 )
 """The packages of the subjects, in the order in which what they add is listed."""
 
@@ -96,7 +97,7 @@ class Subject:
         Public names of ``nvcore``, by reference.
     extras
         Extras of pyproject.toml that it needs, and how the packages of each are imported. The extra
-        that is named as the subject comes with the dashboard.
+        that is named as the subject comes with the dashboard if the subject has pages.
     ui
         Module of the dashboard with its ``PAGES`` and what else `ui.subjects.contributed` lists.
     """

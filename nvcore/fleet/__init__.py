@@ -1,0 +1,12 @@
+"""The fleet: stores of many recordings, and the same comparison over all of them."""
+
+from nvcore.subjects import Subject
+
+SUBJECT = Subject(
+    name="fleet",
+    commands="commands:COMMANDS",
+    extras={
+        "fleet": ("deltalake", "duckdb", "obstore", "sqlglot"),
+        "dask": ("deltalake", "distributed", "duckdb", "obstore", "sqlglot"),
+    },
+)

@@ -1,0 +1,87 @@
+"""Tables of a store and of a scan's results: their columns, and where each lies."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import pyarrow as pa
+
+INDEX: Final = (
+    pa.field("file", pa.string()),  # path within the table's folder
+    pa.field("group", pa.int32()),  # first row group that has rows of it
+    pa.field("first_row", pa.int64()),  # its first row within the file
+    pa.field("n_rows", pa.int64()),
+)
+"""Where the rows of a recording (or of one of its sources) lie: one stretch of one file."""
+
+RECORDINGS: Final = pa.schema(
+    [
+        pa.field("recording", pa.string()),  # its name, the id by which results are ordered
+        pa.field("sha256", pa.string()),  # over the facts below and its frames
+        pa.field("ingested_at", pa.timestamp("us", "UTC")),
+        pa.field("width", pa.float64()),
+        pa.field("height", pa.float64()),
+        pa.field("fps", pa.float64()),
+        pa.field("horizon", pa.float64()),
+        pa.field("context", pa.float64()),
+        pa.field("speed_kmh", pa.float64()),
+        pa.field("tags", pa.list_(pa.string())),  # "night", or "road=rural"
+        pa.field("unit", pa.string()),  # drive, vehicle or route that it is part of; empty: none
+        pa.field("recorded_at", pa.timestamp("us", "UTC")),  # null: unknown
+        pa.field("pictures", pa.string()),  # source URI of its pictures; empty: none
+        pa.field("objects", pa.list_(pa.string())),  # what the boxes are of: singular, plural
+        pa.field("duration_s", pa.float64()),
+        pa.field("source", pa.string()),  # URI of the session that it came with
+        *INDEX,  # its rows of `frames`
+    ]
+)
+"""One row for each version of a recording; the newest one counts."""
+
+SOURCES: Final = pa.schema(
+    [
+        pa.field("recording", pa.string()),
+        pa.field("source", pa.string()),  # "truth", or the name of a system
+        pa.field("sha256", pa.string()),  # over its boxes: what tells versions apart
+        pa.field("label", pa.string()),  # what the user calls this version; empty: its number
+        pa.field("kind", pa.string()),  # of a truth: annotated, automatic, absent; else system
+        pa.field("ingested_at", pa.timestamp("us", "UTC")),
+        pa.field("threshold", pa.float64()),  # of a system, by its session; null: none
+        pa.field("inputs", pa.list_(pa.string())),  # sha256 of the files that it was read from
+        pa.field("n_left_out", pa.int64()),  # rows of these files that could not be placed
+        *INDEX,  # its rows of `boxes`
+    ]
+)
+"""One row for each version of the truth or a system of a recording."""
+
+FRAMES: Final = pa.schema(
+    [
+        pa.field("recording", pa.string()),
+        pa.field("frame", pa.int64()),
+        pa.field("speed_kmh", pa.float64()),  # by a series of the car's speed; null: none
+    ]
+)
+"""One row for each evaluated frame, by recording and frame."""
+
+BOXES: Final = pa.schema(
+    [
+        pa.field("recording", pa.string()),
+        pa.field("source", pa.string()),
+        pa.field("frame", pa.int64()),
+        pa.field("x", pa.float64()),
+        pa.field("y", pa.float64()),
+        pa.field("w", pa.float64()),
+        pa.field("h", pa.float64()),
+        pa.field("score", pa.float64()),
+        pa.field("track", pa.int64()),
+        pa.field("ignore", pa.bool_()),
+        pa.field("distance_m", pa.float64()),
+        pa.field("occlusion", pa.int8()),
+        pa.field("label", pa.string()),  # class in the words of the objects; null: not said
+        pa.field("attributes", pa.string()),  # what the truth says of the pedestrian; null: nothing
+        pa.field("detectability", pa.float64()),
+        pa.field("detectability_sd", pa.float64()),
+        pa.field("is_outside", pa.bool_()),
+        pa.field("is_adapted", pa.bool_()),
+    ]
+)
+"""Boxes of truth and systems, by recording, source and frame; the order within a frame is kept."""
