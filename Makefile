@@ -22,6 +22,7 @@ INSTALL := -m pip install --quiet --disable-pip-version-check
 PINNED := $(INSTALL) --require-hashes
 LIBRARY := $(BIN)/.installed
 DEVELOP := $(BIN)/.installed-dev
+FLEET := $(BIN)/.installed-fleet
 TOOLS := .venv-tools/.installed
 PRODUCT := .venv-tools/product/.installed
 FUZZER := .venv-tools/fuzz/.installed
@@ -90,8 +91,9 @@ bench: $(DEVELOP) chromium $(RIVALS) $(MOTMETRICS)
 COMPILE = .venv-tools/bin/uv pip compile --quiet --universal --no-strip-extras --python-version 3.11 --generate-hashes --no-header $(PINS) pyproject.toml
 
 pins: $(TOOLS) $(DEVELOP)
-	$(COMPILE) --extra login --extra fleet --output-file requirements.txt
-	$(COMPILE) --extra dev --constraint requirements.txt --output-file requirements-dev.txt
+	$(COMPILE) --extra login --output-file requirements.txt
+	$(COMPILE) --extra fleet --constraint requirements.txt --output-file requirements-fleet.txt
+	$(COMPILE) --extra dev --constraint requirements-fleet.txt --constraint requirements.txt --output-file requirements-dev.txt
 	$(COMPILE:pyproject.toml=) --group pyproject.toml:build --constraint requirements.txt --output-file requirements-build.txt
 	$(COMPILE:pyproject.toml=) --group pyproject.toml:tools --output-file scripts/requirements-tools.txt
 	$(COMPILE:pyproject.toml=) --group pyproject.toml:fuzz --output-file scripts/fuzz/requirements-fuzz.txt
@@ -117,6 +119,11 @@ $(LIBRARY): requirements.txt requirements-build.txt pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	$(BIN)/python $(PINNED) -r requirements.txt -r requirements-build.txt
 	$(BIN)/python $(INSTALL) --no-deps --no-build-isolation -e .
+	touch $@
+
+# What a store and a scan need: 230 MB more, so not for everybody.
+$(FLEET): $(LIBRARY) requirements-fleet.txt
+	$(BIN)/python $(PINNED) -r requirements-fleet.txt
 	touch $@
 
 $(DEVELOP): $(LIBRARY) requirements-dev.txt
