@@ -79,6 +79,13 @@ def test_what_a_subject_needs_is_listed_before_it():
         known.append(name)
 
 
+def test_whatever_a_subject_names_is_there():
+    for package, subject in subjects.subjects().values():
+        for reference in (*vars(subject).values(), *subject.names.values()):
+            if isinstance(reference, str) and ":" in reference:
+                subjects.resolve(package, reference)
+
+
 def test_its_checks_are_part_of_the_audit(toy: None):
     box = at(0, 100)
     findings = audit(make_dataset([box], [box]))
