@@ -48,7 +48,7 @@ def draw(result: Result) -> None:
         whose = choose_side_by_side(
             "Of", {"xy": "X and Y", "x": "X", "y": "Y"}, "alerts_of", default="xy"
         )
-        table = table[[letter in whose for letter in table["system"]]]
+        table = table[table["system"].isin([*whose])]
         counts = table["kind"].value_counts()
         kinds = {"": f"all ({len(table)})"} | {
             kind.value: f"{kind.value} ({counts[kind.value]})"

@@ -80,6 +80,7 @@ def test_where_both_have_a_policy_of_their_own_no_other_is_offered(
     chosen = {button.key for button in page.button if str(button.key).startswith("alerts_policy")}
     assert chosen == {"alerts_policy_own", "alerts_policy_off"}
     assert "can be moved in the sidebar" not in texts(page)
+    assert "There is no such alert: nothing would have reached the driver." in texts(page)
 
 
 def test_it_lists_every_alert_and_those_of_a_kind(page: AppTest) -> None:
