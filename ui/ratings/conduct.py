@@ -79,15 +79,14 @@ def _begin(result: Result) -> None:
     )
     systems = both if whose == "both" else [whose]
     try:
-        stretches = _choose_stretches(result)
+        chosen = [stretch for stretch in _choose_stretches(result) if stretch[0] in recordings]
+        clips = [(of[0], system, *of[1:]) for system in systems for of in chosen]
+        st.caption(f"{count_text(len(clips), 'clip')}.")
         alerts = _ask_alerts(result, recordings, systems)
     except InputError as error:
         st.error(plain(str(error)))
         return
-    chosen = [stretch for stretch in stretches if stretch[0] in recordings]
-    clips = [(of[0], system, *of[1:]) for system in systems for of in chosen]
-    st.caption(f"{count_text(len(clips), 'clip')}.")
-    with st.expander("Consent, form, and how long ratings are kept"):
+    with st.expander("Consent, form, and how long ratings are kept", key="rating_terms"):
         consent = ask_consent(CONSENT, "rating")
         questions = None
         if st.checkbox(
@@ -234,12 +233,17 @@ def _draw_progress(study: Study) -> None:
     columns[1].metric("have rated all clips", f"{n_done:,}")
     columns[2].metric("ratings so far", f"{n_ratings:,}")
     if len(people):
+        columns_shown = {
+            "participant": TableColumn("Participant", is_head=True),
+            "n_rated": TableColumn(f"Rated, of {n_clips}"),
+            "n_answered": TableColumn(f"Alerts answered, of {len(study.alerts)}"),
+        }
+        if not study.alerts:
+            del columns_shown["n_answered"]
+        n_answered = store.worth(study)["participant"].value_counts()
         draw_table(
-            people,
-            {
-                "participant": TableColumn("Participant", is_head=True),
-                "n_rated": TableColumn(f"Rated, of {n_clips}"),
-            },
+            people.assign(n_answered=people["participant"].map(n_answered).fillna(0).astype(int)),
+            columns_shown,
             key="rating_progress",
             name="Participants",
         )
@@ -267,10 +271,12 @@ def _draw_worth(answers: pd.DataFrame) -> None:
         "n_answers": TableColumn("Yes or no"),
         "n_unsure": TableColumn("Cannot say"),
         "share": TableColumn(
-            "As expected (95 %)", "Share of the answers that the kind lets expect.", is_number=True
+            "As expected (95 % interval)",
+            "Share of the answers that the kind lets expect.",
+            is_number=True,
         ),
         "kappa": TableColumn(
-            "Cohen's kappa (95 %)",
+            "Cohen's kappa (95 % interval)",
             "Of expected and given answers, beside the alerts that let expect the other answer. "
             "1: always the same, 0: as by chance.",
             is_number=True,
