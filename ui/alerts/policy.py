@@ -25,6 +25,8 @@ def own_policies(result: Result) -> dict[str, str]:
 def draw(result: Result) -> None:
     """The named policies, of which the one in use is marked; a click takes another."""
     params, view, own = result.params, alerts_in(result), own_policies(result)
+    if view.speeding is not None:
+        st.header("Alerts by a policy")
     if not view.is_asked:
         st.info("Alerts are off. Choose a policy to judge them.")
     with st.container(horizontal=True, vertical_alignment="center"):
