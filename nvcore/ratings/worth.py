@@ -13,6 +13,7 @@ from nvcore.errors import FormatError
 from nvcore.evidence.bootstrap import MIN_UNITS, SEED, count_units, expanded_tail
 from nvcore.inputs.readers.parse.table import parse_table
 from nvcore.output.csv_text import to_csv_bytes
+from nvcore.ratings.clips import ROUNDING_S
 
 ANSWERS: Final = {"yes": "Yes", "no": "No", "unsure": "Cannot say"}
 """Answers to "Was this alert worth it?", in words."""
@@ -77,7 +78,7 @@ def read_alerts(table: pd.DataFrame | bytes, result: Result, *, name: str = "tab
     row = pd.Index(result.dataset.recordings["name"]).get_indexer(alerts["recording"])
     first, stop = frames.first[row], frames.first[row + 1]
     is_there = (row >= 0) & (stop > first)
-    is_there[is_there] = start_s[is_there] <= time_s[stop[is_there] - 1]
+    is_there[is_there] = start_s[is_there] <= time_s[stop[is_there] - 1] + ROUNDING_S
     for is_right, expected in (
         (alerts["kind"].isin([*AlertKind]), f"kind: expected {', '.join(AlertKind)}"),
         (alerts["system"].notna(), f"system: expected x, y, {' or '.join(names)}"),
