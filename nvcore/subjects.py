@@ -23,8 +23,8 @@ SUBJECTS: Final[tuple[str, ...]] = (
     "nvcore.time_left",
     "nvcore.detectors",
     "nvcore.driver",
-    "nvcore.ratings",
     "nvcore.alerts",
+    "nvcore.ratings",
     "nvcore.fleet",
 )
 """The packages of the subjects, in the order in which what they add is listed."""

@@ -19,7 +19,7 @@ def draw(result: Result) -> None:
             "The ratings ask how annoying it is to drive with a system that draws boxes around "
             f"what is on the road: not asked of {objects.plural}."
         )
-    elif RATINGS_PART.get() == conduct.RESULTS:
+    elif RATINGS_PART.get() == "results":
         results.draw(result)
     else:
         conduct.draw(result)
@@ -35,7 +35,7 @@ else:
         f"compared ({docs_link('Ratings', 'ratings', doc='ratings')})."
     )
     participant.draw_waiting()
-    if conduct.choose_part() == conduct.GROUPS:
+    if conduct.choose_part() == "groups":
         groups.draw()
     else:
         draw()

@@ -11,4 +11,4 @@ from typing import Final
 
 from nvcore.subjects import Subject
 
-SUBJECT: Final = Subject(name="ratings", ui="ui.ratings")
+SUBJECT: Final = Subject(name="ratings", needs=("alerts",), ui="ui.ratings")

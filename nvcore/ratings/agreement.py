@@ -180,17 +180,6 @@ def _sum_ranks(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return standard.sum(axis=1), (length[:, :, 0] > 0).sum(axis=1)
 
 
-def _spearman(a: np.ndarray, b: np.ndarray) -> float:
-    """Spearman's correlation over common values; NaN if they are too few or all equal."""
-    is_common = ~np.isnan(a) & ~np.isnan(b)
-    if np.count_nonzero(is_common) < LEAST_CLIPS:
-        return np.nan
-    ranks_a, ranks_b = scipy.stats.rankdata(a[is_common]), scipy.stats.rankdata(b[is_common])
-    if np.ptp(ranks_a) == 0 or np.ptp(ranks_b) == 0:
-        return np.nan
-    return float(np.corrcoef(ranks_a, ranks_b)[0, 1])
-
-
 def _participants(ranks: pd.DataFrame) -> pd.DataFrame:
     values = ranks.to_numpy(dtype=float)
     agreement = np.full(len(values), np.nan)
@@ -199,7 +188,8 @@ def _participants(ranks: pd.DataFrame) -> pd.DataFrame:
         is_rated = ~np.isnan(others).all(axis=0)
         mean = np.full(values.shape[1], np.nan)
         mean[is_rated] = np.nanmean(others[:, is_rated], axis=0)
-        agreement[i] = _spearman(values[i], mean)
+        both = pd.DataFrame({"own": values[i], "others": mean})
+        agreement[i] = both.corr("spearman", min_periods=LEAST_CLIPS).iloc[0, 1]
     defined = agreement[~np.isnan(agreement)]
     low, high = np.percentile(defined, [25, 75]) if len(defined) else (np.nan, np.nan)
     return pd.DataFrame(

@@ -6,7 +6,7 @@ import json
 import math
 import sqlite3
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any, Final, Literal, NamedTuple
@@ -69,10 +69,6 @@ ADDED: Final = {
     },
 }
 """Columns that files of earlier versions lack, by table."""
-OF_STUDY: Final = (
-    "token, conductor, fingerprint, clips, low, high, thresholds, consent, ends_at, alerts, form"
-)
-"""Columns of a study; files of earlier versions have them in another order."""
 OF_PARTICIPANT: Final = ("consent", "rating", "worth", "form")
 """Tables with what a participant left."""
 FORM: Final = ("age", "sex", "licence", "night_driving")
@@ -168,6 +164,10 @@ class Study:
     form: Mapping[str, str] = field(default_factory=dict)
 
 
+OF_STUDY: Final = tuple(column.name for column in fields(Study))
+"""Columns of a study; files of earlier versions have them in another order."""
+
+
 class RatingStore(AnswerFile):
     """Studies, participants and their ratings in one SQLite file.
 
@@ -242,32 +242,21 @@ class RatingStore(AnswerFile):
             )
         check_questions(questions or ())
         check_terms(CONSENT if consent is None else consent, keep_days)
-        thresholds_shown = dict(thresholds or {})
         token, conductor = new_names()
         study = Study(
-            *(token, conductor, fingerprint, shown, low, high, thresholds_shown),
+            *(token, conductor, fingerprint, shown, low, high, dict(thresholds or {})),
             consent=consent or "",
             ends_at=(now or datetime.now(UTC)) + timedelta(days=keep_days),
             alerts=tuple(alerts),
             form={} if questions is None else form_of(FORM, questions),
         )
+        row = [getattr(study, column) for column in OF_STUDY]
+        values = [of.isoformat() if isinstance(of, datetime) else of for of in row]
         with self.connect() as base:
             base.execute(
-                f"INSERT INTO study ({OF_STUDY}) VALUES "  # noqa: S608  # our own names
-                "(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-                (
-                    token,
-                    conductor,
-                    fingerprint,
-                    json.dumps(study.clips),
-                    low,
-                    high,
-                    json.dumps(thresholds_shown),
-                    study.consent,
-                    None if study.ends_at is None else study.ends_at.isoformat(),
-                    json.dumps(study.alerts),
-                    json.dumps(study.form),
-                ),
+                f"INSERT INTO study ({', '.join(OF_STUDY)}) VALUES "  # noqa: S608  # our own names
+                f"({', '.join('?' * len(OF_STUDY))})",
+                [json.dumps(of) if isinstance(of, tuple | dict) else of for of in values],
             )
         return study
 
@@ -280,21 +269,17 @@ class RatingStore(AnswerFile):
         return self._study("conductor", conductor)
 
     def _study(self, column: str, name: str) -> Study | None:
-        query = f"SELECT {OF_STUDY} FROM study WHERE {column} = ?"  # noqa: S608  # our own names
+        query = f"SELECT {', '.join(OF_STUDY)} FROM study WHERE {column} = ?"  # noqa: S608  # our own names
         with self.connect() as base:
-            row = base.execute(query, (name,)).fetchone()
-        if row is None:
+            values = base.execute(query, (name,)).fetchone()
+        if values is None:
             return None
-        token, conductor, fingerprint, clips, low, high, thresholds, consent, ends_at, *more = row
-        alerts, form = map(json.loads, more)
-        shown = tuple(Clip(*clip) for clip in json.loads(clips))
-        return Study(
-            *(token, conductor, fingerprint, shown, low, high, json.loads(thresholds)),
-            consent=consent,
-            ends_at=None if ends_at is None else datetime.fromisoformat(ends_at),
-            alerts=tuple(Alert(*alert) for alert in alerts),
-            form=dict(form),
-        )
+        row = dict(zip(OF_STUDY, values, strict=True))
+        row |= {of: json.loads(row[of]) for of in ("clips", "thresholds", "alerts", "form")}
+        row["clips"] = tuple(Clip(*clip) for clip in row["clips"])
+        row["alerts"] = tuple(Alert(*alert) for alert in row["alerts"])
+        row["ends_at"] = row["ends_at"] and datetime.fromisoformat(row["ends_at"])
+        return Study(**row)
 
     def agree(self, study: Study, participant: str, *, now: datetime | None = None) -> None:
         """Keep that somebody agrees to the text of consent, and when; a new name joins.
@@ -369,31 +354,24 @@ class RatingStore(AnswerFile):
 
     def judged(self, study: Study, participant: str) -> set[int]:
         """Numbers of the alerts that this participant has answered."""
-        with self.connect() as base:
-            rows = base.execute(
-                "SELECT alert FROM worth WHERE study = ? AND participant = ?",
-                (study.token, known_name(base, study.token, participant)),
-            ).fetchall()
-        return {alert for (alert,) in rows}
-
-    def _rows(self, study: Study, table: str, columns: str) -> list[tuple[Any, ...]]:
-        """Participant and these columns of what all left in a table, by number, then these."""
-        with self.connect() as base:
-            return base.execute(
-                f"SELECT participant, {columns} FROM {table} JOIN participant ON "  # noqa: S608  # our own names
-                f"participant.study = {table}.study AND participant.name = {table}.participant "
-                f"WHERE {table}.study = ? ORDER BY number, {columns}",
-                (study.token,),
-            ).fetchall()
+        return {alert for _, alert in self._rows(study, "worth", "alert", participant)}
 
     def may_rate(self, study: Study, participant: str) -> bool:
         """Whether nothing has to be agreed to first: there is no text, or it was agreed to."""
-        if not study.consent:
-            return True
+        return not study.consent or bool(self._rows(study, "consent", "consented_at", participant))
+
+    def _rows(
+        self, study: Study, table: str, columns: str, participant: str | None = None
+    ) -> list[tuple[Any, ...]]:
+        """Participant and these columns of what one, or all, left in a table, in this order."""
         with self.connect() as base:
-            name = known_name(base, study.token, participant)
-            query = "SELECT 1 FROM consent WHERE study = ? AND participant = ?"
-            return base.execute(query, (study.token, name)).fetchone() is not None
+            name = None if participant is None else known_name(base, study.token, participant)
+            return base.execute(
+                f"SELECT participant, {columns} FROM {table} JOIN participant ON "  # noqa: S608  # our own names
+                f"participant.study = {table}.study AND participant.name = {table}.participant "
+                f"WHERE {table}.study = ? AND (? OR name = ?) ORDER BY number, {columns}",
+                (study.token, participant is None, name),
+            ).fetchall()
 
     def record(self, study: Study, participant: str) -> dict[str, Any] | None:
         """All that the file holds of a participant, as values of JSON; None: there is none."""
@@ -432,13 +410,8 @@ class RatingStore(AnswerFile):
 
     def ratings_of(self, study: Study, participant: str) -> dict[int, int]:
         """Ratings that this participant has given, by clip."""
-        with self.connect() as base:
-            return dict(
-                base.execute(
-                    "SELECT clip, rating FROM rating WHERE study = ? AND participant = ?",
-                    (study.token, known_name(base, study.token, participant)),
-                ).fetchall()
-            )
+        rows = self._rows(study, "rating", "clip, rating", participant)
+        return {clip: rating for _, clip, rating in rows}
 
     def rate(
         self, study: Study, participant: str, clip: int, rating: int, *, n_plays: int | None = None

@@ -16,7 +16,6 @@ from nvcore.comparison import Result
 from nvcore.errors import InputError
 from nvcore.measures.values import duration_of_recordings, per_recording
 from nvcore.metrics.saliency import aggregate_events, recency_weight
-from nvcore.params import Params
 from nvcore.ratings.clips import stretch_of
 from nvcore.ratings.reading import DELAY
 
@@ -88,8 +87,9 @@ def clip_saliency(result: Result, delay_s: pd.Series | None = None) -> pd.DataFr
             delays = delay_s.reindex(clips).fillna(0.0).to_numpy(dtype=float)
         events = system.events
         recording = events["recording"].to_numpy(dtype=np.int64)
-        tau, rest_s, duration_s = (
-            events[name].to_numpy(dtype=float) for name in ("tau", "rest_s", "duration_s")
+        tau, rest_s, duration_s, weight_s = (
+            events[name].to_numpy(dtype=float)
+            for name in ("tau", "rest_s", "duration_s", "weight_s")
         )
         recency = recency_weight(tau, rest_s + delays[recording], result.params)
         step_s = frames.step_s / frames.half_width
@@ -98,7 +98,9 @@ def clip_saliency(result: Result, delay_s: pd.Series | None = None) -> pd.DataFr
             columns = {
                 "clip": names,
                 "system": system.name,
-                "saliency_s": saliency_after(events, delays, result.params),
+                "saliency_s": aggregate_events(
+                    recording, weight_s * recency, n, aggregate=result.params.saliency_aggregate
+                ),
                 DELAY: delays,
                 "recording": [stretch_of(name)[0] for name in names],
                 "loss_miss": sums(system.distances.d_miss * step_s, frames.recording) / length_s,
@@ -108,29 +110,6 @@ def clip_saliency(result: Result, delay_s: pd.Series | None = None) -> pd.DataFr
             }
         parts.append(pd.DataFrame(columns))
     return pd.concat(parts, ignore_index=True)
-
-
-def saliency_after(events: pd.DataFrame, delay_s: np.ndarray, params: Params) -> np.ndarray:
-    """Saliency of every recording that is rated some time after its end; float64, (n_recordings,).
-
-    With recency in seconds the delay counts beside the seconds from the event's end to that of the
-    recording; a share has no such time, and nothing changes.
-
-    Parameters
-    ----------
-    events
-        Of `nvcore.metrics.saliency.find_events` with the same `params`.
-    delay_s
-        Seconds from the end of each recording to its rating; float64, shape (n_recordings,).
-    """
-    recording = events["recording"].to_numpy(dtype=np.int64)
-    tau, rest_s, weight_s = (
-        events[name].to_numpy(dtype=float) for name in ("tau", "rest_s", "weight_s")
-    )
-    saliency_s = weight_s * recency_weight(tau, rest_s + delay_s[recording], params)
-    return aggregate_events(
-        recording, saliency_s, len(delay_s), aggregate=params.saliency_aggregate
-    )
 
 
 def mean_delay(ratings: pd.DataFrame) -> pd.Series:

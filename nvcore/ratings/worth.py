@@ -7,26 +7,27 @@ from typing import Final, NamedTuple
 import numpy as np
 import pandas as pd
 
+from nvcore.alerts.kinds import UNWANTED, AlertKind
+from nvcore.comparison import Result
+from nvcore.errors import FormatError
 from nvcore.evidence.bootstrap import MIN_UNITS, SEED, count_units, expanded_tail
 from nvcore.inputs.readers.parse.table import parse_table
 from nvcore.output.csv_text import to_csv_bytes
+from nvcore.ratings.clips import ROUNDING_S
 
 ANSWERS: Final = {"yes": "Yes", "no": "No", "unsure": "Cannot say"}
 """Answers to "Was this alert worth it?", in words."""
-KINDS: Final = {
-    "false": "no",
-    "nuisance": "no",
-    "redundant": "no",
-    "needed": "yes",
-    "wanted": "yes",
+EXPECTED: Final = {
+    kind.value: "no" if kind in UNWANTED else "yes"
+    for kind in AlertKind
+    if kind is not AlertKind.IGNORED
 }
-"""Kinds of alerts, with the answer that each lets expect."""
-COLUMNS: Final = ("recording", "system", "start_s", "end_s", "kind")
+"""Answer that each kind of alert lets expect."""
 N_RESAMPLES: Final = 2_000
 
 
 class Alert(NamedTuple):
-    """An alert of a system, its times in s since the recording's first frame."""
+    """An alert of a system, its times in s since the recording's first listed frame."""
 
     recording: str
     system: str
@@ -35,36 +36,71 @@ class Alert(NamedTuple):
     kind: str
 
 
-def read_alerts(table: pd.DataFrame | bytes, *, name: str = "table") -> list[Alert]:
-    """Alerts from a table, or its CSV text, with the columns of `Alert`; others do not matter.
+def read_alerts(table: pd.DataFrame | bytes, result: Result, *, name: str = "table") -> list[Alert]:
+    """Alerts of a comparison, from a table such as ``alerts.csv`` (docs/alerts.md), or its CSV.
+
+    Ignored alerts are left out. Alerts of one system that begin and end together reach the driver
+    as one: it is asked of once, as the last of their kinds in the order of `EXPECTED`.
+
+    Parameters
+    ----------
+    table
+        With recording, system (``x`` or ``y``, or its name), start_s, duration_s or end_s, kind;
+        other columns do not matter. Beside end_s a system's name goes before a letter.
 
     Raises
     ------
     FormatError
         If a column or field is missing, a time is none, an alert ends before it begins, the kind
-        is none of `KINDS`, or an alert is there twice.
+        is no `AlertKind`, or the comparison has no such recording, system or time.
     """
     content = table if isinstance(table, bytes) else to_csv_bytes(table)
-    text = parse_table(content, name=name, what="alerts", required=COLUMNS)
-    start_s, end_s = (text.numbers(column, low=0) for column in COLUMNS[2:4])
-    if (is_wrong := end_s < start_s).any():
-        row = int(np.argmax(is_wrong))
-        raise text.fault(row, f"the alert ends at {end_s[row]:g} s, before {start_s[row]:g} s")
-    kinds = text.texts("kind")
-    if (is_unknown := ~np.isin(kinds, [*KINDS])).any():
-        row = int(np.argmax(is_unknown))
-        raise text.fault(row, f"kind: expected {', '.join(KINDS)}; found {kinds[row]!r}")
-    text.unique(COLUMNS[:4], "this alert of {system} in {recording} is there a second time")
-    columns = (text.texts("recording"), text.texts("system"), start_s.tolist(), end_s.tolist())
-    return [Alert(*row) for row in zip(*columns, kinds, strict=True)]
+    required = ("recording", "system", "start_s", "kind")
+    text = parse_table(content, name=name, what="alerts", required=required)
+    last = next((column for column in ("end_s", "duration_s") if column in text), None)
+    if last is None:
+        raise FormatError("a table of alerts needs end_s or duration_s", file=name, line=1)
+    letters = {letter: system.name for letter, system in result.sides}
+    names = {system: system for system in letters.values()}
+    start_s, end_s = text.numbers("start_s", low=0), text.numbers(last, low=0)
+    alerts = pd.DataFrame(
+        {
+            "recording": text.texts("recording"),
+            "system": pd.Series(text.texts("system"), dtype=object).map(
+                letters | names if last == "end_s" else names | letters
+            ),
+            "start_s": start_s,
+            "end_s": end_s if last == "end_s" else (start_s + end_s).round(6),
+            "kind": text.texts("kind"),
+        }
+    )
+    frames, time_s = result.dataset.frame_columns, result.dataset.frames["time_s"].to_numpy()
+    row = pd.Index(result.dataset.recordings["name"]).get_indexer(alerts["recording"])
+    first, stop = frames.first[row], frames.first[row + 1]
+    is_there = (row >= 0) & (stop > first)
+    is_there[is_there] = start_s[is_there] <= time_s[stop[is_there] - 1] + ROUNDING_S
+    for is_right, expected in (
+        (alerts["kind"].isin([*AlertKind]), f"kind: expected {', '.join(AlertKind)}"),
+        (alerts["system"].notna(), f"system: expected x, y, {' or '.join(names)}"),
+        (row >= 0, "recording: expected one of this comparison"),
+        (is_there, "start_s: expected a time within the recording"),
+        (alerts["end_s"] >= start_s, "end_s: expected start_s or more"),
+    ):
+        if not np.all(is_right):
+            at, column = int(np.argmin(is_right)), expected.partition(":")[0]
+            raise text.fault(at, f"{expected}; found {text.fields[column][at]!r}")
+    alerts = alerts[alerts["kind"] != AlertKind.IGNORED]
+    by_kind = alerts["kind"].map([*EXPECTED].index).sort_values(kind="stable").index
+    alerts = alerts.loc[by_kind].drop_duplicates([*Alert._fields[:-1]], keep="last").sort_index()
+    return [Alert(*of) for of in alerts.itertuples(index=False, name=None)]
 
 
 def agreement_of_kinds(answers: pd.DataFrame) -> pd.DataFrame:
     """How far the kinds of alerts agree with what people say of them.
 
-    A kind agrees with an answer that is the one it lets expect (`KINDS`). Its kappa compares two
-    yes-or-no judgements of every alert: that it is of this kind, and that people answer what this
-    kind lets expect; that of all kinds compares the answers expected and given.
+    Of a kind, ``share`` is over the answers to its alerts. Its kappa is over these and the answers
+    to all alerts that let expect the other answer (`EXPECTED`): how well people tell this kind from
+    those. Among alerts of one kind alone there is nothing to tell apart.
 
     Parameters
     ----------
@@ -75,8 +111,9 @@ def agreement_of_kinds(answers: pd.DataFrame) -> pd.DataFrame:
     Returns
     -------
     First ``all`` kinds, then each that there is: ``kind``, ``n_alerts``, ``n_answers``,
-    ``n_unsure``, ``share`` of the answers that agree, Cohen's ``kappa`` (1: the same, 0: as by
-    chance; NaN where both are always the same), each with its 95 % interval ``_low``, ``_high``.
+    ``n_unsure``, ``share`` of the answers that are as expected, Cohen's ``kappa`` of expected and
+    given answers (1: the same, 0: as by chance; NaN where both are always the same), each with its
+    95 % interval ``_low``, ``_high``.
 
     Notes
     -----
@@ -88,24 +125,25 @@ def agreement_of_kinds(answers: pd.DataFrame) -> pd.DataFrame:
     Cohen (1960), A coefficient of agreement for nominal scales, Educational and Psychological
     Measurement 20:37.
     """
-    kind, answer = (answers[name].to_numpy(dtype=object) for name in ("kind", "answer"))
+    kind = answers["kind"].to_numpy(dtype=object)
     recording, names = pd.factorize(answers["recording"])
-    n, is_sure = len(names), answer != "unsure"
-    expected = np.array([KINDS[of] for of in kind], dtype=object)
+    n, is_sure = len(names), (answers["answer"] != "unsure").to_numpy()
+    is_yes = (answers["answer"] == "yes").to_numpy()
+    expects_yes = (answers["kind"].map(EXPECTED) == "yes").to_numpy()
     drawn = np.empty((0, n))
     if n >= MIN_UNITS:
         rng = np.random.default_rng(SEED)
         drawn = count_units(rng.integers(0, n, (N_RESAMPLES, n)), n)
     rows = []
-    for name in ["all", *(of for of in KINDS if (kind == of).any())]:
-        is_kind = np.ones(len(kind), dtype=bool) if name == "all" else kind == name
-        says = expected == "yes" if name == "all" else is_kind
-        agrees = answer == ("yes" if name == "all" else KINDS[name])
-        # sums of each recording: said and answered, said alone, answered alone, neither; and of
-        # the answers to this kind, those that agree
-        cells = [says & agrees, says & ~agrees, ~says & agrees, ~says & ~agrees]
-        cells = [*(cell & is_sure for cell in cells), is_kind & is_sure & (answer == expected)]
-        counted = [*cells, is_kind & is_sure]
+    for name in ["all", *(of for of in EXPECTED if (kind == of).any())]:
+        is_kind = (kind == name) | (name == "all")
+        is_compared = is_sure & (is_kind | (expects_yes != (EXPECTED.get(name) == "yes")))
+        # answers of each recording: yes expected and given, expected alone, given alone, neither;
+        # of the kind those as expected, and all
+        counted = [
+            *(is_compared & (expects_yes == a) & (is_yes == b) for a in (1, 0) for b in (1, 0)),
+            *(is_kind & is_sure & (expects_yes == is_yes), is_kind & is_sure),
+        ]
         sums = np.array([np.bincount(recording[of], minlength=n) for of in counted]).T
         row = {
             "kind": name,

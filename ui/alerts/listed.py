@@ -15,7 +15,9 @@ from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
 from nvcore.wording import capitalised
 from ui.session import state, store
+from ui.shell.navigate import open_page
 from ui.widgets import compared_viewer
+from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side, download_csv, draw_steps
 from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.table_columns import MOST_ROWS, rows_told
@@ -46,7 +48,7 @@ def draw(result: Result) -> None:
         whose = choose_side_by_side(
             "Of", {"xy": "X and Y", "x": "X", "y": "Y"}, "alerts_of", default="xy"
         )
-        table = table[[letter in whose for letter in table["system"]]]
+        table = table[table["system"].isin([*whose])]
         counts = table["kind"].value_counts()
         kinds = {"": f"all ({len(table)})"} | {
             kind.value: f"{kind.value} ({counts[kind.value]})"
@@ -73,7 +75,16 @@ def draw(result: Result) -> None:
     )
     if told := rows_told(len(table), "first"):
         st.caption(told)
-    download_csv("alerts.csv", lambda: view.table, "alerts.csv", "alerts_csv")
+    with st.container(horizontal=True):
+        download_csv("alerts.csv", lambda: view.table, "alerts.csv", "alerts_csv")
+        if result.dataset.objects.is_on_road and button(
+            "Ask people whether these were worth it",
+            key="alerts_ask",
+            icon=":material/how_to_vote:",
+        ):
+            store.RATINGS_PART.set("session")
+            store.RATING_ALERTS.set("these")
+            open_page("ratings")
 
 
 @st.fragment

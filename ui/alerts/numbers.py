@@ -8,6 +8,7 @@ from nvcore.alerts.figures import alert_trade_off
 from nvcore.alerts.measures import MEASURES
 from nvcore.comparison import Result
 from nvcore.tables.scorecard import score_rows
+from ui.alerts.policy import own_policies
 from ui.session import state
 from ui.session.results import comparison_key
 from ui.widgets.charts import clicked_chart, kept_figure
@@ -37,6 +38,9 @@ def draw(result: Result) -> None:
 
 def _draw_curve(result: Result) -> None:
     theme = state.theme()
+    moved = [letter.upper() for letter, _ in result.sides if letter not in own_policies(result)]
+    click = "Click a point: {} from that score on."
+    click = click.format(f"{moved[0]} alerts" if len(moved) == 1 else "both alert") if moved else ""
     figure = kept_figure(
         "alerts_trade_off",
         (comparison_key(result), theme),
@@ -48,9 +52,9 @@ def _draw_curve(result: Result) -> None:
         help=state.say(
             "Up and left is better: more {many} alerted in time, fewer that the driver could do "
             "without. Each point is the same policy with another score threshold; the large "
-            "mark is the one in use. Click a point: both alert from that score on."
+            f"mark is the one in use. {click}"
         ),
     )
-    if threshold is not None:
+    if threshold is not None and moved:
         state.set_params(alert_score=float(threshold))
         st.rerun()

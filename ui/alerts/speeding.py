@@ -9,7 +9,7 @@ import streamlit as st
 from nvcore.alerts.speeding import Speeding
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
-from nvcore.wording import number
+from nvcore.wording import minus, number
 from ui.alerts.listed import draw_beside_viewer
 from ui.widgets.choices import download_csv
 from ui.widgets.html import MeasureRow, measures_html
@@ -30,8 +30,9 @@ COLUMNS: Final = {
     ),
     "recording": TableColumn("Recording"),
     "start_s": TableColumn("Start (s)", "When it begins.", ".2f"),
-    "state": TableColumn("What", "Right: overlaps one that the truth calls for."),
-    "cause": TableColumn("Why", "Why it is false or missed."),
+    "state": TableColumn(
+        "What", "Right: overlaps one that the truth calls for; false or missed: why."
+    ),
     "limit_kmh": TableColumn("Limit", "Limit stored then, km/h.", ".0f"),
     "true_limit_kmh": TableColumn("True", "Limit by the truth then, km/h.", ".0f"),
     "top_kmh": TableColumn("Speed", "Highest speed in it, km/h.", ".0f"),
@@ -53,11 +54,12 @@ def draw(result: Result) -> None:
     rows = [
         MeasureRow(
             words + (f", of {summary[0]['true']}" if name == "alerted" else ""),
-            tuple(number(row[name], form) for row in summary),
+            tuple(minus(number(row[name], form)) for row in summary),
         )
         for name, (words, form) in ROWS.items()
     ]
-    st.html(measures_html(rows, key="speeding", head=("X", "Y")))
+    left, _ = st.columns(2, gap="medium")
+    left.html(measures_html(rows, key="speeding", head=("X", "Y")))
     _draw_episodes(result, speeding)
 
 
@@ -73,6 +75,8 @@ def _draw_episodes(result: Result, speeding: Speeding) -> None:
         cause=episodes["cause"].astype(str).str.replace("_", " "),
         recording=names[episodes["recording"]],
     )
-    shown = table.assign(row=episodes["first_row"], encounter_row=-1)
+    what = table["state"].replace("true", "called for")
+    what += (": " + table["cause"]).where(table["cause"] != "", "")
+    shown = table.assign(state=what, row=episodes["first_row"], encounter_row=-1)
     draw_beside_viewer(result, shown, COLUMNS, key="speeding", name="Speed alerts")
     download_csv("speeding.csv", lambda: table, "speeding.csv", "speeding_csv")

@@ -7,11 +7,9 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
-import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.params import Params
-from nvcore.people.participants import fold_name
 from nvcore.ratings.fit import Fit
 from ui.ratings.source import RatingSource
 from ui.session import state
@@ -25,7 +23,8 @@ MOST: Final = 8
 class AppliedFit:
     """Fitted settings that were put into the sidebar, and those before, by name.
 
-    Knows the dataset's fingerprint, and the ratings that it was fitted to (`_who_rates_what`).
+    Knows the dataset's fingerprint, and by `RatingSource.rows` the ratings that it was fitted to,
+    not their values: who rates a clip otherwise the second time is no new evidence.
     """
 
     fitted: dict[str, Any]
@@ -40,7 +39,7 @@ class AppliedFit:
 
     def share_seen(self, rating_source: RatingSource) -> float:
         """The share of these ratings that it was fitted to, 0 to 1; whatever their values."""
-        return float(np.mean(np.isin(_who_rates_what(rating_source), self.rating_keys)))
+        return float(np.mean(np.isin(rating_source.rows(), self.rating_keys)))
 
     def is_of(self, fit: Fit) -> bool:
         """Whether these are the settings of that fit."""
@@ -49,22 +48,6 @@ class AppliedFit:
     def settings_before(self, params: Params) -> Params:
         """The live parameters with the values before the fit."""
         return replace(params, **self.before)
-
-
-def _who_rates_what(rating_source: RatingSource) -> np.ndarray:
-    """A number for each rating, the same for the same participant, clip and system; uint64.
-
-    Not of the rating itself: who rates a clip otherwise the second time is no new evidence.
-    """
-    rated = rating_source.ratings.dropna(subset="rating")
-    of = pd.DataFrame(
-        {
-            "participant": rated["participant"].map(fold_name),
-            "clip": rated["clip"],
-            "system": rated["system"].where(rated["system"] != "", rating_source.system),
-        }
-    )
-    return pd.util.hash_pandas_object(of.astype(str), index=False).to_numpy()
 
 
 def _is_same(live: Any, fitted: Any) -> bool:
@@ -103,7 +86,7 @@ def apply(
     """Move the sidebar to a fit, compared with `start`; where it has no value, to before."""
     before = {name: getattr(start, name) for name in fit.changed}
     newest = AppliedFit(
-        fit.changed, before, fingerprint, _who_rates_what(rating_source), rating_source.is_simulated
+        fit.changed, before, fingerprint, rating_source.rows(), rating_source.is_simulated
     )
     state.workspace().notes[FITS] = [newest, *_others(fit_in_use)][:MOST]
     _set({**(fit_in_use.before if fit_in_use else {}), **fit.changed})

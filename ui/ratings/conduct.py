@@ -9,11 +9,12 @@ import numpy as np
 import pandas as pd
 import streamlit as st
 
+from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
 from nvcore.errors import InputError
-from nvcore.ratings.clips import LEAD_S, LENGTH_S, cut_clips, rows_between
+from nvcore.ratings.clips import LEAD_S, LENGTH_S, cut_clips
 from nvcore.ratings.store import CONSENT, Study
-from nvcore.ratings.worth import COLUMNS, KINDS, Alert, agreement_of_kinds, read_alerts
+from nvcore.ratings.worth import EXPECTED, Alert, agreement_of_kinds, read_alerts
 from nvcore.wording import count_text, minus
 from ui.people.form import ask_questions
 from ui.people.one_participant import draw_one_participant
@@ -23,25 +24,22 @@ from ui.ratings.participant import ENDS
 from ui.ratings.sessions import SESSIONS, shown_thresholds
 from ui.ratings.source import ask_for_file
 from ui.session import state
-from ui.session.store import RATINGS_PART
+from ui.session.store import RATING_ALERTS, RATINGS_PART
+from ui.shell.navigate import open_page
 from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side, download_csv
 from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.text import docs_link, number, plain
 
-RESULTS: Final = "Results"
-SESSION: Final = "Rating session"
-GROUPS: Final = "Groups"
+PARTS: Final = {"results": "Results", "session": "Rating session", "groups": "Groups"}
 NEWS_S: Final = 5.0
 """Interval at which the progress is updated, seconds."""
 
 
 def choose_part() -> str:
     """The part of the page; a conductor's link opens the rating session."""
-    RATINGS_PART.setdefault(SESSION if CONDUCT in st.query_params else RESULTS)
-    return choose_side_by_side(
-        "Part", [RESULTS, SESSION, GROUPS], RATINGS_PART.key, label_visibility="collapsed"
-    )
+    RATINGS_PART.setdefault("session" if CONDUCT in st.query_params else "results")
+    return choose_side_by_side("Part", PARTS, RATINGS_PART.key, label_visibility="collapsed")
 
 
 def draw(result: Result) -> None:
@@ -81,15 +79,14 @@ def _begin(result: Result) -> None:
     )
     systems = both if whose == "both" else [whose]
     try:
-        stretches = _choose_stretches(result)
-        alerts = _ask_alerts(result)
+        chosen = [stretch for stretch in _choose_stretches(result) if stretch[0] in recordings]
+        clips = [(of[0], system, *of[1:]) for system in systems for of in chosen]
+        st.caption(f"{count_text(len(clips), 'clip')}.")
+        alerts = _ask_alerts(result, recordings, systems)
     except InputError as error:
         st.error(plain(str(error)))
         return
-    chosen = [stretch for stretch in stretches if stretch[0] in recordings]
-    clips = [(of[0], system, *of[1:]) for system in systems for of in chosen]
-    st.caption(f"{count_text(len(clips), 'clip')}.")
-    with st.expander("Consent, form, and how long ratings are kept"):
+    with st.expander("Consent, form, and how long ratings are kept", key="rating_terms"):
         consent = ask_consent(CONSENT, "rating")
         questions = None
         if st.checkbox(
@@ -144,30 +141,34 @@ def _choose_stretches(result: Result) -> list[tuple[Any, ...]]:
     return [*table.itertuples(index=False, name=None)]
 
 
-def _ask_alerts(result: Result) -> list[Alert]:
-    """Alerts of which it is asked whether they were worth it, from a file."""
-    with st.expander("Ask of alerts whether they were worth it"):
+def _ask_alerts(result: Result, recordings: list[str], systems: list[str]) -> list[Alert]:
+    """Alerts of these of which it is asked whether they were worth it: of the page, or a file's."""
+    ways = {"no": "No", "these": "Those of this comparison", "file": "Those of a CSV file"}
+    RATING_ALERTS.setdefault("no")
+    way = choose_side_by_side(
+        "Ask of alerts whether they were worth it, after the clips", ways, RATING_ALERTS.key
+    )
+    sent: tuple[Any, str] | None = None
+    if way == "file":
         sent = ask_for_file(
-            f"Alerts (CSV with the columns {', '.join(COLUMNS)})",
+            "Alerts: alerts.csv of the page Alerts, or your own",
             "rating_alerts",
-            "Times in seconds since the recording's first frame. Kinds: "
-            f"{', '.join(KINDS)}. After the clips each alert is shown with what happens around it.",
+            "Columns recording, system (x or y, or its name), start_s, duration_s or end_s, and "
+            f"kind: {', '.join(EXPECTED)}. Times in seconds since the recording's first frame.",
         )
-        if sent is None:
-            return []
-        alerts = read_alerts(sent[0], name=sent[1])
-        names = state.recording_names(), (result.x.name, result.y.name)
-        for alert in alerts:
-            is_there = alert.recording in names[0] and alert.system in names[1]
-            if not is_there or not rows_between(
-                result.dataset, names[0].index(alert.recording), alert.start_s, np.inf
-            ):
-                raise InputError(
-                    f"an alert of {alert.system} in {alert.recording} at {alert.start_s:g} s: this "
-                    "comparison has no such recording, system or time",
-                    file=sent[1],
-                )
-        st.caption(f"{count_text(len(alerts), 'alert')}.")
+    elif way == "these" and (view := alerts_in(result)).is_asked:
+        sent = view.table, "alerts.csv"
+    elif way == "these":
+        st.info("Alerts are off. Choose on the page Alerts by which policy detections alert.")
+        if button("Open the page Alerts", key="rating_open_alerts"):
+            open_page("alerts")
+    if sent is None:
+        return []
+    known = read_alerts(sent[0], result, name=sent[1])
+    alerts = [of for of in known if of.recording in recordings and of.system in systems]
+    n_of = [(kind, sum(of.kind == kind for of in alerts)) for kind in EXPECTED]
+    kinds = ", ".join(f"{n} {kind}" for kind, n in n_of if n) or "none is of what is chosen above"
+    st.caption(f"{count_text(len(alerts), 'alert')}: {kinds}. Nobody is told the kind.")
     return alerts
 
 
@@ -196,7 +197,12 @@ def _conduct(study: Study) -> None:
         store = SESSIONS.store()
         download_csv("Ratings (CSV)", lambda: store.ratings(study), "ratings.csv", "rating_export")
         if study.alerts:
-            download_csv("Answers (CSV)", lambda: store.worth(study), "alerts.csv", "worth_export")
+            download_csv(
+                "Answers about alerts (CSV)",
+                lambda: store.worth(study),
+                "alert_answers.csv",
+                "worth_export",
+            )
         if study.form:
             download_csv(
                 "Participants (CSV)", lambda: store.forms(study), "participants.csv", "form_export"
@@ -227,19 +233,26 @@ def _draw_progress(study: Study) -> None:
     columns[1].metric("have rated all clips", f"{n_done:,}")
     columns[2].metric("ratings so far", f"{n_ratings:,}")
     if len(people):
+        columns_shown = {
+            "participant": TableColumn("Participant", is_head=True),
+            "n_rated": TableColumn(f"Rated, of {n_clips}"),
+            "n_answered": TableColumn(f"Alerts answered, of {len(study.alerts)}"),
+        }
+        if not study.alerts:
+            del columns_shown["n_answered"]
+        n_answered = store.worth(study)["participant"].value_counts()
         draw_table(
-            people,
-            {
-                "participant": TableColumn("Participant", is_head=True),
-                "n_rated": TableColumn(f"Rated, of {n_clips}"),
-            },
+            people.assign(n_answered=people["participant"].map(n_answered).fillna(0).astype(int)),
+            columns_shown,
             key="rating_progress",
             name="Participants",
         )
     else:
         st.caption("Nobody has joined yet. This is looked up every five seconds.")
     if n_ratings:
-        st.caption(f'Whether they agree is told under "{RESULTS}", with ratings from "{SESSION}".')
+        st.caption(
+            'Whether they agree is told under "Results", with ratings from "Rating session".'
+        )
 
 
 def _draw_worth(answers: pd.DataFrame) -> None:
@@ -258,10 +271,15 @@ def _draw_worth(answers: pd.DataFrame) -> None:
         "n_answers": TableColumn("Yes or no"),
         "n_unsure": TableColumn("Cannot say"),
         "share": TableColumn(
-            "Agree (95 %)", "Share of the answers that the kind lets expect.", is_number=True
+            "As expected (95 % interval)",
+            "Share of the answers that the kind lets expect.",
+            is_number=True,
         ),
         "kappa": TableColumn(
-            "Cohen's kappa (95 %)", "1: the same, 0: as by chance.", is_number=True
+            "Cohen's kappa (95 % interval)",
+            "Of expected and given answers, beside the alerts that let expect the other answer. "
+            "1: always the same, 0: as by chance.",
+            is_number=True,
         ),
     }
     draw_table(shown, columns, key="worth", name="Kinds against answers", is_sortable=False)

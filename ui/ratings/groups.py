@@ -16,6 +16,7 @@ from nvcore.group_statistics.text import cells_of
 from nvcore.inputs.readers.parse.table import TextTable, parse_table
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.people.participants import MOST_NAME
+from nvcore.wording import minus
 from ui.ratings.source import ask_for_file
 from ui.session import state
 from ui.shell.messages import shown_error
@@ -157,11 +158,13 @@ def _draw(comparison: GroupComparison) -> None:
         table["c0"] = table["c0"].str.replace("* ", "★ ", regex=False).str.strip()
         columns = {
             f"c{i}": TableColumn(
-                head.strip(), is_head=not i, is_number=i > 0 and head not in ("by", "note")
+                head.strip(), is_head=not i, is_number=i > 0 and head not in ("by", "it is", "note")
             )
             for i, head in enumerate(heads)
             if not i or (table[f"c{i}"] != "").any()
         }
+        numbers = [key for key, column in columns.items() if column.is_number]
+        table[numbers] = table[numbers].map(minus)
         draw_table(table, columns, key=f"groups_{name}", name=HEADINGS[name], is_sortable=False)
     with st.container(horizontal=True):
         for name in cells:

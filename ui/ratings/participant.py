@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final, Literal
 
 import numpy as np
@@ -13,7 +14,7 @@ from nvcore.people.participants import MOST_NAME
 from nvcore.pictures.stretch import STRETCH
 from nvcore.ratings.clips import rows_between
 from nvcore.ratings.store import Clip, RatingStore, Study
-from nvcore.ratings.worth import ANSWERS
+from nvcore.ratings.worth import ANSWERS, Alert
 from nvcore.wording import count_text
 from ui.people.form import draw_form
 from ui.people.studies import PARTICIPANT, STUDY, enter
@@ -196,7 +197,7 @@ def _clip(result: Result, study: Study, store: RatingStore, name: str, left: lis
     st.markdown(f"# Clip {number} of {n}")
     st.progress((number - 1) / n)
     key = f"clip_{clip}_of_{name}"
-    if not _play_clip(result, study.clips[clip], key):
+    if not _played(result, study.clips[clip], study.clips[clip].stretch_s, key):
         st.caption("Watch the clip to its end; then say how annoying it was.")
     else:
         _ask(study, store, name, clip, key)
@@ -217,7 +218,7 @@ def _change(result: Result, study: Study, store: RatingStore, name: str, clip: i
     rating, key = store.ratings_of(study, name)[clip], f"again_{clip}_of_{name}"
     st.markdown("# Your last clip")
     st.markdown(f"You gave it **{rating}**. You may watch it again, and give another rating.")
-    _play_clip(result, study.clips[clip], key)
+    _played(result, study.clips[clip], study.clips[clip].stretch_s, key)
     _ask(study, store, name, clip, key)
     if button(f"Keep {rating}", key="rating_keep", icon=":material/arrow_forward:"):
         RATING_CHANGES.set(False)
@@ -247,10 +248,6 @@ def _scale(study: Study, clip: int) -> int | None:
     return chosen
 
 
-def _play_clip(result: Result, clip: Clip, key: str) -> bool:
-    return _played(result, clip.recording, clip.system, clip.stretch_s, key)
-
-
 def _alert(result: Result, study: Study, store: RatingStore, name: str, left: list[int]) -> None:
     """An alert with what happens around it, and whether it was worth it."""
     alert, n = left[0], len(study.alerts)
@@ -262,9 +259,9 @@ def _alert(result: Result, study: Study, store: RatingStore, name: str, left: li
     st.progress((number - 1) / n)
     st.markdown(
         f"In this clip, after **{shown.start_s - begin_s:.1f} s**, the system alerts the driver, "
-        f"for {shown.end_s - shown.start_s:.1f} s."
+        f"for {shown.end_s - shown.start_s:.1f} s: a warning sign then stands in the picture."
     )
-    if not _played(result, shown.recording, shown.system, stretch_s, key):
+    if not _played(result, shown, stretch_s, key, signs_s=[(shown.start_s, shown.end_s)]):
         st.caption("Watch the clip to its end; then say whether the alert was worth it.")
         return
     with st.container(key="rating_scale"):
@@ -277,22 +274,33 @@ def _alert(result: Result, study: Study, store: RatingStore, name: str, left: li
 
 
 def _played(
-    result: Result, recording_name: str, system: str, stretch_s: tuple[float, float], key: str
+    result: Result,
+    of: Clip | Alert,
+    stretch_s: tuple[float, float],
+    key: str,
+    *,
+    signs_s: Sequence[tuple[float, float]] = (),
 ) -> bool:
-    """Show a stretch (s; NaN: all) of a recording with a system; whether it was seen to its end."""
-    recording = state.recording_names().index(recording_name)
-    letter: Letter = "x" if system == result.x.name else "y"
+    """Show a stretch (s; NaN: all) of a recording with a system; whether it was seen to its end.
+
+    From and to the times `signs_s` a warning sign is shown.
+    """
+    recording = state.recording_names().index(of.recording)
+    letter: Letter = "x" if of.system == result.x.name else "y"
     n_rows = len(state.frame_numbers(recording))
     first = int(result.dataset.frame_columns.first[recording])
-    own = rows_between(result.dataset, recording, *stretch_s)
-    rows = range(own.start - first, own.stop - first) if own else range(n_rows)
+    rows, *signs = (
+        range(own.start - first, own.stop - first)
+        for own in (rows_between(result.dataset, recording, *s) for s in (stretch_s, *signs_s))
+    )
+    rows = rows or range(n_rows)
     lo, hi = STRETCH
     nothing = np.full(n_rows, np.nan)
     row = viewer(
         **viewer_arguments(result, recording, with_visible=False),
         traces={"x": nothing, "y": nothing},
         low=0.0,
-        intervals=((), ()),
+        intervals=([(of.start, of.stop) for of in signs], ()),
         misses=(),
         names=("", ""),
         seek=(rows.start, 0),
@@ -308,7 +316,8 @@ def _played(
 
 def _thanks(study: Study) -> None:
     st.title("Thank you")
-    st.success(f"All {len(study.clips)} clips are rated, and your ratings are kept.")
+    alerts = f", all {len(study.alerts)} alerts answered" if study.alerts else ""
+    st.success(f"All {len(study.clips)} clips are rated{alerts}, and what you said is kept.")
     _offer_change()
     if button("Next participant", key="rating_next"):
         del st.query_params[PARTICIPANT]

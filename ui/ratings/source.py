@@ -12,6 +12,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.errors import InputError
+from nvcore.people.participants import fold_name
 from nvcore.ratings.reading import DELAY, RATINGS_FILE, parse_ratings, read_ratings
 from ui.ratings import typed
 from ui.ratings.sessions import SESSIONS, set_thresholds, thresholds_apart
@@ -38,17 +39,22 @@ class RatingSource:
     system: str
     is_simulated: bool
 
-    def rows(self) -> np.ndarray:
-        """A number for each rating, which is the same for the same rating; uint64."""
-        systems = self.ratings["system"].where(self.ratings["system"] != "", self.system)
-        of: list[str] = ["participant", "clip", "system", "rating"]
-        table = self.ratings.assign(system=systems)[of].dropna(subset="rating")
-        return pd.util.hash_pandas_object(table.astype(str), index=False).to_numpy()
+    def rows(self, *more: str) -> np.ndarray:
+        """A number for each rating, the same for the same participant, clip and system; uint64.
+
+        With `more` columns it is of these as well.
+        """
+        ratings = self.ratings.dropna(subset="rating")
+        ratings = ratings.assign(
+            participant=ratings["participant"].map(fold_name),
+            system=ratings["system"].where(ratings["system"] != "", self.system),
+        )[["participant", "clip", "system", *more]]
+        return pd.util.hash_pandas_object(ratings.astype(str), index=False).to_numpy()
 
     def digest(self) -> int:
         """A number that differs where the ratings do, or how long after the clips they came."""
         delays = self.ratings.get(DELAY, pd.Series(dtype=float)).to_numpy(dtype=float)
-        return hash((self.rows().tobytes(), delays.tobytes()))
+        return hash((self.rows("rating").tobytes(), delays.tobytes()))
 
 
 def choose(result: Result) -> RatingSource | None:

@@ -8,6 +8,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.inputs.readers.parse.table import TextTable
 from nvcore.people.participants import MOST_NAME, fold_name
 from nvcore.ratings.reading import check_ratings
 from nvcore.wording import count_text
@@ -158,6 +159,6 @@ def _complete(table: pd.DataFrame) -> pd.DataFrame:
         )
     rating = complete["rating"].map(lambda value: "" if pd.isna(value) else f"{value:.15g}")
     text = complete.astype(object).where(complete.notna(), "").astype(str).assign(rating=rating)
-    return check_ratings(
-        text.reset_index(drop=True), name="the table above", lines=complete.index.to_numpy()
-    )
+    fields = {name: text[name].str.strip().to_numpy(dtype=object) for name in COLUMNS}
+    lines = complete.index.to_numpy()
+    return check_ratings(TextTable("the table above", fields, lines, has_decimal_comma=False))

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Mapping
 from copy import copy
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 import streamlit as st
 
@@ -319,7 +319,9 @@ DETECTOR_BOX: Entry[tuple[object, int]] = Entry("detector_box", (None, 0))
 """Box that was clicked: detector and frame, and its row."""
 DETECTOR_LEVELS: Collection[dict[str, Levels]] = Collection("detector_levels", dict)
 """Threshold and overlap by detector."""
-RATINGS_PART: Entry[str | None] = Entry("ratings_part", None)
+RATINGS_PART: Entry[Literal["results", "session", "groups"] | None] = Entry("ratings_part", None)
+RATING_ALERTS: Entry[Literal["no", "these", "file"]] = Entry("rating_alerts_from", "no")
+"""Which alerts a rating session asks of: none, those of the comparison, those of a file."""
 RATINGS_EDITOR: Family[Any] = Family("ratings_typed", None)
 """Table in which ratings are typed, by how often it was drawn anew."""
 N_RATINGS_EDITORS = Entry("ratings_typed_drawn", 0)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from places import SAMPLE
 from streamlit.testing.v1 import AppTest
 
 from nvcore.alerts.policy import POLICIES, named_policy
 from nvcore.alerts.steps import alerts_in
-from pages import alone, begin_with, checked, figures, opened, press, tables, texts
+from pages import alone, begin_with, checked, figures, opened, press, rows, tables, texts, write
 
 
 @pytest.fixture(scope="module")
@@ -42,6 +44,43 @@ def test_the_policy_in_use_is_marked_and_no_other(page: AppTest) -> None:
         if page.button(key=f"alerts_policy_{name}").proto.type == "primary"
     ]
     assert marked == ["balanced"]
+
+
+def own_policy(folder: Path, monkeypatch: pytest.MonkeyPatch, *letters: str) -> AppTest:
+    """The page while the systems of these letters have a policy of their own."""
+    (folder / "fir.toml").write_text("alert_on_s = 100\n", encoding="utf-8")
+    truth = rows(300)
+    boxes = truth.replace(",1,0.9", ",0.9")
+    session = write(folder, {"x": boxes, "y": boxes}, truth=truth)
+    text = session.read_text(encoding="utf-8")
+    for letter in letters:
+        text = text.replace(f'name = "{letter}"', f'name = "{letter}"\nalert_policy = "fir.toml"')
+    session.write_text(text, encoding="utf-8")
+    begin_with(session, monkeypatch)
+    return checked(alone("alerts", alerts="policy").run())
+
+
+def test_a_system_with_a_policy_of_its_own_is_said_to_follow_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    page = own_policy(tmp_path, monkeypatch, "x")
+    assert "X follows its own policy file fir.toml." in texts(page)
+    assert "Each part of the policy of Y can be moved" in texts(page)
+    press(page, "alerts_policy_eager")
+    assert "X follows its own policy file" in texts(page)
+    view = alerts_in(page.session_state["workspace"].result)
+    assert len(view.of(view.result.x)) == 0
+    assert len(view.of(view.result.y)) > 0
+
+
+def test_where_both_have_a_policy_of_their_own_no_other_is_offered(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    page = own_policy(tmp_path, monkeypatch, "x", "y")
+    chosen = {button.key for button in page.button if str(button.key).startswith("alerts_policy")}
+    assert chosen == {"alerts_policy_own", "alerts_policy_off"}
+    assert "can be moved in the sidebar" not in texts(page)
+    assert "There is no such alert: nothing would have reached the driver." in texts(page)
 
 
 def test_it_lists_every_alert_and_those_of_a_kind(page: AppTest) -> None:
@@ -88,7 +127,7 @@ def test_speed_signs_have_their_alerts_without_a_policy(monkeypatch: pytest.Monk
     assert page.header[0].value == "Above the limit"
     (episodes,) = tables(page)
     speeding = alerts_in(page.session_state["workspace"].result).speeding
-    assert episodes["state"].tolist() == [*speeding.episodes["state"]]
-    assert {"true", "right", "missed"} <= {*episodes["state"]}
+    assert len(episodes) == len(speeding.episodes)
+    assert {"called for", "right", "missed: not read"} <= {*episodes["state"]}
     press(page, "speeding_next")
     assert page.session_state["place"] == (0, 161)

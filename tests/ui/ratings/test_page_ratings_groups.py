@@ -9,7 +9,7 @@ import pytest
 from ratings_page import words
 
 from pages import alone, begin_with, checked, part, rows, tables, write
-from ui.ratings import conduct, groups
+from ui.ratings import groups
 from ui.session.store import RATINGS_PART
 
 MEANS = "condition,n,mean,sd\nvisual,11,1678,755.1\naudio,11,2171,766.2\nhaptic,11,1245,389.5\n"
@@ -47,7 +47,7 @@ def test_values_typed_in_are_compared_without_a_comparison_of_systems(
     )
     monkeypatch.setattr(groups.st, "data_editor", lambda *_, **__: typed)
     page = alone("ratings")
-    page.session_state[RATINGS_PART.key] = conduct.GROUPS
+    page.session_state[RATINGS_PART.key] = "groups"
     checked(page.run())
     checked(page.button_group(key="groups_source").set_value(groups.VALUES).run())
     assert "A comparison needs two" not in words(page)

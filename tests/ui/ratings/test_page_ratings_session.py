@@ -20,13 +20,17 @@ from ratings_page import (
 )
 from streamlit.testing.v1 import AppTest
 
+from nvcore.alerts.steps import alerts_in
 from nvcore.inputs.session_toml import read_session
+from nvcore.output.csv_text import to_csv_bytes
 from nvcore.ratings.store import Clip, RatingStore, Study
+from nvcore.ratings.worth import read_alerts
 from pages import alone, begin_with, checked, part, press, rows, write
 from pages import opened as app_opened
 from ui.people import terms
 from ui.ratings import participant, source
 from ui.session import state
+from ui.session.store import RATING_ALERTS
 from ui.widgets import viewer
 
 STRANGE = "there is no rating session of the name in the address"
@@ -351,22 +355,41 @@ def test_clips_are_cut_played_and_counted_one_by_one(
     assert "not in this comparison" not in warnings(page)
 
 
-def test_it_is_asked_of_every_alert_whether_it_was_worth_it(store: RatingStore):
-    page = conducting()
-    lines = [
-        "recording,system,start_s,end_s,kind",
-        "odd_pose,FIR,3,4,needed",
-        "odd_pose,NIR,6,7,false",
-    ]
-    alerts = page.file_uploader(key="rating_alerts")
-    checked(
-        alerts.set_value(
-            ("a.csv", b"recording,system,start_s,end_s,kind\nx,FIR,1,2,false", "text/csv")
-        ).run()
+def sent_alerts(page: AppTest, *lines: str) -> AppTest:
+    checked(page.button_group(key=RATING_ALERTS.key).set_value("file").run())
+    content = "\n".join(["recording,system,start_s,end_s,kind", *lines]).encode()
+    field = page.file_uploader(key="rating_alerts")
+    return checked(field.set_value(("a.csv", content, "text/csv")).run())
+
+
+def test_the_alerts_of_the_comparison_are_taken_at_a_click(store: RatingStore):
+    page = checked(alone("alerts", alerts="policy").run())
+    view = alerts_in(page.session_state["workspace"].result)
+    page = conducting(alerts="policy")
+    checked(page.button_group(key=RATING_ALERTS.key).set_value("these").run())
+    taken = read_alerts(to_csv_bytes(view.table), view.result)
+    kinds = view.table["kind"].value_counts()
+    assert f"{len(taken)} alerts: {kinds['false']} false, " in words(page)
+    study = begun(store, "odd_pose", "rural_child", page=page, whose="NIR")
+    assert study.alerts == tuple(
+        of for of in taken if of.recording in ("odd_pose", "rural_child") and of.system == "NIR"
     )
-    assert "an alert of FIR in x at 1 s: this comparison has no such" in words(page)
-    alerts = page.file_uploader(key="rating_alerts")
-    checked(alerts.set_value(("a.csv", "\n".join(lines).encode(), "text/csv")).run())
+    assert len(study.alerts) > 1
+
+
+def test_where_alerts_are_off_the_page_leads_to_their_policy(store: RatingStore):
+    page = conducting()
+    checked(page.button_group(key=RATING_ALERTS.key).set_value("these").run())
+    assert "Alerts are off" in words(page)
+    assert "rating_open_alerts" in keys(page)
+    assert begun(store, "odd_pose", page=page).alerts == ()
+
+
+def test_it_is_asked_of_every_alert_whether_it_was_worth_it(store: RatingStore):
+    page = sent_alerts(conducting(), "x,FIR,1,2,false")
+    assert "recording: expected one of this comparison; found 'x'" in words(page)
+    assert "rating_start" not in keys(page)
+    sent_alerts(page, "odd_pose,FIR,3,4,needed", "odd_pose,y,6,7,false")
     study = begun(store, "odd_pose", page=page)
     assert [alert.kind for alert in study.alerts] == ["needed", "false"]
     assert "Were the alerts worth it?" not in words(page)

@@ -137,8 +137,8 @@ def viewer(
     only : {"x", "y"} or None
         A clip for somebody who rates it: the picture and the boxes of this system alone, in a
         style that does not tell which it is, played from the first row to the last by one button,
-        without seeking. The browser then never gets `names`; `traces`, `intervals` and `misses`
-        are not shown.
+        without seeking. The browser then never gets `names`; `traces` and `misses` are not shown,
+        and in the first of `intervals` a warning sign stands in the picture.
     rows : range or None
         The rows that can be shown, one at least, where these are not all.
     cost : CostMap or None

@@ -36,7 +36,7 @@ function paintPane(viewer, ctx, row, pictures, found) {
   if (viewer.layers.cost) viewer.cost.draw(ctx, frame, seen);
   const { listed } = viewer.sent;
   if (listed?.box && listed.row === row) markListed(viewer, ctx, listed.box); // labels stand over it
-  viewer.drawFound(ctx, found);
+  viewer.drawFound(ctx, found, row);
   drawMap(viewer, ctx, pictures);
   const box = findTrack(found, viewer.chosen);
   if (!box) return;

@@ -7,7 +7,29 @@ import { strokeRect } from "../drawing/drawing.js";
 import { Viewer } from "./viewer.js";
 
 const CLIP_COLOUR = "#F2E205"; // neither that of X nor of Y
+const SIGN_COLOUR = "#D5121E";
 const CLIP_TEXT = "A clip of a drive, with boxes drawn by a detection system";
+
+// As a road sign warns: a triangle with a red rim, its tip here.
+function drawSign(ctx, x, y, side) {
+  ctx.save();
+  ctx.beginPath();
+  ctx.moveTo(x, y);
+  ctx.lineTo(x + side / 2, y + 0.87 * side);
+  ctx.lineTo(x - side / 2, y + 0.87 * side);
+  ctx.closePath();
+  ctx.lineWidth = 0.14 * side;
+  ctx.lineJoin = "round";
+  ctx.strokeStyle = SIGN_COLOUR;
+  ctx.stroke();
+  ctx.fillStyle = "#FFFFFF";
+  ctx.fill();
+  ctx.fillStyle = "#000000";
+  ctx.font = `bold ${0.6 * side}px sans-serif`;
+  ctx.textAlign = "center";
+  ctx.fillText("!", x, y + 0.78 * side);
+  ctx.restore();
+}
 
 export class ClipViewer extends Viewer {
   constructor() {
@@ -60,10 +82,15 @@ export class ClipViewer extends Viewer {
     this.parts.stage.style.maxHeight = `min(${this.sent.height_px}px, max(240px, calc(100vh - 21rem)))`;
   }
 
-  drawFound(ctx, found) {
+  drawFound(ctx, found, row) {
+    const { scale, x, y } = this.view.place;
+    const { x: signs } = this.strip.intervals; // first row, and one past the last, of each
+    if (signs.some((first, i) => i % 2 === 0 && first <= row && row < signs[i + 1])) {
+      const { width, height } = this.recording;
+      drawSign(ctx, x + 0.5 * scale * width, y + 0.05 * scale * height, 0.16 * scale * height);
+    }
     if (!found) return;
     const { boxes } = found;
-    const { scale, x, y } = this.view.place;
     for (let i = found.start; i < found.stop; i += 1) {
       if (boxes.source[i] !== SOURCE[this.sent.only]) continue;
       const box = {
