@@ -72,11 +72,15 @@ class Scene:
         """All frames."""
         return self.dataset.frame_columns
 
-    def has_seen(self, encounter: np.ndarray, row: np.ndarray) -> np.ndarray:
-        """Whether the driver has seen encounters before frame rows; bool, shape (n,)."""
-        seen_row = self.seen["confirmed_row"].to_numpy()[encounter]
-        has_seen: np.ndarray = (seen_row >= 0) & (seen_row < row)
-        return has_seen
+    def is_before(self, name: str, encounter: np.ndarray, row: np.ndarray) -> np.ndarray:
+        """Whether a row of `seen` stands before frame rows; bool, shape (n,).
+
+        ``confirmed_row``: the driver has seen the encounters by then; ``known_row``: it is known
+        by then whether he sees them.
+        """
+        first = self.seen[name].to_numpy()[encounter]
+        is_before: np.ndarray = (first >= 0) & (first < row)
+        return is_before
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +123,8 @@ def alerts_by_policy(
         truth_row = system.matches.det_truth[rows]
         matched = np.flatnonzero(truth_row >= 0)
         encounter = scene.encounters.encounter_of[truth_row[matched]]
-        alerting[matched] &= ~scene.has_seen(encounter, boxes.frame_index[rows[matched]])
+        row = boxes.frame_index[rows[matched]]
+        alerting[matched] &= ~scene.is_before("confirmed_row", encounter, row)
     durations = (policy.alert_on_s, policy.alert_off_s, policy.alert_least_s, policy.alert_pause_s)
     return _judged(scene, system, tracks, alerting, durations, step=1)
 
@@ -191,10 +196,21 @@ def _judged(
     place = place[np.lexsort((frame_index[place], key[place]))]
     onset, end, first = np.empty((3, len(place)), np.int64)
     rate = frames.fps[frames.recording]
+    on_s, off_s, least_s, pause_s = map(float, durations)
     n = switch_alerts(
-        *(key[place], frame_index[place], frames.first[frames.recording + 1] - 1),
-        *(frames.frame / rate, (frames.frame + frames.gap) / rate),
-        *(*map(float, durations), step, onset, end, first),
+        key[place],
+        frame_index[place],
+        final_row=frames.first[frames.recording + 1] - 1,
+        time_s=frames.frame / rate,
+        end_s=(frames.frame + frames.gap) / rate,
+        on_s=on_s,
+        off_s=off_s,
+        least_s=least_s,
+        pause_s=pause_s,
+        step=step,
+        onset=onset,
+        end=end,
+        first=first,
     )
     at = place[first[:n]]
     alerts = pd.DataFrame(
@@ -272,15 +288,20 @@ def _with_kinds(
         is_far |= is_outside(truth, at, scene.frames, scene.corridor)
         urgency = scene.urgency["urgency"].to_numpy()[who]
         is_not_urgent = ~np.isin(urgency, [Urgency.URGENT.value, Urgency.UNKNOWN.value])
-        is_known = ~np.isnan(scene.seen["detectability"].to_numpy()[who])
+        has_seen, is_known = (
+            scene.is_before(name, who, row) for name in ("confirmed_row", "known_row")
+        )
         kinds[matched] = np.select(
-            [is_not_urgent & is_far, scene.has_seen(who, row), is_known],
+            [is_not_urgent & is_far, has_seen, is_known],
             [kind.value for kind in (AlertKind.NUISANCE, AlertKind.REDUNDANT, AlertKind.NEEDED)],
             AlertKind.WANTED.value,
         )
     judged = alerts.assign(encounter=encounter, kind=pd.Series(kinds, dtype=object).to_numpy())
     order = np.lexsort((judged["track"], judged["last_row"], judged["first_row"]))
-    return judged.iloc[order][[*NO_ALERTS]].reset_index(drop=True)
+    judged = judged.iloc[order][[*NO_ALERTS]].reset_index(drop=True)
+    told = judged["encounter"][judged["kind"].isin([AlertKind.NEEDED, AlertKind.WANTED])]
+    judged.loc[told.index[told.duplicated()], "kind"] = AlertKind.REPEATED.value
+    return judged
 
 
 def _of_dataset(table: pd.DataFrame, dataset: Dataset) -> pd.DataFrame:

@@ -67,7 +67,8 @@ def with_speeds(dataset: Dataset, session: Session) -> Dataset:
     if n_known < n_frames:
         words += (
             "; in the others, outside of the readings or between two more than "
-            f"{LONGEST_GAP_S:g} s apart, the one speed that their recording states, else an assumed one"
+            f"{LONGEST_GAP_S:g} s apart, the one speed that their recording states, else an "
+            "assumed one"
         )
     return with_files(
         dataset,

@@ -47,7 +47,11 @@ def in_time_plot(judged: InTime, names: tuple[str, str], *, theme: Theme) -> go.
         texts = [
             f"{kind}, {letter.upper()}: in time in {mean:.0%}<br>other drivers: {draws_low:.0%} to "
             f"{draws_high:.0%}"
-            + ("" if np.isnan(low) else f"<br>other recordings, too: {low:.0%} to {high:.0%}")
+            + (
+                ""
+                if np.isnan(low)
+                else f"<br>other {judged.what_varies}, too: {low:.0%} to {high:.0%}"
+            )
             for kind, mean, draws_low, draws_high, low, high in rows[
                 ["mean", "draws_low", "draws_high", "low", "high"]
             ].itertuples()
@@ -64,7 +68,7 @@ def in_time_plot(judged: InTime, names: tuple[str, str], *, theme: Theme) -> go.
         theme,
         title="Brakes in time, by kind of alert",
         subtitle=f"of {count_text(n, 'urgent encounter')}; thick: other drivers, thin: other "
-        "drivers and recordings (95 %)",
+        f"drivers and {judged.what_varies} (95 %)",
         height=150 + ROW_PX * len(kinds),
         hoverdistance=-1,
         xaxis=axis(theme, "in time (%)", range=[-2, 102], fixedrange=True),
