@@ -73,8 +73,9 @@ def in_time_by_kind(result: Result) -> tuple[InTimeByKind, ...]:
 
 def more_doubt(judged: InTime, name: str) -> MoreDoubt:
     """How much doubt of a kind of alert's difference in time is of drivers, and of units."""
-    of = judged.table.set_index(["kind", "measure", "side"]).loc[(name, "share", "difference")]
-    of = 100 * of
+    table = judged.table[judged.table["measure"] == "share"]
+    row = (table["kind"] == name) & (table["side"] == "difference")
+    of = 100 * table[row].set_index(["kind", "measure", "side"]).iloc[0]
     drivers, units = ((of[f"{by}_high"] - of[f"{by}_low"]) / 2 for by in ("draws", "units"))
     kind: Literal["enough", "few"] = "few" if np.isnan(units) else "enough"
     low, high = ("draws_low", "draws_high") if kind == "few" else ("low", "high")

@@ -20,6 +20,9 @@ RESULTS: Final = (ALERTS,)
 
 Asked = Literal["off", "policy", "log"]
 Oracle = Literal["off", "on"]
+LimitUnit = Literal["kmh", "mph"]
+KMH_OF: Final[dict[LimitUnit, float]] = {"kmh": 1.0, "mph": 1.609344}
+"""What the units of limits are in km/h."""
 _USED: Final = ("alerts", ("policy", "log"))
 
 
@@ -93,16 +96,22 @@ class AlertSettings:
         unset="the score threshold alone",
     )
     alert_on_s: float = _duration(
-        0.2, "Alert on after", "So long a track has to meet all this before the alert begins."
+        0.2,
+        "Alert on after",
+        "How long a track has to meet all of these conditions before its alert begins.",
     )
     alert_off_s: float = _duration(
-        0.4, "Alert off after", "So long it may fail to meet it before the alert ends."
+        0.4,
+        "Alert off after",
+        "How long it may fail to meet them before the alert ends.",
     )
     alert_least_s: float = _duration(
-        0.8, "Shortest alert", "So long an alert lasts at least, whatever becomes of its track."
+        0.8, "Shortest alert", "How long an alert lasts at least, whatever its track does."
     )
     alert_pause_s: float = _duration(
-        2.0, "Pause after an alert", "So long after an alert the same track gives no other."
+        2.0,
+        "Pause after an alert",
+        "How long the same track gives no other alert after one has ended.",
     )
     alert_oracle: Oracle = _setting(
         "off",
@@ -152,8 +161,18 @@ class AlertSettings:
         applies=_has_speeds,
         is_advanced=True,
         label="Speed alert after",
-        meaning="So long the car has to be above the limit that was read last before the driver is "
-        "alerted. Of effect where speed signs are compared and the car's speed is known.",
+        meaning="How long the car has to be above the limit that was read last before the driver "
+        "is alerted. Of effect where speed signs are compared and the car's speed is known.",
+    )
+
+    limit_unit: LimitUnit = setting(
+        SPEEDING,
+        "kmh",
+        words={"kmh": "km/h", "mph": "miles per hour"},
+        applies=_has_speeds,
+        is_advanced=True,
+        label="Unit of limits",
+        meaning="Unit of the limits that signs show. Of effect as the setting before.",
     )
 
     def check_together(self) -> None:
