@@ -132,21 +132,6 @@ def slack_at_onset(
     return found
 
 
-@dataclass(frozen=True, eq=False)
-class Drawn:
-    """What the draws of reaction times come to, of one system and kind of alert.
-
-    Attributes
-    ----------
-    share, impact_kmh
-        Number in time, and sum of the impact speeds (km/h), of the encounters of each unit;
-        float64, shape (n_draws, n_units).
-    """
-
-    share: np.ndarray
-    impact_kmh: np.ndarray
-
-
 def draw(
     onset: pd.DataFrame,
     speed_kmh: np.ndarray,
@@ -156,7 +141,7 @@ def draw(
     after_s: float,
     deceleration: float,
     normal: np.ndarray,
-) -> Drawn:
+) -> dict[str, np.ndarray]:
     """Judge the same encounters with each draw of their drivers' reactions.
 
     In time: ``slack >= reaction + after_s``, as an encounter is urgent below that. Else the car
@@ -174,6 +159,11 @@ def draw(
     normal
         Standard normal draws, shape (n_draws, n): the same for all systems and kinds, so that only
         they make the difference.
+
+    Returns
+    -------
+    ``share`` and ``impact_kmh``: number in time, and sum of the impact speeds, of the encounters of
+    each unit; float64, shape (n_draws, n_units).
     """
     slack, ttc = (onset[name].to_numpy() for name in ("slack_s", "ttc_s"))
     v = speed_kmh / KMH
@@ -183,8 +173,8 @@ def draw(
     impact = KMH * np.sqrt(np.maximum(v**2 - 2 * deceleration * v * braked_s, 0.0))
     order = np.argsort(unit, kind="stable")
     first = np.unique(unit[order], return_index=True)[1]
-    values = is_in_time.astype(float), np.where(is_in_time, 0.0, impact)
-    return Drawn(*(np.add.reduceat(of[:, order], first, axis=1) for of in values))
+    values = {"share": is_in_time.astype(float), "impact_kmh": np.where(is_in_time, 0.0, impact)}
+    return {name: np.add.reduceat(of[:, order], first, axis=1) for name, of in values.items()}
 
 
 def intervals(sums: np.ndarray, n: np.ndarray) -> dict[str, float]:
@@ -196,7 +186,7 @@ def intervals(sums: np.ndarray, n: np.ndarray) -> dict[str, float]:
     Parameters
     ----------
     sums
-        Of each draw and unit, as in `Drawn`, or differences of two; (n_draws, n_units).
+        Of each draw and unit, as of `draw`, or differences of two; (n_draws, n_units).
     n
         Encounters of each unit, 1 or more; shape (n_units,).
 
@@ -220,11 +210,6 @@ def intervals(sums: np.ndarray, n: np.ndarray) -> dict[str, float]:
         for resampled in (counts @ sums.mean(axis=0), (counts * sums).sum(axis=1)):
             limits += [*np.quantile(resampled / (counts @ n), [tail, 1 - tail])]
     return {"mean": float(by_draw.mean()), **dict(zip(ends, map(float, limits), strict=True))}
-
-
-def draws_for(n: int) -> int:
-    """How many draws are made for n encounters."""
-    return int(np.clip(DRAWN // max(n, 1), FEWEST_DRAWS, MOST_DRAWS))
 
 
 def chance_in_time(slack_s: np.ndarray, reaction: Reaction, after_s: float) -> np.ndarray:
@@ -336,7 +321,8 @@ def judge_in_time(
         units.unit_of_frame[encounters.first_row[rows]], return_inverse=True, return_counts=True
     )
     after_s = movement_s + brakes_s
-    normal = np.random.default_rng(SEED).standard_normal((draws_for(len(rows)), len(rows)))
+    n_draws = int(np.clip(DRAWN // max(len(rows), 1), FEWEST_DRAWS, MOST_DRAWS))
+    normal = np.random.default_rng(SEED).standard_normal((n_draws, len(rows)))
     is_seen, is_known = (
         (first >= 0) & (first < last_row[rows])
         for first in driver_in(result).table[["confirmed_row", "known_row"]].to_numpy()[rows].T
@@ -368,9 +354,7 @@ def judge_in_time(
             )
             for side in sides
         )
-        for measure in ("share", "impact_kmh"):
-            of_x, of_y = getattr(x, measure), getattr(y, measure)
-            for side, sums in (("x", of_x), ("y", of_y), ("difference", of_x - of_y)):
-                row = {"kind": kind, "measure": measure, "side": side}
-                table.append(row | intervals(sums, n))
+        for name, of_x in x.items():
+            for side, sums in (("x", of_x), ("y", y[name]), ("difference", of_x - y[name])):
+                table.append({"kind": kind, "measure": name, "side": side, **intervals(sums, n)})
     return InTime(pd.DataFrame(table), units, chances)

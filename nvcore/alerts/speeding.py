@@ -21,6 +21,7 @@ from nvcore.alerts.settings import KMH_OF
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
+from nvcore.metrics.similarity import runs_of
 from nvcore.scoring import SystemResult
 from nvcore.tables.classes import matches_by_place
 
@@ -167,10 +168,8 @@ def find_speeding(
     -------
     Columns first_row and last_row (of the frames table, inclusive), in the order of the frames.
     """
-    above = np.flatnonzero(speed_kmh > limit_kmh)  # never where one is NaN
-    is_new = np.ones(len(above), dtype=bool)
-    is_new[1:] = (np.diff(above) > 1) | (np.diff(frames.recording[above]) != 0)
-    first, last = above[is_new], above[np.roll(is_new, -1)]
+    above = np.where(speed_kmh > limit_kmh, 0, -1)  # never where one is NaN
+    first, last = runs_of(above, frames.recording)
     # passed counts frames over all recordings, which are never mixed: the onset is within the run
     due = frames.passed[first] + after_s * frames.fps[frames.recording[first]] * (1 - 1e-9)
     onset = np.searchsorted(frames.passed, due)
@@ -223,10 +222,8 @@ class Speeding:
         parts = []
         for subject, stored in self.stored.items():
             limit = stored.limit_kmh
-            is_same = (limit[1:] == limit[:-1]) | (np.isnan(limit[1:]) & np.isnan(limit[:-1]))
-            is_new = np.ones(len(limit), dtype=bool)
-            is_new[1:] = ~is_same | (np.diff(frames.recording) != 0)
-            first, last = np.flatnonzero(is_new), np.flatnonzero(np.roll(is_new, -1))
+            shown = pd.factorize(limit, use_na_sentinel=False)[0]
+            first, last = runs_of(shown, frames.recording)
             part = _timed(
                 self.result, subject, pd.DataFrame({"first_row": first, "last_row": last})
             )

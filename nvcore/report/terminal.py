@@ -287,11 +287,11 @@ def _venn(result: Result) -> str:
 
 def code_lines(result: Result) -> list[str]:
     """Who detects the encounters of each code; empty: nothing is coded."""
-    coded, counts = classes_of(result.dataset).coded, class_counts(result)
-    shown = [code for code in coded if code in counts.index]
+    coded, counts = classes_of(result.dataset).coded, class_counts(result).to_dict("index")
+    shown = [code for code in coded if code in counts]
     lines = [
         f"encounters with {shown_class(code)}, detected by: "
-        + ", ".join(f"{words} {counts.at[code, kind.value]}" for kind, words in COUNTED.items())
+        + ", ".join(f"{words} {counts[code][kind.value]}" for kind, words in COUNTED.items())
         for code in shown[:MOST_CODES]
     ]
     more = len(shown) - len(lines)
