@@ -7,7 +7,6 @@ alerts are judged by the truth afterwards. The oracle alone looks at the truth b
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -157,12 +156,10 @@ def alerts_by_log(scene: Scene, system: Reported, log: AlertLog) -> pd.DataFrame
     alerts = table[["recording", "track", "log_kind"]].assign(
         first_row=begin, last_row=np.clip(end, begin, stop - 1)
     )
-    has_track = alerts["track"].to_numpy() != NO_TRACK
-    decided = np.full(len(alerts), -1)
-    of_all = replace(tracks, track=np.full(len(boxes), NO_TRACK))
-    for is_part, of_boxes in ((has_track, tracks), (~has_track, of_all)):
-        decided[is_part] = _first_decided(scene, system, of_boxes, alerts[is_part])
-    return _with_kinds(scene, system, alerts, decided)
+    # an alert without a track has all boxes of the system meanwhile
+    of_all = np.full(len(boxes), NO_TRACK)
+    both = _Tracks(np.tile(tracks.rows, 2), np.concatenate([tracks.track, of_all]))
+    return _with_kinds(scene, system, both, alerts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,7 +219,7 @@ def _judged(
             "log_kind": pd.Series([""] * n, dtype=object),
         }
     )
-    return _with_kinds(scene, system, alerts, _first_decided(scene, system, tracks, alerts))
+    return _with_kinds(scene, system, tracks, alerts)
 
 
 def _first_decided(
@@ -260,15 +257,10 @@ def _codes(recording: np.ndarray, track: np.ndarray) -> np.ndarray:
 
 
 def _with_kinds(
-    scene: Scene, system: Reported, alerts: pd.DataFrame, decided: np.ndarray
+    scene: Scene, system: Reported, tracks: _Tracks, alerts: pd.DataFrame
 ) -> pd.DataFrame:
-    """The alerts by first frame, each with its encounter and what it was worth.
-
-    Parameters
-    ----------
-    decided
-        Of `_first_decided`.
-    """
+    """The alerts by first frame, each with its encounter and what it was worth."""
+    decided = _first_decided(scene, system, tracks, alerts)
     truth, encounters, n_frames = scene.dataset.truth, scene.encounters, len(scene.frames)
     encounter = np.full(len(alerts), -1)
     has_box = np.flatnonzero(decided >= 0)
@@ -306,30 +298,22 @@ def _with_kinds(
 
 def _of_dataset(table: pd.DataFrame, dataset: Dataset) -> pd.DataFrame:
     """The rows of a log of the dataset's recordings, by number; also where these were renamed."""
-    names = dataset.recordings["name"].tolist()
-    settings = dataset.settings
-    entries: Mapping[str, str] = {}
-    if isinstance(settings, Session):
-        entries = {entry.name: entry.title for entry in settings.recordings if entry.title}
-    row_of = {name: row for row, name in enumerate(names)}
-    row_of |= {old: row_of[new] for old, new in entries.items() if new in row_of}
+    row_of = {name: row for row, name in enumerate(dataset.recordings["name"])}
+    if isinstance(dataset.settings, Session):
+        for entry in dataset.settings.recordings:
+            if entry.title in row_of:
+                row_of[entry.name] = row_of[entry.title]
     number = table["recording"].map(row_of)
     kept = table[number.notna()]
     return kept.assign(recording=number.dropna().astype(np.int64)).reset_index(drop=True)
 
 
-def _inputs_of(dataset: Dataset) -> AlertInputs | None:
-    """Logs and policies of a session's systems; None of fused systems, which no session has."""
-    return dataset.of("alerts") if isinstance(dataset.settings, Session) else None
+def inputs_of(dataset: Dataset) -> AlertInputs:
+    """Logs and policies of a session's systems; none of fused systems, which no session has."""
+    named = dataset.of("alerts") if isinstance(dataset.settings, Session) else None
+    return named or AlertInputs({}, {})
 
 
 def policy_of(params: Params, dataset: Dataset, system: int) -> Params:
     """The settings with the policy of a system: its own, if its session names one."""
-    known = _inputs_of(dataset)
-    return params if known is None else replace(params, **known.policies.get(system, {}))
-
-
-def log_of(dataset: Dataset, system: int) -> AlertLog | None:
-    """The log of a system; None: it has none."""
-    known = _inputs_of(dataset)
-    return None if known is None else known.logs.get(system)
+    return replace(params, **inputs_of(dataset).policies.get(system, {}))

@@ -16,7 +16,7 @@ from nvcore.alerts.episodes import (
     Scene,
     alerts_by_log,
     alerts_by_policy,
-    log_of,
+    inputs_of,
     policy_of,
 )
 from nvcore.alerts.kinds import RESTS_ON_DRIVER, UNWANTED, AlertKind
@@ -49,7 +49,7 @@ def _find_alerts(
         return NO_ALERTS
     number, corridor = at.dataset.systems.index(at.name), float(at.params.corridor)
     scene = Scene(at.dataset, at.encounters, k_truth.k, urgency, seen, corridor)
-    log = log_of(at.dataset, number)
+    log = inputs_of(at.dataset).logs.get(number)
     if at.params.alerts == "log" and log is not None:
         whole = match_system(at.dataset, at.name, None, at.params)
         return alerts_by_log(scene, Reported(at.detections, weights.k, whole), log)
@@ -91,7 +91,7 @@ class AlertsView:
     def has_log(self, system: SystemResult) -> bool:
         """Whether a system has a log of its own."""
         number = self.result.dataset.systems.index(system.name)
-        return log_of(self.result.dataset, number) is not None
+        return number in inputs_of(self.result.dataset).logs
 
     def is_logged(self, system: SystemResult) -> bool:
         """Whether its alerts are those of its own log."""
