@@ -25,7 +25,6 @@ from nvcore.measures.entry import (
 )
 from nvcore.measures.values import per_recording, rate_by_recording, ratio_of
 from nvcore.metrics.venn import Venn, categorise, count_categories
-from nvcore.schema import integers_of
 from nvcore.scoring import SystemResult
 from nvcore.time_left.steps import time_left_in
 
@@ -62,7 +61,8 @@ def _of_kind(kind: AlertKind) -> Measure:
         view = alerts_in(result)
         recording = result.dataset.frame_columns.recording[view.rows_of_kind(system, kind)]
         counts = per_recording(result, None, recording)
-        return integers_of(counts, np.full(len(counts), view.knows_driver or not rests_on_driver))
+        is_known = view.knows_driver or not rests_on_driver
+        return counts.astype(np.int64) if is_known else np.full(len(counts), np.nan)
 
     label = f"{kind.value} alerts"
     return Measure(

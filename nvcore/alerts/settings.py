@@ -44,11 +44,7 @@ def _duration(default: float | None, label: str, meaning: str, **more: Any) -> A
     return _setting(default, label=label, meaning=meaning, **known | more)
 
 
-_SPEEDING: Final[dict[str, Any]] = {
-    "stage": SPEEDING,
-    "used_with": None,
-    "applies": _has_speeds,
-}
+_SPEEDING: Final[dict[str, Any]] = {"stage": SPEEDING, "used_with": None, "applies": _has_speeds}
 
 
 @dataclass(frozen=True)
@@ -158,14 +154,14 @@ class AlertSettings:
         "Speed alert after",
         "How long the car has to be above the limit that was read last before the driver "
         "is alerted. Of effect where speed signs are compared and the car's speed is known.",
+        **_SPEEDING,
+        high=60,
+        step=0.5,
     )
-
-    limit_unit: LimitUnit = setting(
-        SPEEDING,
+    limit_unit: LimitUnit = _setting(
         "kmh",
+        **_SPEEDING,
         words={"kmh": "km/h", "mph": "miles per hour"},
-        applies=_has_speeds,
-        is_advanced=True,
         label="Unit of limits",
         meaning="Unit of the limits that signs show. Of effect as the setting before.",
     )
