@@ -30,10 +30,17 @@ from nvcore.sentences.facts import Fact
 
 def alert_facts(result: Result) -> tuple[Fact, ...]:
     """The alerts of both systems, and what is not known of them; none: alerts are not judged."""
-    if not alerts_in(result).is_asked:
+    view = alerts_in(result)
+    if not view.is_asked:
         return ()
-    of_systems = (alerts_of(result, letter, system) for letter, system in result.sides)
-    return (*of_systems, *notes(result))
+    n_wanted = sum(len(view.rows_of_kind(system, AlertKind.WANTED)) for _, system in result.sides)
+    facts: list[Fact] = [alerts_of(result, letter, system) for letter, system in result.sides]
+    facts += [ViewUnknown(n_wanted)] if n_wanted else []
+    if n_sampled := int(np.count_nonzero(result.dataset.frame_columns.sampling_step > 1)):
+        facts.append(Sampled(n_sampled))
+    if result.params.alert_oracle == "on":
+        facts.append(Oracle("on" if result.dataset.has_detectability else "without effect"))
+    return tuple(facts)
 
 
 def alerts_of(result: Result, letter: str, system: SystemResult) -> AlertsOf:
@@ -44,18 +51,6 @@ def alerts_of(result: Result, letter: str, system: SystemResult) -> AlertsOf:
     in_time = int(view.in_time(system).sum())
     origin: Literal["log", "policy"] = "log" if view.is_logged(system) else "policy"
     return AlertsOf(origin if n else "none", letter, n, kinds, in_time, view.n_urgent)
-
-
-def notes(result: Result) -> tuple[Fact, ...]:
-    """What is not known of the alerts, and whether an oracle holds some back."""
-    view = alerts_in(result)
-    n_wanted = sum(len(view.rows_of_kind(system, AlertKind.WANTED)) for _, system in result.sides)
-    facts: list[Fact] = [ViewUnknown(n_wanted)] if n_wanted else []
-    if n_sampled := int(np.count_nonzero(result.dataset.frame_columns.sampling_step > 1)):
-        facts.append(Sampled(n_sampled))
-    if result.params.alert_oracle == "on":
-        facts.append(Oracle("on" if result.dataset.has_detectability else "without effect"))
-    return tuple(facts)
 
 
 def in_time_by_kind(result: Result) -> tuple[InTimeByKind, ...]:
