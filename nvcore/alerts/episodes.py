@@ -7,6 +7,7 @@ alerts are judged by the truth afterwards. The oracle alone looks at the truth b
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -125,7 +126,7 @@ def alerts_by_policy(
         row = boxes.frame_index[rows[matched]]
         alerting[matched] &= ~scene.is_before("confirmed_row", encounter, row)
     durations = (policy.alert_on_s, policy.alert_off_s, policy.alert_least_s, policy.alert_pause_s)
-    return _judged(scene, system, tracks, alerting, durations, step=1)
+    return _judged(scene, system, tracks, alerting, [*map(float, durations)], step=1)
 
 
 def alerts_by_log(scene: Scene, system: Reported, log: AlertLog) -> pd.DataFrame:
@@ -140,7 +141,7 @@ def alerts_by_log(scene: Scene, system: Reported, log: AlertLog) -> pd.DataFrame
     if log.places is not None:
         own = scene.dataset.boxes.iloc[boxes.first_row : boxes.first_row + len(boxes)]
         is_alerted = np.isin(places_of(own), log.places)
-        return _judged(scene, system, tracks, is_alerted, (0.0,) * 4, step=LINK_GAP + 1)
+        return _judged(scene, system, tracks, is_alerted, [0.0] * 4, step=LINK_GAP + 1)
     assert log.table is not None
     table = _of_dataset(log.table, scene.dataset)
     first, stop = frames.first[table["recording"]], frames.first[table["recording"] + 1]
@@ -180,7 +181,7 @@ def _judged(
     system: Reported,
     tracks: _Tracks,
     alerting: np.ndarray,
-    durations: tuple[float, float, float, float],
+    durations: Sequence[float],
     *,
     step: int,
 ) -> pd.DataFrame:
@@ -193,21 +194,10 @@ def _judged(
     place = place[np.lexsort((frame_index[place], key[place]))]
     onset, end, first = np.empty((3, len(place)), np.int64)
     rate = frames.fps[frames.recording]
-    on_s, off_s, least_s, pause_s = map(float, durations)
+    final_row, row = frames.first[frames.recording + 1] - 1, frame_index[place]
+    time_s, end_s = frames.frame / rate, (frames.frame + frames.gap) / rate
     n = switch_alerts(
-        key[place],
-        frame_index[place],
-        final_row=frames.first[frames.recording + 1] - 1,
-        time_s=frames.frame / rate,
-        end_s=(frames.frame + frames.gap) / rate,
-        on_s=on_s,
-        off_s=off_s,
-        least_s=least_s,
-        pause_s=pause_s,
-        step=step,
-        onset=onset,
-        end=end,
-        first=first,
+        key[place], row, final_row, time_s, end_s, *durations, step, onset, end, first
     )
     at = place[first[:n]]
     alerts = pd.DataFrame(

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -305,55 +305,33 @@ def judge_in_time(
     rows, urgent_row = np.flatnonzero(time_left.is_urgent), time_left.urgency["urgent_row"]
     braking_s = speed_of_frames(frames, params.speed_kmh) / KMH / (2 * params.deceleration)
     time_s, last_row = dataset.frames["time_s"].to_numpy(), urgent_row.to_numpy()
+    ttc_s, reaction_s = time_left.contact.ttc_s, params.reaction_s
     sides = [
         slack_at_onset(
-            encounters,
-            time_left.contact.ttc_s,
-            braking_s,
-            time_s,
-            onset,
-            last_row,
-            reaction_s=params.reaction_s,
+            encounters, ttc_s, braking_s, time_s, onset, last_row, reaction_s=reaction_s
         ).iloc[rows]
         for onset in onset_rows
     ]
     _, unit, n = np.unique(
         units.unit_of_frame[encounters.first_row[rows]], return_inverse=True, return_counts=True
     )
-    after_s = movement_s + brakes_s
+    after_s, speed_kmh = movement_s + brakes_s, time_left.urgency["speed_kmh"].to_numpy()[rows]
     n_draws = int(np.clip(DRAWN // max(len(rows), 1), FEWEST_DRAWS, MOST_DRAWS))
-    normal = np.random.default_rng(SEED).standard_normal((n_draws, len(rows)))
     is_seen, is_known = (
         (first >= 0) & (first < last_row[rows])
         for first in driver_in(result).table[["confirmed_row", "known_row"]].to_numpy()[rows].T
     )
     slacks = [side["slack_s"].to_numpy() for side in sides]
-    chances = pd.DataFrame(
-        {
-            "is_known": is_known,
-            "is_seen": is_seen,
-            "slack_s_x": slacks[0],
-            "slack_s_y": slacks[1],
-        },
-        index=rows,
-    )
+    chances = pd.DataFrame({"is_known": is_known, "is_seen": is_seen}, index=rows)
+    chances[["slack_s_x", "slack_s_y"]] = np.column_stack(slacks)
+    shared: dict[str, Any] = {"after_s": after_s, "deceleration": params.deceleration}
+    shared["normal"] = np.random.default_rng(SEED).standard_normal((n_draws, len(rows)))
     table = []
     for kind, reaction in reactions.items():
         of_sides = dict(zip(("x", "y", "both"), (*slacks, np.minimum(*slacks)), strict=True))
         for side, slack in of_sides.items():
             chances[f"{kind}_{side}"] = chance_in_time(slack, reaction, after_s)
-        x, y = (
-            draw(
-                side,
-                time_left.urgency["speed_kmh"].to_numpy()[rows],
-                unit,
-                reaction,
-                after_s=after_s,
-                deceleration=params.deceleration,
-                normal=normal,
-            )
-            for side in sides
-        )
+        x, y = (draw(side, speed_kmh, unit, reaction, **shared) for side in sides)
         for name, of_x in x.items():
             for side, sums in (("x", of_x), ("y", y[name]), ("difference", of_x - y[name])):
                 table.append({"kind": kind, "measure": name, "side": side, **intervals(sums, n)})

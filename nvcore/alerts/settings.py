@@ -137,16 +137,10 @@ class AlertSettings:
         stage=IN_TIME,
     )
     foot_s: float = _duration(
-        0.0,
-        "Movement of the foot",
-        "Time from the driver's reaction to the foot on the brake.",
-        stage=IN_TIME,
+        0.0, "Movement of the foot", "From the reaction to the foot on the brake.", stage=IN_TIME
     )
     brakes_s: float = _duration(
-        0.0,
-        "Build-up of the brakes",
-        "Time from the foot on the brake until the car brakes.",
-        stage=IN_TIME,
+        0.0, "Build-up of the brakes", "From the foot on the brake to braking.", stage=IN_TIME
     )
 
     speeding_after_s: float = _duration(
