@@ -11,7 +11,7 @@ from nvcore.errors import ParameterError
 COLUMNS: Final = ("recording", "start_s", "end_s", "code")
 LONGEST_CODE: Final = 80
 NO_CODE: Final = "no_code"
-"""Class of encounters that overlap no coded interval, where there are any."""
+"""Class of encounters that overlap no coded interval, in recordings that have any."""
 SEPARATOR: Final = ";"
 """`nvcore.schema.CLASS_SEPARATOR`, without what that module loads."""
 

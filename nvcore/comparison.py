@@ -205,10 +205,15 @@ class Result:
         return scheme_for(shade, self.dataset.systems, self.x.name, self.y.name)
 
     @property
+    def is_near(self) -> np.ndarray:
+        """Encounters that count, as they are not distant; bool, shape (n_encounters,)."""
+        is_near: np.ndarray = self.category != Category.DISTANT.value
+        return is_near
+
+    @property
     def is_short(self) -> bool:
         """Whether most encounters that count are a single frame long."""
-        is_near = self.category != Category.DISTANT.value
-        return mostly_one_frame(self.encounters.n_frames[is_near])
+        return mostly_one_frame(self.encounters.n_frames[self.is_near])
 
     @property
     def mcnemar_p(self) -> float:

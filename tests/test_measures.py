@@ -57,6 +57,7 @@ def perfect() -> Result:
         person = approach(range(12), 2.9, track=3, recording=recording)
         truth += person
         y += only(person, range(12 if recording % 2 else 9))
+    truth = [box._replace(detectability=0.2) for box in truth]
     return result_of(make_dataset(truth, truth, y, places=[Place(range(12))] * 12), alerts="policy")
 
 

@@ -46,7 +46,7 @@ from nvcore.wording import one_line
     "--out",
     type=click.Path(file_okay=False, path_type=Path),
     metavar="DIR",
-    help="Write alerts.csv and alert_curve.csv into this folder.",
+    help="Write alerts.csv, alert_curve.csv and, with speed signs, speeding.csv into this folder.",
 )
 @parameter_options
 def alerts(policy: str | None, out: Path | None, **options: Any) -> None:

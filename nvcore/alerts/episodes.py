@@ -7,7 +7,7 @@ alerts are judged by the truth afterwards. The oracle alone looks at the truth b
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -72,11 +72,15 @@ class Scene:
         """All frames."""
         return self.dataset.frame_columns
 
-    def has_seen(self, encounter: np.ndarray, row: np.ndarray) -> np.ndarray:
-        """Whether the driver has seen encounters before frame rows; bool, shape (n,)."""
-        seen_row = self.seen["confirmed_row"].to_numpy()[encounter]
-        has_seen: np.ndarray = (seen_row >= 0) & (seen_row < row)
-        return has_seen
+    def is_before(self, name: str, encounter: np.ndarray, row: np.ndarray) -> np.ndarray:
+        """Whether a row of `seen` stands before frame rows; bool, shape (n,).
+
+        ``confirmed_row``: the driver has seen the encounters by then; ``known_row``: it is known
+        by then whether he sees them.
+        """
+        first = self.seen[name].to_numpy()[encounter]
+        is_before: np.ndarray = (first >= 0) & (first < row)
+        return is_before
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,9 +123,10 @@ def alerts_by_policy(
         truth_row = system.matches.det_truth[rows]
         matched = np.flatnonzero(truth_row >= 0)
         encounter = scene.encounters.encounter_of[truth_row[matched]]
-        alerting[matched] &= ~scene.has_seen(encounter, boxes.frame_index[rows[matched]])
+        row = boxes.frame_index[rows[matched]]
+        alerting[matched] &= ~scene.is_before("confirmed_row", encounter, row)
     durations = (policy.alert_on_s, policy.alert_off_s, policy.alert_least_s, policy.alert_pause_s)
-    return _judged(scene, system, tracks, alerting, durations, step=1)
+    return _judged(scene, system, tracks, alerting, [*map(float, durations)], step=1)
 
 
 def alerts_by_log(scene: Scene, system: Reported, log: AlertLog) -> pd.DataFrame:
@@ -136,7 +141,7 @@ def alerts_by_log(scene: Scene, system: Reported, log: AlertLog) -> pd.DataFrame
     if log.places is not None:
         own = scene.dataset.boxes.iloc[boxes.first_row : boxes.first_row + len(boxes)]
         is_alerted = np.isin(places_of(own), log.places)
-        return _judged(scene, system, tracks, is_alerted, (0.0,) * 4, step=LINK_GAP + 1)
+        return _judged(scene, system, tracks, is_alerted, [0.0] * 4, step=LINK_GAP + 1)
     assert log.table is not None
     table = _of_dataset(log.table, scene.dataset)
     first, stop = frames.first[table["recording"]], frames.first[table["recording"] + 1]
@@ -152,12 +157,10 @@ def alerts_by_log(scene: Scene, system: Reported, log: AlertLog) -> pd.DataFrame
     alerts = table[["recording", "track", "log_kind"]].assign(
         first_row=begin, last_row=np.clip(end, begin, stop - 1)
     )
-    has_track = alerts["track"].to_numpy() != NO_TRACK
-    decided = np.full(len(alerts), -1)
-    of_all = replace(tracks, track=np.full(len(boxes), NO_TRACK))
-    for is_part, of_boxes in ((has_track, tracks), (~has_track, of_all)):
-        decided[is_part] = _first_decided(scene, system, of_boxes, alerts[is_part])
-    return _with_kinds(scene, system, alerts, decided)
+    # an alert without a track has all boxes of the system meanwhile
+    of_all = np.full(len(boxes), NO_TRACK)
+    both = _Tracks(np.tile(tracks.rows, 2), np.concatenate([tracks.track, of_all]))
+    return _with_kinds(scene, system, both, alerts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,7 +181,7 @@ def _judged(
     system: Reported,
     tracks: _Tracks,
     alerting: np.ndarray,
-    durations: tuple[float, float, float, float],
+    durations: Sequence[float],
     *,
     step: int,
 ) -> pd.DataFrame:
@@ -191,10 +194,10 @@ def _judged(
     place = place[np.lexsort((frame_index[place], key[place]))]
     onset, end, first = np.empty((3, len(place)), np.int64)
     rate = frames.fps[frames.recording]
+    final_row, row = frames.first[frames.recording + 1] - 1, frame_index[place]
+    time_s, end_s = frames.frame / rate, (frames.frame + frames.gap) / rate
     n = switch_alerts(
-        *(key[place], frame_index[place], frames.first[frames.recording + 1] - 1),
-        *(frames.frame / rate, (frames.frame + frames.gap) / rate),
-        *(*map(float, durations), step, onset, end, first),
+        key[place], row, final_row, time_s, end_s, *durations, step, onset, end, first
     )
     at = place[first[:n]]
     alerts = pd.DataFrame(
@@ -206,7 +209,7 @@ def _judged(
             "log_kind": pd.Series([""] * n, dtype=object),
         }
     )
-    return _with_kinds(scene, system, alerts, _first_decided(scene, system, tracks, alerts))
+    return _with_kinds(scene, system, tracks, alerts)
 
 
 def _first_decided(
@@ -244,15 +247,10 @@ def _codes(recording: np.ndarray, track: np.ndarray) -> np.ndarray:
 
 
 def _with_kinds(
-    scene: Scene, system: Reported, alerts: pd.DataFrame, decided: np.ndarray
+    scene: Scene, system: Reported, tracks: _Tracks, alerts: pd.DataFrame
 ) -> pd.DataFrame:
-    """The alerts by first frame, each with its encounter and what it was worth.
-
-    Parameters
-    ----------
-    decided
-        Of `_first_decided`.
-    """
+    """The alerts by first frame, each with its encounter and what it was worth."""
+    decided = _first_decided(scene, system, tracks, alerts)
     truth, encounters, n_frames = scene.dataset.truth, scene.encounters, len(scene.frames)
     encounter = np.full(len(alerts), -1)
     has_box = np.flatnonzero(decided >= 0)
@@ -272,43 +270,40 @@ def _with_kinds(
         is_far |= is_outside(truth, at, scene.frames, scene.corridor)
         urgency = scene.urgency["urgency"].to_numpy()[who]
         is_not_urgent = ~np.isin(urgency, [Urgency.URGENT.value, Urgency.UNKNOWN.value])
-        is_known = ~np.isnan(scene.seen["detectability"].to_numpy()[who])
+        has_seen, is_known = (
+            scene.is_before(name, who, row) for name in ("confirmed_row", "known_row")
+        )
         kinds[matched] = np.select(
-            [is_not_urgent & is_far, scene.has_seen(who, row), is_known],
+            [is_not_urgent & is_far, has_seen, is_known],
             [kind.value for kind in (AlertKind.NUISANCE, AlertKind.REDUNDANT, AlertKind.NEEDED)],
             AlertKind.WANTED.value,
         )
     judged = alerts.assign(encounter=encounter, kind=pd.Series(kinds, dtype=object).to_numpy())
     order = np.lexsort((judged["track"], judged["last_row"], judged["first_row"]))
-    return judged.iloc[order][[*NO_ALERTS]].reset_index(drop=True)
+    judged = judged.iloc[order][[*NO_ALERTS]].reset_index(drop=True)
+    told = judged["encounter"][judged["kind"].isin([AlertKind.NEEDED, AlertKind.WANTED])]
+    judged.loc[told.index[told.duplicated()], "kind"] = AlertKind.REPEATED.value
+    return judged
 
 
 def _of_dataset(table: pd.DataFrame, dataset: Dataset) -> pd.DataFrame:
     """The rows of a log of the dataset's recordings, by number; also where these were renamed."""
-    names = dataset.recordings["name"].tolist()
-    settings = dataset.settings
-    entries: Mapping[str, str] = {}
-    if isinstance(settings, Session):
-        entries = {entry.name: entry.title for entry in settings.recordings if entry.title}
-    row_of = {name: row for row, name in enumerate(names)}
-    row_of |= {old: row_of[new] for old, new in entries.items() if new in row_of}
+    row_of = {name: row for row, name in enumerate(dataset.recordings["name"])}
+    if isinstance(dataset.settings, Session):
+        for entry in dataset.settings.recordings:
+            if entry.title in row_of:
+                row_of[entry.name] = row_of[entry.title]
     number = table["recording"].map(row_of)
     kept = table[number.notna()]
     return kept.assign(recording=number.dropna().astype(np.int64)).reset_index(drop=True)
 
 
-def _inputs_of(dataset: Dataset) -> AlertInputs | None:
-    """Logs and policies of a session's systems; None of fused systems, which no session has."""
-    return dataset.of("alerts") if isinstance(dataset.settings, Session) else None
+def inputs_of(dataset: Dataset) -> AlertInputs:
+    """Logs and policies of a session's systems; none of fused systems, which no session has."""
+    named = dataset.of("alerts") if isinstance(dataset.settings, Session) else None
+    return named or AlertInputs({}, {})
 
 
 def policy_of(params: Params, dataset: Dataset, system: int) -> Params:
     """The settings with the policy of a system: its own, if its session names one."""
-    known = _inputs_of(dataset)
-    return params if known is None else replace(params, **known.policies.get(system, {}))
-
-
-def log_of(dataset: Dataset, system: int) -> AlertLog | None:
-    """The log of a system; None: it has none."""
-    known = _inputs_of(dataset)
-    return None if known is None else known.logs.get(system)
+    return replace(params, **inputs_of(dataset).policies.get(system, {}))

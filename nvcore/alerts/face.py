@@ -15,8 +15,8 @@ from nvcore.inputs.session import Session
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_run
 
-FILES = ("alerts.csv", "alert_curve.csv")
-"""The files that `write_alerts` writes."""
+FILES = ("alerts.csv", "alert_curve.csv", "speeding.csv")
+"""The files that `write_alerts` writes; the last only where there are speed alerts."""
 
 
 def judge_alerts(
@@ -59,7 +59,7 @@ def judge_alerts(
 
 
 def write_alerts(folder: Path, alerts: AlertsView) -> None:
-    """Write `FILES` into a folder: the table of alerts and the trade-off curve.
+    """Write `FILES` into a folder: the table of alerts, the trade-off curve, the speed alerts.
 
     Raises
     ------
@@ -69,5 +69,7 @@ def write_alerts(folder: Path, alerts: AlertsView) -> None:
     curve = alerts.curve.assign(
         threshold=alerts.curve["threshold"].replace(float("-inf"), float("nan"))
     )
-    tables = zip(FILES, (alerts.table, curve), strict=True)
+    speeding = alerts.speeding
+    tables = [*zip(FILES, (alerts.table, curve), strict=False)]
+    tables += [(FILES[2], speeding.table)] if speeding is not None else []
     write_run(folder, [(name, to_csv_bytes(table)) for name, table in tables], FILES)

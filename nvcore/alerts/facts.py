@@ -75,29 +75,43 @@ class InTimeByKind(Fact):
 
 @dataclass(frozen=True)
 class MoreDoubt(Fact):
-    """What contributes more doubt to the difference in time of a kind of alert.
+    """How much doubt of a kind of alert's difference is of the drivers, how much of the units.
 
     Attributes
     ----------
     kind
-        The ``drivers``, who react differently, or the ``recordings``; ``few``: too few of these to
-        know.
+        Whether the units are ``enough`` to know, or too ``few``.
     low, high
         Ends of the interval of X - Y in which both vary; of ``few`` that of the drivers.
-    drivers, recordings
+    drivers, of_units
         Half the width of the interval of each alone. All in percentage points.
+    units
+        What they are, such as ``recordings``.
     """
 
-    kind: Literal["drivers", "recordings", "few"]
+    kind: Literal["enough", "few"]
     name: str
     difference: float
     low: float
     high: float
     drivers: float
-    recordings: float
+    of_units: float
+    units: str
+
+
+@dataclass(frozen=True)
+class Sampled(Fact):
+    """That not every frame of some recordings is evaluated, so that alerts are of single ones."""
+
+    n: int
 
 
 _TIME: Final = "; in time for {in_time} of {n_urgent!n:urgent encounter}."
+
+_DIFFERENCE: Final = (
+    "with {name} alerts X - Y is {difference:+.0f} percentage points (95 %: {low:+.0f} to "
+    "{high:+.0f}"
+)
 
 TEXTS: Final[Texts] = {
     OfKind: "{n} {name}",
@@ -118,28 +132,13 @@ TEXTS: Final[Texts] = {
         )
     },
     MoreDoubt: {
-        kind: f"with {{name}} alerts X - Y is {{difference:+.0f}} percentage points (95 %: "
-        f"{{low:+.0f}} to {{high:+.0f}}{of}). {why}"
-        for kind, of, why in (
-            (
-                "drivers",
-                "",
-                "How drivers differ contributes more doubt (±{drivers:.0f}) than which recordings "
-                "these are (±{recordings:.0f}): more recordings help less.",
-            ),
-            (
-                "recordings",
-                "",
-                "Which recordings these are contributes more doubt (±{recordings:.0f}) than how "
-                "drivers differ (±{drivers:.0f}): more recordings help.",
-            ),
-            (
-                "few",
-                ", other drivers alone",
-                "The recordings are too few to know what others would give.",
-            ),
-        )
+        "enough": f"{_DIFFERENCE}): ±{{drivers:.0f}} as drivers differ, ±{{of_units:.0f}} as "
+        "{units} do.",
+        "few": f"{_DIFFERENCE}, other drivers alone). The {{units}} with urgent encounters are too "
+        "few to know what others would give.",
     },
+    Sampled: "of {n!n:recording} not every frame is evaluated: alerts between these frames are "
+    "unknown, and so is how long an alert lasts.",
     Oracle: {
         "on": "alerts about {many} {whom} the driver has seen are held back, as a perfect driver "
         "monitor would: an oracle, which no system has.",

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -18,14 +18,15 @@ import scipy
 
 from nvcore.comparison import Result
 from nvcore.driver.comparison.steps import driver_in
-from nvcore.evidence.bootstrap import CONFIDENCE, MIN_UNITS, SEED, count_units
+from nvcore.evidence.bootstrap import CONFIDENCE, MIN_UNITS, SEED, count_units, expanded_tail
+from nvcore.evidence.units import BLOCKS, Units, find_units
 from nvcore.metrics.encounters import Encounters
 from nvcore.schema import KMH
 from nvcore.time_left.judging import speed_of_frames
 from nvcore.time_left.steps import time_left_in
 
 MOST_DRAWS, FEWEST_DRAWS, DRAWN = 2_000, 200, 20_000_000
-"""Draws of all drivers' reactions, and resamples of recordings: as many as keep so many numbers."""
+"""Draws of all drivers' reactions, and resamples of units: as many as keep so many numbers."""
 DRIVER_WORDS: Final = {
     "sees": "sees {him} by himself in time",
     "does_not": "does not",
@@ -71,12 +72,16 @@ def slack_at_onset(
     braking_s: np.ndarray,
     time_s: np.ndarray,
     onset_row: np.ndarray,
+    last_row: np.ndarray,
+    *,
+    reaction_s: float,
 ) -> pd.DataFrame:
     """How long the driver may take after the onset and still stop.
 
     Time to contact less the time that braking takes, at the onset. Time to contact is measured with
     noise, so the least value of all frames up to the onset counts: an alert after the last chance
-    is late even where a later frame seems to give time again, as in the time left.
+    is late even where a later frame seems to give time again, as in the time left. Nor has he
+    longer than `reaction_s` at the last chance, however slowly the car seems to close before.
 
     Parameters
     ----------
@@ -87,16 +92,18 @@ def slack_at_onset(
         ``v / (2 * deceleration)`` of each frame, seconds; shape (n_frames,).
     time_s
         Of each frame within its recording, seconds; shape (n_frames,).
-    onset_row
-        Frame row in which the alert begins, of each encounter; -1: it gets none. int64, shape
-        (n_encounters,).
+    onset_row, last_row
+        Frame row in which the alert begins, of each encounter (-1: it gets none), and that of its
+        last chance (-1: there is none, so it is not capped). int64, shape (n_encounters,).
+    reaction_s
+        By which the last chance was found, seconds.
 
     Returns
     -------
     One row per encounter: slack_s (`NEVER` without an alert; NaN: no time to contact is known) and
     ttc_s at the onset, seconds (that of the nearest earlier frame where it is known; NaN without an
     alert). Where none is known up to the onset, both are those of the first known frame and the
-    time that passes until then.
+    time that passes until then. Both are finite where there is a last chance.
     """
     n = len(encounters)
     encounter = np.repeat(np.arange(n), np.diff(encounters.offsets))
@@ -117,36 +124,24 @@ def slack_at_onset(
     found: pd.DataFrame = at_onset.combine_first(later).reindex(
         np.arange(n), columns=["slack_s", "ttc_s"]
     )
+    left_s = reaction_s + np.maximum(time_s[last_row] - time_s[onset_row], 0.0)
+    most_s = np.where(last_row >= 0, left_s, np.inf)
+    found["slack_s"] = np.minimum(found["slack_s"], most_s)
+    found["ttc_s"] = np.minimum(found["ttc_s"], most_s + braking_s[onset_row])
     found.loc[onset_row < 0, "slack_s"] = NEVER
     return found
-
-
-@dataclass(frozen=True, eq=False)
-class Drawn:
-    """What the draws of reaction times come to, of one system and kind of alert.
-
-    Attributes
-    ----------
-    share, impact_kmh
-        Number in time, and sum of the impact speeds (km/h), of the encounters of each recording;
-        float64, shape (n_draws, n_recordings).
-    """
-
-    share: np.ndarray
-    impact_kmh: np.ndarray
 
 
 def draw(
     onset: pd.DataFrame,
     speed_kmh: np.ndarray,
-    recording: np.ndarray,
+    unit: np.ndarray,
     reaction: Reaction,
     *,
     after_s: float,
     deceleration: float,
     normal: np.ndarray,
-    n_recordings: int,
-) -> Drawn:
+) -> dict[str, np.ndarray]:
     """Judge the same encounters with each draw of their drivers' reactions.
 
     In time: ``slack >= reaction + after_s``, as an encounter is urgent below that. Else the car
@@ -157,13 +152,18 @@ def draw(
     ----------
     onset
         Rows of `slack_at_onset`, of the encounters that are judged.
-    speed_kmh, recording
-        Speed at the last chance, km/h, and number of the recording, ascending, of each of them.
+    speed_kmh, unit
+        Speed at the last chance, km/h, and number of the unit, from 0, of each of them.
     after_s
         Movement of the foot and build-up of the brakes, seconds.
     normal
         Standard normal draws, shape (n_draws, n): the same for all systems and kinds, so that only
         they make the difference.
+
+    Returns
+    -------
+    ``share`` and ``impact_kmh``: number in time, and sum of the impact speeds, of the encounters of
+    each unit; float64, shape (n_draws, n_units).
     """
     slack, ttc = (onset[name].to_numpy() for name in ("slack_s", "ttc_s"))
     v = speed_kmh / KMH
@@ -171,52 +171,45 @@ def draw(
     is_in_time = slack >= braking_from
     braked_s = np.where(np.isnan(ttc), 0.0, np.maximum(ttc - braking_from, 0.0))
     impact = KMH * np.sqrt(np.maximum(v**2 - 2 * deceleration * v * braked_s, 0.0))
-    known, first = np.unique(recording, return_index=True)
-    sums = []
-    for values in (is_in_time.astype(float), np.where(is_in_time, 0.0, impact)):
-        of_recordings = np.zeros((len(normal), n_recordings))
-        if len(known):
-            of_recordings[:, known] = np.add.reduceat(values, first, axis=1)
-        sums.append(of_recordings)
-    return Drawn(*sums)
+    order = np.argsort(unit, kind="stable")
+    first = np.unique(unit[order], return_index=True)[1]
+    values = {"share": is_in_time.astype(float), "impact_kmh": np.where(is_in_time, 0.0, impact)}
+    return {name: np.add.reduceat(of[:, order], first, axis=1) for name, of in values.items()}
 
 
 def intervals(sums: np.ndarray, n: np.ndarray) -> dict[str, float]:
-    """Mean over encounters with its intervals: of the draws, of the recordings, and of both.
+    """Mean over encounters with its intervals: of the draws, of the units, and of both.
+
+    Units are resampled as whole ones, each with its encounters; the ends of their intervals are
+    moved outwards to allow for few (`nvcore.evidence.bootstrap.expanded_tail`).
 
     Parameters
     ----------
     sums
-        Of each draw and recording, as in `Drawn`, or differences of two; (n_draws, n_recordings).
+        Of each draw and unit, as of `draw`, or differences of two; (n_draws, n_units).
     n
-        Encounters of each recording; shape (n_recordings,).
+        Encounters of each unit, 1 or more; shape (n_units,).
 
     Returns
     -------
-    mean; draws_low, draws_high (these recordings, other drivers); recordings_low, recordings_high
-    (other recordings, the drivers' mean); low, high (both vary). Percentiles at 95 %; NaN where
-    there are no encounters, and without the draws' where there are fewer than 8 recordings.
+    mean; draws_low, draws_high (these units, other drivers); units_low, units_high (other units,
+    the drivers' mean); low, high (both vary). At 95 %; NaN where there are no encounters, and
+    without the draws' where fewer than `MIN_UNITS` units have any.
     """
-    ends = ("draws_low", "draws_high", "recordings_low", "recordings_high", "low", "high")
-    if not n.sum():
+    ends = ("draws_low", "draws_high", "units_low", "units_high", "low", "high")
+    if not len(n):
         return dict.fromkeys(("mean", *ends), np.nan)
-    tails = (1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2
     by_draw = sums.sum(axis=1) / n.sum()
-    limits = [*np.quantile(by_draw, tails)]
+    limits = [*np.quantile(by_draw, [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2])]
     if len(n) < MIN_UNITS:
         limits += [np.nan] * 4
     else:
         rng = np.random.default_rng(SEED)
         counts = count_units(rng.integers(0, len(n), (len(sums), len(n))), len(n))
-        counts = counts[counts @ n > 0]
-        for resampled in (counts @ sums.mean(axis=0), (counts * sums[: len(counts)]).sum(axis=1)):
-            limits += [*np.quantile(resampled / (counts @ n), tails)]
+        tail = expanded_tail(len(n))
+        for resampled in (counts @ sums.mean(axis=0), (counts * sums).sum(axis=1)):
+            limits += [*np.quantile(resampled / (counts @ n), [tail, 1 - tail])]
     return {"mean": float(by_draw.mean()), **dict(zip(ends, map(float, limits), strict=True))}
-
-
-def draws_for(n: int) -> int:
-    """How many draws are made for n encounters."""
-    return int(np.clip(DRAWN // max(n, 1), FEWEST_DRAWS, MOST_DRAWS))
 
 
 def chance_in_time(slack_s: np.ndarray, reaction: Reaction, after_s: float) -> np.ndarray:
@@ -240,6 +233,8 @@ class InTime:
     table
         A row for each kind of alert, measure (``share``, 0..1; ``impact_kmh``) and side (``x``,
         ``y``, ``difference``), with the columns of `intervals`.
+    units
+        What intervals are over; those without urgent encounters have no part in them.
     chances
         A row for each urgent encounter (index: of ``result.encounters``): is_known (whether it is
         known if the driver sees him by himself before the last chance), is_seen (that he does),
@@ -248,7 +243,13 @@ class InTime:
     """
 
     table: pd.DataFrame
+    units: Units
     chances: pd.DataFrame
+
+    @property
+    def what_varies(self) -> str:
+        """What the units are, such as ``recordings``."""
+        return "stretches of these recordings" if self.units.kind == BLOCKS else self.units.kind
 
     def of_hundred(self, kind: str) -> pd.DataFrame:
         """Of 100 urgent encounters: how many the driver sees himself, in how many X and Y help.
@@ -300,45 +301,38 @@ def judge_in_time(
     ``docs/alerts.md``, in time for the driver.
     """
     dataset, params, encounters = result.dataset, result.params, result.encounters
-    time_left, frames = time_left_in(result), dataset.frame_columns
-    rows = np.flatnonzero(time_left.is_urgent)
+    time_left, frames, units = time_left_in(result), dataset.frame_columns, find_units(result)
+    rows, urgent_row = np.flatnonzero(time_left.is_urgent), time_left.urgency["urgent_row"]
     braking_s = speed_of_frames(frames, params.speed_kmh) / KMH / (2 * params.deceleration)
-    time_s = dataset.frames["time_s"].to_numpy()
+    time_s, last_row = dataset.frames["time_s"].to_numpy(), urgent_row.to_numpy()
+    ttc_s, reaction_s = time_left.contact.ttc_s, params.reaction_s
     sides = [
-        slack_at_onset(encounters, time_left.contact.ttc_s, braking_s, time_s, onset).iloc[rows]
+        slack_at_onset(
+            encounters, ttc_s, braking_s, time_s, onset, last_row, reaction_s=reaction_s
+        ).iloc[rows]
         for onset in onset_rows
     ]
-    speed_kmh = time_left.urgency["speed_kmh"].to_numpy()[rows]
-    recording, n_recordings = encounters.recording[rows], len(dataset.recordings)
-    n = np.bincount(recording, minlength=n_recordings)
-    after_s = movement_s + brakes_s
-    normal = np.random.default_rng(SEED).standard_normal((draws_for(len(rows)), len(rows)))
-    driver, urgent_row = driver_in(result).table, time_left.urgency["urgent_row"].to_numpy()
-    seen_row = driver["confirmed_row"].to_numpy()
-    is_seen = ((seen_row >= 0) & (seen_row < urgent_row))[rows]
-    chances = pd.DataFrame(
-        {
-            "is_known": is_seen | (driver["n_known"].to_numpy() > 0)[rows],
-            "is_seen": is_seen,
-            "slack_s_x": sides[0]["slack_s"].to_numpy(),
-            "slack_s_y": sides[1]["slack_s"].to_numpy(),
-        },
-        index=rows,
+    _, unit, n = np.unique(
+        units.unit_of_frame[encounters.first_row[rows]], return_inverse=True, return_counts=True
     )
-    table = []
+    after_s, speed_kmh = movement_s + brakes_s, time_left.urgency["speed_kmh"].to_numpy()[rows]
+    n_draws = int(np.clip(DRAWN // max(len(rows), 1), FEWEST_DRAWS, MOST_DRAWS))
+    is_seen, is_known = (
+        (first >= 0) & (first < last_row[rows])
+        for first in driver_in(result).table[["confirmed_row", "known_row"]].to_numpy()[rows].T
+    )
     slacks = [side["slack_s"].to_numpy() for side in sides]
+    chances = pd.DataFrame({"is_known": is_known, "is_seen": is_seen}, index=rows)
+    chances[["slack_s_x", "slack_s_y"]] = np.column_stack(slacks)
+    shared: dict[str, Any] = {"after_s": after_s, "deceleration": params.deceleration}
+    shared["normal"] = np.random.default_rng(SEED).standard_normal((n_draws, len(rows)))
+    table = []
     for kind, reaction in reactions.items():
         of_sides = dict(zip(("x", "y", "both"), (*slacks, np.minimum(*slacks)), strict=True))
         for side, slack in of_sides.items():
             chances[f"{kind}_{side}"] = chance_in_time(slack, reaction, after_s)
-        drawn = [
-            draw(side, speed_kmh, recording, reaction, after_s=after_s,
-                 deceleration=params.deceleration, normal=normal, n_recordings=n_recordings)
-            for side in sides
-        ]  # fmt: skip
-        for measure in ("share", "impact_kmh"):
-            x, y = (getattr(of, measure) for of in drawn)
-            for side, sums in (("x", x), ("y", y), ("difference", x - y)):
-                row = {"kind": kind, "measure": measure, "side": side}
-                table.append(row | intervals(sums, n))
-    return InTime(pd.DataFrame(table), chances)
+        x, y = (draw(side, speed_kmh, unit, reaction, **shared) for side in sides)
+        for name, of_x in x.items():
+            for side, sums in (("x", of_x), ("y", y[name]), ("difference", of_x - y[name])):
+                table.append({"kind": kind, "measure": name, "side": side, **intervals(sums, n)})
+    return InTime(pd.DataFrame(table), units, chances)

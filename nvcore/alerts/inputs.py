@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -12,9 +11,8 @@ import pandas as pd
 from nvcore.alerts.policy import Policy, read_policy
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
-from nvcore.inputs.added import Input
+from nvcore.inputs.added import Input, with_files
 from nvcore.inputs.files import digest, find_files
-from nvcore.inputs.hashes import changed_input
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.csv_columns import (
     NUMBERS,
@@ -25,6 +23,7 @@ from nvcore.inputs.readers.csv_columns import (
 )
 from nvcore.inputs.readers.parse.table import TextTable, parse_table
 from nvcore.inputs.session import Session, SystemSource
+from nvcore.metrics.linking import track_truth
 from nvcore.schema import NO_TRACK
 from nvcore.wording import one_line
 
@@ -90,23 +89,16 @@ def with_alerts(dataset: Dataset, session: Session) -> Dataset:
             file = SourceFile(session.folder / source.alert_policy, source.alert_policy)
             policies[number] = read_policy(file)
             files[f"policy of {name}"] = file
-    digests, names = digest([*files.values()]), [file.name for file in files.values()]
-    rows = {
-        "subject": ALERTS_INPUT,
-        "file": names,
-        "sha256": digests,
-        "format": ["toml" if what.startswith("policy") else "csv" for what in files],
-        "conversion": [*files],
-    }
-    text = "\n".join([dataset.fingerprint, *files, *digests])
-    return replace(
+    names, digests = [file.name for file in files.values()], digest([*files.values()])
+    return with_files(
         dataset,
-        inputs=pd.concat([dataset.inputs, pd.DataFrame(rows)], ignore_index=True),
-        findings=(
-            *dataset.findings,
-            *changed_input(ALERTS_INPUT, names, digests, session.hashes),
-        ),
-        fingerprint=hashlib.sha256(text.encode()).hexdigest(),
+        session,
+        ALERTS_INPUT,
+        names,
+        digests,
+        says="\n".join([*files, *digests]).encode(),
+        form=["toml" if what.startswith("policy") else "csv" for what in files],
+        conversion=[*files],
         of_subjects={**dataset.of_subjects, "alerts": AlertInputs(logs, policies)},
     )
 
@@ -120,7 +112,7 @@ def _read_log(
     if ALERTED not in columns:
         log = parse_table(content, name=file.name, what="alerts", required=LOG_COLUMNS)
         title_of = {entry.name: entry.title for entry in session.recordings if entry.title}
-        return AlertLog(table=_log_table(log, dataset, title_of))
+        return AlertLog(table=_log_table(log, dataset, title_of, name))
     of_system = find_files(source, session.folder, "detections")[0]
     same = [known.name for known in of_system if known.path.resolve() == file.path.resolve()]
     inputs = dataset.inputs
@@ -136,44 +128,55 @@ def _read_log(
     return AlertLog(places=int(rows[0]) * _LINES + alerted)
 
 
-def _log_table(log: TextTable, dataset: Dataset, title_of: dict[str, str]) -> pd.DataFrame:
-    n = len(log)
-    start_s = log.numbers("start_s", low=0.0)
-    end_s = log.numbers("end_s", low=0.0)
+def _log_table(
+    log: TextTable, dataset: Dataset, title_of: dict[str, str], system: str
+) -> pd.DataFrame:
+    start_s, end_s = (log.numbers(name, low=0.0) for name in ("start_s", "end_s"))
     if (is_before := end_s < start_s).any():
         raise log.fault(int(np.argmax(is_before)), "end_s: expected start_s or more")
-    track = np.full(n, NO_TRACK)
+    track = np.full(len(log), NO_TRACK)
     if "track" in log:
-        ids = log.numbers("track", may_be_empty=True)
-        track[~np.isnan(ids)] = ids[~np.isnan(ids)].astype(np.int64)
+        track = log.whole_numbers("track", if_empty=NO_TRACK)
     names = dataset.recordings["name"].tolist()
     if "recording" in log:
         recording = [title_of.get(name, name) for name in log.texts("recording")]
     elif len(names) == 1:
-        recording = names * n
+        recording = names * len(log)
     else:
         raise log.fault(0, "expected a column recording, as there are several recordings")
     row_of = {name: row for row, name in enumerate(names)}
-    frames = dataset.frame_columns
-    last_s = dataset.frames["time_s"].to_numpy()
+    frames, time_s = dataset.frame_columns, dataset.frames["time_s"].to_numpy()
+    known = _tracks_of(dataset, system) if (track >= 0).any() else set()
     for row, name in enumerate(recording):  # small tables: every row may be wrong by itself
         if name not in row_of:
             raise log.fault(row, f"recording: there is no {one_line(name)!r}")
-        first, stop = frames.first[row_of[name]], frames.first[row_of[name] + 1]
-        if stop == first or start_s[row] > last_s[stop - 1]:
-            ends = f"ends at {last_s[stop - 1]:g} s" if stop > first else "has no frames"
+        number = row_of[name]
+        own_s = time_s[frames.rows_of(number)]
+        if not len(own_s) or start_s[row] > own_s[-1]:
+            ends = f"ends at {own_s[-1]:g} s" if len(own_s) else "has no frames"
             raise log.fault(row, f"start_s: {start_s[row]:g} s, but {one_line(name)} {ends}")
+        # of sampled frames, a track may have boxes in the others
+        is_checked = track[row] != NO_TRACK and frames.sampling_step[number] == 1
+        if is_checked and (number, int(track[row])) not in known:
+            text = f"track: {one_line(system)} has no track {track[row]} in {one_line(name)}"
+            raise log.fault(row, text)
     name_of = {title: name for name, title in title_of.items()}
-    own = [name_of.get(name, name) for name in recording]
     return pd.DataFrame(
         {
-            "recording": pd.Series(own, dtype=object),
+            "recording": pd.Series([name_of.get(name, name) for name in recording], dtype=object),
             "start_s": start_s,
             "end_s": end_s,
             "track": track,
             "log_kind": pd.Series(log.texts("kind", may_be_empty=True), dtype=object),
         }
     )
+
+
+def _tracks_of(dataset: Dataset, system: str) -> set[tuple[int, int]]:
+    """Number of the recording and track of all boxes of a system, linked where it has none."""
+    boxes, frames = dataset.system(system), dataset.frame_columns
+    track = track_truth(boxes, frames).track
+    return {*zip(frames.recording[boxes.frame_index].tolist(), track.tolist(), strict=True)}
 
 
 INPUT: Final = Input(

@@ -1,14 +1,13 @@
-"""Measures of alerts: how many of each kind an hour, and whom the driver was told of in time."""
+"""Measures of alerts: how many of each kind, and whom the driver was told of in time."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import chain
 from typing import Any, Final
 
 import numpy as np
 
-from nvcore.alerts.kinds import ALERT_TEXT, UNWANTED, AlertKind
+from nvcore.alerts.kinds import ALERT_TEXT, RESTS_ON_DRIVER, UNWANTED, AlertKind
 from nvcore.alerts.settings import ALERTS
 from nvcore.alerts.steps import ASKED, alerts_in
 from nvcore.comparison import Result
@@ -33,76 +32,53 @@ Members = Callable[[Result, SystemResult], np.ndarray]
 """Encounters of a kind; bool, shape (n_encounters,)."""
 _HOUR_S: Final = 3600.0
 _SHARE: Final = AxisScale(".0%", least=1.0, least_reach=1.0)
-_NOBODY: Final = "no encounter is urgent"
+_ASKED: Final[dict[str, Any]] = {"applies": ASKED.holds, "only_if": ASKED}
+_SCORED: Final[dict[str, Any]] = {"tables": (MeasureTable.SCORECARD,), **_ASKED}
 
 
-def _of_kinds(
-    key: str, label: str, kinds: tuple[AlertKind, ...], meaning: str, better: Better
-) -> tuple[Measure, Measure]:
-    """The alerts of some kinds: how many, and how many an hour."""
+def _unwanted_rows(result: Result, system: SystemResult) -> np.ndarray:
+    return alerts_in(result).rows_of_kind(system, *UNWANTED)
 
-    def count(result: Result, system: SystemResult) -> int:
-        return len(alerts_in(result).rows_of_kind(system, *kinds))
 
-    def per_hour(result: Result, system: SystemResult) -> float:
-        return ratio_of(_HOUR_S * count(result, system), result.duration_s)
+def _unwanted_by_recording(result: Result, system: SystemResult) -> np.ndarray:
+    recording = result.dataset.frame_columns.recording[_unwanted_rows(result, system)]
+    return per_recording(result, None, recording).astype(np.int64)
 
-    def counts(result: Result, system: SystemResult) -> np.ndarray:
-        rows = alerts_in(result).rows_of_kind(system, *kinds)
-        of_recordings = per_recording(result, None, result.dataset.frame_columns.recording[rows])
-        return of_recordings.astype(np.int64)
 
-    def parts(result: Result, system: SystemResult) -> Parts:
-        return Parts(alerts_in(result).rows_of_kind(system, *kinds), None)
+_UNWANTED: Final[dict[str, Any]] = {
+    "better": LOWER,
+    "stages": (ALERTS, DRIVER),
+    "is_worsened_by_alarms": True,
+    **_SCORED,
+}
 
-    is_whole = kinds == UNWANTED
-    rests_on_driver = {AlertKind.REDUNDANT, AlertKind.NEEDED} & {*kinds}
-    shared: dict[str, Any] = {
-        "better": better,
-        "stages": (ALERTS, DRIVER) if rests_on_driver else (ALERTS,),
-        "is_worsened_by_alarms": AlertKind.FALSE in kinds,
-        "applies": ASKED.holds,
-        "only_if": ASKED,
-    }
-    rate = Inference(
-        test="units",
-        scale=AxisScale(",.0f", least=1.0, least_reach=1.0, unit="alerts per hour"),
-        parts=parts,
-        per="duration_s",
-        factor=_HOUR_S,
-        not_of_pedestrians="a false alert belongs to no {one}",
-        noun=label,
-        noun_unit=" per hour",
-        needs_tracks=True,
-    )
-    return (
-        Measure(
-            key=key,
-            label=label,
-            part=label if {*kinds} < {*UNWANTED} else "",
-            form="d",
-            leads=is_whole,
-            of=count,
-            unit="alerts",
-            meaning=meaning,
-            by_recording=counts,
-            tables=(MeasureTable.SCORECARD,),
-            **shared,
-        ),
-        Measure(
-            key=f"{key}_per_hour",
-            label=f"{label} per hour",
-            part="per hour",
-            form=".1f",
-            of=per_hour,
-            unit="1/h",
-            meaning="The same per hour.",
-            empty=NO_FRAMES,
-            by_recording=rate_by_recording(counts, per_s=_HOUR_S),
-            tables=(MeasureTable.SCORECARD,) if is_whole else (),
-            inference=rate if is_whole else None,
-            **shared,
-        ),
+
+def _of_kind(kind: AlertKind) -> Measure:
+    """How many alerts are of a kind."""
+    rests_on_driver = kind in RESTS_ON_DRIVER
+
+    def by_recording(result: Result, system: SystemResult) -> Any:
+        view = alerts_in(result)
+        recording = result.dataset.frame_columns.recording[view.rows_of_kind(system, kind)]
+        counts = per_recording(result, None, recording)
+        is_known = view.knows_driver or not rests_on_driver
+        return counts.astype(np.int64) if is_known else np.full(len(counts), np.nan)
+
+    label = f"{kind.value} alerts"
+    return Measure(
+        key=f"alerts_{kind.value}",
+        label=label,
+        part=label if kind in UNWANTED else "",
+        form="d",
+        better=LOWER if kind in UNWANTED else "",
+        stages=(ALERTS, DRIVER) if rests_on_driver else (ALERTS,),
+        is_worsened_by_alarms=kind is AlertKind.FALSE,
+        of=lambda result, system: alerts_in(result).count(system)[kind],
+        unit="alerts",
+        meaning=ALERT_TEXT[kind],
+        empty="it is known of no {one} whether the driver sees {him}" if rests_on_driver else "",
+        by_recording=by_recording,
+        **_SCORED,
     )
 
 
@@ -135,69 +111,63 @@ def _count(
         unit="encounters",
         meaning=meaning,
         by_recording=by_recording,
-        tables=(MeasureTable.SCORECARD,),
-        applies=ASKED.holds,
-        only_if=ASKED,
         inference=inference,
+        **_SCORED,
     )
 
 
-def _is_alerted(result: Result, system: SystemResult) -> np.ndarray:
-    alerts = alerts_in(result)
-    is_alerted: np.ndarray = alerts.is_near & (alerts.first_alert(system) >= 0)
-    return is_alerted
+def _tested(
+    key: str,
+    what: str,
+    members: Members,
+    among: Callable[[Result], np.ndarray],
+    meaning: str,
+    *,
+    per: str,
+    denominator: str,
+    split_in_group: str,
+) -> tuple[Measure, Measure]:
+    """Number of encounters of a kind, tested within the recordings, and their share by units."""
 
-
-def _in_time(result: Result, system: SystemResult) -> np.ndarray:
-    return alerts_in(result).in_time(system)
-
-
-def _parts_of(members: Members) -> Callable[[Result, SystemResult], Parts]:
-    return lambda result, system: Parts(result.encounters.first_row[members(result, system)], None)
-
-
-def _split(members: Members, of: Callable[[Result], np.ndarray]) -> Callable[[Result], Venn]:
-    """Encounters of a kind by who alerts them; all others count as distant."""
-
-    def split(result: Result) -> Venn:
+    def split(result: Result) -> Venn:  # all but `among` count as distant
         x, y = (members(result, system) for _, system in result.sides)
-        return count_categories(categorise(~of(result), x, y))
+        return count_categories(categorise(~among(result), x, y))
 
-    return split
+    def parts(result: Result, system: SystemResult) -> Parts:
+        return Parts(result.encounters.first_row[members(result, system)], None)
 
-
-def _by_unit(key: str, members: Members, per: str, what: str) -> Measure:
-    """The share of encounters of a kind, for a claim about other recordings."""
-    return Measure(
-        key=key,
-        label=f"share of {what}, by {{units}}",
+    within = Inference(
+        test="encounters",
+        scale=_SHARE,
+        label=f"share of {what}, within these recordings",
         form=".1%",
-        better=HIGHER,
-        stages=(ALERTS,),
-        is_worsened_by_alarms=False,
-        applies=ASKED.holds,
-        only_if=ASKED,
-        inference=Inference(
-            test="units",
-            scale=_SHARE,
-            parts=_parts_of(members),
-            per=per,
-            noun=what,
-            needs_tracks=True,
+        split=split,
+        per=per,
+        needs_tracks=True,
+        repeats=f"{key}_by_unit",
+        split_in_group=split_in_group,
+    )
+    by_unit = Inference(
+        test="units", scale=_SHARE, parts=parts, per=per, noun=what, needs_tracks=True
+    )
+    return (
+        _count(key, f"{what}, of {denominator}", members, HIGHER, meaning, inference=within),
+        Measure(
+            key=f"{key}_by_unit",
+            label=f"share of {what}, by {{units}}",
+            form=".1%",
+            better=HIGHER,
+            stages=(ALERTS,),
+            is_worsened_by_alarms=False,
+            inference=by_unit,
+            **_ASKED,
         ),
     )
 
 
-def _within(members: Members, of: Callable[[Result], np.ndarray], **known: str) -> Inference:
-    """McNemar's test of who alerts them."""
-    return Inference(
-        test="encounters",
-        scale=_SHARE,
-        form=".1%",
-        split=_split(members, of),
-        needs_tracks=True,
-        **known,  # type: ignore[arg-type]
-    )
+def _is_alerted(result: Result, system: SystemResult) -> np.ndarray:
+    is_alerted: np.ndarray = result.is_near & (alerts_in(result).first_alert(system) >= 0)
+    return is_alerted
 
 
 def _median_lead_s(result: Result, system: SystemResult) -> float:
@@ -209,65 +179,72 @@ def _median_lead_s(result: Result, system: SystemResult) -> float:
 
 
 MEASURES: Final[tuple[Measure, ...]] = (
-    *_of_kinds(
-        "alerts_unwanted",
-        "unwanted alerts",
-        UNWANTED,
-        "Alerts that are false, a nuisance or redundant. There may be more redundant ones where it "
-        "is not known whether the driver sees the {many}.",
-        LOWER,
+    Measure(
+        key="alerts_unwanted",
+        label="unwanted alerts",
+        form="d",
+        leads=True,
+        of=lambda result, system: len(_unwanted_rows(result, system)),
+        unit="alerts",
+        meaning="Alerts that are false, a nuisance, redundant or repeated. There may be more "
+        "redundant ones where it is not known whether the driver sees the {many}.",
+        by_recording=_unwanted_by_recording,
+        **_UNWANTED,
     ),
-    *chain.from_iterable(
-        _of_kinds(
-            f"alerts_{kind.value}",
-            f"{kind.value} alerts",
-            (kind,),
-            ALERT_TEXT[kind],
-            LOWER if kind in UNWANTED else "",
-        )
-        for kind in AlertKind
-        if kind is not AlertKind.IGNORED
-    ),
-    _count(
-        "alerted",
-        "encounters alerted, of {n_near:,}",
-        _is_alerted,
-        HIGHER,
-        "Encounters that count and that any alert is about.",
-        inference=_within(
-            _is_alerted,
-            lambda result: alerts_in(result).is_near,
-            label="share of encounters alerted, within these recordings",
-            per="n_encounters",
-            repeats="alerted_by_unit",
-            split_in_group="the near ones, by who alerts them",
+    Measure(
+        key="alerts_unwanted_per_hour",
+        label="unwanted alerts per hour",
+        part="per hour",
+        form=".1f",
+        of=lambda result, system: ratio_of(
+            _HOUR_S * len(_unwanted_rows(result, system)), result.duration_s
         ),
+        unit="1/h",
+        meaning="The same per hour.",
+        empty=NO_FRAMES,
+        by_recording=rate_by_recording(_unwanted_by_recording, per_s=_HOUR_S),
+        inference=Inference(
+            test="units",
+            scale=AxisScale(",.0f", least=1.0, least_reach=1.0, unit="alerts per hour"),
+            parts=lambda result, system: Parts(_unwanted_rows(result, system), None),
+            per="duration_s",
+            factor=_HOUR_S,
+            not_of_pedestrians="a false alert belongs to no {one}",
+            noun="unwanted alerts",
+            noun_unit=" per hour",
+            needs_tracks=True,
+        ),
+        **_UNWANTED,
     ),
-    _by_unit("alerted_by_unit", _is_alerted, "n_encounters", "encounters alerted"),
+    *(_of_kind(kind) for kind in AlertKind if kind is not AlertKind.IGNORED),
+    *_tested(
+        "alerted",
+        "encounters alerted",
+        _is_alerted,
+        lambda result: result.is_near,
+        "Encounters that count and that any alert is about.",
+        per="n_encounters",
+        denominator="{n_near:,}",
+        split_in_group="the near ones, by who alerts them",
+    ),
     _count(
         "not_alerted",
         "not alerted",
-        lambda result, system: alerts_in(result).is_near & ~_is_alerted(result, system),
+        lambda result, system: result.is_near & ~_is_alerted(result, system),
         LOWER,
         "Encounters that count and that no alert is about.",
         part="not alerted",
     ),
-    _count(
+    *_tested(
         "alerted_in_time",
-        "urgent encounters alerted in time, of {n_urgent}",
-        _in_time,
-        HIGHER,
+        "urgent encounters alerted in time",
+        lambda result, system: alerts_in(result).in_time(system),
+        lambda result: time_left_in(result).is_urgent,
         "Urgent encounters that an alert is about that begins before the last chance.",
-        inference=_within(
-            _in_time,
-            lambda result: time_left_in(result).is_urgent,
-            label="share of urgent encounters alerted in time, within these recordings",
-            per="n_urgent",
-            repeats="alerted_in_time_by_unit",
-            split_in_group="the urgent ones, by who alerts them in time",
-        ),
+        per="n_urgent",
+        denominator="{n_urgent}",
+        split_in_group="the urgent ones, by who alerts them in time",
     ),
-    _by_unit("alerted_in_time_by_unit", _in_time, "n_urgent", "urgent encounters alerted in time"),
     _count(
         "urgent_not_alerted",
         "urgent, never alerted",
@@ -289,9 +266,7 @@ MEASURES: Final[tuple[Measure, ...]] = (
         unit="s",
         meaning="Median time from the first alert to the last chance, of the urgent encounters "
         "that both systems alert; negative: too late. It has the reaction time in it.",
-        empty=f"{_NOBODY}, or both systems alerted none of them",
-        tables=(MeasureTable.SCORECARD,),
-        applies=ASKED.holds,
-        only_if=ASKED,
+        empty="no encounter is urgent, or both systems alerted none of them",
+        **_SCORED,
     ),
 )

@@ -7,6 +7,7 @@ alert_pause_s = 5
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -102,16 +103,18 @@ def read_policy(file: SourceFile) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If it is no TOML, or has a key that is no setting of a policy or a value outside its range.
+        If it is no TOML, or, with the line, has a key that is no setting of a policy or a value
+        outside its range.
     """
     if file.is_larger_than(MAX_BYTES):
         raise InputError("is too large for a policy", file=file.name)
-    with file.open() as stream:
-        content = stream.read()
     try:
-        values = tomllib.loads(content.decode())
+        with file.open() as stream:
+            text = stream.read().decode()
+        values = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # bad UTF-8, too
         raise InputError(f"is not TOML: {error}", file=file.name) from error
+    name = BASE
     try:
         policy = named_policy(str(values.pop(BASE, "balanced")))
         for name, value in values.items():
@@ -122,5 +125,8 @@ def read_policy(file: SourceFile) -> dict[str, Any]:
             SETTINGS[name].check(name, value)
             policy[name] = value
     except ParameterError as error:
-        raise InputError(str(error), file=file.name) from error
+        # tomllib does not keep where a key stands
+        key = re.compile(rf"""\s*\[?\s*["']?{re.escape(name)}["']?\s*[].=]""")
+        at = (n for n, line in enumerate(text.splitlines(), 1) if key.match(line))
+        raise InputError(str(error), file=file.name, line=next(at, None)) from error
     return policy

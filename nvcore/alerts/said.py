@@ -12,6 +12,7 @@ from nvcore.alerts.facts import (
     MoreDoubt,
     OfKind,
     Oracle,
+    Sampled,
     ShareOfKind,
     ViewUnknown,
 )
@@ -29,32 +30,27 @@ from nvcore.sentences.facts import Fact
 
 def alert_facts(result: Result) -> tuple[Fact, ...]:
     """The alerts of both systems, and what is not known of them; none: alerts are not judged."""
-    if not alerts_in(result).is_asked:
+    view = alerts_in(result)
+    if not view.is_asked:
         return ()
-    of_systems = (alerts_of(result, letter, system) for letter, system in result.sides)
-    return (*of_systems, *notes(result))
+    n_wanted = sum(len(view.rows_of_kind(system, AlertKind.WANTED)) for _, system in result.sides)
+    facts: list[Fact] = [alerts_of(result, letter, system) for letter, system in result.sides]
+    facts += [ViewUnknown(n_wanted)] if n_wanted else []
+    if n_sampled := int(np.count_nonzero(result.dataset.frame_columns.sampling_step > 1)):
+        facts.append(Sampled(n_sampled))
+    if result.params.alert_oracle == "on":
+        facts.append(Oracle("on" if result.dataset.has_detectability else "without effect"))
+    return tuple(facts)
 
 
 def alerts_of(result: Result, letter: str, system: SystemResult) -> AlertsOf:
     """The alerts of a system by kind, and how many urgent encounters they are in time for."""
-    view = alerts_in(result)
-    counts = view.count(system)
-    kinds = tuple(OfKind(kind.value, n) for kind, n in counts.items() if n)
-    in_time, n_urgent = int(view.in_time(system).sum()), view.n_urgent
+    view, n = alerts_in(result), len(alerts_in(result).of(system))
+    counts = view.count(system).items()
+    kinds = tuple(OfKind(kind.value, int(of_kind)) for kind, of_kind in counts if of_kind > 0)
+    in_time = int(view.in_time(system).sum())
     origin: Literal["log", "policy"] = "log" if view.is_logged(system) else "policy"
-    return AlertsOf(
-        origin if kinds else "none", letter, sum(counts.values()), kinds, in_time, n_urgent
-    )
-
-
-def notes(result: Result) -> tuple[Fact, ...]:
-    """What is not known of the alerts, and whether an oracle holds some back."""
-    view = alerts_in(result)
-    n_wanted = sum(view.count(system)[AlertKind.WANTED] for _, system in result.sides)
-    facts: list[Fact] = [ViewUnknown(n_wanted)] if n_wanted else []
-    if result.params.alert_oracle == "on":
-        facts.append(Oracle("on" if result.dataset.has_detectability else "without effect"))
-    return tuple(facts)
+    return AlertsOf(origin if n else "none", letter, n, kinds, in_time, view.n_urgent)
 
 
 def in_time_by_kind(result: Result) -> tuple[InTimeByKind, ...]:
@@ -71,26 +67,14 @@ def in_time_by_kind(result: Result) -> tuple[InTimeByKind, ...]:
 
 
 def more_doubt(judged: InTime, name: str) -> MoreDoubt:
-    """What contributes more doubt to the difference in time of a kind of alert."""
-    keys = judged.table[["kind", "measure", "side"]].agg(tuple, axis=1)
-    columns = [
-        "mean",
-        "draws_low",
-        "draws_high",
-        "recordings_low",
-        "recordings_high",
-        "low",
-        "high",
-    ]
-    row = 100 * judged.table.loc[keys == (name, "share", "difference"), columns].iloc[0]
-    drivers, recordings = (
-        (row[f"{of}_high"] - row[f"{of}_low"]) / 2 for of in ("draws", "recordings")
-    )
-    if np.isnan(recordings):
-        ends = row["draws_low"], row["draws_high"]
-        return MoreDoubt("few", name, row["mean"], *ends, drivers, recordings)
-    kind: Literal["drivers", "recordings"] = "drivers" if drivers > recordings else "recordings"
-    return MoreDoubt(kind, name, row["mean"], row["low"], row["high"], drivers, recordings)
+    """How much doubt of a kind of alert's difference in time is of drivers, and of units."""
+    table = judged.table[judged.table["measure"] == "share"]
+    row = (table["kind"] == name) & (table["side"] == "difference")
+    of = 100 * table[row].set_index(["kind", "measure", "side"]).iloc[0]
+    drivers, units = ((of[f"{by}_high"] - of[f"{by}_low"]) / 2 for by in ("draws", "units"))
+    kind: Literal["enough", "few"] = "few" if np.isnan(units) else "enough"
+    low, high = ("draws_low", "draws_high") if kind == "few" else ("low", "high")
+    return MoreDoubt(kind, name, of["mean"], of[low], of[high], drivers, units, judged.what_varies)
 
 
 def doubt_of(result: Result, measure: Measure) -> str:

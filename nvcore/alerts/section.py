@@ -22,6 +22,7 @@ from nvcore.report.html.blocks import (
     table,
 )
 from nvcore.sentences import say
+from nvcore.wording import number
 
 
 def _section(result: Result) -> Section:
@@ -64,7 +65,7 @@ def _kinds(result: Result) -> Table:
     rows = [
         (
             kind.value,
-            *(f"{count[kind]:,}" for count in counts),
+            *(number(count[kind], "d") for count in counts),
             result.objects.say(ALERT_TEXT[kind]),
         )
         for kind in AlertKind

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Final, Literal
 
 from nvcore.driver.comparison.settings import DRIVER
-from nvcore.stages import MATCH, PROXIMITY, Stage, setting, share
+from nvcore.stages import MATCH, PROXIMITY, Stage, setting
 from nvcore.time_left.settings import URGENCY
 
 ALERTS: Final = Stage("alerts", "Alerts", (MATCH, PROXIMITY, URGENCY, DRIVER), "alerts")
@@ -20,6 +20,9 @@ RESULTS: Final = (ALERTS,)
 
 Asked = Literal["off", "policy", "log"]
 Oracle = Literal["off", "on"]
+LimitUnit = Literal["kmh", "mph"]
+KMH_OF: Final[dict[LimitUnit, float]] = {"kmh": 1.0, "mph": 1.609344}
+"""What the units of limits are in km/h."""
 _USED: Final = ("alerts", ("policy", "log"))
 
 
@@ -41,6 +44,9 @@ def _duration(default: float | None, label: str, meaning: str, **more: Any) -> A
     return _setting(default, label=label, meaning=meaning, **known | more)
 
 
+_SPEEDING: Final[dict[str, Any]] = {"stage": SPEEDING, "used_with": None, "applies": _has_speeds}
+
+
 @dataclass(frozen=True)
 class AlertSettings:
     """The part of `nvcore.params.Params` that says when a system alerts the driver."""
@@ -54,12 +60,11 @@ class AlertSettings:
         "the system's own log where the data have one, else by the policy (log). Off: alerts are "
         "not judged.",
     )
-    alert_k: float = share(
-        ALERTS,
+    alert_k: float = _setting(
         0.5,
-        used_with=_USED,
-        applies=_has_alerts,
-        is_advanced=True,
+        low=0,
+        high=1,
+        step=0.05,
         label="Alert from (proximity weight)",
         meaning="Least proximity weight of a box that can alert the driver.",
     )
@@ -74,12 +79,11 @@ class AlertSettings:
         "the proximity weight decides on the others. Default: it decides on all.",
         unset="by proximity weight alone",
     )
-    alert_corridor: float = share(
-        ALERTS,
+    alert_corridor: float = _setting(
         0.75,
-        used_with=_USED,
-        applies=_has_alerts,
-        is_advanced=True,
+        low=0,
+        high=1,
+        step=0.05,
         unit="of half the image width",
         label="Alert corridor (of half the width)",
         meaning="A box farther from the middle of the picture than this does not alert the driver. "
@@ -93,16 +97,20 @@ class AlertSettings:
         unset="the score threshold alone",
     )
     alert_on_s: float = _duration(
-        0.2, "Alert on after", "So long a track has to meet all this before the alert begins."
+        0.2,
+        "Alert on after",
+        "How long a track has to meet all of these conditions before its alert begins.",
     )
     alert_off_s: float = _duration(
-        0.4, "Alert off after", "So long it may fail to meet it before the alert ends."
+        0.4, "Alert off after", "How long it may fail to meet them before the alert ends."
     )
     alert_least_s: float = _duration(
-        0.8, "Shortest alert", "So long an alert lasts at least, whatever becomes of its track."
+        0.8, "Shortest alert", "How long an alert lasts at least, whatever its track does."
     )
     alert_pause_s: float = _duration(
-        2.0, "Pause after an alert", "So long after an alert the same track gives no other."
+        2.0,
+        "Pause after an alert",
+        "How long the same track gives no other alert after one has ended.",
     )
     alert_oracle: Oracle = _setting(
         "off",
@@ -129,31 +137,27 @@ class AlertSettings:
         stage=IN_TIME,
     )
     foot_s: float = _duration(
-        0.0,
-        "Movement of the foot",
-        "Time from the driver's reaction to the foot on the brake.",
-        stage=IN_TIME,
+        0.0, "Movement of the foot", "From the reaction to the foot on the brake.", stage=IN_TIME
     )
     brakes_s: float = _duration(
-        0.0,
-        "Build-up of the brakes",
-        "Time from the foot on the brake until the car brakes.",
-        stage=IN_TIME,
+        0.0, "Build-up of the brakes", "From the foot on the brake to braking.", stage=IN_TIME
     )
 
-    speeding_after_s: float = setting(
-        SPEEDING,
+    speeding_after_s: float = _duration(
         2.0,
-        low=0,
+        "Speed alert after",
+        "How long the car has to be above the limit that was read last before the driver "
+        "is alerted. Of effect where speed signs are compared and the car's speed is known.",
+        **_SPEEDING,
         high=60,
-        slider_high=10,
         step=0.5,
-        unit="s",
-        applies=_has_speeds,
-        is_advanced=True,
-        label="Speed alert after",
-        meaning="So long the car has to be above the limit that was read last before the driver is "
-        "alerted. Of effect where speed signs are compared and the car's speed is known.",
+    )
+    limit_unit: LimitUnit = _setting(
+        "kmh",
+        **_SPEEDING,
+        words={"kmh": "km/h", "mph": "miles per hour"},
+        label="Unit of limits",
+        meaning="Unit of the limits that signs show. Of effect as the setting before.",
     )
 
     def check_together(self) -> None:

@@ -17,15 +17,32 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
+from nvcore.alerts.settings import KMH_OF
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
+from nvcore.metrics.similarity import runs_of
 from nvcore.scoring import SystemResult
 from nvcore.tables.classes import matches_by_place
 
 NO_LIMIT: Final = math.inf
 """Stored after the end of a limit: none is known to hold, so no speed is above it."""
 _ENDS: Final = re.compile(r"\b(ends?|derestrict\w*|unlimited|no (speed )?limit)\b", re.IGNORECASE)
+
+
+ROWS: Final = {
+    "alerted": ("alerted when the limit calls for it, of {true}", "d"),
+    "missed": ("missed", "d"),
+    "right": ("alerts that are right", "d"),
+    "false": ("false", "d"),
+    "not_known": ("while no true limit is known", "d"),
+    "median_late_s": ("median lateness (s)", "+.2f"),
+    "right_limit": ("time with the right limit", ".0%"),
+    "no_limit_s": ("time without a limit read (s)", ".1f"),
+    "true_no_limit_s": ("time without a known true limit (s)", ".1f"),
+    "no_speed_s": ("time without a known speed (s)", ".1f"),
+}
+"""Columns of `Speeding.summary` that are shown, their words (with ``true`` in them) and formats."""
 
 
 class State(StrEnum):
@@ -76,7 +93,7 @@ class Stored:
 
 
 def limit_of(label: str) -> float:
-    """The limit that a class shows, km/h, as numbers are taken; NaN where it says none.
+    """The limit that a class shows, in the unit of its number; NaN where it says none.
 
     Parameters
     ----------
@@ -151,10 +168,8 @@ def find_speeding(
     -------
     Columns first_row and last_row (of the frames table, inclusive), in the order of the frames.
     """
-    above = np.flatnonzero(speed_kmh > limit_kmh)  # never where one is NaN
-    is_new = np.ones(len(above), dtype=bool)
-    is_new[1:] = (np.diff(above) > 1) | (np.diff(frames.recording[above]) != 0)
-    first, last = above[is_new], above[np.roll(is_new, -1)]
+    above = np.where(speed_kmh > limit_kmh, 0, -1)  # never where one is NaN
+    first, last = runs_of(above, frames.recording)
     # passed counts frames over all recordings, which are never mixed: the onset is within the run
     due = frames.passed[first] + after_s * frames.fps[frames.recording[first]] * (1 - 1e-9)
     onset = np.searchsorted(frames.passed, due)
@@ -189,6 +204,12 @@ class Speeding:
     stored: Mapping[str, Stored] = field(repr=False)
     episodes: pd.DataFrame = field(repr=False)
 
+    @property
+    def table(self) -> pd.DataFrame:
+        """`episodes` with the names of the recordings, as in ``speeding.csv``."""
+        names = self.result.dataset.recordings["name"].to_numpy()
+        return self.episodes.assign(recording=names[self.episodes["recording"]])
+
     def limits(self) -> pd.DataFrame:
         """Runs of frames with the same stored limit, as lanes.
 
@@ -201,10 +222,8 @@ class Speeding:
         parts = []
         for subject, stored in self.stored.items():
             limit = stored.limit_kmh
-            is_same = (limit[1:] == limit[:-1]) | (np.isnan(limit[1:]) & np.isnan(limit[:-1]))
-            is_new = np.ones(len(limit), dtype=bool)
-            is_new[1:] = ~is_same | (np.diff(frames.recording) != 0)
-            first, last = np.flatnonzero(is_new), np.flatnonzero(np.roll(is_new, -1))
+            shown = pd.factorize(limit, use_na_sentinel=False)[0]
+            first, last = runs_of(shown, frames.recording)
             part = _timed(
                 self.result, subject, pd.DataFrame({"first_row": first, "last_row": last})
             )
@@ -224,42 +243,45 @@ class Speeding:
         (seconds in which the system, the truth has no limit stored or an unknown one) and
         no_speed_s (seconds of unknown speed): in these nobody can be alerted.
         """
-        frames = self.result.dataset.frame_columns
-        step_s, truth = frames.step_s, self.stored["truth"].limit_kmh
+        frames, episodes = self.result.dataset.frame_columns, self.episodes
+        truth, step_s = self.stored["truth"].limit_kmh, frames.step_s
         is_known = ~np.isnan(truth)
         known_s = float(step_s[is_known].sum())
-        n_true = int((self.episodes["subject"] == "truth").sum())
+        n_true = int((episodes["subject"] == "truth").sum())
+        n_of = episodes.groupby(["subject", "state"]).size()
+        n_because = episodes.groupby(["subject", "state", "cause"]).size()
         rows = []
         for letter, system in self.result.sides:
-            own = self.episodes[self.episodes["subject"] == letter]
-            n = {state: int((own["state"] == state).sum()) for state in State}
-            limit, late_s = self.stored[letter].limit_kmh, own["late_s"].dropna()
-            n_alerts = n[State.RIGHT] + n[State.FALSE] + n[State.NOT_KNOWN]
-            row: dict[str, object] = {"system": system.name}
-            row |= {"true": n_true, "alerted": n_true - n[State.MISSED]}
-            row |= {"missed": n[State.MISSED], "alerts": n_alerts, "right": n[State.RIGHT]}
-            row |= {"false": n[State.FALSE], "not_known": n[State.NOT_KNOWN]}
-            row |= {
-                f"{state}_{cause}": int(((own["state"] == state) & (own["cause"] == cause)).sum())
-                for state in (State.FALSE, State.MISSED)
-                for cause in Cause
-            }
+            own = episodes[episodes["subject"] == letter]
             false = own[own["state"] == State.FALSE]
+            limit = self.stored[letter].limit_kmh
             right_s = float(step_s[is_known & (limit == truth)].sum())
-            row |= {
-                "median_late_s": late_s.median(),
-                "most_late_s": late_s.max(),
-                "false_s": float((false["stop_s"] - false["start_s"]).sum()),
-                "right_limit": right_s / known_s if known_s else math.nan,
-                "no_limit_s": float(step_s[np.isnan(limit)].sum()),
-                "true_no_limit_s": float(step_s[~is_known].sum()),
-                "no_speed_s": float(step_s[np.isnan(frames.speed_kmh)].sum()),
-            }
-            rows.append(row)
+            n = {state: int(n_of.get((letter, state), 0)) for state in State}
+            rows.append(
+                {
+                    "system": system.name,
+                    "true": n_true,
+                    "alerted": n_true - n[State.MISSED],
+                    "alerts": n[State.RIGHT] + n[State.FALSE] + n[State.NOT_KNOWN],
+                    **{state.value: n[state] for state in State if state is not State.TRUE},
+                    **{
+                        f"{state}_{cause}": int(n_because.get((letter, state, cause), 0))
+                        for state in (State.FALSE, State.MISSED)
+                        for cause in Cause
+                    },
+                    "median_late_s": own["late_s"].median(),
+                    "most_late_s": own["late_s"].max(),
+                    "false_s": float((false["stop_s"] - false["start_s"]).sum()),
+                    "right_limit": right_s / known_s if known_s else math.nan,
+                    "no_limit_s": float(step_s[np.isnan(limit)].sum()),
+                    "true_no_limit_s": float(step_s[~is_known].sum()),
+                    "no_speed_s": float(step_s[np.isnan(frames.speed_kmh)].sum()),
+                }
+            )
         return pd.DataFrame(rows)
 
 
-def judge_speeding(result: Result, *, limits: Mapping[str, float] | None = None) -> Speeding:
+def judge_speeding(result: Result) -> Speeding:
     """Hold the systems' speed alerts against those that the truth calls for.
 
     The truth stores a limit in the last annotated frame of its sign, when the car passes it (one
@@ -271,15 +293,11 @@ def judge_speeding(result: Result, *, limits: Mapping[str, float] | None = None)
     ----------
     result
         A comparison of speed signs whose classes are their limits, with the speed of the car.
-    limits
-        Limits in km/h by label, of labels that are no number of km/h, such as ``{"30": 48.28}`` for
-        miles per hour; the others mean what `limit_of` says.
     """
     dataset, encounters = result.dataset, result.encounters
     truth, frames = dataset.truth, dataset.frame_columns
-    known = limits or {}
-    of_label = [known.get(label, limit_of(label)) for label in dataset.labels]
-    shown = np.array([*of_label, math.nan])  # NO_LABEL is -1: the last
+    # NO_LABEL is -1: the last
+    shown = np.array([*map(limit_of, dataset.labels), math.nan]) * KMH_OF[result.params.limit_unit]
     is_passed = encounters.last_row + 1 < frames.first[encounters.recording + 1]
     passed = encounters.order[encounters.offsets[1:] - 1][is_passed]
     stored = {"truth": store_limits(truth, passed, shown[truth.label], frames)}

@@ -16,18 +16,17 @@ from nvcore.alerts.episodes import (
     Scene,
     alerts_by_log,
     alerts_by_policy,
-    log_of,
+    inputs_of,
     policy_of,
 )
-from nvcore.alerts.kinds import UNWANTED, AlertKind
+from nvcore.alerts.kinds import RESTS_ON_DRIVER, UNWANTED, AlertKind
 from nvcore.alerts.settings import ALERTS
 from nvcore.comparison import Result
 from nvcore.measures.entry import Condition
 from nvcore.metrics.matching import Matches, match_system
 from nvcore.metrics.proximity import Weights
 from nvcore.params import Params
-from nvcore.schema import Category
-from nvcore.scoring import Inputs, ScoringStep, SystemInputs, SystemResult
+from nvcore.scoring import ScoringStep, SystemInputs, SystemResult
 from nvcore.time_left.steps import time_left_in
 
 if TYPE_CHECKING:
@@ -36,10 +35,6 @@ if TYPE_CHECKING:
 
 MOST_POINTS: Final = 40
 """Thresholds of a trade-off curve, at most."""
-
-
-def _scene(at: Inputs, k_truth: Weights, urgency: pd.DataFrame, seen: pd.DataFrame) -> Scene:
-    return Scene(at.dataset, at.encounters, k_truth.k, urgency, seen, float(at.params.corridor))
 
 
 def _find_alerts(
@@ -52,8 +47,9 @@ def _find_alerts(
 ) -> pd.DataFrame:
     if at.params.alerts == "off":
         return NO_ALERTS
-    scene, number = _scene(at, k_truth, urgency, seen), at.dataset.systems.index(at.name)
-    log = log_of(at.dataset, number)
+    number, corridor = at.dataset.systems.index(at.name), float(at.params.corridor)
+    scene = Scene(at.dataset, at.encounters, k_truth.k, urgency, seen, corridor)
+    log = inputs_of(at.dataset).logs.get(number)
     if at.params.alerts == "log" and log is not None:
         whole = match_system(at.dataset, at.name, None, at.params)
         return alerts_by_log(scene, Reported(at.detections, weights.k, whole), log)
@@ -95,7 +91,7 @@ class AlertsView:
     def has_log(self, system: SystemResult) -> bool:
         """Whether a system has a log of its own."""
         number = self.result.dataset.systems.index(system.name)
-        return log_of(self.result.dataset, number) is not None
+        return number in inputs_of(self.result.dataset).logs
 
     def is_logged(self, system: SystemResult) -> bool:
         """Whether its alerts are those of its own log."""
@@ -107,23 +103,41 @@ class AlertsView:
         rows: np.ndarray = alerts["first_row"].to_numpy()[alerts["kind"].isin(kinds).to_numpy()]
         return rows
 
-    def count(self, system: SystemResult) -> dict[AlertKind, int]:
-        """Alerts of each kind."""
-        return count_kinds(self.of(system))
+    @cached_property
+    def knows_driver(self) -> bool:
+        """Whether it is known of anybody whether the driver sees him."""
+        return bool((self.result.made["detectable"]["known_row"] >= 0).any())
+
+    def count(self, system: SystemResult) -> dict[AlertKind, float]:
+        """Alerts of each kind; NaN of redundant and needed ones unless `knows_driver`."""
+        return self._count(self.of(system))
+
+    def _count(self, alerts: pd.DataFrame) -> dict[AlertKind, float]:
+        counts = alerts["kind"].value_counts()
+        undefined = () if self.knows_driver else RESTS_ON_DRIVER
+        return {
+            kind: np.nan if kind in undefined else int(counts.get(kind.value, 0))
+            for kind in AlertKind
+        }
 
     def first_alert(self, system: SystemResult) -> np.ndarray:
         """Frame row of the first alert of each encounter, -1: none; int64, (n_encounters,)."""
-        return first_alerts(self.of(system), len(self.result.encounters))
+        name = f"first alerts of {system.name}"
+        return self.result.keep(name, lambda: self._first_alert(self.of(system)))
+
+    def _first_alert(self, alerts: pd.DataFrame) -> np.ndarray:
+        row = np.full(len(self.result.encounters), -1)
+        first = alerts[alerts["encounter"] >= 0].drop_duplicates("encounter")
+        row[first["encounter"]] = first["first_row"]
+        return row
 
     def in_time(self, system: SystemResult) -> np.ndarray:
         """Urgent encounters alerted before the last chance; bool, shape (n_encounters,)."""
-        return self._in_time(self.of(system))
+        return self._is_in_time(self.first_alert(system))
 
-    def _in_time(self, alerts: pd.DataFrame) -> np.ndarray:
-        time_left = time_left_in(self.result)
-        row = first_alerts(alerts, len(self.result.encounters))
-        last_chance = time_left.urgency["urgent_row"].to_numpy()
-        in_time: np.ndarray = time_left.is_urgent & (row >= 0) & (row < last_chance)
+    def _is_in_time(self, row: np.ndarray) -> np.ndarray:
+        last_chance = time_left_in(self.result).urgency["urgent_row"].to_numpy()
+        in_time: np.ndarray = time_left_in(self.result).is_urgent & (row >= 0) & (row < last_chance)
         return in_time
 
     def lead_s(self, system: SystemResult) -> np.ndarray:
@@ -167,12 +181,6 @@ class AlertsView:
         return judge_speeding(self.result) if has_limits(self.result.dataset) else None
 
     @cached_property
-    def is_near(self) -> np.ndarray:
-        """Encounters that count; bool, shape (n_encounters,)."""
-        is_near: np.ndarray = self.result.category != Category.DISTANT.value
-        return is_near
-
-    @cached_property
     def table(self) -> pd.DataFrame:
         """Alerts of X, then of Y, as in ``alerts.csv`` (docs/alerts.md)."""
         return pd.concat([*self._tables()], ignore_index=True)
@@ -185,9 +193,8 @@ class AlertsView:
             alerts, lead_s = self.of(system), self.lead_s(system)
             first, last = alerts["first_row"].to_numpy(), alerts["last_row"].to_numpy()
             encounter = alerts["encounter"].to_numpy()
-            is_first = np.zeros(len(alerts), bool)
             is_met = encounter >= 0
-            is_first[is_met] = self.first_alert(system)[encounter[is_met]] == first[is_met]
+            is_first = is_met & ~alerts["encounter"].duplicated().to_numpy()
             whose, lead = np.full(len(alerts), None), np.full(len(alerts), np.nan)
             whose[is_met] = result.encounters.track[encounter[is_met]]
             lead[is_first] = lead_s[encounter[is_first]]
@@ -218,9 +225,9 @@ class AlertsView:
         -------
         Rows of X, then of Y, each with the threshold ascending: system (``x`` or ``y``), of
         (``policy``; ``in use``: at the threshold in use; ``log``: what the log tells), threshold
-        (-inf: every box; NaN of a log), alerts of each `AlertKind` (its name), unwanted and
-        unwanted_per_hour (fewer is better), in_time (urgent encounters alerted in time, more is
-        better), share_in_time (NaN: none is urgent), alerted (encounters that count).
+        (-inf: every box; NaN of a log), alerts of each `AlertKind` (its name; NaN as of `count`),
+        unwanted and unwanted_per_hour (fewer is better), in_time (urgent encounters alerted in
+        time, more is better), share_in_time (NaN: none is urgent), alerted (encounters that count).
         """
         rows = [
             {"system": letter, **self._point(alerts), "of": of, "threshold": threshold}
@@ -235,8 +242,8 @@ class AlertsView:
     def _points(self, system: SystemResult) -> Iterator[tuple[str, float, pd.DataFrame]]:
         result, params = self.result, self.result.params
         dataset, made = result.dataset, result.made
-        inputs = Inputs(dataset, params, result.tracks, result.encounters)
-        scene = _scene(inputs, result.k_truth, made["urgency"], made["detectable"])
+        truth = made["urgency"], made["detectable"], float(params.corridor)
+        scene = Scene(dataset, result.encounters, result.k_truth.k, *truth)
         matches = match_system(dataset, system.name, None, params)
         reported = Reported(dataset.system(system.name), system.weights.k, matches)
         policy = policy_of(params, dataset, dataset.systems.index(system.name))
@@ -253,40 +260,23 @@ class AlertsView:
             yield "log", np.nan, self.of(system)
 
     def _point(self, alerts: pd.DataFrame) -> dict[str, float]:
-        counts, n_encounters = count_kinds(alerts), len(self.result.encounters)
-        hours = self.result.duration_s / 3600
-        n_unwanted, n_urgent = sum(counts[kind] for kind in UNWANTED), self.n_urgent
-        in_time = int(np.count_nonzero(self._in_time(alerts)))
-        is_alerted = self.is_near & (first_alerts(alerts, n_encounters) >= 0)
+        counts, row = self._count(alerts), self._first_alert(alerts)
+        hours, n_urgent = self.result.duration_s / 3600, self.n_urgent
+        n_unwanted = int(alerts["kind"].isin(UNWANTED).sum())
+        in_time = int(np.count_nonzero(self._is_in_time(row)))
         return {
             **{kind.value: n for kind, n in counts.items()},
             "unwanted": n_unwanted,
             "unwanted_per_hour": n_unwanted / hours if hours else np.nan,
             "in_time": in_time,
             "share_in_time": in_time / n_urgent if n_urgent else np.nan,
-            "alerted": int(np.count_nonzero(is_alerted)),
+            "alerted": int(np.count_nonzero(self.result.is_near & (row >= 0))),
         }
 
     @property
     def n_urgent(self) -> int:
         """Urgent encounters."""
         return int(np.count_nonzero(time_left_in(self.result).is_urgent))
-
-
-def count_kinds(alerts: pd.DataFrame) -> dict[AlertKind, int]:
-    """Alerts of each kind."""
-    return {kind: int((alerts["kind"] == kind.value).sum()) for kind in AlertKind}
-
-
-def first_alerts(alerts: pd.DataFrame, n_encounters: int) -> np.ndarray:
-    """Frame row of the first alert of each encounter, -1: none; int64, (n_encounters,)."""
-    encounter = alerts["encounter"].to_numpy()
-    is_met = encounter >= 0
-    never = np.iinfo(np.int64).max
-    row = np.full(n_encounters, never)
-    np.minimum.at(row, encounter[is_met], alerts["first_row"].to_numpy()[is_met])
-    row[row == never] = -1
-    return row
 
 
 def thresholds_of(score: np.ndarray) -> list[float]:

@@ -10,7 +10,9 @@ import pandas as pd
 
 from nvcore.alerts.measures import MEASURES
 from nvcore.alerts.said import alert_facts, in_time_by_kind
+from nvcore.alerts.speeding import ROWS
 from nvcore.alerts.steps import AlertsView
+from nvcore.report.terminal import code_lines
 from nvcore.sentences import say
 from nvcore.tables.scorecard import score_rows
 from nvcore.time_left.said import urgent
@@ -27,6 +29,7 @@ def render_alerts(view: AlertsView) -> str:
         *(f"{letter.upper()}: {one_line(system.name)}" for letter, system in result.sides),
         "",
         *_sentences(view),
+        *code_lines(result),
         "",
         *aligned([("", "X", "Y"), *_measures(view)]),
         *_speeding(view),
@@ -60,15 +63,12 @@ def _speeding(view: AlertsView) -> Iterator[str]:
         return
     yield ""
     yield f"speed alerts, above the limit for {view.result.params.speeding_after_s:g} s:"
-    columns = ("true", "alerted", "missed", "right", "false", "not_known", "median_late_s")
-    rows = view.speeding.summary()
-    yield from aligned(
-        [("", *(name.replace("_", " ") for name in columns))]
-        + [
-            (letter, *(number(row[name], ".2f" if "_s" in name else "d") for name in columns))
-            for letter, row in zip("XY", rows.to_dict("records"), strict=True)
-        ]
-    )
+    x, y = view.speeding.summary().to_dict("records")
+    rows = [
+        (words.format(true=x["true"]), *(number(row[name], form) for row in (x, y)))
+        for name, (words, form) in ROWS.items()
+    ]
+    yield from aligned([("", "X", "Y"), *rows])
 
 
 def _curve(view: AlertsView) -> Iterator[tuple[str, ...]]:

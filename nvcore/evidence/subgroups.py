@@ -11,7 +11,6 @@ from nvcore.comparison import Result
 from nvcore.detection.filtered_truth import has_tags, known_tags
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.params import MIDPOINT_SHARE
-from nvcore.schema import Category
 
 NEAR_MIDPOINTS: Final = 2.0
 """Near: the largest box is this many times as high as a box that counts half. Height is inverse to
@@ -58,8 +57,7 @@ class Subgroup:
 
 def everyone(result: Result) -> Subgroup:
     """All encounters that count, and all recordings."""
-    is_near = result.category != Category.DISTANT.value
-    return Subgroup(ALL, ALL, is_near, np.ones(len(result.dataset.recordings), dtype=bool))
+    return Subgroup(ALL, ALL, result.is_near, np.ones(len(result.dataset.recordings), dtype=bool))
 
 
 def find_subgroups(result: Result) -> tuple[Subgroup, ...]:
@@ -70,7 +68,7 @@ def find_subgroups(result: Result) -> tuple[Subgroup, ...]:
     tags, a pedestrian several classes.
     """
     encounters, dataset = result.encounters, result.dataset
-    is_near = result.category != Category.DISTANT.value
+    is_near = result.is_near
     height = dataset.recordings["height"].to_numpy(dtype=float)[encounters.recording]
     midpoint = result.params.midpoint
     if midpoint is None or result.params.proximity != "height":

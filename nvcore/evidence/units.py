@@ -13,7 +13,6 @@ from nvcore.dataset import Dataset
 from nvcore.dataset.copies import units_of
 from nvcore.evidence.block_length import block_length
 from nvcore.measures.table import EVIDENCE_KEYS, counted, inference_of, measure_of
-from nvcore.schema import Category
 from nvcore.scoring import SystemResult
 
 RECORDINGS: Final = "recordings"
@@ -198,7 +197,6 @@ def sum_units(result: Result, units: Units) -> pd.DataFrame:
     """
     unit, total = units.unit_of_frame, units.total
     frames, encounters = result.dataset.frame_columns, result.encounters
-    is_near = result.category != Category.DISTANT.value
     begin = unit[encounters.first_row]
     if units.kind == BLOCKS:
         share = 1 / np.bincount(units.recording)[units.recording]
@@ -209,7 +207,7 @@ def sum_units(result: Result, units: Units) -> pd.DataFrame:
         "n_frames": total(unit),
         "duration_s": total(unit, frames.gap / frames.fps[frames.recording]),
         "share_of_recording": share,
-        "n_encounters": total(begin[is_near]),
+        "n_encounters": total(begin[result.is_near]),
         **{name: total(begin[members(result)]) for name, members in counted().items()},
     }
     for letter, system in result.sides:

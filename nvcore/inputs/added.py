@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+import hashlib
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+
+from nvcore.inputs.hashes import changed_input
 
 if TYPE_CHECKING:
     from nvcore.dataset import Dataset
+    from nvcore.findings import Finding
     from nvcore.inputs.session import Session
 
 
@@ -33,3 +39,43 @@ class Input:
     name: str
     is_named: Callable[[Session], bool]
     join: Callable[[Dataset, Session], Dataset]
+
+
+def with_files(
+    dataset: Dataset,
+    session: Session,
+    subject: str,
+    files: Sequence[str],
+    digests: list[str],
+    *,
+    says: bytes,
+    conversion: str | Sequence[str],
+    form: str | Sequence[str] = "csv",
+    findings: Iterable[Finding] = (),
+    **changes: Any,
+) -> Dataset:
+    """The dataset with changes that files of a session make, and with these among its inputs.
+
+    Parameters
+    ----------
+    subject, files, digests
+        What the files are called together, their names and their sha256.
+    says
+        What they say of the dataset, for its fingerprint.
+    conversion, form
+        What was read of the files, and their format; of all or of each.
+    findings
+        In the files, beside that they have changed since the session was written.
+    changes
+        Fields of the dataset.
+    """
+    rows = pd.DataFrame({"file": files, "sha256": digests})
+    rows = rows.assign(subject=subject, format=form, conversion=conversion)[list(dataset.inputs)]
+    changed = changed_input(subject, files, digests, session.hashes)
+    return replace(
+        dataset,
+        inputs=pd.concat([dataset.inputs, rows], ignore_index=True),
+        findings=(*dataset.findings, *changed, *findings),
+        fingerprint=hashlib.sha256(f"{dataset.fingerprint}\n".encode() + says).hexdigest(),
+        **changes,
+    )

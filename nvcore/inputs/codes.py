@@ -15,10 +15,14 @@ from pathlib import Path
 from typing import Final
 
 from nvcore.codes import COLUMNS, CodedInterval
+from nvcore.dataset import Dataset
 from nvcore.errors import InputError, ParameterError
+from nvcore.findings import Finding
+from nvcore.inputs.readers.base import warning
 from nvcore.inputs.readers.parse.table import read_table
 from nvcore.inputs.session import Session
-from nvcore.wording import MOST_NAMED, did_you_mean, listed
+from nvcore.schema import SAME_S
+from nvcore.wording import MOST_NAMED, count_text, did_you_mean, listed
 
 MOST_CODES: Final = 10_000
 
@@ -55,6 +59,33 @@ def with_codes(session: Session, names: Sequence[str]) -> Session:
             raise InputError(f"[[code]]: {text}")
     called = (replace(of, recording=title_of[of.recording]) for of, _ in rows)
     return replace(session, codes=tuple(dict.fromkeys(called)), codes_file=None)
+
+
+def codes_beyond(dataset: Dataset, codes: Sequence[CodedInterval]) -> list[Finding]:
+    """A warning of the intervals that no evaluated frame of their recording is in."""
+    frames = dataset.frames.groupby("recording")["time_s"].agg(["min", "max"])
+    spans = frames.rename(index=dict(enumerate(dataset.recordings["name"]))).T.to_dict()
+    beyond = [
+        of
+        for of in codes
+        if (span := spans.get(of.recording)) is None
+        or of.start_s > span["max"] + SAME_S
+        or of.end_s < span["min"] - SAME_S
+    ]
+    if not beyond:
+        return []
+    first = beyond[0]
+    return [
+        warning(
+            "code-beyond-recording",
+            len(beyond),
+            f"{count_text(len(beyond), 'coded interval')} of {len(codes):,} "
+            f"{'lies' if len(beyond) == 1 else 'lie'} outside of the evaluated frames.",
+            "Give times in seconds since the recording's first evaluated frame.",
+            role="codes",
+            example=f"{first.recording}, {first.start_s:g} to {first.end_s:g} s, {first.code}",
+        )
+    ]
 
 
 def read_codes(path: Path) -> list[tuple[CodedInterval, int]]:

@@ -20,7 +20,7 @@ from nvcore.dataset.tables import tables_fingerprint
 from nvcore.errors import InputError, UnnamedClassesError
 from nvcore.findings import Remedy, Step
 from nvcore.inputs.added import Input
-from nvcore.inputs.codes import with_codes
+from nvcore.inputs.codes import codes_beyond, with_codes
 from nvcore.inputs.files import digest, find_files, located, system_names
 from nvcore.inputs.laying_out import laid_out, sizes_given
 from nvcore.inputs.placing import LoadedSource, place_sources
@@ -117,6 +117,7 @@ def load(
     session = with_codes(session.choosing_from(names), names)
     for of in added:
         dataset = of.join(dataset, session)
+    dataset = replace(dataset, findings=(*dataset.findings, *codes_beyond(dataset, session.codes)))
     return dataset.with_settings(session).only(session.only_tags, session.only)
 
 

@@ -4,25 +4,22 @@
     0.00,48.2
     0.10,48.0
 
-Time is that of the recording: frame 0 is at 0 s, frame f at f / fps. Between two readings the
-speed is on the line through them; before the first and after the last nothing is known of it.
+Times are seconds since the recording's first evaluated frame, as `time_s` in all tables and on the
+axis of the Timeline. Between two readings the speed is on the line through them; before the first,
+after the last, and between two that are far apart nothing is known of it.
 """
 
 from __future__ import annotations
 
-import hashlib
-from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
 import numpy as np
-import pandas as pd
 
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
-from nvcore.inputs.added import Input
+from nvcore.inputs.added import Input, with_files
 from nvcore.inputs.files import digest
-from nvcore.inputs.hashes import changed_input
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.parse.table import read_series
 from nvcore.inputs.session import Session
@@ -31,13 +28,17 @@ from nvcore.wording import count_text
 
 SUBJECT: Final = "speed"
 """What the files are called in `Dataset.inputs`."""
+LONGEST_GAP_S: Final = 5.0
+"""Readings farther apart say nothing of the speed between them (ours): cars stop within that."""
+FASTEST_KMH: Final = 400.0
+"""No car on a road is faster: such readings are in another unit, or broken."""
 
 
 def with_speeds(dataset: Dataset, session: Session) -> Dataset:
     """The dataset with the speeds of the series that its session names, frame by frame.
 
-    A series goes before the one speed that a recording states. In frames outside of its readings
-    that one counts, else the speed that is assumed.
+    A series goes before the one speed that a recording states. In frames of which its readings say
+    nothing that one counts, else the speed that is assumed.
 
     Raises
     ------
@@ -46,6 +47,7 @@ def with_speeds(dataset: Dataset, session: Session) -> Dataset:
         file and line.
     """
     frames, names = dataset.frame_columns, dataset.recordings["name"].tolist()
+    all_s = dataset.frames["time_s"].to_numpy()
     entries = session.of_all.entries(names)
     speed_kmh, n_frames = np.full(len(frames), np.nan), 0
     paths: list[str] = []
@@ -53,8 +55,7 @@ def with_speeds(dataset: Dataset, session: Session) -> Dataset:
         path = entries[name].speed if name in entries else None
         if path is None:
             continue
-        rows = frames.rows_of(recording)
-        time_s = frames.frame[rows] / frames.fps[recording]
+        time_s = all_s[rows := frames.rows_of(recording)]
         speed_kmh[rows] = _interpolated(session.folder / path, path, name, time_s)
         n_frames += len(time_s)
         paths.append(path)
@@ -65,39 +66,41 @@ def with_speeds(dataset: Dataset, session: Session) -> Dataset:
     words += count_text(len(paths), "recording")
     if n_known < n_frames:
         words += (
-            "; in the others, outside of the readings, the one speed that their recording states, "
-            "else an assumed one"
+            "; in the others, outside of the readings or between two more than "
+            f"{LONGEST_GAP_S:g} s apart, the one speed that their recording states, else an "
+            "assumed one"
         )
-    digests = digest([SourceFile(session.folder / path, path) for path in paths])
-    columns = {"file": paths, "sha256": digests}
-    inputs = pd.DataFrame(columns).assign(subject=SUBJECT, format="csv", conversion=words)
-    text = f"{dataset.fingerprint}\n{SUBJECT}\n".encode() + speed_kmh.tobytes()
-    return replace(
+    return with_files(
         dataset,
+        session,
+        SUBJECT,
+        paths,
+        digest([SourceFile(session.folder / path, path) for path in paths]),
+        says=f"{SUBJECT}\n".encode() + speed_kmh.tobytes(),
+        conversion=words,
         frames=dataset.frames.assign(speed_kmh=speed_kmh),
-        inputs=pd.concat([dataset.inputs, inputs[list(dataset.inputs)]], ignore_index=True),
-        findings=(
-            *dataset.findings,
-            *changed_input(SUBJECT, paths, digests, session.hashes),
-        ),
-        fingerprint=hashlib.sha256(text).hexdigest(),
     )
 
 
 def _interpolated(file: Path, path: str, name: str, time_s: np.ndarray) -> np.ndarray:
-    """Speed at these times of a recording, km/h; NaN outside of the readings."""
-    at_s, readings = read_series(file, "speed_kmh", what="speeds")
+    """Speed at these times of a recording, km/h; NaN where the readings do not say it."""
+    zero = "the first evaluated frame"
+    at_s, readings = read_series(file, "speed_kmh", what="speeds", high=FASTEST_KMH, zero=zero)
     if not len(at_s):
         raise InputError("expected speeds of the car, found none below line 1", file=path)
-    is_within = (time_s >= at_s[0] - SAME_S) & (time_s <= at_s[-1] + SAME_S)
+    before = np.searchsorted(at_s, time_s + SAME_S, side="right") - 1
+    after = np.searchsorted(at_s, time_s - SAME_S)
+    is_within = (before >= 0) & (after < len(at_s))
     if not is_within.any():
         raise InputError(
             f"its readings, from {at_s[0]:g} to {at_s[-1]:g} s, are of none of the evaluated "
             f"frames of {name}, from {time_s[0]:g} to {time_s[-1]:g} s; expected seconds from "
-            "frame 0",
+            f"{zero}",
             file=path,
         )
-    return np.where(is_within, np.interp(time_s, at_s, readings), np.nan)
+    gap_s = at_s[np.minimum(after, len(at_s) - 1)] - at_s[np.maximum(before, 0)]
+    is_known = is_within & (gap_s <= LONGEST_GAP_S + SAME_S)
+    return np.where(is_known, np.interp(time_s, at_s, readings), np.nan)
 
 
 SPEEDS: Final = Input(

@@ -29,7 +29,7 @@ from nvcore.measures.values import (
     severity_by_recording,
     severity_parts,
 )
-from nvcore.schema import Category, MissClass
+from nvcore.schema import MissClass
 from nvcore.scoring import SystemResult
 from nvcore.stages import ENCOUNTERS, EVENTS, MATCH, SALIENCY, SEVERITY
 
@@ -40,9 +40,8 @@ _NONE_NEAR: Final = "no encounter is near enough to count"
 
 def _miss_class(kind: MissClass) -> Measure:
     def count(result: Result, system: SystemResult) -> int:
-        is_near = result.category != Category.DISTANT.value
         is_kind = (system.encounters["miss_class"] == kind.value).to_numpy()
-        return int(np.count_nonzero(is_kind & is_near))
+        return int(np.count_nonzero(is_kind & result.is_near))
 
     words = "no failure" if kind is MissClass.NONE else kind.value.replace("_", " ")
     return Measure(

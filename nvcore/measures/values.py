@@ -9,7 +9,6 @@ import numpy as np
 
 from nvcore.comparison import Result
 from nvcore.measures.entry import Parts
-from nvcore.schema import Category
 from nvcore.scoring import SystemResult
 
 
@@ -106,8 +105,7 @@ def low_parts(result: Result, system: SystemResult) -> Parts:
 
 def detected_parts(result: Result, system: SystemResult) -> Parts:
     """The near encounters that the system detects."""
-    is_near = result.category != Category.DISTANT.value
-    is_detected = system.encounters["is_detected"].to_numpy(dtype=bool) & is_near
+    is_detected = system.encounters["is_detected"].to_numpy(dtype=bool) & result.is_near
     return Parts(result.encounters.first_row[is_detected], None)
 
 

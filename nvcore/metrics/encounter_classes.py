@@ -59,7 +59,7 @@ class EncounterClasses:
     named
         The classes that the truth names.
     coded
-        The codes, and `NO_CODE`; none without coded intervals.
+        The codes, and `NO_CODE` (of recordings with any); none without coded intervals.
     """
 
     attributes: np.ndarray
@@ -177,7 +177,8 @@ def classes_named(attributes: np.ndarray) -> dict[str, np.ndarray]:
 def find_coded(encounters: Encounters, dataset: Dataset) -> dict[str, np.ndarray]:
     """Who is there, from the first to the last frame, while an interval of each code lasts; bool.
 
-    `NO_CODE` are the others; nothing without coded intervals.
+    `NO_CODE` are the others of recordings with an interval: of the rest nobody knows whether they
+    were coded. Nothing without coded intervals.
     """
     codes = dataset.settings.codes
     time_s = dataset.frames["time_s"].to_numpy()
@@ -190,7 +191,11 @@ def find_coded(encounters: Encounters, dataset: Dataset) -> dict[str, np.ndarray
         is_there = encounters.recording == row_of.get(of.recording, -1)
         is_there &= (first_s <= of.end_s + SAME_S) & (last_s >= of.start_s - SAME_S)
         members[of.code] |= is_there
-    return {**members, NO_CODE: ~np.any([*members.values()], axis=0)} if members else {}
+    if not members:
+        return {}
+    coded = [row_of[name] for name in {of.recording for of in codes} & row_of.keys()]
+    is_coded = np.isin(encounters.recording, coded)
+    return {**members, NO_CODE: is_coded & ~np.any([*members.values()], axis=0)}
 
 
 def find_crossing(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:

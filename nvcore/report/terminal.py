@@ -12,6 +12,7 @@ from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.operating_points import point_note
 from nvcore.evidence.table import judge_both
 from nvcore.findings import Finding, Severity
+from nvcore.metrics.encounter_classes import classes_of, shown_class
 from nvcore.metrics.proximity.horizon import estimate_horizons
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.report.plan import verdict_plan
@@ -32,6 +33,7 @@ from nvcore.sentences import phrase, say
 from nvcore.sentences.encounters import TERMINAL
 from nvcore.sentences.facts import Fact
 from nvcore.subjects import contributed
+from nvcore.tables.encounters.miss_classes import class_counts
 from nvcore.tables.inputs import inputs_table
 from nvcore.tables.result import worst_intervals
 from nvcore.wording import count_text, number, one_line, shortened
@@ -40,6 +42,8 @@ SHORT_ROWS = "* means little here: most encounters are one frame long"
 """What the mark in the scorecard says."""
 MOST_RECORDINGS = 40
 """Recordings whose pictures or estimated horizons are printed."""
+MOST_CODES = 12
+"""Codes whose encounters are printed."""
 COUNTED = {
     Category.BOTH: "both",
     Category.X_ONLY: "only X",
@@ -258,6 +262,7 @@ def _venn(result: Result) -> str:
         f"severity (1 s: {result.objects.say('{a_one}')} straight ahead and near is missed for "
         f"1 s), of encounters detected by {weights}",
     ]
+    lines += code_lines(result)
     facts = missed(result), parted(result)
     lines.append("".join(phrase(fact, result.objects, TERMINAL) for fact in facts))
     lines.append(phrase(lead(result), result.objects, TERMINAL))
@@ -278,6 +283,20 @@ def _venn(result: Result) -> str:
         + ", ".join(n_absorbed)
     )
     return _text(lines)
+
+
+def code_lines(result: Result) -> list[str]:
+    """Who detects the encounters of each code; empty: nothing is coded."""
+    coded, counts = classes_of(result.dataset).coded, class_counts(result).to_dict("index")
+    shown = [code for code in coded if code in counts]
+    lines = [
+        f"encounters with {shown_class(code)}, detected by: "
+        + ", ".join(f"{words} {counts[code][kind.value]}" for kind, words in COUNTED.items())
+        for code in shown[:MOST_CODES]
+    ]
+    more = len(shown) - len(lines)
+    lines += [f"and with {more:,} more codes"] if more else []
+    return lines or ["no encounter overlaps a coded interval"] if coded else []
 
 
 def _fusion(result: Result) -> str:

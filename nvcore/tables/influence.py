@@ -15,7 +15,6 @@ from nvcore.measures.values import (
     per_recording,
     severity_by_recording,
 )
-from nvcore.schema import Category
 from nvcore.wording import listed
 
 FORM: Final = ".3f"
@@ -87,7 +86,7 @@ def other_leads_text(result: Result) -> str:
     n_frames = np.diff(result.dataset.frame_columns.first)
     if np.count_nonzero(n_frames) < 2:
         return ""
-    is_near = result.category != Category.DISTANT.value
+    is_near = result.is_near
     n_near = per_recording(result, is_near.astype(float), result.encounters.recording)
     stays: dict[str, list[str]] = {"X": [], "Y": []}
     rests = []

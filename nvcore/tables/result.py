@@ -74,7 +74,7 @@ def frame_numbers(result: Result, row: np.ndarray) -> Any:
 def encounters_table(result: Result) -> pd.DataFrame:
     """One row per encounter: category, how each system did, and facts about the encounter."""
     encounters, frame = result.encounters, result.dataset.frames["frame"].to_numpy()
-    is_near = result.category != Category.DISTANT.value
+    is_near = result.is_near
     classes = classes_of(result.dataset)
     columns: dict[str, Any] = {
         "recording": _names(result, encounters.recording),

@@ -1,10 +1,14 @@
 from __future__ import annotations
 
-import dataclasses
+import re
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
+import scipy
+from approach import ALL, PLACE, approach
+from builders import make_dataset
 from places import SAMPLE
 
 from nvcore.alerts.in_time import (
@@ -17,10 +21,14 @@ from nvcore.alerts.in_time import (
     judge_in_time,
     slack_at_onset,
 )
+from nvcore.alerts.said import more_doubt
 from nvcore.comparison import Result, compare
+from nvcore.evidence.bootstrap import expanded_tail
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
+from nvcore.objects import PEDESTRIAN
 from nvcore.params import Params
+from nvcore.sentences import say
 from nvcore.time_left.steps import confirmed_by, is_in_time, time_left_of
 
 EXACTLY = {"own": Reaction(1.2, 0.0)}
@@ -45,6 +53,20 @@ def row_of(judged: InTime, kind: str, measure: str, side: str) -> pd.Series:
     return judged.table.set_index(["kind", "measure", "side"]).loc[(kind, measure, side)]
 
 
+class One:
+    """A single encounter."""
+
+    offsets, order, frame_index = np.array([0, 5]), np.arange(5), np.arange(5)
+
+    def __len__(self) -> int:
+        return 1
+
+
+def slack_of_one(ttc_s: np.ndarray, onset: int, *, last: int) -> pd.DataFrame:
+    rows, time_s = (np.array([row]) for row in (onset, last)), np.arange(5) / 2
+    return slack_at_onset(One(), ttc_s, np.ones(5), time_s, *rows, reaction_s=1.2)
+
+
 # One pedestrian in frames 0 to 4, 0.5 s apart, known from frame 1 on; braking takes 1.0 s.
 TTC = np.array([np.nan, 3.0, 2.4, 2.6, 1.5])
 
@@ -60,15 +82,21 @@ TTC = np.array([np.nan, 3.0, 2.4, 2.6, 1.5])
     ],
 )
 def test_the_slack_of_an_alert_by_hand(onset: int, slack: float, ttc: float) -> None:
-    class One:
-        offsets, order, frame_index = np.array([0, 5]), np.arange(5), np.arange(5)
-
-        def __len__(self) -> int:
-            return 1
-
-    found = slack_at_onset(One(), TTC, np.ones(5), np.arange(5) / 2, np.array([onset]))
+    found = slack_of_one(TTC, onset, last=-1)
     assert found["slack_s"].tolist() == pytest.approx([slack])
     assert found["ttc_s"].tolist() == pytest.approx([ttc], nan_ok=True)
+
+
+@pytest.mark.parametrize(
+    ("onset", "slack"),
+    [(0, 2.2), (1, 1.7), (2, 1.2), (3, 0.8)],
+    ids=["1 s before", "", "at", "after"],
+)
+def test_nobody_has_longer_than_until_the_last_chance_and_the_reaction(onset, slack) -> None:
+    # not closing until the last chance, frame 2 at 1 s
+    found = slack_of_one(np.array([np.inf, np.inf, np.inf, 1.8, 1.0]), onset, last=2)
+    assert found["slack_s"].tolist() == pytest.approx([slack])
+    assert found["ttc_s"].tolist() == pytest.approx([slack + 1])
 
 
 def test_the_mean_and_spread_of_reactions_are_those_of_the_source() -> None:
@@ -126,15 +154,48 @@ def test_exchanged_systems_are_mirrored(result: Result, judged: InTime) -> None:
 def test_the_doubt_of_drivers_and_of_recordings_is_kept_apart_and_joined(judged: InTime) -> None:
     for kind in REACTIONS:
         row = row_of(judged, kind, "share", "difference")
-        apart = [row[f"{of}_high"] - row[f"{of}_low"] for of in ("draws", "recordings")]
+        apart = [row[f"{of}_high"] - row[f"{of}_low"] for of in ("draws", "units")]
         assert max(apart) < row["high"] - row["low"] < sum(apart)
+        text = say(more_doubt(judged, kind), PEDESTRIAN)
+        assert re.search(
+            r"points \(95 %: .*\): ±\d+ as drivers differ, ±\d+ as recordings do", text
+        )
 
 
-def test_few_recordings_have_no_interval_and_no_encounters_no_share() -> None:
+def test_few_units_have_no_interval_and_no_encounters_no_share() -> None:
     few = intervals(np.array([[1.0, 2.0], [0.0, 2.0]]), np.array([2, 2]))
     assert few["mean"] == pytest.approx(0.625)
-    assert np.isnan([few["recordings_low"], few["low"]]).all()
-    assert np.isnan(intervals(np.zeros((5, 3)), np.zeros(3, int))["mean"])
+    assert np.isnan([few["units_low"], few["low"]]).all()
+    assert np.isnan(intervals(np.zeros((5, 0)), np.zeros(0, int))["mean"])
+
+
+def test_the_ends_over_few_units_are_those_of_the_other_measures() -> None:
+    # 8 units of one encounter, half of them in time whoever drives: binomial, of 8
+    of_units = intervals(np.tile([1.0, 0.0], (4000, 4)), np.ones(8, int))
+    ends = scipy.stats.binom.ppf([expanded_tail(8), 1 - expanded_tail(8)], 8, 0.5) / 8
+    assert [of_units["units_low"], of_units["units_high"]] == ends.tolist() == [0.125, 0.875]
+    assert of_units["draws_low"] == of_units["draws_high"] == 0.5
+
+
+@pytest.mark.parametrize(
+    ("n_urgent", "units", "has_interval"),
+    [
+        (8, [""] * 10, True),
+        (7, [""] * 10, False),  # in three recordings nobody is met
+        (9, ["a", "a", "b", "b", *[""] * 6], False),  # seven units
+    ],
+)
+def test_an_interval_is_over_units_in_which_somebody_is_urgent(n_urgent, units, has_interval):
+    drives = [approach(ALL, 5, centre=30 + row, recording=row) for row in range(n_urgent)]
+    boxes = [box for drive in drives for box in drive]
+    dataset = make_dataset(boxes, places=[PLACE] * 10)
+    dataset = replace(dataset, recordings=dataset.recordings.assign(unit=units))
+    judged = judge_in_time(
+        compare(dataset), [9 + len(ALL) * np.arange(n_urgent), np.full(n_urgent, -1)]
+    )
+    ends = row_of(judged, "haptic", "share", "x")[["units_low", "units_high", "low", "high"]]
+    assert ends.notna().tolist() == [has_interval] * 4
+    assert judged.what_varies == ("units" if "a" in units else "recordings")
 
 
 def test_of_a_hundred_encounters_everyone_is_counted_once(judged: InTime) -> None:
@@ -145,7 +206,7 @@ def test_of_a_hundred_encounters_everyone_is_counted_once(judged: InTime) -> Non
         haptic_y=[1.0, 0.5, 0.2, 0.0],
         haptic_both=[1.0, 0.5, 0.0, 0.0],
     )
-    table = dataclasses.replace(judged, chances=chances).of_hundred("haptic")
+    table = replace(judged, chances=chances).of_hundred("haptic")
     assert table.to_numpy() == pytest.approx(
         np.array(
             [

@@ -18,6 +18,7 @@ from nvcore.alerts.policy import named_policy
 from nvcore.alerts.steps import AlertsView, alerts_in
 from nvcore.errors import InputError, ParameterError
 from nvcore.inputs.session_toml import read_session, write_session
+from nvcore.metrics.encounter_classes import classes_of
 
 HEAD = "frame,x,y,w,h,score,track"
 
@@ -91,7 +92,7 @@ def test_a_log_without_tracks_is_about_whom_the_system_finds_meanwhile(night: Pa
     table = of_x(nv.judge_alerts(session(night.parent, 'alerts = "log.csv"')))
     kinds = table[["start_frame", "end_frame", "kind"]].to_numpy().tolist()
     # before frame 5 X has no box; of two boxes in frame 11 that which matches counts
-    assert kinds == [[0, 3, "false"], [4, 6, "wanted"], [11, 12, "wanted"]]
+    assert kinds == [[0, 3, "false"], [4, 6, "wanted"], [11, 12, "repeated"]]
     assert table["lead_s"].tolist()[1] == pytest.approx(2.5)
 
 
@@ -102,6 +103,9 @@ def test_a_log_without_tracks_is_about_whom_the_system_finds_meanwhile(night: Pa
         (["start_s,end_s,kind", "2,1,a"], "line 2.*end_s: expected start_s or more"),
         (["start_s,end_s,kind", "0,1,a", "9,10,a"], r"line 3.*9 s, but .* ends at 3.9 s"),
         (["start_s,end_s,kind,recording", "0,1,a,there"], "line 2.*there is no 'there'"),
+        (["start_s,end_s,kind,track", "0,1,a,", "1,2,a,9.5"], "line 3: track: .*whole number"),
+        (["start_s,end_s,kind,track", "0,1,a,-1"], "line 2: track: expected 0 to"),
+        (["start_s,end_s,kind,track", "0,1,a,1", "1,2,a,7"], "line 3: track: X has no track 7 in"),
         (["frame,x,y,w,h,alerted", "0,1,1,1,1,1"], "no file of the detections of X"),
     ],
 )
@@ -120,9 +124,9 @@ def test_a_policy_is_a_file_that_begins_from_a_named_one(night: Path):
     own = nv.judge_alerts(session(night.parent, 'alert_policy = "ours.toml"'))
     assert of_x(own)["start_frame"].tolist() == [39]
     assert own.table["system"].tolist() == ["x", "y"]  # Y by the settings
-    for line in ("alert_corner = 1", "alert_k = 2", 'alerts = "off"', "= 1"):
-        write(night.parent / "ours.toml", line)
-        with pytest.raises(InputError, match=r"ours\.toml"):
+    for line in ("alert_corner = 1", "alert_k = 2", 'alerts = "off"', 'base = "bold"', "= 1"):
+        write(night.parent / "ours.toml", "# ours", "alert_on_s = 1", line)
+        with pytest.raises(InputError, match=r"ours\.toml.*line 3"):
             nv.judge_alerts(night, policy=night.parent / "ours.toml")
     with pytest.raises(ParameterError, match="cautious, balanced and eager"):
         nv.judge_alerts(night, policy="bold")
@@ -195,6 +199,49 @@ def test_a_comparison_shows_alerts_only_if_it_is_asked_for_them(night: Path, tmp
     assert run(*rule).exit_code == 1  # undefined
 
 
+def test_rules_of_a_gate_file_about_alerts_pass_and_fail_and_lack_what_nobody_knows(night: Path):
+    # X: one false and one wanted alert in 4 s, in time for the only urgent one; Y: one false
+    rules = ("alerts_unwanted_per_hour_x <= 900", "alerted_in_time_x >= 1")
+    held = write(night.parent / "held.txt", *rules, "alerts_needed_x >= 0 or undefined")
+    gate = ("gate", night, "--alerts", "policy", "--alert-corridor", "1", "--rules")
+    assert run(*gate, held).exit_code == 0, run(*gate, held).output
+    for rule in ("alerts_unwanted_x <= 0", "alerted_in_time_y >= 1", "alerts_redundant_x <= 9"):
+        broken = write(night.parent / "broken.txt", "alerts_false_x <= 1", rule)
+        result = run(*gate, broken)
+        assert result.exit_code == 1, result.output
+        assert rule in result.output
+
+
+def test_speeds_codes_and_logs_count_seconds_from_the_first_evaluated_frame(night: Path):
+    # frames 10 to 39, ten a second: 1 s is frame 20 in all three, as on the Timeline
+    write(night.parent / "speed.csv", "time_s,speed_kmh", "0,50", "1,60", "2,70")
+    write(night.parent / "log.csv", "start_s,end_s,kind", "1,1,a")
+    name = night.parent.name
+    of_recording = ["[[recording]]", f'name = "{name}"', 'speed = "speed.csv"']
+    code = ["[[code]]", f'recording = "{name}"', "start_s = 1", "end_s = 1", 'code = "glare"']
+    text = session(night.parent, 'alerts = "log.csv"').read_text().replace("0:39", "10:39")
+    boxes = approach(ALL, 5)
+    early, there, late = (boxes[:20], boxes[20:21], boxes[21:])
+    tracks = [box._replace(track=n) for n, part in enumerate((early, there, late)) for box in part]
+    rows_of = [f"{box.frame},{box.x},{box.y},{box.w},{box.h},{box.track}" for box in tracks]
+    write(night.parent / "truth.csv", "frame,x,y,w,h,track", *rows_of)
+    view = nv.judge_alerts(write(night, text, *of_recording, *code))
+    frames = view.result.dataset.frame_columns
+    assert frames.speed_kmh[frames.frame == 20].tolist() == pytest.approx([60])
+    assert of_x(view)[["start_frame", "start_s"]].to_numpy().tolist() == [[20, 1.0]]
+    classes = classes_of(view.result.dataset).members
+    assert classes["glare"].tolist() == [False, True, False]
+    assert classes["no_code"].tolist() == [True, False, True]
+
+
+def test_alerts_of_sampled_frames_are_warned_of(night: Path):
+    text = night.read_text()
+    said = [run("alerts", write(night, text.replace("0:39", frames))).output
+            for frames in ("0:39", "0:39:4")]  # fmt: skip
+    words = "of 1 recording not every frame is evaluated: alerts between these frames are unknown"
+    assert [words in output.lower() for output in said] == [False, True]
+
+
 def test_the_report_has_a_section_and_the_figure_marks_what_is_in_use(night: Path, tmp_path: Path):
     comparison = nv.compare(night, alerts="policy")
     comparison.write_html(tmp_path / "night.html", stability=False)
@@ -221,7 +268,7 @@ def test_on_kitti_the_kinds_part_the_alerts_and_a_log_of_them_is_the_same(
     assert len(alerts) > 10
     assert {"wanted", "false"} <= set(alerts["kind"])
     assert (alerts["duration_s"] >= 0.5 - 1e-9).sum() >= len(alerts) - 3  # but at the end
-    about = alerts["kind"].isin(["nuisance", "redundant", "needed", "wanted"])
+    about = alerts["kind"].isin(["nuisance", "redundant", "repeated", "needed", "wanted"])
     assert (alerts["encounter"].notna() == about).all()
     curve = view.curve[view.curve["of"] == "policy"]
     assert (curve[["in_time", "alerted"]].iloc[-1] <= curve[["in_time", "alerted"]].iloc[0]).all()

@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from builders import NAN, Box, Place, make_dataset, result_of
+from inputs import nvcore as run
 from places import SAMPLE
 
 import nvcore as nv
@@ -202,10 +204,21 @@ def test_without_signs_or_frames_there_is_nothing():
     assert judged(places=(Place(()),), kmh=[]).limits().empty
 
 
-def test_limits_may_be_given_by_label():
-    result = result_of(drive([sign(0, "30", 1)]))
-    stored = judge_speeding(result, limits={"30": 48.28}).stored["truth"]
-    assert stored.limit_kmh[0] == 48.28
+def test_limits_may_be_in_miles_per_hour():
+    truth = [sign(0, "30", 1), sign(4, "end of speed limit", 2), sign(6, "give way", 3)]
+    stored = judge_speeding(result_of(drive(truth), limit_unit="mph")).stored["truth"].limit_kmh
+    np.testing.assert_allclose(stored[[0, 4, 6]], [48.28032, NO_LIMIT, NAN])
+
+
+def test_the_command_shows_what_is_not_known_and_writes_names_of_recordings(tmp_path):
+    path = SAMPLE.parent / "speed_signs" / "session.toml"
+    result = run("alerts", path, "--limit-unit", "mph", "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    assert "while no true limit is known" in result.output
+    assert "time without a known speed (s)" in result.output
+    written = pd.read_csv(tmp_path / "speeding.csv")
+    assert set(written["recording"]) <= {"into_village", "open_road", "past_school"}
+    assert written["limit_kmh"].dropna().isin([48.28032, 80.4672, 128.74752]).all()
 
 
 def test_classes_that_speak_of_an_end_are_ends():

@@ -38,6 +38,7 @@ WITH: Final[dict[str, dict[str, Any]]] = {
     **{name: {"alerts": "policy"} for name in SETTINGS if name.startswith("alert_")},
     **{name: {"alerts": "policy"} for name in ("own_reaction_s", "foot_s", "brakes_s")},
     "own_reaction_sd_s": {"alerts": "policy", "own_reaction_s": 1.0},
+    "limit_unit": {"speeding_after_s": 0.0},
     "alert_off_s": {"alerts": "policy", "alert_least_s": 0.0},
     "alert_least_s": {"alerts": "policy", "alert_off_s": 0.0},
 }

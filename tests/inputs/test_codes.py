@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import at, make_dataset, result_of
+from builders import Place, at, make_dataset, result_of
 from figure_parts import words
 from inputs import drive, flags, nvcore, session_of, write
 
@@ -21,6 +21,7 @@ from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.inputs.session_toml import read_session, write_session
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.report.files import export_files
+from nvcore.report.terminal import render_scorecard
 from nvcore.tables.encounters.miss_classes import class_counts
 from nvcore.tables.result import codes_table, encounters_table
 
@@ -112,6 +113,34 @@ def test_intervals_are_read_by_name_or_title_and_written_as_they_were_read(tmp_p
 def test_what_is_no_stretch_of_a_recording_is_refused_with_its_line(tmp_path, row, fault):
     with pytest.raises(InputError, match=f"codes.csv, line 3: {fault}"):
         load(coded(tmp_path, HEAD, "rural,0,1,rain", row))
+
+
+def test_a_code_outside_of_the_evaluated_frames_is_warned_of(tmp_path):
+    lines = "urban,0,1,rain", "urban,9,12,glare", "rural,-2,-1,glare"
+    (found,) = [of for of in load(coded(tmp_path, HEAD, *lines)).findings if "code" in of.code]
+    assert (found.code, found.count) == ("code-beyond-recording", 2)
+    assert found.message == "2 coded intervals of 3 lie outside of the evaluated frames."
+    assert found.example == "urban, 9 to 12 s, glare"
+    assert not load(coded(tmp_path, HEAD, lines[0])).findings
+
+
+def test_nobody_is_without_a_code_in_recordings_that_nobody_coded():
+    truth = [
+        at(frame, 50, track=1, recording=recording) for recording in (0, 1) for frame in range(9)
+    ]
+    truth += [at(frame, 20, track=2, recording=0) for frame in range(20, 29)]
+    dataset = make_dataset(truth, places=[Place(range(40))] * 2)
+    codes = (CodedInterval(dataset.recordings["name"][0], 0.0, 0.1, "glare"),)
+    result = result_of(dataset.with_settings(replace(dataset.settings, codes=codes)))
+    assert encounters_table(result)["recording"].tolist() == ["r0", "r0", "r1"]
+    classes = [set(text.split(";")) for text in encounters_table(result)["classes"]]
+    assert [of & {"glare", "no_code"} for of in classes] == [{"glare"}, {"no_code"}, set()]
+
+
+def test_the_terminal_says_who_detects_the_encounters_of_each_code():
+    text = render_scorecard(four())
+    assert "with glare, detected by: both 1, only X 1, only Y 0, neither 0" in text
+    assert "with no code, detected by: both 0, only X 0, only Y 1, neither 0" in text
 
 
 def test_a_session_file_names_the_file_or_holds_the_intervals(tmp_path):

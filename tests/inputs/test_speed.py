@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from approach import PLACE, approach, only
-from builders import make_dataset, result_of
+from builders import NAN, make_dataset, result_of
 from inputs import drive, session_of, write
 
 from nvcore.comparison import Result
@@ -57,6 +57,15 @@ def test_between_two_readings_speed_is_on_their_line_outside_that_of_the_recordi
     assert dataset.fingerprint != load(replace(session, recordings=())).fingerprint
 
 
+def test_between_readings_more_than_five_seconds_apart_nothing_is_known(tmp_path):
+    def speeds(*readings: str) -> list[float]:
+        return met(tmp_path, *readings).dataset.frame_columns.speed_kmh[[0, 10, 20]].tolist()
+
+    assert speeds("-4,10", "1,60") == pytest.approx([50, 60, NAN], nan_ok=True)
+    assert speeds("-4.1,10", "1,60") == pytest.approx([NAN, 60, NAN], nan_ok=True)
+    assert speeds("-9,10", "0,40", "1,60", "7,90") == pytest.approx([40, 60, NAN], nan_ok=True)
+
+
 def test_a_written_session_names_the_series_and_tells_when_it_has_changed(tmp_path):
     session = urban(tmp_path, HEAD, "0,40", "1,80")
     text = write_session(replace(session, hashes={"speed": "0123"}), version="", fingerprint="")
@@ -70,9 +79,10 @@ def test_a_written_session_names_the_series_and_tells_when_it_has_changed(tmp_pa
     ("lines", "words"),
     [
         ([HEAD, "0,50", "0.5,60", "0.5,70"], r"speed.csv, line 4: time_s: expected a time after"),
-        ([HEAD, "0,50", "0.5,-1"], r"speed.csv, line 3: speed_kmh: expected 0 or more, found -1"),
+        ([HEAD, "0,50", "0.5,-1"], r"speed.csv, line 3: speed_kmh: expected 0 to 400, found -1"),
+        ([HEAD, "0,50", "0.5,401"], r"speed.csv, line 3: speed_kmh: expected 0 to 400, found 401"),
         ([HEAD, "0,fast"], r"speed.csv, line 2: speed_kmh: expected a number, found 'fast'"),
-        ([HEAD, "2e8,50"], r"speed.csv, line 2: time_s: .*subtract the time of frame 0"),
+        ([HEAD, "2e8,50"], r"speed.csv, line 2: time_s: .*subtract the time of the first"),
         (["time_s,speed", "0,50"], r"speed.csv, line 1: .*speed_kmh is missing"),
         ([HEAD], r"speed.csv: expected speeds of the car, found none"),
         ([HEAD, "1,50", "9,50"], r"speed.csv: .*from 1 to 9 s, are of none .*from 0 to 0.95 s"),

@@ -22,7 +22,6 @@ from nvcore.metrics.encounter_classes import (
     shown_class,
 )
 from nvcore.report.words import interval_cell
-from nvcore.schema import Category
 from nvcore.tables.encounters.miss_classes import class_counts
 from nvcore.wording import UNDEFINED, Footnotes, capitalised, difference, minus, number
 from ui.session import state
@@ -100,8 +99,7 @@ def _hint(classes: EncounterClasses, name: str) -> str:
 
 def _judge(result: Result) -> dict[str, Evidence]:
     """Evidence of the share detected, by class."""
-    is_near = result.category != Category.DISTANT.value
-    judged = judge_groups(result, class_groups(result, is_near), (SHARE,))
+    judged = judge_groups(result, class_groups(result, result.is_near), (SHARE,))
     return {name: of[SHARE] for name, of in judged.items()}
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Final
 
 import numpy as np
+import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.alerts.kinds import AlertKind
@@ -31,53 +33,45 @@ def alerts_over_time(result: Result, recording: int, theme: Theme) -> go.Figure:
     recording
         Row of ``dataset.recordings``.
     """
-    frames, view = result.dataset.frames, alerts_in(result)
-    frame, time_s = frames["frame"].to_numpy(), frames["time_s"].to_numpy()
-    step_s = result.dataset.frame_columns.step_s
+    view = alerts_in(result)
+    alerts = pd.concat([view.of(system) for _, system in result.sides], ignore_index=True)
+    table = view.table.assign(row=alerts["first_row"], whom=alerts["encounter"])
+    table = table[alerts["recording"] == recording]
     traces: list[go.Scatter] = []
     labels: list[str] = []
-    n_alerts = 0
-    for letter, system in result.sides:
-        alerts = view.of(system)
-        alerts = alerts[alerts["recording"].to_numpy() == recording]
-        n_alerts += len(alerts)
-        for kind in AlertKind:
-            own = alerts[(alerts["kind"] == kind.value).to_numpy()]
-            if own.empty:
-                continue
-            place = np.full(len(own), float(len(labels)))
-            labels.append(f"{letter.upper()} {kind.value}")
-            first, last = own["first_row"].to_numpy(), own["last_row"].to_numpy()
-            encounter = own["encounter"].to_numpy()
-            line = {"width": 9, "color": LOOK[theme].of(letter)}
-            ends = time_s[first], time_s[last] + step_s[last]
-            traces.append(still_line(with_gaps(*ends), with_gaps(place, place), "", line=line))
-            texts = [
-                f"{letter.upper()}, {kind.value}: frame {number}, {start:.2f} s, for {length:.1f} s"
-                + (
-                    f"<br>{result.objects.singular} {result.encounters.track[who]}"
-                    if who >= 0
-                    else ""
-                )
-                for number, start, length, who in zip(
-                    frame[first], ends[0], ends[1] - ends[0], encounter, strict=True
-                )
-            ]
-            traces.append(
-                marks(
-                    *(ends[0], place, texts),
-                    name=labels[-1],
-                    customdata=np.column_stack([first, encounter]),
-                    marker=system_marker(letter, 10, theme),
-                )
+    for letter, kind in product("xy", AlertKind):
+        own = table[(table["system"] == letter) & (table["kind"] == kind.value)]
+        if own.empty:
+            continue
+        place = np.full(len(own), float(len(labels)))
+        labels.append(f"{letter.upper()} {kind.value}")
+        start_s, length_s = own["start_s"].to_numpy(), own["duration_s"].to_numpy()
+        line = {"width": 9, "color": LOOK[theme].of(letter)}
+        ends = with_gaps(start_s, start_s + length_s)
+        traces.append(still_line(ends, with_gaps(place, place), "", line=line))
+        texts = [
+            f"{letter.upper()}, {kind.value}: frame {frame}, {start:.2f} s, for {length:.1f} s"
+            + ("" if pd.isna(who) else f"<br>{result.objects.singular} {who}")
+            for frame, start, length, who in zip(
+                own["start_frame"], start_s, length_s, own["encounter"], strict=True
             )
+        ]
+        trace = marks(
+            start_s,
+            place,
+            texts,
+            name=labels[-1],
+            customdata=own[["row", "whom"]].to_numpy(),
+            marker=system_marker(letter, 10, theme),
+        )
+        traces.append(trace)
     if not labels:
         return empty_figure("Nothing alerts the driver in this recording.", theme=theme)
     return draw(
         traces,
         theme,
         title=f"Alerts, {plain(result.dataset.recordings['name'][recording])}",
-        subtitle=count_text(n_alerts, "alert"),
+        subtitle=count_text(len(table), "alert"),
         height=AROUND_PX + ROW_PX * len(labels),
         hoverdistance=-1,
         showlegend=False,

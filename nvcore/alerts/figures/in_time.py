@@ -33,7 +33,7 @@ def in_time_plot(judged: InTime, names: tuple[str, str], *, theme: Theme) -> go.
         return empty_figure("Nobody is urgent here.", theme=theme)
     shares = judged.table[judged.table["measure"] == "share"]
     kinds = shares["kind"].unique().tolist()
-    traces = []
+    traces, others = [], f"<br>other {judged.what_varies}, too: "
     for letter, name, shift in (("x", names[0], -APART), ("y", names[1], APART)):
         rows = shares[shares["side"] == letter].set_index("kind").loc[kinds]
         place, colour = np.arange(len(kinds)) + shift, LOOK[theme].of(letter)
@@ -46,15 +46,16 @@ def in_time_plot(judged: InTime, names: tuple[str, str], *, theme: Theme) -> go.
             traces.append(still_line(with_gaps(*reach), with_gaps(place, place), "", line=line))
         texts = [
             f"{kind}, {letter.upper()}: in time in {mean:.0%}<br>other drivers: {draws_low:.0%} to "
-            f"{draws_high:.0%}"
-            + ("" if np.isnan(low) else f"<br>other recordings, too: {low:.0%} to {high:.0%}")
+            f"{draws_high:.0%}" + ("" if np.isnan(low) else f"{others}{low:.0%} to {high:.0%}")
             for kind, mean, draws_low, draws_high, low, high in rows[
                 ["mean", "draws_low", "draws_high", "low", "high"]
             ].itertuples()
         ]
         traces.append(
             marks(
-                *(100 * rows["mean"].to_numpy(), place, texts),
+                100 * rows["mean"].to_numpy(),
+                place,
+                texts,
                 name=system_label(letter, name),
                 marker=system_marker(letter, 11, theme),
             )
@@ -64,7 +65,7 @@ def in_time_plot(judged: InTime, names: tuple[str, str], *, theme: Theme) -> go.
         theme,
         title="Brakes in time, by kind of alert",
         subtitle=f"of {count_text(n, 'urgent encounter')}; thick: other drivers, thin: other "
-        "drivers and recordings (95 %)",
+        f"drivers and {judged.what_varies} (95 %)",
         height=150 + ROW_PX * len(kinds),
         hoverdistance=-1,
         xaxis=axis(theme, "in time (%)", range=[-2, 102], fixedrange=True),

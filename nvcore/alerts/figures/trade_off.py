@@ -12,7 +12,7 @@ from nvcore.alerts.kinds import UNWANTED
 from nvcore.figures.marks import marks, system_marker
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, system_label
 from nvcore.palette import Theme
-from nvcore.wording import LEAST_HOURLY_S, count_text, duration_text
+from nvcore.wording import LEAST_HOURLY_S, count_text, duration_text, number
 
 HEIGHT_PX: Final = 380
 IN_USE_PX: Final = 13
@@ -58,7 +58,7 @@ def trade_off_plot(
         xaxis=axis(
             theme,
             f"unwanted alerts {f'in {duration_text(duration_s)}' if is_short else 'per hour'}: "
-            "false, nuisance or redundant",
+            "false, nuisance, redundant or repeated",
             rangemode="tozero",
             fixedrange=True,
         ),
@@ -87,10 +87,11 @@ def _of_system(
             continue
         marker: dict[str, Any] = system_marker(letter, size, theme)
         marker |= {"symbol": symbol} if symbol else {}
-        across, up = points[column], points["in_time"]
         name = label if of == "policy" else f"{label}, {'in use' if of == 'in use' else 'its log'}"
         trace = marks(
-            *(across, up, _texts(points)),
+            points[column],
+            points["in_time"],
+            _texts(points),
             name=name,
             customdata=points["threshold"],
             marker=marker,
@@ -102,15 +103,14 @@ def _of_system(
 
 def _texts(points: pd.DataFrame) -> list[str]:
     """For the mouse: the numbers behind a point."""
-    kinds = [kind.value for kind in UNWANTED]
-    return [
-        f"{_where(row['of'], row['threshold'])}<br>{row['in_time']} alerted in time, "
-        f"{row['unwanted']} unwanted: " + ", ".join(f"{row[kind]} {kind}" for kind in kinds)
-        for row in points.to_dict("records")
-    ]
-
-
-def _where(of: str, threshold: float) -> str:
-    if of == "log":
-        return "its own log"
-    return f"score from {threshold:.4g}" if np.isfinite(threshold) else "every box"
+    texts = []
+    for row in points.to_dict("records"):
+        where = f"score from {row['threshold']:.4g}"
+        if row["of"] == "log":
+            where = "its own log"
+        elif np.isneginf(row["threshold"]):
+            where = "every box"
+        kinds = ", ".join(f"{number(row[kind.value], 'd')} {kind.value}" for kind in UNWANTED)
+        text = f"{row['in_time']} alerted in time, {row['unwanted']} unwanted: {kinds}"
+        texts.append(f"{where}<br>{text}")
+    return texts

@@ -62,14 +62,15 @@ def judge_driver(
     where it is below the threshold any of them), is_adapted (whether the largest one was estimated
     for adapted eyes: no change from bright to dark is known before), seen_row (frame row of his
     confirmation, -1: he does not see, or it is unknown), confirmed_row (the first frame of all,
-    later ones too, in which it reaches the threshold; -1: none).
+    later ones too, in which it reaches the threshold; -1: none), known_row (the first frame of all
+    in which it is known; -1: none).
 
     References
     ----------
     ``docs/driver.md``, in the comparison; ``docs/decisions/050-driver-in-the-comparison.md``.
     """
     n = len(encounters)
-    place, seen_row, confirmed_row = np.full((3, n), -1)
+    place, seen_row, confirmed_row, known_row = np.full((4, n), -1)
     n_known, n_seen, n_outside = np.zeros((3, n), np.int64)
     if not np.isnan(detectability.value).all():
         over_ranges(
@@ -78,7 +79,7 @@ def judge_driver(
             *(encounters.offsets, encounters.order, encounters.frame_index),
             *(k_truth, detectability.value, detectability.is_outside),
             float(params.driver_threshold),
-            *(place, n_known, n_seen, n_outside, seen_row, confirmed_row),
+            *(place, n_known, n_seen, n_outside, seen_row, confirmed_row, known_row),
         )
     is_known = place >= 0
     row = encounters.order[place[is_known]]
@@ -100,6 +101,7 @@ def judge_driver(
             "n_seen": n_seen,
             "seen_row": seen_row,
             "confirmed_row": confirmed_row,
+            "known_row": known_row,
         }
     )
 

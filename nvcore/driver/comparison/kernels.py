@@ -24,6 +24,7 @@ def driver_frames(
     n_outside,
     seen,
     confirmed,
+    known_row,
 ):
     """How detectable each encounter is up to its first relevant frame.
 
@@ -32,12 +33,13 @@ def driver_frames(
     first relevant one, the place in `order` of the first largest detectability (-1: none is known),
     in how many one is known, is at least `threshold`, and is one with `is_outside`, and the row of
     the first that is at least `threshold` (-1: in none). `confirmed` is that row of all frames,
-    later ones too. Encounters without a relevant frame have -1, 0, 0, 0, -1 and -1. Of the boxes of
-    one frame (a track id given twice) the largest counts.
+    later ones too, and `known_row` that of the first in which it is known. Encounters without a
+    relevant frame have -1, 0, 0, 0, -1, -1 and -1. Of the boxes of one frame (a track id given
+    twice) the largest counts.
     """
     for e in range(lo, hi):
         highest[e], known[e], n_seen[e], n_outside[e] = -1, 0, 0, 0
-        seen[e], confirmed[e] = -1, -1
+        seen[e], confirmed[e], known_row[e] = -1, -1, -1
         first, last = offsets[e], offsets[e + 1]
         relevant = -1
         for i in range(first, last):
@@ -51,6 +53,8 @@ def driver_frames(
             value = detectability[order[i]]
             if np.isnan(value):
                 continue
+            if known_row[e] < 0:
+                known_row[e] = frame_index[i]
             if value >= threshold and confirmed[e] < 0:
                 confirmed[e] = frame_index[i]
             if frame_index[i] > relevant:

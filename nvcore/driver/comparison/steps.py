@@ -10,7 +10,6 @@ from nvcore.comparison import Result
 from nvcore.driver.comparison.judging import DriverView, judge_driver, weigh_unseen
 from nvcore.driver.comparison.settings import DRIVER
 from nvcore.metrics.proximity import Weights
-from nvcore.schema import Category
 from nvcore.scoring import Inputs, MissWeights, ScoringStep
 
 
@@ -24,9 +23,8 @@ MISS_WEIGHTS: Final = MissWeights("(1 - detectability)", weigh_unseen)
 
 def driver_view(result: Result) -> DriverView:
     """Whom the driver sees by himself, beside X and Y."""
-    is_near = result.category != Category.DISTANT.value
     detected = (system.encounters["is_detected"].to_numpy() for _, system in result.sides)
-    return DriverView(result.made["detectable"], is_near, *detected)
+    return DriverView(result.made["detectable"], result.is_near, *detected)
 
 
 def driver_in(result: Result) -> DriverView:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -17,9 +16,8 @@ from nvcore.driver.inputs.reading import read_detectability
 from nvcore.driver.inputs.record import EstimateRecord, estimate_json, read_estimate_record
 from nvcore.driver.inputs.session import DETECTABILITY
 from nvcore.findings import Finding
-from nvcore.inputs.added import Input
+from nvcore.inputs.added import Input, with_files
 from nvcore.inputs.files import digest
-from nvcore.inputs.hashes import changed_input
 from nvcore.inputs.placing import REASONS, FramePlaces
 from nvcore.inputs.readers.base import SourceFile, warning
 from nvcore.inputs.session import Session
@@ -131,29 +129,30 @@ def _joined(
             "reason": reason[~is_joined],
         }
     )
-    text = f"{dataset.fingerprint}\n{DETECTABILITY} {estimates.digest}\n".encode()
+    says = f"{DETECTABILITY} {estimates.digest}\n".encode()
     record = estimates.record
     conversion = f"{int(is_joined.sum()):,} of {len(table):,} rows joined to boxes of the truth"
     if record is not None:
-        text += estimate_json(record)
+        says += estimate_json(record)
         facts = (conversion, record.made_by, record.caution)
         conversion = "; ".join(filter(None, facts))
-    inputs = [dataset.inputs, _input_row(name, estimates.digest, conversion)]
     rows = [part for part in (dataset.left_out, left_out) if len(part)] or [dataset.left_out]
-    return replace(
+    return with_files(
         dataset,
+        session,
+        DETECTABILITY,
+        [name],
+        [estimates.digest],
+        says=says,
+        conversion=conversion,
         boxes=dataset.boxes.assign(**columns),
-        inputs=pd.concat(inputs, ignore_index=True),
         left_out=pd.concat(rows, ignore_index=True).reindex(columns=list(dataset.left_out)),
         findings=(
-            *dataset.findings,
-            *changed_input(DETECTABILITY, name, [estimates.digest], session.hashes),
             *_twice(dataset, columns["detectability"], name),
             *_of_other_file(estimates),
             *_of_doubtful_light(estimates),
             *_of_doubtful_pictures(estimates),
         ),
-        fingerprint=hashlib.sha256(text).hexdigest(),
         of_subjects={
             **dataset.of_subjects,
             "driver": _with_origins(
@@ -184,18 +183,6 @@ def _with_origins(
         record,
         estimated_in=frozenset(names[np.unique(recording[is_estimated])]),
         stated_in=frozenset(names[np.unique(recording[is_known & ~is_estimated])]),
-    )
-
-
-def _input_row(name: str, sha256: str, conversion: str) -> pd.DataFrame:
-    return pd.DataFrame(
-        {
-            "subject": [DETECTABILITY],
-            "file": [name],
-            "sha256": [sha256],
-            "format": ["csv"],
-            "conversion": [conversion],
-        }
     )
 
 

@@ -10,7 +10,7 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.venn import count_categories, measure_exclusivity
-from nvcore.schema import Category, MissClass
+from nvcore.schema import MissClass
 from nvcore.scoring import SystemResult
 
 FUSION_SYSTEMS: Final = ("x", "y", "x_or_y", "x_and_y")
@@ -31,7 +31,7 @@ def miss_class_counts(result: Result) -> pd.DataFrame:
     classes are there, in the order of `MissClass`; row sums are X's counts, column sums Y's.
     """
     names = [kind.value for kind in MissClass]
-    is_near = result.category != Category.DISTANT.value
+    is_near = result.is_near
     x, y = (
         pd.Categorical(system.encounters["miss_class"].to_numpy()[is_near], names).codes.astype(int)
         for system in (result.x, result.y)

@@ -156,15 +156,25 @@ class TextTable:
             values[row] = number
         return values
 
-    def whole_numbers(self, column: str, *, low: int = 0) -> NDArray[np.int64]:
+    def whole_numbers(
+        self, column: str, *, low: int = 0, if_empty: int | None = None
+    ) -> NDArray[np.int64]:
         """The column as whole numbers of at least `low`, int64, shape (n,).
+
+        Parameters
+        ----------
+        if_empty
+            What an empty field means; None: it is refused.
 
         Raises
         ------
         FormatError
             With the first line of another field.
         """
-        numbers = self.numbers(column, low=low, high=MAX_INTEGER)
+        may_be_empty = if_empty is not None
+        numbers = self.numbers(column, low=low, high=MAX_INTEGER, may_be_empty=may_be_empty)
+        if may_be_empty:
+            numbers[np.isnan(numbers)] = if_empty
         is_broken = numbers != np.floor(numbers)
         if is_broken.any():
             row = int(np.argmax(is_broken))
@@ -262,9 +272,9 @@ def read_table(path: Path, *, what: str, required: Sequence[str]) -> TextTable:
 
 
 def read_series(
-    path: Path, column: str, *, what: str
+    path: Path, column: str, *, what: str, high: float = np.inf, zero: str = "frame 0"
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Readings over the time of a recording, whose frame 0 is at 0 s.
+    """Readings over the time of a recording.
 
     Parameters
     ----------
@@ -272,16 +282,20 @@ def read_series(
         Of the readings, beside time_s.
     what
         What the readings are, as of `read_rows`.
+    high
+        Largest reading that can be.
+    zero
+        Frame of the recording that is at 0 s.
 
     Returns
     -------
-    Seconds, ascending, and readings, 0 or more; float64, shape (n,).
+    Seconds, ascending, and readings, 0 to `high`; float64, shape (n,).
 
     Raises
     ------
     InputError
-        If it cannot be opened, or, with the line, a field is no number, less than 0, a time is not
-        after the one before, or no time of a recording (`LONGEST_S`).
+        If it cannot be opened, or, with the line, a field is no number, a reading is out of range,
+        a time is not after the one before, or no time of a recording (`LONGEST_S`).
     """
     table = read_table(path, what=what, required=("time_s", column))
     time_s = table.numbers("time_s")
@@ -290,10 +304,10 @@ def read_series(
         row = int(is_absurd.argmax())
         raise table.fault(
             row,
-            f"time_s: expected seconds from frame 0 of the recording, {-LONGEST_S:g} to "
-            f"{LONGEST_S:g}, found {time_s[row]:g}; subtract the time of frame 0",
+            f"time_s: expected seconds from {zero} of the recording, {-LONGEST_S:g} to "
+            f"{LONGEST_S:g}, found {time_s[row]:g}; subtract the time of {zero}",
         )
-    readings = table.numbers(column, low=0)
+    readings = table.numbers(column, low=0, high=high)
     backwards = np.flatnonzero(np.diff(time_s) <= 0)
     if len(backwards):
         row = int(backwards[0]) + 1
