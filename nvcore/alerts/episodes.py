@@ -280,10 +280,7 @@ def _with_kinds(
         )
     judged = alerts.assign(encounter=encounter, kind=pd.Series(kinds, dtype=object).to_numpy())
     order = np.lexsort((judged["track"], judged["last_row"], judged["first_row"]))
-    judged = judged.iloc[order][[*NO_ALERTS]].reset_index(drop=True)
-    told = judged["encounter"][judged["kind"].isin([AlertKind.NEEDED, AlertKind.WANTED])]
-    judged.loc[told.index[told.duplicated()], "kind"] = AlertKind.REPEATED.value
-    return judged
+    return judged.iloc[order][[*NO_ALERTS]].reset_index(drop=True)
 
 
 def _of_dataset(table: pd.DataFrame, dataset: Dataset) -> pd.DataFrame:

@@ -13,7 +13,6 @@ class AlertKind(StrEnum):
     FALSE = "false"
     NUISANCE = "nuisance"
     REDUNDANT = "redundant"
-    REPEATED = "repeated"
     NEEDED = "needed"
     WANTED = "wanted"
 
@@ -24,17 +23,11 @@ ALERT_TEXT: Final[dict[AlertKind, str]] = {
     AlertKind.NUISANCE: "Alerts about {a_one} {who} is not urgent, and far or outside of the "
     "corridor when they begin.",
     AlertKind.REDUNDANT: "Alerts about {a_one} {whom} the driver has seen before they begin.",
-    AlertKind.REPEATED: "Alerts about {a_one} about {whom} an earlier alert was needed or wanted.",
     AlertKind.NEEDED: "Alerts about {a_one} {whom} the driver has not seen when they begin.",
     AlertKind.WANTED: "Alerts that are redundant or needed: whether the driver sees the {one} is "
     "not known.",
 }
-UNWANTED: Final = (
-    AlertKind.FALSE,
-    AlertKind.NUISANCE,
-    AlertKind.REDUNDANT,
-    AlertKind.REPEATED,
-)
+UNWANTED: Final = (AlertKind.FALSE, AlertKind.NUISANCE, AlertKind.REDUNDANT)
 """Alerts that the driver would rather not have had."""
 RESTS_ON_DRIVER: Final = (AlertKind.REDUNDANT, AlertKind.NEEDED)
 """Kinds whose number is undefined where it is known of nobody whether the driver sees him."""

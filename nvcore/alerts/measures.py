@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import chain
 from typing import Any, Final
 
 import numpy as np
@@ -53,9 +54,12 @@ _UNWANTED: Final[dict[str, Any]] = {
 }
 
 
-def _of_kind(kind: AlertKind) -> Measure:
-    """How many alerts are of a kind."""
+def _of_kind(kind: AlertKind) -> tuple[Measure, Measure]:
+    """How many alerts are of a kind, and how many an hour."""
     rests_on_driver = kind in RESTS_ON_DRIVER
+
+    def count(result: Result, system: SystemResult) -> float:
+        return alerts_in(result).count(system)[kind]
 
     def by_recording(result: Result, system: SystemResult) -> Any:
         view = alerts_in(result)
@@ -65,20 +69,38 @@ def _of_kind(kind: AlertKind) -> Measure:
         return counts.astype(np.int64) if is_known else np.full(len(counts), np.nan)
 
     label = f"{kind.value} alerts"
-    return Measure(
-        key=f"alerts_{kind.value}",
-        label=label,
-        part=label if kind in UNWANTED else "",
-        form="d",
-        better=LOWER if kind in UNWANTED else "",
-        stages=(ALERTS, DRIVER) if rests_on_driver else (ALERTS,),
-        is_worsened_by_alarms=kind is AlertKind.FALSE,
-        of=lambda result, system: alerts_in(result).count(system)[kind],
-        unit="alerts",
-        meaning=ALERT_TEXT[kind],
-        empty="it is known of no {one} whether the driver sees {him}" if rests_on_driver else "",
-        by_recording=by_recording,
-        **_SCORED,
+    unknown = "it is known of no {one} whether the driver sees {him}" if rests_on_driver else ""
+    shared: dict[str, Any] = {
+        "better": LOWER if kind in UNWANTED else "",
+        "stages": (ALERTS, DRIVER) if rests_on_driver else (ALERTS,),
+        "is_worsened_by_alarms": kind is AlertKind.FALSE,
+        **_ASKED,
+    }
+    return (
+        Measure(
+            key=f"alerts_{kind.value}",
+            label=label,
+            part=label if kind in UNWANTED else "",
+            form="d",
+            of=count,
+            unit="alerts",
+            meaning=ALERT_TEXT[kind],
+            empty=unknown,
+            by_recording=by_recording,
+            tables=(MeasureTable.SCORECARD,),
+            **shared,
+        ),
+        Measure(
+            key=f"alerts_{kind.value}_per_hour",
+            label=f"{label} per hour",
+            form=".1f",
+            of=lambda result, system: ratio_of(_HOUR_S * count(result, system), result.duration_s),
+            unit="1/h",
+            meaning="The same per hour.",
+            empty=", or ".join(filter(None, (unknown, NO_FRAMES))),
+            by_recording=rate_by_recording(by_recording, per_s=_HOUR_S),
+            **shared,
+        ),
     )
 
 
@@ -186,7 +208,7 @@ MEASURES: Final[tuple[Measure, ...]] = (
         leads=True,
         of=lambda result, system: len(_unwanted_rows(result, system)),
         unit="alerts",
-        meaning="Alerts that are false, a nuisance, redundant or repeated. There may be more "
+        meaning="Alerts that are false, a nuisance or redundant. There may be more "
         "redundant ones where it is not known whether the driver sees the {many}.",
         by_recording=_unwanted_by_recording,
         **_UNWANTED,
@@ -216,7 +238,7 @@ MEASURES: Final[tuple[Measure, ...]] = (
         ),
         **_UNWANTED,
     ),
-    *(_of_kind(kind) for kind in AlertKind if kind is not AlertKind.IGNORED),
+    *chain(*(_of_kind(kind) for kind in AlertKind if kind is not AlertKind.IGNORED)),
     *_tested(
         "alerted",
         "encounters alerted",

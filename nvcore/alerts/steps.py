@@ -195,6 +195,7 @@ class AlertsView:
             encounter = alerts["encounter"].to_numpy()
             is_met = encounter >= 0
             is_first = is_met & ~alerts["encounter"].duplicated().to_numpy()
+            told = alerts["encounter"][alerts["kind"].isin([AlertKind.NEEDED, AlertKind.WANTED])]
             whose, lead = np.full(len(alerts), None), np.full(len(alerts), np.nan)
             whose[is_met] = result.encounters.track[encounter[is_met]]
             lead[is_first] = lead_s[encounter[is_first]]
@@ -209,6 +210,7 @@ class AlertsView:
                     "track": alerts["track"].where(alerts["track"] >= 0).astype("Int64"),
                     "kind": alerts["kind"],
                     "encounter": pd.array(whose, dtype="Int64"),
+                    "is_repeat": alerts.index.isin(told.index[told.duplicated()]),
                     "lead_s": lead,
                     "log_kind": alerts["log_kind"],
                 }

@@ -92,7 +92,7 @@ def test_a_log_without_tracks_is_about_whom_the_system_finds_meanwhile(night: Pa
     table = of_x(nv.judge_alerts(session(night.parent, 'alerts = "log.csv"')))
     kinds = table[["start_frame", "end_frame", "kind"]].to_numpy().tolist()
     # before frame 5 X has no box; of two boxes in frame 11 that which matches counts
-    assert kinds == [[0, 3, "false"], [4, 6, "wanted"], [11, 12, "repeated"]]
+    assert kinds == [[0, 3, "false"], [4, 6, "wanted"], [11, 12, "wanted"]]
     assert table["lead_s"].tolist()[1] == pytest.approx(2.5)
 
 
@@ -268,7 +268,7 @@ def test_on_kitti_the_kinds_part_the_alerts_and_a_log_of_them_is_the_same(
     assert len(alerts) > 10
     assert {"wanted", "false"} <= set(alerts["kind"])
     assert (alerts["duration_s"] >= 0.5 - 1e-9).sum() >= len(alerts) - 3  # but at the end
-    about = alerts["kind"].isin(["nuisance", "redundant", "repeated", "needed", "wanted"])
+    about = alerts["kind"].isin(["nuisance", "redundant", "needed", "wanted"])
     assert (alerts["encounter"].notna() == about).all()
     curve = view.curve[view.curve["of"] == "policy"]
     assert (curve[["in_time", "alerted"]].iloc[-1] <= curve[["in_time", "alerted"]].iloc[0]).all()

@@ -32,6 +32,11 @@ def kinds(result: Result, letter: str = "x") -> list[str]:
     return alerts_in(result).of(result.system(letter))["kind"].tolist()
 
 
+def repeats(result: Result) -> list[bool]:
+    table = alerts_in(result).table
+    return table["is_repeat"][table["system"] == "x"].tolist()
+
+
 def measure(result: Result, key: str) -> list[float]:
     of = next(measure.of for measure in MEASURES if measure.key == key)
     return [of(result, system) for _, system in result.sides]
@@ -111,21 +116,23 @@ def test_whether_he_sees_must_be_known_before_the_alert_begins():
     assert measure(result, "alerts_needed") == [0, 0]  # it is known of somebody
 
 
-def test_of_several_alerts_about_a_person_the_first_is_wanted_and_the_rest_are_repeated():
+def test_an_alert_after_one_that_was_wanted_is_marked_as_a_repeat():
     boxes = [*approach(ALL, 5), *approach(ALL, 5, centre=80, track=2)]
     first, other = ([box for box in boxes if box.track == track] for track in (1, 2))
     # X tells of the first one in frames 4, 8 and 12 by one track and the next, of the other once
     x = [*only(first, [4, 8]), only(first, [12])[0]._replace(track=9), *only(other, [8])]
     result = judged(boxes, x)
-    assert kinds(result) == ["wanted", "repeated", "wanted", "repeated"]
-    assert measure(result, "alerts_unwanted") == [2, 0]
+    assert kinds(result) == ["wanted"] * 4
+    assert repeats(result) == [False, True, False, True]
     assert measure(result, "alerted") == [2, 0]
 
 
-def test_an_alert_after_a_nuisance_is_not_repeated():
+def test_an_alert_after_a_nuisance_is_no_repeat():
     # 9 px weigh less than 0.5, 11 px more; he stands still and is not urgent
     truth = [at(frame, 50, h=9.0 if frame < 10 else 11.0, w=4, track=1) for frame in ALL]
-    assert kinds(judged(truth, only(truth, [2, 15, 30]))) == ["nuisance", "wanted", "repeated"]
+    result = judged(truth, only(truth, [2, 15, 30]))
+    assert kinds(result) == ["nuisance", "wanted", "wanted"]
+    assert repeats(result) == [False, False, True]
 
 
 def test_the_first_box_that_matches_says_whom_an_alert_is_about():

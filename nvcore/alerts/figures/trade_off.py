@@ -58,7 +58,7 @@ def trade_off_plot(
         xaxis=axis(
             theme,
             f"unwanted alerts {f'in {duration_text(duration_s)}' if is_short else 'per hour'}: "
-            "false, nuisance, redundant or repeated",
+            "false, nuisance or redundant",
             rangemode="tozero",
             fixedrange=True,
         ),
