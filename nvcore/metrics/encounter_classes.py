@@ -16,7 +16,7 @@ import pandas as pd
 from nvcore.codes import NO_CODE
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.dataset import Dataset
-from nvcore.metrics.encounters import Encounters, encounters_of
+from nvcore.metrics.encounters import Encounters, compared_with, encounters_of
 from nvcore.schema import CLASS_SEPARATOR, SAME_S
 
 CROSSING: Final = "crossing"
@@ -88,13 +88,16 @@ def classes_of(dataset: Dataset) -> EncounterClasses:
             CROSSING: find_crossing(encounters, truth, frames),
             IN_ROAD: find_in_road(encounters, truth, frames),
             GROUP: find_groups(encounters, truth),
-            CHILD: find_children(encounters, truth, frames),
+            CHILD: find_children(encounters, truth, frames, each_alone=dataset.each_alone),
         }
         if not dataset.objects.are_pedestrians:  # the rules are about people who walk
             derived = {}
         members, coded = dict(named), find_coded(encounters, dataset)
         for name, is_member in (*coded.items(), *derived.items()):
-            members[name] = members.get(name, np.zeros(len(encounters), dtype=bool)) | is_member
+            before = members.get(name, np.zeros(len(encounters), dtype=bool))
+            if dataset.each_alone:  # its place does not depend on what the truth of others names
+                members.pop(name, None)
+            members[name] = before | is_member
         dataset.derived[key] = EncounterClasses(
             attributes,
             {name: is_member for name, is_member in members.items() if is_member.any()},
@@ -242,12 +245,15 @@ def find_groups(encounters: Encounters, truth: BoxColumns) -> np.ndarray:
         shift += 1
 
 
-def find_children(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:
+def find_children(
+    encounters: Encounters, truth: BoxColumns, frames: FrameColumns, *, each_alone: bool = False
+) -> np.ndarray:
     """Who is small for where he stands, as far as distance or horizon say where; bool.
 
     Stature is height times distance, else height over the foot point's depth below the horizon,
-    each relative to the median of all encounters of which it is known in the same way (at least
-    `LEAST_COMPARED`, and the same camera throughout). Boxes cut by the picture's edge have none.
+    each relative to the median of all encounters (with `each_alone` those of the recording) of
+    which it is known in the same way (at least `LEAST_COMPARED`, and the same camera throughout).
+    Boxes cut by the picture's edge have none.
     """
     rows = encounters.order
     x, y, w, h = (side[rows] for side in truth.xywh)
@@ -262,11 +268,12 @@ def find_children(encounters: Encounters, truth: BoxColumns, frames: FrameColumn
     is_open = np.ones(len(encounters), dtype=bool)
     for stature in (by_distance, by_horizon):
         of_encounter = _medians(encounters, stature)
-        is_known = is_open & np.isfinite(of_encounter)
-        if np.count_nonzero(is_known) >= LEAST_COMPARED:
-            grown = np.median(of_encounter[is_known])
-            is_child[is_known] = of_encounter[is_known] <= CHILD_SHARE * grown
-            is_open &= ~is_known
+        known = np.flatnonzero(is_open & np.isfinite(of_encounter))
+        for part in compared_with(encounters.recording[known], each_alone):
+            of_part = of_encounter[known[part]]
+            if len(of_part) >= LEAST_COMPARED:
+                is_child[known[part]] = of_part <= CHILD_SHARE * np.median(of_part)
+                is_open[known[part]] = False
     return is_child
 
 
