@@ -69,9 +69,14 @@ class EncounterClasses:
 
     @cached_property
     def texts(self) -> np.ndarray:
-        """All classes of each encounter, joined by `CLASS_SEPARATOR`; object, shape (n,)."""
+        """All classes of each encounter, joined by `CLASS_SEPARATOR`; object, shape (n,).
+
+        First those that the truth names of it: what it says of others changes no order.
+        """
         texts = np.full(len(self.attributes), "", dtype=object)
-        for name, is_member in self.members.items():  # a loop over classes
+        own = classes_named(self.attributes)
+        others = ((name, of & ~own.get(name, np.False_)) for name, of in self.members.items())
+        for name, is_member in (*own.items(), *others):  # a loop over classes
             texts[is_member] += CLASS_SEPARATOR + name
         return np.array([text.removeprefix(CLASS_SEPARATOR) for text in texts], dtype=object)
 
@@ -94,10 +99,7 @@ def classes_of(dataset: Dataset) -> EncounterClasses:
             derived = {}
         members, coded = dict(named), find_coded(encounters, dataset)
         for name, is_member in (*coded.items(), *derived.items()):
-            before = members.get(name, np.zeros(len(encounters), dtype=bool))
-            if dataset.each_alone:  # its place does not depend on what the truth of others names
-                members.pop(name, None)
-            members[name] = before | is_member
+            members[name] = members.get(name, np.zeros(len(encounters), dtype=bool)) | is_member
         dataset.derived[key] = EncounterClasses(
             attributes,
             {name: is_member for name, is_member in members.items() if is_member.any()},
