@@ -71,7 +71,10 @@ def freeze(
     """
     arrays: list[np.ndarray] = []
     groups = [_kept(*of, arrays) for of in zip(results, tables, strict=True)]
-    values = pa.array([array.tobytes() for array in arrays], pa.large_binary())
+    ends = np.cumsum([0, *(array.nbytes for array in arrays)], dtype=np.int64)
+    content = np.concatenate([np.empty(0, np.uint8), *(array.view(np.uint8) for array in arrays)])
+    buffers = [None, pa.py_buffer(ends), pa.py_buffer(content)]
+    values = pa.Array.from_buffers(pa.large_binary(), len(arrays), buffers)
     about = json.dumps({"refused": dict(refused), "groups": groups})
     return pa.table({"values": values}).replace_schema_metadata({"about": about})
 
@@ -192,14 +195,14 @@ def _kept(
     }
     for number, (_, system) in enumerate(result.sides):
         boxes, is_counted = dataset.system(system.name), system.matches.is_counted
-        counted, nearest_px = boxes.only(is_counted), system.nearest.detections[is_counted]
-        is_by_depth = result.params.proximity == "horizon"
-        values[f"sizes_{number}"] = {
-            "h": counted.y + counted.h if is_by_depth else counted.h,
-            "distance_m": counted.distance_m,
-            "frame_index": counted.frame_index,
-            "most_px": np.minimum(border_of(counted, frames, edge_weight), nearest_px),
+        border_px = border_of(boxes, frames, edge_weight)
+        sizes = {
+            "h": boxes.y + boxes.h if result.params.proximity == "horizon" else boxes.h,
+            "distance_m": boxes.distance_m,
+            "frame_index": boxes.frame_index,
+            "most_px": np.minimum(border_px, system.nearest.detections),
         }
+        values[f"sizes_{number}"] = {name: of[is_counted] for name, of in sizes.items()}
     steps = []
     for key, value in result.stages.items():
         if key[0] in _KEPT:
