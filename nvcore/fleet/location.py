@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from datetime import datetime, timedelta
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, cast
 
 from nvcore.errors import InputError, StoreError
 from nvcore.extras import needs
@@ -94,12 +95,13 @@ class Location:
     def _files(self) -> Any:
         if self.path:
             return LocalStore(self.path, mkdir=True)
-        http = self.options.get("aws_allow_http", self.options.get("allow_http"))
+        options = dict(self.options)
+        http = options.pop("aws_allow_http", os.environ.get("AWS_ALLOW_HTTP", "false")).lower()
         try:
             return from_url(
                 self.uri,
-                config={k: v for k, v in self.options.items() if not k.endswith("allow_http")},
-                client_options={"allow_http": True} if http == "true" else None,
+                config=cast(Any, options),
+                client_options={"allow_http": http == "true"},
                 retry_config={
                     "max_retries": MAX_RETRIES,
                     "retry_timeout": timedelta(seconds=RETRY_TIMEOUT_S),
