@@ -435,7 +435,7 @@ class Snapshot:
             if not file:
                 continue
             of_file = places.to_numpy()
-            with _file_of(self.location, f"{name}/{file}", texts) as parquet:
+            with _file_of(self.location, f"{name}/{file!s}", texts) as parquet:
                 sizes = [
                     parquet.metadata.row_group(i).num_rows for i in range(parquet.num_row_groups)
                 ]
