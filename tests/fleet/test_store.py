@@ -323,7 +323,7 @@ def test_a_damaged_or_missing_file_is_named(tmp_path: Path):
 def test_a_server_that_refuses_and_cuts_costs_attempts_alone(bucket: Location, s3: str):
     with troubled(s3) as (url, done):
         store = Store(Location(bucket.uri, options(url)))
-        names = [f"r{number}" for number in range(5)]
+        names = ["r0", "r1"]
         for name in names:
             for _ in range(20):
                 try:
@@ -332,11 +332,11 @@ def test_a_server_that_refuses_and_cuts_costs_attempts_alone(bucket: Location, s
                 except StoreError:  # the answer to a commit was lost: it is made again
                     store = Store(store.location)
         snapshot = store.snapshot()
-        check_same(snapshot, recordings("r3"))
+        check_same(snapshot, recordings("r1"))
         assert content(Store(bucket).snapshot()).equals(content(snapshot))
     assert snapshot.recordings["recording"].tolist() == names
     assert snapshot.sources["version"].unique().tolist() == [1]
-    assert min(done.values()) > 10
+    assert min(done.values()) > 5
 
 
 def test_other_programs_read_the_tables_as_they_stand(tmp_path: Path):
