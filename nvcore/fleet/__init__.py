@@ -4,7 +4,9 @@ from nvcore.subjects import Subject
 
 SUBJECT = Subject(
     name="fleet",
+    recording_keys="session:FleetEntry",
     commands="commands:COMMANDS",
+    names={"ingest": "face:ingest", "open_store": "face:open_store"},
     extras={
         "fleet": ("deltalake", "duckdb", "obstore", "sqlglot"),
         "dask": ("deltalake", "distributed", "duckdb", "obstore", "sqlglot"),
