@@ -466,7 +466,7 @@ def claim(out: Location, key: str, options: Options) -> Lease | None:
 
 
 def is_held(attempt: Mapping[str, Any], now: float) -> bool:
-    """Whether the worker of a lease may still be at work: known at once of processes of this host."""
+    """Whether the worker of a lease may be at work; of processes of this host it is known."""
     if attempt["ended"] is not None or attempt["expires"] <= now:
         return False
     if os.name != "posix" or attempt["host"] != socket.gethostname():
