@@ -90,7 +90,7 @@ def scan(arguments: ScanArguments) -> Scan:
     InputError
         If the store or `out` cannot be used, no recording has both systems, or a part of the same
         scan was made with other versions of nvcore, numba, numpy or pyarrow.
-    OSError
+    StoreError
         If storage fails or is full; what is done by then is kept.
 
     Examples
@@ -105,8 +105,8 @@ def scan(arguments: ScanArguments) -> Scan:
         raise ParameterError("workers, shard, scheduler: give one of them")
     part, n_parts = _part(arguments.shard)
     with needs("fleet", "scans need"):
-        from nvcore.fleet.batch import ScanParams
-        from nvcore.fleet.location import Location
+                from nvcore.fleet.location import Location
+        from nvcore.fleet.results import ScanParams
         from nvcore.fleet.scan import Job, Options, begin, finish, forget_quarantined, status
         from nvcore.fleet.store import Store
     store = Store(Location(str(arguments.store), arguments.storage))

@@ -28,7 +28,7 @@ def run_on_dask(job: Job, scheduler: str) -> Iterator[str]:
 
     Raises
     ------
-    InputError, OSError
+    InputError
         What a worker gave up with, or if there is no scheduler for `Options.patience_s`.
     """
     with needs("dask", "scans on Dask need"):

@@ -22,7 +22,7 @@ def run_pool(job: Job, n_workers: int) -> Iterator[str]:
 
     Raises
     ------
-    InputError, OSError
+    InputError
         What a worker gave up with, or if workers die before they begin. The others are ended then;
         finished batches stay.
     """

@@ -36,12 +36,13 @@ import pyarrow.parquet as pq
 from deltalake import DeltaTable
 from deltalake.exceptions import CommitFailedError, TableNotFoundError
 from deltalake.transaction import AddAction
+from obstore.exceptions import BaseError
 
 from nvcore import __version__
-from nvcore.errors import InputError, NvcoreError
-from nvcore.fleet.batch import ScanParams, scan_batch
+from nvcore.errors import InputError, NvcoreError, StoreError
+from nvcore.fleet.batch import scan_batch
 from nvcore.fleet.location import Location
-from nvcore.fleet.results import Summary
+from nvcore.fleet.results import ScanParams, Summary, gather
 from nvcore.fleet.store import Snapshot, Store
 from nvcore.wording import count_text, listed, one_line, shortened
 
@@ -151,14 +152,14 @@ class Plan:
 
     def to_json(self) -> bytes:
         """All of it as JSON."""
-        known = {**asdict(self), "params": json.loads(self.params.to_json())}
+        known = {**asdict(self), "params": self.params.given()}
         return json.dumps(known, sort_keys=True).encode()
 
     @classmethod
     def from_json(cls, text: bytes) -> Plan:
         """The plan that was written as JSON."""
         known = json.loads(text)
-        params = ScanParams.from_json(json.dumps(known.pop("params")))
+        params = ScanParams.parse(known.pop("params"))
         batches = [
             Batch(batch["key"], tuple(batch["recordings"]), batch["n_frames"])
             for batch in known.pop("batches")
@@ -214,7 +215,7 @@ def plan(
     for source in dict.fromkeys((params.truth, params.x, params.y)):
         rows = snapshot.pick(source).set_index("recording").reindex(names)
         n_boxes += rows["n_rows"].fillna(0).to_numpy()
-        facts += [rows[name].astype(str) for name in ("sha256", "kind", "threshold")]
+        facts += [rows[name].map(str) for name in ("sha256", "kind", "threshold")]
         if source != params.truth:
             has_none = rows["sha256"].isna().to_numpy()
             left_out |= {source: int(has_none.sum())} if has_none.any() else {}
@@ -303,7 +304,7 @@ def run_batch(
     ------
     InputError
         If the programs are others than the plan's.
-    OSError
+    StoreError
         If storage cannot be written to or read from, as where a disk is full; what is done stays.
     """
     out, read, its_plan, batches = _opened(store_uri, out_uri, plan_key, options.storage)
@@ -360,27 +361,27 @@ def _compared(
             continue
         lease.mark(name)
         try:
-            parts.append(options.run(read([name]), params))
+            parts.append(options.run(read([name]), params)[0])
         except Exception as error:  # noqa: BLE001  # it is told in the quarantine; the others go on
             _give_up_without_storage(error)
             known = isinstance(error, NvcoreError | MemoryError)
             text = str(error) if known and str(error) else f"{type(error).__name__}: {error}"
             reasons[name] = shortened(one_line(text), LONGEST_REASON)
-    parts = parts or [options.run(read([]), params)]
-    tables = {
-        name: pa.concat_tables([tables[name] for tables, _ in parts]).combine_chunks()
-        for name in parts[0][0]
-    }
-    bad = tables["quarantine"]
-    rows = [{"recording": name, "reason": reason} for name, reason in reasons.items()]
-    bad = pa.concat_tables([bad, pa.Table.from_pylist(rows, bad.schema)])
-    tables["quarantine"] = bad.sort_by("recording").combine_chunks()
-    return tables, Summary.merge([summary for _, summary in parts])
+    for part in parts:
+        reasons |= dict(zip(*part["quarantine"].to_pydict().values(), strict=True))
+    results = gather(parts, reasons, has_frames=params.frames)
+    return results, Summary.of(results, params)
 
 
 def _give_up_without_storage(error: Exception) -> None:
-    """Raise what is no fault of a recording: the storage fails, and would for all others."""
-    if isinstance(error, OSError) and not isinstance(error, FileNotFoundError):
+    """Raise what is no fault of a recording: the storage fails, and would for all others.
+
+    A damaged file is an OSError, too, but not one of the system.
+    """
+    is_of_system = isinstance(error, OSError) and error.errno is not None
+    if isinstance(error, StoreError | BaseError) or (
+        is_of_system and not isinstance(error, FileNotFoundError)
+    ):
         raise error
 
 
@@ -393,7 +394,7 @@ def _write(out: Location, key: str, tables: dict[str, pa.Table], summary: Summar
         path = f"{name}/{key}-{sha256[:8]}.parquet"
         out.write(path, content)
         files[name] = {"path": path, "size": len(content), "sha256": sha256, "rows": len(table)}
-    known = {"files": files, "summary": summary.to_json()}
+    known = {"files": files, "summary": json.loads(summary.to_json())}
     return json.dumps(known, sort_keys=True).encode()
 
 
@@ -443,7 +444,7 @@ class Lease:
         ended = "done" if kind is None else one_line(f"{kind.__name__}: {error}")
         try:
             self._out.write(self._path, self.content(ended=ended))
-        except OSError:  # it will expire
+        except StoreError:  # it will expire
             if kind is None:
                 raise
 
@@ -451,7 +452,7 @@ class Lease:
         while not self._is_over.wait(self._options.lease_s / 4):
             try:
                 self._out.write(self._path, self.content())
-            except OSError:  # at worst, two workers do the same
+            except StoreError:  # at worst, two workers do the same
                 continue
 
 
@@ -546,7 +547,8 @@ def finish(out: Location, its_plan: Plan) -> Summary:
             done = [json.loads(text) for text in pool.map(out.read, paths)]
         except FileNotFoundError as error:
             raise InputError("some batches of the scan are missing", file=out.uri) from error
-    summary = Summary.merge([Summary.from_json(batch["summary"]) for batch in done])
+    summaries = [Summary.from_json(json.dumps(batch["summary"]).encode()) for batch in done]
+    summary = Summary.merge(summaries)
     newest = newest_plan(out)
     if newest is None or newest.key == its_plan.key or not _is_finished(out, newest):
         versions = {
