@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, field
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import click
 
 from nvcore.arguments import INPUTS, OUTPUT, PathLike, argument, arguments
 from nvcore.params import Params
 from nvcore.progress import Progress, no_progress
+
+if TYPE_CHECKING:
+    from nvcore.fleet.scan import Engine
 
 RUN: Final = "How it is run"
 
@@ -56,6 +59,7 @@ class ScanArguments:
     scheduler: str | None = argument(
         RUN, "By the workers of this Dask scheduler.", default=None, metavar="ADDRESS"
     )
+    engine: Engine | None = None
     retry: bool = argument(
         RUN,
         "Try again the recordings that are in quarantine.",

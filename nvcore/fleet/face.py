@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 from nvcore.arguments import PathLike, called_with
@@ -18,7 +18,7 @@ from nvcore.wording import aligned, number
 
 if TYPE_CHECKING:
     from nvcore.fleet.results import Summary
-    from nvcore.fleet.scan import Job, Status
+    from nvcore.fleet.scan import Engine, Job, Status
 
 BYTES_OF_WORKER = 1_000_000_000
 
@@ -73,6 +73,8 @@ def scan(arguments: ScanArguments) -> Scan:
         ``"17/300"``: in this process, beginning with the 17th of 300 parts of the batches.
     scheduler
         Address of a Dask scheduler, whose workers then do it.
+    engine
+        What runs the batches otherwise: a function of a job (`nvcore.fleet.scan.Engine`).
     retry
         Whether recordings in quarantine are tried again.
     storage
@@ -107,7 +109,7 @@ def scan(arguments: ScanArguments) -> Scan:
     with needs("fleet", "scans need"):
                 from nvcore.fleet.location import Location
         from nvcore.fleet.results import ScanParams
-        from nvcore.fleet.scan import Job, Options, begin, finish, forget_quarantined, status
+        from nvcore.fleet.scan import Job, Options, begin, drive, finish, forget_quarantined, status
         from nvcore.fleet.store import Store
     store = Store(Location(str(arguments.store), arguments.storage))
     out = Location(str(arguments.out), arguments.storage)
@@ -129,35 +131,38 @@ def scan(arguments: ScanArguments) -> Scan:
     done = {batch.key for batch in plan.batches}.difference(job.missing())
     progress = with_time_left(arguments.progress)
     progress(len(done) / n, f"{len(done)} of {n} batches")
-    for batch in _engine(arguments, job, part, n_parts):
+    for batch in drive(job, _engine(arguments, job)):
         done.add(batch)
         progress(len(done) / n, f"{len(done)} of {n} batches")
     return Scan(finish(out, plan), status(out))
 
 
-def _engine(arguments: ScanArguments, job: Job, part: int, n_parts: int) -> Iterator[str]:
-    """The scan as it runs: keys of batches that are done."""
+def _engine(arguments: ScanArguments, job: Job) -> Engine:
+    """What runs the batches."""
+    if arguments.engine is not None:
+        return arguments.engine
     if arguments.scheduler is not None:
-        from nvcore.fleet.on_dask import run_on_dask
+        from nvcore.fleet.on_dask import on_dask
 
-        return run_on_dask(job, arguments.scheduler)
+        return partial(on_dask, scheduler=arguments.scheduler)
     if arguments.shard is not None:
-        from nvcore.fleet.scan import work
+        from nvcore.fleet.scan import in_process
 
-        return work(job, part, n_parts)
-    from nvcore.fleet.pool import run_pool
+        part, n_parts = _part(arguments.shard)
+        return partial(in_process, part=part, n_parts=n_parts)
+    from nvcore.fleet.pool import in_pool
 
     n_cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     free = free_bytes()
     n_fit = n_cores if free is None else free // BYTES_OF_WORKER
     n_workers = arguments.workers or max(1, min(n_cores or 1, n_fit or 1, len(job.missing())))
-    return run_pool(job, n_workers)
+    return partial(in_pool, n_workers=n_workers)
 
 
-def _part(shard: str | None) -> tuple[int, int]:
+def _part(shard: str) -> tuple[int, int]:
     """Number of the part from 0, and of how many, of ``17/300``."""
     try:
-        part, n_parts = map(int, (shard or "0/1").split("/"))
+        part, n_parts = map(int, shard.split("/"))
     except ValueError:
         part, n_parts = -1, 0
     if not 0 <= part <= n_parts or n_parts < 1:

@@ -1,25 +1,27 @@
-"""Scans on a Dask cluster: a task for each batch, a few at a time."""
+"""The engine that runs a scan on a Dask cluster."""
 
 from __future__ import annotations
 
-import threading
-import time
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import Final
 
 from nvcore.errors import InputError
 from nvcore.extras import needs
 from nvcore.fleet.scan import Job
 
+with needs("dask", "scans on Dask need"):
+    from distributed import CancelledError, Client, KilledWorker, as_completed
+    from distributed.comm import CommClosedError
+
 TASKS: Final = 20_000
 """Tasks that the scheduler is given at a time."""
-CONNECT_S: Final = 10.0
 
 
-def run_on_dask(job: Job, scheduler: str) -> Iterator[str]:
-    """Run a scan by the workers of a scheduler until all is done; keys of batches as they are.
+def on_dask(job: Job, scheduler: str) -> Iterator[str]:
+    """Have the workers of a scheduler run the batches that are missing; keys of those that are done.
 
-    If the scheduler goes away, another one is waited for, which gets what is missing by then.
+    If the scheduler goes away, the others are left; the next round waits for it.
 
     Parameters
     ----------
@@ -31,30 +33,18 @@ def run_on_dask(job: Job, scheduler: str) -> Iterator[str]:
     InputError
         What a worker gave up with, or if there is no scheduler for `Options.patience_s`.
     """
-    with needs("dask", "scans on Dask need"):
-        from distributed import CancelledError, Client, KilledWorker, as_completed
-    last_sign_s = time.monotonic()
-    while left := job.missing():
-        failure: BaseException | None = None
-        is_stuck = True
-        try:
-            with Client(scheduler, timeout=CONNECT_S, set_as_default=False) as client:
-                last_sign_s = time.monotonic()
-                tasks = client.map(job.run, left[:TASKS], pure=False)
-                batch_of = {task.key: batch for task, batch in zip(tasks, left, strict=False)}
-                for task in as_completed(tasks, loop=client.loop):
-                    failure = task.exception() if task.status == "error" else None
-                    if isinstance(failure, KilledWorker):  # its worker, some times: another round
-                        failure = None
-                    elif failure is not None:
-                        break
-                    elif task.result() == "done":
-                        is_stuck = False
-                        yield batch_of[task.key]
-        except (OSError, CancelledError) as error:
-            if time.monotonic() - last_sign_s > job.options.patience_s:
-                raise InputError(f"there is no scheduler at {scheduler}") from error
-        if failure is not None:
-            raise failure
-        if is_stuck:  # others are at work on these, or there is no scheduler
-            threading.Event().wait(job.options.poll_s)
+    try:
+        client = Client(scheduler, timeout=job.options.patience_s, set_as_default=False)
+    except OSError as error:
+        raise InputError(f"there is no Dask scheduler at {scheduler}") from error
+    with client, suppress(CancelledError, CommClosedError):
+        missing = job.missing()[:TASKS]
+        tasks = client.map(job.run, missing, pure=False)
+        batch_of = {task.key: batch for task, batch in zip(tasks, missing, strict=True)}
+        for task in as_completed(tasks, loop=client.loop):
+            failure = task.exception() if task.status == "error" else None
+            if failure is None and task.result() == "done":
+                yield batch_of[task.key]
+            # its worker was killed some times: the next round counts how often
+            if failure is not None and not isinstance(failure, KilledWorker):
+                raise failure

@@ -1,4 +1,4 @@
-"""Worker processes of a scan on this machine: one that dies costs its batch, and is replaced."""
+"""The engine of processes on this machine: one that dies costs its batch, and is replaced."""
 
 from __future__ import annotations
 
@@ -6,19 +6,20 @@ import multiprocessing
 import os
 import threading
 from collections.abc import Iterator
+from functools import partial
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Final
 
 from nvcore.errors import InputError
-from nvcore.fleet.scan import Job, work
+from nvcore.fleet.scan import Job, drive, in_process
 
 STILLBORN: Final = 3
 """Workers in a row that may die before they begin to work."""
 
 
-def run_pool(job: Job, n_workers: int) -> Iterator[str]:
-    """Run a scan in so many processes until all its batches are done; keys of batches as they are.
+def in_pool(job: Job, n_workers: int) -> Iterator[str]:
+    """Run all batches that are missing in so many processes; keys of batches as they are done.
 
     Raises
     ------
@@ -81,7 +82,7 @@ def _work(messages: Connection, job: Job, part: int, n_parts: int) -> None:
     threading.Thread(target=end, daemon=True).start()
     try:
         messages.send("")
-        for batch in work(job, part, n_parts):
+        for batch in drive(job, partial(in_process, part=part, n_parts=n_parts)):
             messages.send(batch)
     except KeyboardInterrupt:  # the parent has it, too, and says so
         pass

@@ -21,7 +21,7 @@ import os
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import asdict, dataclass
@@ -79,7 +79,7 @@ class Options:
     poll_s
         How long a worker that finds no free batch waits at first.
     patience_s
-        How long to wait for a scheduler that does not answer.
+        How long a scheduler that does not answer is waited for.
     clock
         Seconds since 1970, for leases.
     run
@@ -505,29 +505,32 @@ def _done_in(out: Location) -> set[str]:
     return {entry.path.removeprefix("done/").removesuffix(".json") for entry in out.list("done/")}
 
 
-def work(job: Job, part: int = 0, n_parts: int = 1) -> Iterator[str]:
-    """Run batches in this process until all are done, here or elsewhere; keys of those run here.
+Engine = Callable[[Job], Iterable[str]]
+"""Runs missing batches of a job, `Job.run` for each, and gives keys of those that are done.
 
-    Parameters
-    ----------
-    part, n_parts
-        Every n-th batch is tried first, from this one on; then all that are left.
-    """
-    left = job.missing()
-    mine = left[part % n_parts :: n_parts]
+It may leave some: it is called again until none is missing.
+"""
+
+
+def drive(job: Job, engine: Engine) -> Iterator[str]:
+    """Have an engine run all batches that are missing; keys of those that are done, as they are."""
     wait_s = job.options.poll_s
-    while left:
-        is_stuck = bool(mine)
-        for batch in mine:
-            if job.run(batch) == "done":
-                is_stuck = False
-                yield batch
-        if is_stuck:  # others are at work on all of these
+    while job.missing():
+        n_done = 0
+        for n_done, batch in enumerate(engine(job), 1):  # noqa: B007  # counted
+            yield batch
+        if not n_done:  # others are at work on all of these
             threading.Event().wait(wait_s)
             wait_s = min(2 * wait_s, job.options.lease_s / 4)
-        left = job.missing()
-        start = len(left) * part // n_parts
-        mine = left[start:] + left[:start]
+
+
+def in_process(job: Job, part: int = 0, n_parts: int = 1) -> Iterator[str]:
+    """The engine of one process: every n-th batch from `part` on, then what others have left."""
+    left = job.missing()
+    yield from (batch for batch in left[part % n_parts :: n_parts] if job.run(batch) == "done")
+    left = job.missing()
+    start = len(left) * part // n_parts
+    yield from (batch for batch in left[start:] + left[:start] if job.run(batch) == "done")
 
 
 def finish(out: Location, its_plan: Plan) -> Summary:
