@@ -4,8 +4,14 @@ from nvcore.subjects import Subject
 
 SUBJECT = Subject(
     name="fleet",
+    recording_keys="session:FleetEntry",
     commands="commands:COMMANDS",
-    names={"scan": "face:scan", "scan_status": "face:scan_status"},
+    names={
+        "ingest": "face:ingest",
+        "open_store": "face:open_store",
+        "scan": "face:scan",
+        "scan_status": "face:scan_status",
+    },
     extras={
         "fleet": ("deltalake", "duckdb", "obstore", "sqlglot"),
         "dask": ("deltalake", "distributed", "duckdb", "obstore", "sqlglot"),
