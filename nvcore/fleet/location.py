@@ -19,7 +19,7 @@ with needs("fleet", "a store needs"):
     import obstore
     import pyarrow as pa
     from deltalake.exceptions import DeltaError
-    from obstore.exceptions import AlreadyExistsError, BaseError
+    from obstore.exceptions import BaseError
     from obstore.store import LocalStore, from_url
 
 MAX_RETRIES: Final = 20
