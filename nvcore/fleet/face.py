@@ -168,6 +168,9 @@ def scan(arguments: ScanArguments) -> Scan:
         ``"17/300"``: in this process, beginning with the 17th of 300 parts of the batches.
     scheduler
         Address of a Dask scheduler, whose workers then do it.
+    keep
+        Whether a later scan with another alpha, sigmoid or threshold of low similarity can reuse
+        what dear steps made.
     engine
         What runs the batches otherwise: a function of a job (`nvcore.fleet.scan.Engine`).
     retry
@@ -213,7 +216,7 @@ def scan(arguments: ScanArguments) -> Scan:
     plan = begin(store, out, params)
     if arguments.retry:
         forget_quarantined(out, plan)
-    options = Options(storage=tuple(arguments.storage.items()))
+    options = Options(storage=tuple(arguments.storage.items()), keep=arguments.keep)
     job = Job(plan.store, out.uri, plan.key, options)
     n = len(plan.batches)
     done = {batch.key for batch in plan.batches}.difference(job.missing())

@@ -43,11 +43,14 @@ class Batch:
         Their names, in the order of the names.
     n_frames
         Of all of them.
+    inputs
+        Hash of what is compared, by which programs: the key without the settings.
     """
 
     key: str
     recordings: tuple[str, ...]
     n_frames: int
+    inputs: str
 
 
 @dataclass(frozen=True)
@@ -98,7 +101,7 @@ class Plan:
         known = json.loads(text)
         params = ScanParams.parse(known.pop("params"))
         batches = [
-            Batch(batch["key"], tuple(batch["recordings"]), batch["n_frames"])
+            Batch(**{**batch, "recordings": tuple(batch["recordings"])})
             for batch in known.pop("batches")
         ]
         return cls(params=params, batches=tuple(batches), **known)
@@ -181,8 +184,15 @@ def plan(
     batches = []
     for lo, hi in zip(starts, [*starts[1:], len(size)], strict=True):
         rows = recordings.iloc[chosen[lo:hi]]
-        key = _hash("\n".join([params.key, json.dumps(used), *sorted(lines[lo:hi])]))
-        batches.append(Batch(key, tuple(sorted(rows["recording"])), int(rows["n_rows"].sum())))
+        inputs = _hash("\n".join([json.dumps(used), *sorted(lines[lo:hi])]))
+        batches.append(
+            Batch(
+                _hash(params.key + inputs),
+                tuple(sorted(rows["recording"])),
+                int(rows["n_rows"].sum()),
+                inputs,
+            )
+        )
     return Plan(store, dict(snapshot.versions), params, used, tuple(batches), left_out)
 
 

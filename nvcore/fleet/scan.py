@@ -4,6 +4,7 @@ A scan keeps all it knows in the folder of its results, so that any number of pr
 number of machines can work on it, and any of them may die:
 
     plans/<plan>.json              what is compared, by which programs, and in which batches
+    stages/<inputs>-<settings>.arrow   what a later scan with other settings reuses of a batch
     leases/<batch>/<attempt>.json  who is at work on a batch, and until when the others wait
     done/<batch>.json              which files a batch has given
     <table>/<batch>-<hash>.parquet its rows of each table of results, listed in a Delta table
@@ -25,7 +26,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, Final
 
 import pyarrow as pa
@@ -41,8 +42,8 @@ from nvcore.fleet.leases import Lease, claim, is_held
 from nvcore.fleet.location import Location
 from nvcore.fleet.plan import Batch, Plan, exists, is_finished, newest_plan
 from nvcore.fleet.results import ScanParams, Summary, gather
+from nvcore.fleet.reuse import stage_key
 from nvcore.fleet.store import Snapshot
-from nvcore.fleet.tables import SCHEMAS
 from nvcore.wording import count_text, one_line, shortened
 
 WHOLE_ATTEMPTS: Final = 2
@@ -69,8 +70,10 @@ class Options:
         How long a scheduler that does not answer is waited for.
     clock
         Seconds since 1970, for leases.
+    keep
+        Whether each batch keeps what a later scan with other settings reuses.
     run
-        What is called on the tables of whole recordings.
+        What is called on the tables of whole recordings: `scan_batch`.
     """
 
     storage: tuple[tuple[str, str], ...] = ()
@@ -78,6 +81,7 @@ class Options:
     poll_s: float = 0.2
     patience_s: float = 300.0
     clock: Callable[[], float] = time.time
+    keep: bool = True
     run: Callable[..., tuple[dict[str, pa.Table], Summary]] = scan_batch
 
 
@@ -117,7 +121,7 @@ def run_batch(
         return "busy"
     with lease:
         if not exists(out, done):  # its last worker may just have ended
-            parts = _compared(batches[batch_key], read, its_plan.params, lease, options)
+            parts = _compared(batches[batch_key], read, its_plan.params, out, lease, options)
             out.create(done, _write(out, batch_key, *parts))
     return "done"
 
@@ -130,11 +134,7 @@ def _opened(
     out = Location(out_uri, dict(storage))
     found = Plan.from_json(out.read(f"plans/{plan_key}.json"))
     snapshot = Snapshot(Location(store_uri, dict(storage)), found.versions)
-
-    def read(names: Sequence[str]) -> dict[str, pa.Table]:
-        tables = snapshot.read(names, found.params.sources)
-        return {name: table.cast(SCHEMAS[name]) for name, table in tables.items()}
-
+    read = partial(snapshot.read, sources=found.params.sources)
     return out, read, found, {batch.key: batch for batch in found.batches}
 
 
@@ -142,13 +142,14 @@ def _compared(
     batch: Batch,
     read: Callable[[Sequence[str]], dict[str, pa.Table]],
     params: ScanParams,
+    out: Location,
     lease: Lease,
     options: Options,
 ) -> tuple[dict[str, pa.Table], Summary]:
     """Results of a batch, of its recordings one at a time if they fail together."""
     if lease.n_killed < WHOLE_ATTEMPTS:
         try:
-            return options.run(read(batch.recordings), params)
+            return _compared_at_once(batch, read, params, out, options)
         except Exception as error:  # noqa: BLE001  # whatever it is: which recording is it about?
             _give_up_without_storage(error)
     parts, reasons, faults = [], {}, 0
@@ -172,6 +173,31 @@ def _compared(
         reasons |= dict(zip(*part["quarantine"].to_pydict().values(), strict=True))
     results = gather(parts, reasons, has_frames=params.frames)
     return results, Summary.of(results, params)
+
+
+def _compared_at_once(
+    batch: Batch,
+    read: Callable[[Sequence[str]], dict[str, pa.Table]],
+    params: ScanParams,
+    out: Location,
+    options: Options,
+) -> tuple[dict[str, pa.Table], Summary]:
+    """Results of a batch, with what an earlier scan has kept of it, or keeping that for others."""
+    if not options.keep:
+        return options.run(read(batch.recordings), params)
+    key, stages = stage_key(params), {}
+    path = f"stages/{batch.inputs}-{key[:16]}.arrow"
+    with suppress(FileNotFoundError), out.open(path) as file:
+        stages[key] = pa.ipc.open_file(file).read_all()
+    kept = stages.get(key)
+    results = options.run(read(batch.recordings), params, stages=stages)
+    if stages.get(key) is not kept:
+        sink = pa.BufferOutputStream()
+        how = pa.ipc.IpcWriteOptions(compression="lz4")
+        with pa.ipc.new_file(sink, stages[key].schema, options=how) as writer:
+            writer.write_table(stages[key])
+        out.write(path, sink.getvalue())
+    return results
 
 
 def _give_up_without_storage(error: Exception) -> None:

@@ -14,7 +14,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -121,7 +121,7 @@ def process(*command: object) -> subprocess.Popen[bytes]:
     )
 
 
-def named(tables: dict[str, pa.Table]) -> list[str]:
+def named(tables: Mapping[str, pa.Table]) -> list[str]:
     return tables["recordings"]["recording"].to_pylist()
 
 
@@ -131,14 +131,19 @@ def killed_at(recording: str, folder: Path, times: int) -> Callable[..., Any]:
 
 
 def _killed_at(
-    recording: str, folder: Path, times: int, tables: dict[str, pa.Table], params: ScanParams
+    recording: str,
+    folder: Path,
+    times: int,
+    tables: Mapping[str, pa.Table],
+    params: ScanParams,
+    **more: Any,
 ) -> Any:
     if recording in named(tables):
         number = len([*folder.glob("killed-*")])
         if number < times:
             (folder / f"killed-{number}").write_text(" ".join(named(tables)))
             os.kill(os.getpid(), signal.SIGKILL)
-    return scan_batch(tables, params)
+    return scan_batch(tables, params, **more)
 
 
 def stopped_at(recording: str, folder: Path) -> Callable[..., Any]:
@@ -147,12 +152,12 @@ def stopped_at(recording: str, folder: Path) -> Callable[..., Any]:
 
 
 def _stopped_at(
-    recording: str, folder: Path, tables: dict[str, pa.Table], params: ScanParams
+    recording: str, folder: Path, tables: Mapping[str, pa.Table], params: ScanParams, **more: Any
 ) -> Any:
     if recording in named(tables):
         (folder / "stopped").write_text(str(os.getpid()))
         until((folder / "on").exists, "the file that lets this worker go on")
-    return scan_batch(tables, params)
+    return scan_batch(tables, params, **more)
 
 
 def starved_at(recording: str, n_bytes: int) -> Callable[..., Any]:
@@ -161,12 +166,12 @@ def starved_at(recording: str, n_bytes: int) -> Callable[..., Any]:
 
 
 def _starved_at(
-    recording: str, n_bytes: int, tables: dict[str, pa.Table], params: ScanParams
+    recording: str, n_bytes: int, tables: Mapping[str, pa.Table], params: ScanParams, **more: Any
 ) -> Any:
     if recording in named(tables):
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, n_bytes))
-    return scan_batch(tables, params)
+    return scan_batch(tables, params, **more)
 
 
 def compiled_in(folder: Path) -> Callable[..., Any]:
@@ -174,8 +179,10 @@ def compiled_in(folder: Path) -> Callable[..., Any]:
     return partial(_compiled_in, folder)
 
 
-def _compiled_in(folder: Path, tables: dict[str, pa.Table], params: ScanParams) -> Any:
-    results = scan_batch(tables, params)
+def _compiled_in(
+    folder: Path, tables: Mapping[str, pa.Table], params: ScanParams, **more: Any
+) -> Any:
+    results = scan_batch(tables, params, **more)
     loops = [of for of in gc.get_objects() if isinstance(of, Dispatcher)]
     n = sum(
         sum(of.stats.cache_misses.values()) for of in loops if "nvcore" in of.py_func.__module__
@@ -189,11 +196,13 @@ def broken_at(recordings: Sequence[str]) -> Callable[..., Any]:
     return partial(_broken_at, recordings)
 
 
-def _broken_at(recordings: Sequence[str], tables: dict[str, pa.Table], params: ScanParams) -> Any:
+def _broken_at(
+    recordings: Sequence[str], tables: Mapping[str, pa.Table], params: ScanParams, **more: Any
+) -> Any:
     for name in named(tables):
         if name in recordings:
             raise ZeroDivisionError(f"of {name}")
-    return scan_batch(tables, params)
+    return scan_batch(tables, params, **more)
 
 
 def hours_later() -> float:
