@@ -40,6 +40,10 @@ _KEPT: Final = (
 """Steps whose results are kept, as far as they are of frames, encounters or boxes of the truth."""
 
 
+ALIGNED: Final = 8
+"""Bytes of which each array has a multiple, so that those that follow can be used as they lie."""
+
+
 def can_reuse(params: ScanParams) -> bool:
     """Whether no step looks at the systems' boxes once they are matched and measured."""
     return can_be_cut(params.params)
@@ -71,9 +75,11 @@ def freeze(
     """
     arrays: list[np.ndarray] = []
     groups = [_kept(*of, arrays) for of in zip(results, tables, strict=True)]
-    ends = np.cumsum([0, *(array.nbytes for array in arrays)], dtype=np.int64)
-    content = np.concatenate([np.empty(0, np.uint8), *(array.view(np.uint8) for array in arrays)])
-    buffers = [None, pa.py_buffer(ends), pa.py_buffer(content)]
+    ends = np.cumsum([0, *(-(-array.nbytes // ALIGNED) * ALIGNED for array in arrays)])
+    content = np.zeros(ends[-1], np.uint8)
+    for start, array in zip(ends.tolist(), arrays, strict=False):
+        content[start : start + array.nbytes] = array.view(np.uint8)
+    buffers = [None, pa.py_buffer(ends.astype(np.int64)), pa.py_buffer(content)]
     values = pa.Array.from_buffers(pa.large_binary(), len(arrays), buffers)
     about = json.dumps({"refused": dict(refused), "groups": groups})
     return pa.table({"values": values}).replace_schema_metadata({"about": about})
@@ -265,12 +271,24 @@ def _frozen(value: Any, arrays: list[np.ndarray]) -> Any:
     elif value.dtype == np.int64 and np.abs(value).max(initial=0) < 2**31:
         plain = plain.astype(np.int32)
     arrays.append(plain)
-    return spec | {"stored": plain.dtype.str, "place": len(arrays) - 1}
+    return spec | {
+        "stored": plain.dtype.str,
+        "stored_n": len(plain),
+        "place": len(arrays) - 1,
+    }
 
 
-def _thawed(spec: Mapping[str, Any], arrays: Sequence[Any]) -> Any:
+def _thawed(spec: Mapping[str, Any], arrays: Sequence[Any], *, is_column: bool = False) -> Any:
+    """The value of `_frozen`.
+
+    Parameters
+    ----------
+    is_column
+        Whether it becomes a column of a table, which nobody writes to: as it lies then, not copied.
+    """
     if "table" in spec:
-        columns = {name: _thawed(of, arrays) for name, of in spec["table"].items()}
+        items = spec["table"].items()
+        columns = {name: _thawed(of, arrays, is_column=True) for name, of in items}
         return pd.DataFrame(columns, copy=False)
     if "arrow" in spec:
         return pa.ipc.open_stream(arrays[spec["arrow"]]).read_all()
@@ -288,7 +306,7 @@ def _thawed(spec: Mapping[str, Any], arrays: Sequence[Any]) -> Any:
         return spec["is"]
     if "texts" in spec:
         return np.array([*spec["texts"], None], dtype=object)[_thawed(spec["codes"], arrays)]
-    stored = np.frombuffer(arrays[spec["place"]], spec["stored"])
+    stored = np.frombuffer(arrays[spec["place"]], spec["stored"], spec["stored_n"])
     if len(stored) != spec["n"]:
         return np.repeat(stored, spec["n"])
-    return stored.astype(spec["dtype"])  # a copy that can be written to, as a step would make it
+    return stored.astype(spec["dtype"], copy=not is_column)
