@@ -11,10 +11,12 @@ import hashlib
 import json
 import re
 import time
+from collections import ChainMap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from functools import cached_property
+from dataclasses import dataclass, field
+from functools import cached_property, partial
 from itertools import groupby
 from pathlib import Path
 from typing import Any, Final
@@ -56,6 +58,15 @@ _THREADS: Final = 8
 _LONGEST_IN_STATS: Final = 200
 
 
+@dataclass
+class _Learned:
+    """What a writer knows of a table: its files, its rows, and where rows with a content lie."""
+
+    paths: set[str] = field(default_factory=set)
+    rows: set[tuple[Any, ...]] = field(default_factory=set)
+    index: dict[tuple[Any, ...], tuple[Any, ...]] = field(default_factory=dict)
+
+
 class Store:
     """A store of recordings, by its location.
 
@@ -83,9 +94,10 @@ class Store:
             )
         self._wanted = partition
         self._known: dict[str, pa.Table] = {}
+        self._learned = {name: _Learned() for name in ROWS_IN}
 
-    def __getstate__(self) -> dict[str, Any]:
-        return {"location": self.location, "_wanted": self._wanted, "_known": {}}
+    def __reduce__(self) -> Any:
+        return partial(Store, self.location, partition=self._wanted), ()
 
     def __repr__(self) -> str:
         return f"Store({self.location.uri!r})"
@@ -166,8 +178,7 @@ class Store:
             for table in tables.values():
                 table.update_incremental()
         for name, data in ROWS_IN.items():
-            stored = _rows(self.location, name, tables[name], self._known)
-            index = dict(zip(_keys(stored, _CONTENT[name]), _keys(stored, _INDEX), strict=True))
+            stored = self._stored(name)
             rows = pa.concat_tables([SCHEMAS[name].empty_table(), *(of[name] for of in batch)])
             pieces = [
                 (part, of[data].slice(first, n))
@@ -180,22 +191,33 @@ class Store:
                 )
             ]
             contents = _keys(rows, _CONTENT[name])
-            places = {key: place for place, key in enumerate(contents) if key not in index}
+            places = {key: place for place, key in enumerate(contents) if key not in stored.index}
             order = sorted(places, key=lambda key: (pieces[places[key]][0] or "", *key))
             actions[data], written = self._written(
                 data, [pieces[places[key]] for key in order], partition
             )
-            index |= zip(order, written, strict=True)
+            lies = ChainMap(dict(zip(order, written, strict=True)), stored.index)
             keys = dict(zip(_keys(rows, _ROW[name]), range(len(rows)), strict=True))
-            chosen = [keys[key] for key in keys.keys() - {*_keys(stored, _ROW[name])}]
-            taken = rows.take(pa.array(sorted(chosen), pa.int64()))
-            new[name] = _with_index(taken, [index[contents[place]] for place in sorted(chosen)])
+            chosen = sorted(keys[key] for key in keys.keys() - stored.rows)
+            taken = rows.take(pa.array(chosen, pa.int64()))
+            new[name] = _with_index(taken, [lies[contents[place]] for place in chosen])
         for name, rows in new.items():
             actions[name] = [self._put(name, [rows.sort_by("recording")], {})] if len(rows) else []
         for name in SCHEMAS:  # in this order: nothing is seen before the last one
             if actions[name]:
                 self._commit(name, actions[name], partition)
         return new
+
+    def _stored(self, name: str) -> _Learned:
+        """What is in a table of recordings or sources, of which only new files are looked at."""
+        learned = self._learned[name]
+        paths = _paths(self.location, name, self._tables[name])
+        new = [path for path in paths if path not in learned.paths]
+        rows = _rows(self.location, name, new, self._known)
+        learned.index.update(zip(_keys(rows, _CONTENT[name]), _keys(rows, _INDEX), strict=True))
+        learned.rows.update(_keys(rows, _ROW[name]))
+        learned.paths.update(new)
+        return learned
 
     def _written(
         self, name: str, pieces: Sequence[tuple[str | None, pa.Table]], partition: str | None
@@ -305,7 +327,9 @@ class Snapshot:
             table = _opened(self.location, name, self.versions[name])
             if table is None:
                 raise InputError("there is no store here", file=self.location.uri)
-            found[name] = _rows(self.location, name, table, self._known).to_pandas()
+            found[name] = _rows(
+                self.location, name, _paths(self.location, name, table), self._known
+            ).to_pandas()
         # a recording is seen, and is as old, as the sources that came with it
         came = found["sources"].groupby(["recording", "recording_sha256"])["ingested_at"].min()
         keys = pd.MultiIndex.from_frame(found["recordings"][_CONTENT["recordings"]])
@@ -520,18 +544,23 @@ def _partition_of(table: DeltaTable) -> str | None:
     return next(iter(table.metadata().partition_columns), None)
 
 
-def _rows(location: Location, name: str, table: DeltaTable, known: dict[str, pa.Table]) -> pa.Table:
-    """All rows of a table of recordings or sources; `known` has files that were read before."""
+def _paths(location: Location, name: str, table: DeltaTable) -> list[str]:
+    """Files of a table, within the location."""
     with location.at(name, "read"):
         actions = pa.table(table.get_add_actions(flatten=True))
-    paths = [f"{name}/{unquote(path)}" for path in map(str, actions["path"].to_pylist())]
-    new = [path for path in paths if path not in known]
+    return [f"{name}/{unquote(path)}" for path in map(str, actions["path"].to_pylist())]
+
+
+def _rows(
+    location: Location, name: str, paths: Sequence[str], known: dict[str, pa.Table]
+) -> pa.Table:
+    """Rows of files of recordings or sources; `known` has those that were read before."""
 
     def read(path: str) -> pa.Table:
         with _file_of(location, path) as parquet:
             return parquet.read().select(SCHEMAS[name].names).cast(SCHEMAS[name])
 
-    if new:
+    if new := [path for path in paths if path not in known]:
         with ThreadPoolExecutor(_THREADS) as pool:
             known.update(zip(new, pool.map(read, new), strict=True))
     return pa.concat_tables([SCHEMAS[name].empty_table(), *(known[path] for path in paths)])
