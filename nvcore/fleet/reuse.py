@@ -22,6 +22,7 @@ from nvcore import __version__
 from nvcore.columns import BoxColumns, boxes_of_frame, offsets_of
 from nvcore.comparison import TRUTH_STEPS, Result, compare
 from nvcore.dataset import Dataset
+from nvcore.errors import InputError
 from nvcore.fleet.cutting import can_be_cut
 from nvcore.fleet.results import ScanParams, each_recording, result_tables, spans_table
 from nvcore.measures.table import MEASURES
@@ -38,7 +39,6 @@ _KEPT: Final = (
     *("nearest", "distances", "events", "encounters", "failures", "confirmed"),
 )
 """Steps whose results are kept, as far as they are of frames, encounters or boxes of the truth."""
-
 
 ALIGNED: Final = 8
 """Bytes of which each array has a multiple, so that those that follow can be used as they lie."""
@@ -103,10 +103,19 @@ class Kept:
 
 
 def thaw(table: pa.Table) -> tuple[list[Kept], dict[str, str]]:
-    """What was kept of each comparison, and who was refused."""
-    about = json.loads(table.schema.metadata[b"about"])
-    arrays = [value.as_buffer() for value in table["values"]]
-    return [Kept(group, arrays) for group in about["groups"]], about["refused"]
+    """What was kept of each comparison, and who was refused.
+
+    Raises
+    ------
+    InputError
+        If it is no such table.
+    """
+    try:
+        about = json.loads(table.schema.metadata[b"about"])
+        arrays = [value.as_buffer() for value in table["values"]]
+        return [Kept(group, arrays) for group in about["groups"]], about["refused"]
+    except (AttributeError, LookupError, TypeError, ValueError) as error:
+        raise InputError(f"what is kept of a batch cannot be read ({error})") from error
 
 
 def tables_again(

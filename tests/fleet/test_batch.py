@@ -252,6 +252,8 @@ def test_kept_stages_of_other_recordings_are_made_anew(tables: Tables):
     scan_batch(only(tables, ["r0", "r1"]), SCAN, stages=kept)
     other = only(tables, ["r2", "r3"])
     assert_same(scan_batch(other, SCAN, stages=kept)[0], scan_batch(other, SCAN)[0])
+    damaged = {key: table.replace_schema_metadata({"about": "{}"}) for key, table in kept.items()}
+    assert_same(scan_batch(other, SCAN, stages=damaged)[0], scan_batch(other, SCAN)[0])
 
 
 def test_thresholds_are_those_of_each_recording_unless_they_are_given(tables: Tables):
