@@ -188,11 +188,12 @@ def _compared_at_once(
     if stages is not None:
         with suppress(FileNotFoundError), out.open(path) as file:
             stages[key] = pa.ipc.open_file(file).read_all()
-    kept, tables = stages and stages.get(key), read(batch.recordings)
-    if not kept:
+    kept = None if stages is None else stages.get(key)
+    tables = read(batch.recordings)
+    if kept is None:
         tables["boxes"]  # read now: a damaged file is no fault of all of these recordings
     results = options.run(tables, params, stages=stages)
-    if stages and stages[key] is not kept:
+    if stages and stages.get(key) is not kept:
         sink = pa.BufferOutputStream()
         how = pa.ipc.IpcWriteOptions(compression="lz4")
         with pa.ipc.new_file(sink, stages[key].schema, options=how) as writer:

@@ -26,6 +26,7 @@ from fleet_runs import (
     stopped_at,
     until,
 )
+from object_store import make_bucket, options, served, troubled
 
 from nvcore.errors import InputError, StoreError
 from nvcore.fleet.location import Location
@@ -248,6 +249,22 @@ def test_a_scan_goes_on_when_the_dask_scheduler_was_restarted(
     assert {*done, *batches} == {batch.key for batch in plan.batches}
     assert finished(out, plan) == undisturbed
     assert sum(attempts_of(out).values()) == len(plan.batches) + 1
+
+
+def test_a_server_that_refuses_and_cuts_costs_attempts_alone(store, undisturbed):
+    with served() as server, troubled(server) as (address, trouble):
+        make_bucket(server, "fleet")
+        storage = options(address)
+        append_to(Location("s3://fleet/store", storage), small_fleet(4))
+        plan, job = begin_scan("s3://fleet/store", "s3://fleet/out", storage=(*storage.items(),))
+        list(drive(job, partial(in_pool, n_workers=1)))
+        out = Location("s3://fleet/out", storage)
+        finish(out, plan)
+        files = files_of(out)
+        del files["summary.parquet"]
+        assert files.items() <= undisturbed.items()
+        assert len(files) == 2 * 8
+        assert min(trouble["refused"], trouble["cut"]) > 20
 
 
 def test_other_versions_are_refused(store, out):

@@ -63,28 +63,31 @@ def small_fleet(n: int = 12, first: int = 0) -> Dataset:
     return replace(dataset, recordings=dataset.recordings.assign(name=names))
 
 
-def append_to(store: str | Path, dataset: Dataset, *, without: str = "") -> str:
+def append_to(store: str | Path | Location, dataset: Dataset, *, without: str = "") -> str:
     """Append recordings to a store, perhaps without one of the systems; its URI."""
-    made, tables = Store(Location(store)), tables_of(dataset)
+    made, tables = Store(store), tables_of(dataset)
     has_it = pc.not_equal(tables["sources"]["source"], without)
     made.append([tables | {"sources": tables["sources"].filter(has_it)}])
     return made.location.uri
 
 
 def begin_scan(
-    store: str | Path, out: Path, params: ScanParams = PARAMS, **options: Any
+    store: str | Path, out: str | Path, params: ScanParams = PARAMS, **options: Any
 ) -> tuple[Plan, Job]:
     """A scan of batches of two of the recordings of `small_fleet`, none of which is done yet."""
-    plan = begin(Store(Location(store)), Location(out), params, frames_per_batch=100)
-    return plan, Job(plan.store, Location(out).uri, plan.key, Options(**options))
+    run = Options(**options)
+    place = Location(out, dict(run.storage))
+    plan = begin(Store(Location(store, dict(run.storage))), place, params, frames_per_batch=100)
+    return plan, Job(plan.store, place.uri, plan.key, run)
 
 
-def files_of(out: Path) -> dict[str, bytes]:
+def files_of(out: Path | Location) -> dict[str, bytes]:
     """Content of all files with results, by path."""
+    place = out if isinstance(out, Location) else Location(out)
     return {
-        str(path.relative_to(out)): path.read_bytes()
-        for path in out.rglob("*")
-        if path.is_file() and (path.suffix == ".parquet" or "done" in path.parts)
+        entry.path: place.read(entry.path)
+        for entry in place.list()
+        if entry.path.endswith(".parquet") or entry.path.startswith("done/")
     }
 
 
