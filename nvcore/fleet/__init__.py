@@ -6,7 +6,12 @@ SUBJECT = Subject(
     name="fleet",
     recording_keys="session:FleetEntry",
     commands="commands:COMMANDS",
-    names={"ingest": "face:ingest", "open_store": "face:open_store"},
+    names={
+        "ingest": "face:ingest",
+        "open_store": "face:open_store",
+        "scan": "face:scan",
+        "scan_status": "face:scan_status",
+    },
     extras={
         "fleet": ("deltalake", "duckdb", "obstore", "sqlglot"),
         "dask": ("deltalake", "distributed", "duckdb", "obstore", "sqlglot"),
