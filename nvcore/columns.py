@@ -227,11 +227,13 @@ class FrameColumns:
         """
         rows = self._windows.get(window_s)
         if rows is None:
-            half_width = 0.5 * window_s * self.fps[self.recording] * (1 + 1e-9)
-            # one axis for all recordings, with more than a window between them
+            reach = (0.5 * window_s * self.fps * (1 + 1e-9)).astype(np.int64)
+            # one axis for all recordings, with more than a window between them; whole numbers, so
+            # that no digit depends on how long it is
             is_other = np.concatenate([[False], np.diff(self.recording) != 0])
-            step = np.concatenate([[0.0], np.diff(self.frame).astype(float)])
-            axis = np.cumsum(np.where(is_other, 2 * half_width.max(initial=0) + 1, step))
+            step = np.concatenate([[0], np.diff(self.frame)])
+            axis = np.cumsum(np.where(is_other, 2 * reach.max(initial=0) + 1, step))
+            half_width = reach[self.recording]
             rows = (
                 np.searchsorted(axis, axis - half_width, side="left"),
                 np.searchsorted(axis, axis + half_width, side="right"),
@@ -239,6 +241,23 @@ class FrameColumns:
             self._windows.clear()
             self._windows[window_s] = rows
         return rows
+
+    def sums(self, values: np.ndarray, start: np.ndarray, stop: np.ndarray) -> np.ndarray:
+        """Sum of the values of frames ``start:stop``, none empty, each of one recording.
+
+        Each recording is added up by itself: no digit depends on which others there are.
+
+        Parameters
+        ----------
+        values
+            Of each frame; float64, shape (n_frames,).
+        """
+        running = np.empty(len(values))
+        for first, end in pairwise(self.first):  # a loop over recordings
+            np.cumsum(values[first:end], out=running[first:end])
+        is_later = start > self.first[self.recording[start]]
+        total: np.ndarray = running[stop - 1] - np.where(is_later, running[start - 1], 0.0)
+        return total
 
     @cached_property
     def _windows(self) -> dict[float, tuple[np.ndarray, np.ndarray]]:

@@ -90,6 +90,9 @@ class Dataset:
     read_as
         How the files of each source were read, by ``truth`` or the system's name; empty for data
         made in memory.
+    each_alone
+        Whether each recording is described as if it were the only one: nothing that is said of it
+        depends on which others are there, and tables have all columns that they can have.
     """
 
     recordings: pd.DataFrame
@@ -107,6 +110,7 @@ class Dataset:
     of_subjects: Mapping[str, Any] = field(default_factory=dict, repr=False)
     labels: tuple[str, ...] = ()
     read_as: Mapping[str, ReadAs] = field(default_factory=dict, repr=False)
+    each_alone: bool = False
 
     @property
     def primary(self) -> Primary:
@@ -137,8 +141,8 @@ class Dataset:
 
     @cached_property
     def copies(self) -> tuple[Copy, ...]:
-        """Recordings that hold the same truth."""
-        return find_copies(self)
+        """Recordings that hold the same truth; none are looked for where each is alone."""
+        return () if self.each_alone else find_copies(self)
 
     def unlisted_frames(self, recording: str) -> np.ndarray:
         """Frames of a recording with boxes of the truth, but not evaluated; int64, ascending."""

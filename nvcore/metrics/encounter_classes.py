@@ -16,7 +16,7 @@ import pandas as pd
 from nvcore.codes import NO_CODE
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.dataset import Dataset
-from nvcore.metrics.encounters import Encounters, encounters_of
+from nvcore.metrics.encounters import Encounters, compared_with, encounters_of
 from nvcore.schema import CLASS_SEPARATOR, SAME_S
 
 CROSSING: Final = "crossing"
@@ -69,9 +69,14 @@ class EncounterClasses:
 
     @cached_property
     def texts(self) -> np.ndarray:
-        """All classes of each encounter, joined by `CLASS_SEPARATOR`; object, shape (n,)."""
+        """All classes of each encounter, joined by `CLASS_SEPARATOR`; object, shape (n,).
+
+        First those that the truth names of it: what it says of others changes no order.
+        """
         texts = np.full(len(self.attributes), "", dtype=object)
-        for name, is_member in self.members.items():  # a loop over classes
+        own = classes_named(self.attributes)
+        others = ((name, of & ~own.get(name, np.False_)) for name, of in self.members.items())
+        for name, is_member in (*own.items(), *others):  # a loop over classes
             texts[is_member] += CLASS_SEPARATOR + name
         return np.array([text.removeprefix(CLASS_SEPARATOR) for text in texts], dtype=object)
 
@@ -88,7 +93,7 @@ def classes_of(dataset: Dataset) -> EncounterClasses:
             CROSSING: find_crossing(encounters, truth, frames),
             IN_ROAD: find_in_road(encounters, truth, frames),
             GROUP: find_groups(encounters, truth),
-            CHILD: find_children(encounters, truth, frames),
+            CHILD: find_children(encounters, truth, frames, each_alone=dataset.each_alone),
         }
         if not dataset.objects.are_pedestrians:  # the rules are about people who walk
             derived = {}
@@ -242,12 +247,15 @@ def find_groups(encounters: Encounters, truth: BoxColumns) -> np.ndarray:
         shift += 1
 
 
-def find_children(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:
+def find_children(
+    encounters: Encounters, truth: BoxColumns, frames: FrameColumns, *, each_alone: bool = False
+) -> np.ndarray:
     """Who is small for where he stands, as far as distance or horizon say where; bool.
 
     Stature is height times distance, else height over the foot point's depth below the horizon,
-    each relative to the median of all encounters of which it is known in the same way (at least
-    `LEAST_COMPARED`, and the same camera throughout). Boxes cut by the picture's edge have none.
+    each relative to the median of all encounters (with `each_alone` those of the recording) of
+    which it is known in the same way (at least `LEAST_COMPARED`, and the same camera throughout).
+    Boxes cut by the picture's edge have none.
     """
     rows = encounters.order
     x, y, w, h = (side[rows] for side in truth.xywh)
@@ -262,11 +270,12 @@ def find_children(encounters: Encounters, truth: BoxColumns, frames: FrameColumn
     is_open = np.ones(len(encounters), dtype=bool)
     for stature in (by_distance, by_horizon):
         of_encounter = _medians(encounters, stature)
-        is_known = is_open & np.isfinite(of_encounter)
-        if np.count_nonzero(is_known) >= LEAST_COMPARED:
-            grown = np.median(of_encounter[is_known])
-            is_child[is_known] = of_encounter[is_known] <= CHILD_SHARE * grown
-            is_open &= ~is_known
+        known = np.flatnonzero(is_open & np.isfinite(of_encounter))
+        for part in compared_with(encounters.recording[known], each_alone):
+            of_part = of_encounter[known[part]]
+            if len(of_part) >= LEAST_COMPARED:
+                is_child[known[part]] = of_part <= CHILD_SHARE * np.median(of_part)
+                is_open[known[part]] = False
     return is_child
 
 

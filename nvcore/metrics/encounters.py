@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -87,14 +88,21 @@ def encounters_of(dataset: Dataset) -> tuple[TruthTracks, Encounters]:
         truth, frames = dataset.truth, dataset.frame_columns
         occlusion = dataset.boxes["occlusion"].to_numpy()[: len(truth)]
         tracks = track_truth(truth, frames)
-        encounters = find_encounters(truth, tracks.track, occlusion, frames)
+        encounters = find_encounters(
+            truth, tracks.track, occlusion, frames, each_alone=dataset.each_alone
+        )
         dataset.derived["encounters"] = tracks, encounters
     pair: tuple[TruthTracks, Encounters] = dataset.derived["encounters"]
     return pair
 
 
 def find_encounters(
-    truth: BoxColumns, track: np.ndarray, occlusion: np.ndarray, frames: FrameColumns
+    truth: BoxColumns,
+    track: np.ndarray,
+    occlusion: np.ndarray,
+    frames: FrameColumns,
+    *,
+    each_alone: bool = False,
 ) -> Encounters:
     """Group the pedestrians of the ground truth into encounters; ignored boxes belong to none.
 
@@ -104,6 +112,8 @@ def find_encounters(
         Track of each truth row (given or linked); int64, shape (n_truth,).
     occlusion
         0 none, 1 partial, 2 heavy, -1 unknown; int8, shape (n_truth,).
+    each_alone
+        Whether z-scores are of the encounters of one recording, not of all.
     """
     recording = frames.recording[truth.frame_index]
     code, key_recording, key_track = _number_encounters(recording, track, ~truth.ignore)
@@ -141,7 +151,9 @@ def find_encounters(
         lateral_position=_sum(signed_offset, starts) / counts,
         peak_height=np.maximum.reduceat(truth.h[order], starts) if len(starts) else np.empty(0),
         aspect_ratio=mean_aspect,
-        aspect_z=_z_scores(mean_aspect),
+        aspect_z=np.concatenate(
+            [_z_scores(mean_aspect[part]) for part in compared_with(key_recording, each_alone)]
+        ),
         occluded_share=occluded_share,
     )
 
@@ -174,6 +186,20 @@ def _number_encounters(
     if track_ids is not None:
         tracks = np.asarray(track_ids, dtype=np.int64)[tracks]
     return code, (keys >> 32).astype(np.int32), tracks
+
+
+def compared_with(recording: np.ndarray, each_alone: bool) -> list[slice]:
+    """Encounters that are measured by one another: all, or those of each recording.
+
+    Parameters
+    ----------
+    recording
+        Of each encounter, ascending; shape (n,).
+    each_alone
+        `nvcore.dataset.Dataset.each_alone`.
+    """
+    edges = np.flatnonzero(np.diff(recording)) + 1 if each_alone else []
+    return [slice(int(a), int(b)) for a, b in pairwise([0, *edges, len(recording)])]
 
 
 def _z_scores(values: np.ndarray) -> np.ndarray:

@@ -58,14 +58,13 @@ def find_worst_windows(
     moving_mean
         Of `smooth` with the same window; float64, shape (n_frames,).
     """
-    lost = np.concatenate([[0.0], np.cumsum((1 - similarity) * frames.step_s)])
     start, stop = frames.within(window)
+    lost_s = frames.sums((1 - similarity) * frames.step_s, start, stop)
     windows = []
     for first, end in pairwise(frames.first):  # a loop over recordings
         if first == end:
             windows.append(NO_WINDOW)
             continue
         row = int(first + moving_mean[first:end].argmin())
-        lost_s = float(lost[stop[row]] - lost[start[row]])
-        windows.append(Window(row, float(moving_mean[row]), lost_s))
+        windows.append(Window(row, float(moving_mean[row]), float(lost_s[row])))
     return tuple(windows)

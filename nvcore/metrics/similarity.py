@@ -261,8 +261,7 @@ def smooth(values: np.ndarray, frames: FrameColumns, *, window: float = 1.0) -> 
     Frame numbers are compared, so that a frame exactly half a window away always counts.
     """
     start, stop = frames.within(window)
-    total = np.concatenate([[0.0], np.cumsum(values)])
-    mean: np.ndarray = (total[stop] - total[start]) / (stop - start)
+    mean: np.ndarray = frames.sums(values, start, stop) / (stop - start)
     return mean
 
 
@@ -302,26 +301,24 @@ def find_low_intervals(
     is_low = similarity < low
     first, last = runs_of(np.where(is_low, 0, -1), frames.recording)
     rate = frames.fps[frames.recording[first]] if len(first) else np.empty(0)
-    shortfall = np.concatenate(
-        [[0.0], np.cumsum(np.where(is_low, (low - similarity) * frames.gap, 0))]
-    )
     low_rows = np.flatnonzero(is_low)
     if len(first):
         starts = np.searchsorted(low_rows, first)
         least = np.minimum.reduceat(similarity[low_rows], starts)  # no run is empty
+        shortfall = np.add.reduceat((low - similarity[low_rows]) * frames.gap[low_rows], starts)
         lengths = last - first + 1
         is_least = similarity[low_rows] == np.repeat(least, lengths)
         hits = np.flatnonzero(is_least)
         worst = low_rows[hits[np.searchsorted(hits, starts)]]
     else:
-        least, worst = np.empty(0), np.empty(0, np.int64)
+        least, shortfall, worst = np.empty(0), np.empty(0), np.empty(0, np.int64)
     return pd.DataFrame(
         {
             "recording": frames.recording[first],
             "first_row": first,
             "last_row": last,
             "duration_s": (frames.passed[last + 1] - frames.passed[first]) / rate,
-            "depth_s": (shortfall[last + 1] - shortfall[first]) / rate,
+            "depth_s": shortfall / rate,
             "min_similarity": least,
             "worst_row": worst,
         }

@@ -170,6 +170,15 @@ def intervals_table(result: Result) -> pd.DataFrame:
     return pd.concat(tables, ignore_index=True)
 
 
+def episodes_table(result: Result) -> pd.DataFrame:
+    """One row per false-alert episode of either system; n_boxes are the false alarms in it."""
+    spans = [
+        _spans(result, system.episodes, letter) | {"n_boxes": system.episodes["n_boxes"].to_numpy()}
+        for letter, system in result.sides
+    ]
+    return pd.concat([pd.DataFrame(columns) for columns in spans], ignore_index=True)
+
+
 def worst_intervals(result: Result, letter: str, *, n: int = 5) -> pd.DataFrame:
     """The `n` low-similarity intervals of one system with the largest depth, worst first."""
     return _worst(intervals_table(result), letter, "depth_s", n)

@@ -29,7 +29,9 @@ from nvcore.scoring import SystemResult
 from nvcore.stages import ENCOUNTERS, Stage
 from nvcore.time_left.settings import TIME_LEFT
 
-KNOWN: Final = Condition(lambda result: driver_in(result).has_any, "without detectability")
+KNOWN: Final = Condition(
+    lambda result: result.dataset.each_alone or driver_in(result).has_any, "without detectability"
+)
 """That it is known of any near encounter if the driver sees the pedestrian himself."""
 Members = Callable[[Result, SystemResult], np.ndarray]
 """Encounters of a kind; bool, shape (n_encounters,)."""
