@@ -1,0 +1,180 @@
+"""Folders of files, on a disk or in an S3-compatible store."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from datetime import datetime, timedelta
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+from nvcore.errors import InputError, StoreError
+from nvcore.extras import needs
+
+with needs("fleet", "a store needs"):
+    import obstore
+    import pyarrow as pa
+    from obstore.exceptions import AlreadyExistsError, BaseError
+    from obstore.store import LocalStore, from_url
+
+MAX_RETRIES: Final = 8
+RETRY_TIMEOUT_S: Final = 60
+"""After that long a request that the server keeps refusing, or cuts, is an error."""
+_MAX_WAIT_S: Final = 5
+_REMOTE: Final = ("s3", "s3a", "gs", "az", "abfs", "abfss")
+_DELTA_OPTIONS: Final = {
+    "max_retries": str(MAX_RETRIES),
+    "retry_timeout": f"{RETRY_TIMEOUT_S}s",
+    "backoff_config.max_backoff": f"{_MAX_WAIT_S}s",
+    "aws_conditional_put": "etag",
+}
+
+
+class Entry(NamedTuple):
+    """A file of a location: its path within it, bytes, time of the last change."""
+
+    path: str
+    size: int
+    modified: datetime
+
+
+class Location:
+    """A folder, local or S3-compatible. It pickles: another process opens it anew.
+
+    Parameters
+    ----------
+    uri
+        A path, or ``s3://bucket/folder``. (``gs://`` and ``az://`` are passed on as well, untested.)
+    options
+        Keys as object_store has them, such as ``aws_endpoint_url``; what is not given is taken from
+        the environment (``AWS_ENDPOINT_URL``, ``AWS_ACCESS_KEY_ID``, ...).
+
+    Attributes
+    ----------
+    uri
+        As given; of a local folder, its absolute path.
+    path
+        The folder on a disk; None: it is in an object store.
+
+    Raises
+    ------
+    InputError
+        If nothing can read such a URI, or an option is unknown.
+    """
+
+    def __init__(self, uri: str | Path, options: Mapping[str, str] | None = None):
+        scheme, separator, rest = str(uri).partition("://")
+        self.options = dict(options or {})
+        self.path: Path | None = None
+        if separator and scheme in _REMOTE:
+            self.uri = str(uri).rstrip("/")
+        elif separator and scheme != "file":
+            raise InputError(
+                f"{scheme}:// is no place for a store; expected a folder, or s3://bucket/folder",
+                file=str(uri),
+            )
+        else:
+            self.path = Path(rest if separator else uri).expanduser().absolute()
+            self.uri = str(self.path)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"uri": self.uri, "options": self.options, "path": self.path}
+
+    def __repr__(self) -> str:
+        return f"Location({self.uri!r})"
+
+    @property
+    def delta_options(self) -> dict[str, str]:
+        """Options with which deltalake opens a table in this location."""
+        return dict(self.options) if self.path else _DELTA_OPTIONS | self.options
+
+    @cached_property
+    def _files(self) -> Any:
+        if self.path:
+            return LocalStore(self.path, mkdir=True)
+        http = self.options.get("aws_allow_http", self.options.get("allow_http"))
+        try:
+            return from_url(
+                self.uri,
+                config={k: v for k, v in self.options.items() if not k.endswith("allow_http")},
+                client_options={"allow_http": True} if http == "true" else None,
+                retry_config={
+                    "max_retries": MAX_RETRIES,
+                    "retry_timeout": timedelta(seconds=RETRY_TIMEOUT_S),
+                    "backoff": {"max_backoff": timedelta(seconds=_MAX_WAIT_S)},
+                },
+            )
+        except (BaseError, ValueError) as error:
+            raise InputError(f"cannot be used ({_first_line(error)})", file=self.uri) from error
+
+    @contextmanager
+    def _at(self, path: str, done: str) -> Iterator[None]:
+        """An error of the storage says where, and what could not be done."""
+        try:
+            yield
+        except FileNotFoundError as error:
+            raise FileNotFoundError(f"there is no {self.uri}/{path}") from error
+        except (BaseError, OSError) as error:
+            raise StoreError(
+                f"cannot be {done} ({_first_line(error)})", file=f"{self.uri}/{path}"
+            ) from error
+
+    def child(self, path: str) -> Location:
+        """A folder within it."""
+        return Location(f"{self.uri}/{path}", self.options)
+
+    def read(self, path: str) -> bytes:
+        """The bytes of a file; FileNotFoundError if there is none."""
+        with self._at(path, "read"):
+            if self.path:  # which makes no folder
+                return (self.path / path).read_bytes()
+            return bytes(obstore.get(self._files, path).bytes())
+
+    def write(self, path: str, content: bytes) -> None:
+        """Write a file whole, in place of one that may be there: nobody sees half of it."""
+        with self._at(path, "written"):
+            obstore.put(self._files, path, content)
+
+    def create(self, path: str, content: bytes) -> bool:
+        """Write a file unless there is one: of several at once, one alone is told True."""
+        with self._at(path, "written"):
+            try:
+                obstore.put(self._files, path, content, mode="create", use_multipart=False)
+            except AlreadyExistsError:
+                return False
+            return True
+
+    def list(self, prefix: str = "") -> list[Entry]:
+        """Files within a folder and its folders, by path; none of a folder that is not there."""
+        with self._at(prefix, "listed"):
+            if self.path and not (self.path / prefix).is_dir():
+                return []
+            found = [
+                Entry(entry["path"], entry["size"], entry["last_modified"])
+                for part in obstore.list(self._files, prefix or None)
+                for entry in part
+            ]
+        return sorted(found)
+
+    def delete(self, path: str) -> None:
+        """Delete a file, if it is there."""
+        with self._at(path, "deleted"), suppress(FileNotFoundError):
+            obstore.delete(self._files, path)
+
+    def open(self, path: str) -> Any:
+        """A file for `pyarrow.parquet`, of which only what is asked for is read.
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is none.
+        """
+        with self._at(path, "read"):
+            if self.path:
+                return pa.OSFile(str(self.path / path))
+            return pa.PythonFile(obstore.open_reader(self._files, path), mode="r")
+
+
+def _first_line(error: BaseException) -> str:
+    return str(error).strip().partition("\n")[0][:300]
