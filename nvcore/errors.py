@@ -8,7 +8,7 @@
     │   ├── EstimatorError          a model of what the driver sees cannot be used
     │   ├── MissingFactError        image size, frame rate, ... are needed and not in the files
     │   ├── SessionError            a session file says something that cannot be done
-    │   └── StoreError              the file of people's answers cannot be used; later it may
+    │   └── StoreError              people's answers or a store cannot be used; later it may
     ├── ParameterError              a live parameter is outside its range
     └── MissingExtraError           packages of an extra are not installed
 
@@ -144,7 +144,7 @@ class SessionError(InputError):
 
 
 class StoreError(InputError):
-    """The file of people's answers is locked, its disk is full, or the like: later it may work."""
+    """People's answers or a store cannot be used: locked, disk full, or the like; later it may."""
 
 
 class ParameterError(NvcoreError):

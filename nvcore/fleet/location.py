@@ -15,6 +15,7 @@ from nvcore.extras import needs
 with needs("fleet", "a store needs"):
     import obstore
     import pyarrow as pa
+    from deltalake.exceptions import DeltaError
     from obstore.exceptions import AlreadyExistsError, BaseError
     from obstore.store import LocalStore, from_url
 
@@ -45,7 +46,7 @@ class Location:
     Parameters
     ----------
     uri
-        A path, or ``s3://bucket/folder``. (``gs://`` and ``az://`` are passed on as well, untested.)
+        A path, or ``s3://bucket/folder``; ``gs://`` and ``az://`` are passed on, but not tested.
     options
         Keys as object_store has them, such as ``aws_endpoint_url``; what is not given is taken from
         the environment (``AWS_ENDPOINT_URL``, ``AWS_ACCESS_KEY_ID``, ...).
@@ -109,13 +110,21 @@ class Location:
             raise InputError(f"cannot be used ({_first_line(error)})", file=self.uri) from error
 
     @contextmanager
-    def _at(self, path: str, done: str) -> Iterator[None]:
-        """An error of the storage says where, and what could not be done."""
+    def at(self, path: str, done: str) -> Iterator[None]:
+        """Within it, an error of the storage says where, and what could not be done.
+
+        Raises
+        ------
+        FileNotFoundError
+            If a file is not there.
+        StoreError
+            In all other cases: the disk is full, the server is gone, it is not allowed.
+        """
         try:
             yield
         except FileNotFoundError as error:
             raise FileNotFoundError(f"there is no {self.uri}/{path}") from error
-        except (BaseError, OSError) as error:
+        except (BaseError, DeltaError, OSError) as error:
             raise StoreError(
                 f"cannot be {done} ({_first_line(error)})", file=f"{self.uri}/{path}"
             ) from error
@@ -126,19 +135,19 @@ class Location:
 
     def read(self, path: str) -> bytes:
         """The bytes of a file; FileNotFoundError if there is none."""
-        with self._at(path, "read"):
+        with self.at(path, "read"):
             if self.path:  # which makes no folder
                 return (self.path / path).read_bytes()
             return bytes(obstore.get(self._files, path).bytes())
 
     def write(self, path: str, content: bytes) -> None:
         """Write a file whole, in place of one that may be there: nobody sees half of it."""
-        with self._at(path, "written"):
+        with self.at(path, "written"):
             obstore.put(self._files, path, content)
 
     def create(self, path: str, content: bytes) -> bool:
         """Write a file unless there is one: of several at once, one alone is told True."""
-        with self._at(path, "written"):
+        with self.at(path, "written"):
             try:
                 obstore.put(self._files, path, content, mode="create", use_multipart=False)
             except AlreadyExistsError:
@@ -147,7 +156,7 @@ class Location:
 
     def list(self, prefix: str = "") -> list[Entry]:
         """Files within a folder and its folders, by path; none of a folder that is not there."""
-        with self._at(prefix, "listed"):
+        with self.at(prefix, "listed"):
             if self.path and not (self.path / prefix).is_dir():
                 return []
             found = [
@@ -159,7 +168,7 @@ class Location:
 
     def delete(self, path: str) -> None:
         """Delete a file, if it is there."""
-        with self._at(path, "deleted"), suppress(FileNotFoundError):
+        with self.at(path, "deleted"), suppress(FileNotFoundError):
             obstore.delete(self._files, path)
 
     def open(self, path: str) -> Any:
@@ -170,7 +179,7 @@ class Location:
         FileNotFoundError
             If there is none.
         """
-        with self._at(path, "read"):
+        with self.at(path, "read"):
             if self.path:
                 return pa.OSFile(str(self.path / path))
             return pa.PythonFile(obstore.open_reader(self._files, path), mode="r")

@@ -42,6 +42,7 @@ SOURCES: Final = pa.schema(
         pa.field("recording", pa.string()),
         pa.field("source", pa.string()),  # "truth", or the name of a system
         pa.field("sha256", pa.string()),  # over its boxes: what tells versions apart
+        pa.field("recording_sha256", pa.string()),  # version of the recording that it came with
         pa.field("label", pa.string()),  # what the user calls this version; empty: its number
         pa.field("kind", pa.string()),  # of a truth: annotated, automatic, absent; else system
         pa.field("ingested_at", pa.timestamp("us", "UTC")),
@@ -51,7 +52,10 @@ SOURCES: Final = pa.schema(
         *INDEX,  # its rows of `boxes`
     ]
 )
-"""One row for each version of the truth or a system of a recording."""
+"""One row for each version of the truth or a system of a recording.
+
+It counts once the version of the recording that it came with is there, which is written last.
+"""
 
 FRAMES: Final = pa.schema(
     [
@@ -85,3 +89,16 @@ BOXES: Final = pa.schema(
     ]
 )
 """Boxes of truth and systems, by recording, source and frame; the order within a frame is kept."""
+
+SCHEMAS: Final = {"frames": FRAMES, "boxes": BOXES, "sources": SOURCES, "recordings": RECORDINGS}
+"""Tables of a store, each a Delta table in a folder of this name, in the order of writing: what refers
+to others later than these."""
+
+_TEXT: Final = pa.dictionary(pa.int32(), pa.string())
+IN_MEMORY: Final = {
+    name: pa.schema(
+        [field.with_type(_TEXT) if field.type == pa.string() else field for field in SCHEMAS[name]]
+    )
+    for name in ("frames", "boxes")
+}
+"""Frames and boxes in memory: each text is held once."""

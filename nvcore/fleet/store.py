@@ -1,0 +1,548 @@
+"""Stores of many recordings: appended to, never overwritten, read by whole recordings.
+
+A store is a folder with four Delta tables (`nvcore.fleet.tables`). Their files are named by their
+content and committed in an order in which a reader who goes from recordings and sources to files
+sees nothing of what a broken ingest left behind.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import time
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from functools import cached_property
+from itertools import groupby
+from pathlib import Path
+from typing import Any, Final
+from urllib.parse import unquote
+
+import numpy as np
+import pandas as pd
+
+from nvcore.errors import FormatError, InputError
+from nvcore.extras import needs
+from nvcore.fleet.location import Location
+from nvcore.wording import MOST_NAMED, did_you_mean, listed
+
+with needs("fleet", "a store needs"):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+    from deltalake import DeltaTable, Schema
+    from deltalake.exceptions import DeltaError, TableNotFoundError
+    from deltalake.transaction import AddAction, CommitProperties
+
+    from nvcore.fleet.tables import IN_MEMORY, INDEX, SCHEMAS
+
+GROUP_ROWS: Final = 1 << 18
+"""Rows from which on a row group is full; it holds whole sources, unless one is larger."""
+MAX_GROUP_ROWS: Final = 1 << 20
+ROWS_IN: Final = {"recordings": "frames", "sources": "boxes"}
+"""Where the rows are that a row of the other table refers to."""
+_VERSION_KEYS: Final = {
+    "recordings": ["recording", "sha256"],
+    "sources": ["recording", "source", "sha256"],
+}
+_KEY: Final = re.compile(r"[a-z][a-z0-9_]{0,40}")
+_COMMIT_RETRIES: Final = 100
+"""Writers that may come in between before one gives up."""
+_THREADS: Final = 8
+_LONGEST_IN_STATS: Final = 200
+
+
+class Store:
+    """A store of recordings, by its location.
+
+    Parameters
+    ----------
+    location
+        Its folder; made when it is first appended to.
+    partition
+        How new files are divided: by ``month``, ``unit`` or the key of a tag. None: as the store
+        is; a new one is not divided.
+
+    Raises
+    ------
+    InputError
+        If a store cannot be divided by that.
+    """
+
+    def __init__(self, location: Location | str | Path, *, partition: str | None = None):
+        self.location = location if isinstance(location, Location) else Location(location)
+        columns = {name for schema in SCHEMAS.values() for name in schema.names} - {"unit"}
+        if partition is not None and (not _KEY.fullmatch(partition) or partition in columns):
+            raise InputError(
+                f"a store cannot be divided by {partition[:40]!r}; expected month, unit, or "
+                "the key of a tag in lower-case letters that is none of its columns"
+            )
+        self._wanted = partition
+        self._known: dict[str, pa.Table] = {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"location": self.location, "_wanted": self._wanted, "_known": {}}
+
+    def __repr__(self) -> str:
+        return f"Store({self.location.uri!r})"
+
+    def snapshot(self) -> Snapshot:
+        """What the store holds now, whatever is appended later.
+
+        Raises
+        ------
+        InputError
+            If there is no store.
+        StoreError
+            If it cannot be read.
+        """
+        versions: dict[str, int] = {}
+        for name in reversed(SCHEMAS):  # so that all is there that a row refers to
+            table = _opened(self.location, name)
+            if table is None:
+                raise InputError("there is no store here", file=self.location.uri)
+            versions[name] = table.version()
+        return Snapshot(self.location, versions, self._known)
+
+    @cached_property
+    def _tables(self) -> dict[str, DeltaTable]:
+        """The tables, made where there are none."""
+        tables = {name: _opened(self.location, name) or self._made(name) for name in SCHEMAS}
+        if self._wanted not in (None, _partition_of(tables["boxes"])):
+            raise InputError(
+                f"the store is divided by {_partition_of(tables['boxes']) or 'nothing'}, not by "
+                f"{self._wanted}; this cannot be changed",
+                file=self.location.uri,
+            )
+        return tables
+
+    def _made(self, name: str) -> DeltaTable:
+        schema, parts = SCHEMAS[name], []
+        if self._wanted is not None and name in IN_MEMORY:
+            schema, parts = schema.append(pa.field(self._wanted, pa.string())), [self._wanted]
+        with self.location.at(name, "made"):
+            if self.location.path:
+                (self.location.path / name).mkdir(parents=True, exist_ok=True)
+            try:
+                return DeltaTable.create(
+                    f"{self.location.uri}/{name}",
+                    Schema.from_arrow(schema),
+                    partition_by=parts,
+                    storage_options=self.location.delta_options,
+                )
+            except DeltaError:
+                table = _opened(self.location, name)  # another writer may have been first
+                if table is None:
+                    raise
+                return table
+
+    def append(self, batch: Sequence[Mapping[str, pa.Table]]) -> dict[str, pa.Table]:
+        """Append recordings and sources by one commit of each table; what is there is left out.
+
+        It is safe beside other writers, and may break off anywhere: then nothing of it is seen.
+
+        Parameters
+        ----------
+        batch
+            Tables of `nvcore.fleet.ingest.tables_of`.
+
+        Returns
+        -------
+        dict
+            The rows of recordings and of sources that were not there.
+
+        Raises
+        ------
+        InputError
+            If the store is divided in another way than this one is to be.
+        StoreError
+            If it cannot be read or written.
+        """
+        tables, new, files = self._tables, {}, {}
+        partition = _partition_of(tables["boxes"])
+        parts = [_parts_of(tables_of_one["recordings"], partition) for tables_of_one in batch]
+        with self.location.at("", "read"):
+            for table in tables.values():
+                table.update_incremental()
+        stored = {name: _rows(self.location, name, tables[name], self._known) for name in ROWS_IN}
+        versions = set(_keys(stored["recordings"], _VERSION_KEYS["recordings"]))
+        for name, data in ROWS_IN.items():
+            own = stored[name]
+            if name == "sources":  # what came with a version that is not there is not seen
+                versions |= {
+                    key
+                    for of in batch
+                    for key in _keys(of["recordings"], _VERSION_KEYS["recordings"])
+                }
+                came_with = _keys(own, ["recording", "recording_sha256"])
+                own = own.filter(pa.array([key in versions for key in came_with], pa.bool_()))
+            known = set(_keys(own, _VERSION_KEYS[name]))
+            rows = pa.concat_tables([tables_of_one[name] for tables_of_one in batch])
+            numbers = np.repeat(np.arange(len(batch)), [len(of[name]) for of in batch])
+            places: dict[tuple[Any, ...], tuple[Any, ...]] = {}
+            for place, key in enumerate(_keys(rows, _VERSION_KEYS[name])):
+                if key not in known and key not in places:
+                    places[key] = (parts[numbers[place]][key[0]], *key, place)
+            order = sorted(places.values(), key=lambda item: (item[0] or "", *item[1:]))
+            new[name] = rows.take(pa.array([item[-1] for item in order], pa.int64()))
+            index = new[name].select(["first_row", "n_rows"]).to_pydict()
+            pieces = [
+                (item[0], batch[numbers[item[-1]]][data].slice(first, n))
+                for item, first, n in zip(order, index["first_row"], index["n_rows"], strict=True)
+            ]
+            files[data], places_in_files = self._written(data, pieces)
+            for column, values in zip(INDEX, places_in_files, strict=True):
+                new[name] = new[name].set_column(
+                    new[name].schema.get_field_index(column.name),
+                    column,
+                    pa.array(values, column.type),
+                )
+        for name, rows in new.items():
+            if len(rows):
+                files[name] = [self._put(name, [rows], None)]
+        for name in SCHEMAS:  # in this order: those that refer to others last
+            if files.get(name):
+                self._commit(name, files[name], partition)
+        return new
+
+    def _written(
+        self, name: str, pieces: Sequence[tuple[str | None, pa.Table]]
+    ) -> tuple[list[AddAction], list[tuple[Any, ...]]]:
+        """Write stretches of rows into a file a part; where each lies, as columns of `INDEX`."""
+        actions, places = [], []
+        for part, of_part in groupby(pieces, key=lambda piece: piece[0]):
+            groups: list[list[pa.Table]] = [[]]
+            spots, n_groups, n_in_group, n_rows = [], 0, 0, 0
+            for _, rows in of_part:
+                n = len(rows)
+                if groups[-1] and (n_in_group >= GROUP_ROWS or n_in_group + n > MAX_GROUP_ROWS):
+                    n_groups += -(-n_in_group // MAX_GROUP_ROWS)
+                    groups.append([])
+                    n_in_group = 0
+                spots.append((n_groups, n_rows, n) if n else (0, 0, 0))
+                if n:
+                    groups[-1].append(rows)
+                n_in_group, n_rows = n_in_group + n, n_rows + n
+            path = ""
+            if n_rows:
+                action = self._put(name, map(pa.concat_tables, groups), part)
+                path = action.path
+                actions.append(action)
+            places += [(path if n else "", group, first, n) for group, first, n in spots]
+        return actions, [*zip(*places, strict=True)] or [()] * len(INDEX)
+
+    def _put(self, name: str, groups: Iterable[pa.Table], part: str | None) -> AddAction:
+        sink = pa.BufferOutputStream()
+        schema = IN_MEMORY.get(name, SCHEMAS[name])
+        texts = [field.name for field in SCHEMAS[name] if field.type == pa.string()]
+        n_rows, names = 0, []
+        with pq.ParquetWriter(
+            sink,
+            schema,
+            compression="zstd",
+            use_dictionary=texts,
+            write_page_checksum=True,
+            store_schema=False,
+        ) as writer:
+            for rows in groups:
+                writer.write_table(rows.unify_dictionaries(), row_group_size=MAX_GROUP_ROWS)
+                n_rows += len(rows)
+                names += [rows["recording"][place].as_py() for place in (0, -1)]
+        content = sink.getvalue().to_pybytes()
+        path = f"part-{hashlib.sha256(content).hexdigest()[:16]}.parquet"
+        self.location.write(f"{name}/{path}", content)
+        stats: dict[str, Any] = {"numRecords": n_rows}
+        if max(map(len, names)) <= _LONGEST_IN_STATS:
+            stats |= {
+                "minValues": {"recording": min(names)},
+                "maxValues": {"recording": max(names)},
+            }
+        return AddAction(
+            path, len(content), {"": part}, int(time.time() * 1000), True, json.dumps(stats)
+        )
+
+    def _commit(self, name: str, actions: list[AddAction], partition: str | None) -> None:
+        is_divided = partition is not None and name in IN_MEMORY
+        schema = SCHEMAS[name]
+        if is_divided:
+            schema = schema.append(pa.field(partition, pa.string()))
+        for action in actions:
+            action.partition_values = {partition: action.partition_values[""]} if is_divided else {}
+        with self.location.at(name, "written"):
+            self._tables[name].create_write_transaction(
+                actions,
+                mode="append",
+                schema=Schema.from_arrow(schema),
+                partition_by=[partition] if is_divided else [],
+                commit_properties=CommitProperties(max_commit_retries=_COMMIT_RETRIES),
+            )
+
+
+class Snapshot:
+    """A store as it was at one time. It pickles small: another process reads it anew.
+
+    Parameters
+    ----------
+    location
+        Of the store.
+    versions
+        Delta versions of its tables.
+
+    Attributes
+    ----------
+    recordings
+        The newest version of every recording, by recording; columns of `tables.RECORDINGS`.
+    sources
+        Every version of every source, by recording, source and version; columns of
+        `tables.SOURCES`, and version: 1 and up, by when it first came.
+    """
+
+    def __init__(
+        self,
+        location: Location,
+        versions: Mapping[str, int],
+        known: dict[str, pa.Table] | None = None,
+    ):
+        self.location = location
+        self.versions = dict(versions)
+        self._known = {} if known is None else known
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"location": self.location, "versions": self.versions, "_known": {}}
+
+    @cached_property
+    def _tables(self) -> dict[str, pd.DataFrame]:
+        """Recordings and sources, each version once, by when it came."""
+        found = {}
+        for name, keys in _VERSION_KEYS.items():
+            table = _opened(self.location, name, self.versions[name])
+            if table is None:
+                raise InputError("there is no store here", file=self.location.uri)
+            rows = _rows(self.location, name, table, self._known).to_pandas()
+            found[name] = rows.sort_values(["ingested_at", *keys], kind="stable")
+        versions = pd.MultiIndex.from_frame(found["recordings"][["recording", "sha256"]])
+        came_with = pd.MultiIndex.from_frame(found["sources"][["recording", "recording_sha256"]])
+        found["sources"] = found["sources"][came_with.isin(versions)]
+        return {
+            name: rows.drop_duplicates(_VERSION_KEYS[name]).reset_index(drop=True)
+            for name, rows in found.items()
+        }
+
+    @cached_property
+    def recordings(self) -> pd.DataFrame:
+        """The newest version of every recording."""
+        newest = self._tables["recordings"].drop_duplicates("recording", keep="last")
+        return newest.sort_values("recording", ignore_index=True)
+
+    @cached_property
+    def sources(self) -> pd.DataFrame:
+        """Every version of every source."""
+        rows = self._tables["sources"]
+        numbers = rows.groupby(["recording", "source"], sort=False).cumcount() + 1
+        rows = rows.assign(version=numbers.astype("int64"))
+        return rows.sort_values(["recording", "source", "version"], ignore_index=True)
+
+    def pick(self, source: str) -> pd.DataFrame:
+        """One version of a source in each recording that has it.
+
+        Parameters
+        ----------
+        source
+            A name, for the newest version of it; with ``@2`` the second, with ``@label`` the newest
+            that is called so.
+
+        Returns
+        -------
+        DataFrame
+            Rows of `sources`, by recording.
+
+        Raises
+        ------
+        InputError
+            If no recording has it.
+        """
+        rows, names = self.sources, self.sources["source"].unique().tolist()
+        name, _, version = source.rpartition("@")
+        if source in names:
+            rows = rows[rows["source"] == source]
+        elif name in names:
+            rows = rows[rows["source"] == name]
+            is_it = rows["label"] == version
+            if version.isdecimal():
+                is_it |= rows["version"] == int(version)
+            if not is_it.any():
+                labels = sorted({label for label in rows["label"] if label})
+                raise InputError(
+                    f"there is no version {version!r} of {name!r}; there are 1 to "
+                    f"{rows['version'].max()}"
+                    f"{', and ' + listed(labels, most=MOST_NAMED) if labels else ''}",
+                    file=self.location.uri,
+                )
+            rows = rows[is_it]
+        else:
+            known = did_you_mean(source, names, f"there are {listed(names, most=MOST_NAMED)}")
+            raise InputError(f"there is no source {source!r}; {known}", file=self.location.uri)
+        return rows.drop_duplicates("recording", keep="last").reset_index(drop=True)
+
+    def read(self, recordings: Sequence[str], sources: Sequence[str]) -> dict[str, pa.Table]:
+        """Whole recordings, with these sources alone.
+
+        Parameters
+        ----------
+        recordings
+            Names.
+        sources
+            As for `pick`. A recording may have some of them only.
+
+        Returns
+        -------
+        dict
+            recordings and sources, whose first_row and n_rows say where their rows are in the other
+            two: frames, by recording and frame; boxes, by recording, source in the order asked for,
+            and frame. The column source has the sources as asked for.
+
+        Raises
+        ------
+        InputError
+            If there is no such recording or source, or a file is damaged.
+        StoreError
+            If the store cannot be read.
+        """
+        chosen = self.recordings[self.recordings["recording"].isin(recordings)]
+        if len(chosen) < len(set(recordings)):
+            missing = min(set(recordings).difference(chosen["recording"]))
+            raise InputError(f"there is no recording {missing!r}", file=self.location.uri)
+        picked = [self.pick(source).assign(place=place) for place, source in enumerate(sources)]
+        rows = pd.concat(picked) if picked else self.sources[:0].assign(place=0)
+        rows = rows[rows["recording"].isin(chosen["recording"])]
+        rows = rows.sort_values(["recording", "place"], kind="stable")
+        rows["source"] = np.array([*sources, ""], object)[rows["place"]]
+        found: dict[str, pa.Table] = {}
+        for name, of in (("recordings", chosen), ("sources", rows)):
+            found[ROWS_IN[name]] = self._read_rows(ROWS_IN[name], of)
+            ends = of["n_rows"].cumsum()
+            own = of.assign(file="", group=0, first_row=ends - of["n_rows"])
+            found[name] = pa.Table.from_pandas(own, SCHEMAS[name], preserve_index=False)
+        return found
+
+    def _read_rows(self, name: str, rows: pd.DataFrame) -> pa.Table:
+        schema = IN_MEMORY[name]
+        # which recording and source rows are of is known beforehand, and need not be read
+        given = [column for column in ("recording", "source") if column in schema.names]
+        columns = [column for column in schema.names if column not in given]
+        texts = [column for column in columns if pa.types.is_dictionary(schema.field(column).type)]
+        pieces: list[pa.Table] = [None] * len(rows)
+        firsts, counts = rows["first_row"].to_numpy(), rows["n_rows"].to_numpy()
+        for file, places in rows.assign(place=range(len(rows))).groupby("file", sort=False)[
+            "place"
+        ]:
+            if not file:
+                continue
+            of_file = places.to_numpy()
+            with _file_of(self.location, f"{name}/{file}", texts) as parquet:
+                sizes = [
+                    parquet.metadata.row_group(i).num_rows for i in range(parquet.num_row_groups)
+                ]
+                starts = np.cumsum([0, *sizes])
+                first, last = firsts[of_file], firsts[of_file] + counts[of_file]
+                if last.max() > starts[-1]:
+                    raise ValueError("it has fewer rows than the store says")
+                group = np.searchsorted(starts, first, side="right") - 1
+                stops = np.searchsorted(starts, last)
+                groups = np.unique(
+                    np.concatenate([np.arange(*ends) for ends in zip(group, stops, strict=True)])
+                )
+                table = parquet.read_row_groups(groups.tolist(), columns=columns)
+            is_read = np.zeros(len(sizes), bool)
+            is_read[groups] = True
+            start_in_table = np.cumsum([0, *np.where(is_read, sizes, 0)])
+            for place, of, start in zip(of_file, group, first, strict=True):
+                pieces[place] = table.slice(start_in_table[of] + start - starts[of], counts[place])
+        own = pa.schema([schema.field(column) for column in columns])
+        whole = pa.concat_tables(
+            [own.empty_table(), *(piece for piece in pieces if piece is not None)]
+        )
+        whole = whole.unify_dictionaries().combine_chunks()
+        for position, column in enumerate(given):
+            codes, names = pd.factorize(rows[column])
+            codes = pa.array(np.repeat(codes.astype(np.int32), counts))
+            texts = pa.DictionaryArray.from_arrays(codes, pa.array(names, pa.string()))
+            whole = whole.add_column(position, schema.field(column), texts)
+        return whole.cast(schema)
+
+
+@contextmanager
+def _file_of(location: Location, path: str, texts: Sequence[str] = ()) -> Iterator[pq.ParquetFile]:
+    """A Parquet file of a store; that it is damaged or missing is an error of its own."""
+    uri = f"{location.uri}/{path}"
+    try:
+        with location.at(path, "read"), location.open(path) as source:
+            try:
+                yield pq.ParquetFile(
+                    source,
+                    read_dictionary=[*texts],
+                    pre_buffer=location.path is None,
+                    page_checksum_verification=True,
+                )
+            except OSError as error:
+                if error.errno is not None:
+                    raise
+                raise FormatError(f"is damaged ({error})", file=uri) from error
+            except (pa.ArrowException, KeyError, ValueError) as error:
+                raise FormatError(f"is damaged ({error})", file=uri) from error
+    except FileNotFoundError as error:
+        raise InputError("is missing in the store", file=uri) from error
+
+
+def _opened(location: Location, name: str, version: int | None = None) -> DeltaTable | None:
+    """A table of a store, as it was at a version; None: there is none."""
+    with location.at(name, "read"):
+        try:
+            return DeltaTable(
+                f"{location.uri}/{name}", version, storage_options=location.delta_options
+            )
+        except TableNotFoundError:
+            return None
+
+
+def _partition_of(table: DeltaTable) -> str | None:
+    return next(iter(table.metadata().partition_columns), None)
+
+
+def _rows(location: Location, name: str, table: DeltaTable, known: dict[str, pa.Table]) -> pa.Table:
+    """All rows of a table of recordings or sources; `known` has files that were read before."""
+    with location.at(name, "read"):
+        actions = pa.table(table.get_add_actions(flatten=True))
+    paths = [f"{name}/{unquote(path)}" for path in actions["path"].to_pylist()]
+    new = [path for path in paths if path not in known]
+
+    def read(path: str) -> pa.Table:
+        with _file_of(location, path) as parquet:
+            return parquet.read().select(SCHEMAS[name].names).cast(SCHEMAS[name])
+
+    if new:
+        with ThreadPoolExecutor(_THREADS) as pool:
+            known.update(zip(new, pool.map(read, new), strict=True))
+    return pa.concat_tables([SCHEMAS[name].empty_table(), *(known[path] for path in paths)])
+
+
+def _keys(rows: pa.Table, columns: Sequence[str]) -> list[tuple[Any, ...]]:
+    return [*zip(*(rows[name].to_pylist() for name in columns), strict=True)]
+
+
+def _parts_of(recordings: pa.Table, partition: str | None) -> dict[str, str | None]:
+    """In which part of a divided store each recording is; None: in the one of all others."""
+    names = recordings["recording"].to_pylist()
+    if partition == "month":
+        times = recordings["recorded_at"].to_pylist()
+        parts = [None if when is None else f"{when:%Y-%m}" for when in times]
+    elif partition == "unit":
+        parts = [unit or None for unit in recordings["unit"].to_pylist()]
+    else:
+        start = f"{partition}="
+        parts = [
+            next((tag.removeprefix(start) for tag in tags if tag.startswith(start)), None) or None
+            for tags in recordings["tags"].to_pylist()
+        ]
+    return dict(zip(names, parts, strict=True))
