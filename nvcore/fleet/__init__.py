@@ -5,6 +5,7 @@ from nvcore.subjects import Subject
 SUBJECT = Subject(
     name="fleet",
     commands="commands:COMMANDS",
+    names={"scan": "face:scan", "scan_status": "face:scan_status"},
     extras={
         "fleet": ("deltalake", "duckdb", "obstore", "sqlglot"),
         "dask": ("deltalake", "distributed", "duckdb", "obstore", "sqlglot"),

@@ -1,0 +1,70 @@
+"""What the commands of the fleet, and their Python calls, are given."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, field
+from typing import TYPE_CHECKING, Final
+
+import click
+
+from nvcore.arguments import INPUTS, OUTPUT, PathLike, argument, arguments
+from nvcore.params import Params
+from nvcore.progress import Progress, no_progress
+
+if TYPE_CHECKING:
+    from nvcore.fleet.scan import Engine
+
+RUN: Final = "How it is run"
+
+
+@arguments
+class ScanArguments:
+    """See `nvcore.scan`."""
+
+    store: PathLike
+    out: PathLike = argument(
+        OUTPUT,
+        "Folder of the results: a path, or a URI such as s3://bucket/results.",
+        metavar="URI",
+    )
+    _: KW_ONLY
+    x: str = argument(
+        INPUTS,
+        "System X, by its name in the store: its newest version, or FIR@2, or FIR@name.",
+        metavar="SYSTEM",
+    )
+    y: str = argument(INPUTS, "System Y, likewise.", metavar="SYSTEM")
+    truth: str = argument(
+        INPUTS, "The truth, likewise, such as truth@1.", default="truth", metavar="SOURCE"
+    )
+    params: Params | None = None
+    frames: bool = argument(
+        OUTPUT, "Keep the table with a row for each frame, too.", default=False, is_flag=True
+    )
+    workers: int | None = argument(
+        RUN,
+        "Processes on this machine. Default: one for each core and each free GB of memory.",
+        default=None,
+        type=click.IntRange(min=1),
+    )
+    shard: str | None = argument(
+        RUN,
+        "In this process alone, beginning with its part of the batches: 17/300 is task 17 of an "
+        "array job with 300 (counted from 0 or 1). A task ends when all batches are done; those of "
+        "tasks that died are done by others.",
+        default=None,
+        metavar="I/N",
+    )
+    scheduler: str | None = argument(
+        RUN, "By the workers of this Dask scheduler.", default=None, metavar="ADDRESS"
+    )
+    engine: Engine | None = None
+    retry: bool = argument(
+        RUN,
+        "Try again the recordings that are in quarantine.",
+        default=False,
+        is_flag=True,
+    )
+    storage: Mapping[str, str] = field(default_factory=dict)
+    progress: Progress = no_progress

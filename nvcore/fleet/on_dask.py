@@ -1,0 +1,50 @@
+"""The engine that runs a scan on a Dask cluster."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from typing import Final
+
+from nvcore.errors import InputError
+from nvcore.extras import needs
+from nvcore.fleet.scan import Job
+
+with needs("dask", "scans on Dask need"):
+    from distributed import CancelledError, Client, KilledWorker, as_completed
+    from distributed.comm import CommClosedError
+
+TASKS: Final = 20_000
+"""Tasks that the scheduler is given at a time."""
+
+
+def on_dask(job: Job, scheduler: str) -> Iterator[str]:
+    """Have the workers of a scheduler run the batches that are missing; keys of those that are done.
+
+    If the scheduler goes away, the others are left; the next round waits for it.
+
+    Parameters
+    ----------
+    scheduler
+        Address, such as ``tcp://10.0.0.1:8786``.
+
+    Raises
+    ------
+    InputError
+        What a worker gave up with, or if there is no scheduler for `Options.patience_s`.
+    """
+    try:
+        client = Client(scheduler, timeout=job.options.patience_s, set_as_default=False)
+    except OSError as error:
+        raise InputError(f"there is no Dask scheduler at {scheduler}") from error
+    with client, suppress(CancelledError, CommClosedError):
+        missing = job.missing()[:TASKS]
+        tasks = client.map(job.run, missing, pure=False)
+        batch_of = {task.key: batch for task, batch in zip(tasks, missing, strict=True)}
+        for task in as_completed(tasks, loop=client.loop):
+            failure = task.exception() if task.status == "error" else None
+            if failure is None and task.result() == "done":
+                yield batch_of[task.key]
+            # its worker was killed some times: the next round counts how often
+            if failure is not None and not isinstance(failure, KilledWorker):
+                raise failure

@@ -1,0 +1,90 @@
+"""The engine of processes on this machine: one that dies costs its batch, and is replaced."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import threading
+from collections.abc import Iterator
+from functools import partial
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from typing import Final
+
+from nvcore.errors import InputError
+from nvcore.fleet.scan import Job, drive, in_process
+
+STILLBORN: Final = 3
+"""Workers in a row that may die before they begin to work."""
+
+
+def in_pool(job: Job, n_workers: int) -> Iterator[str]:
+    """Run all batches that are missing in so many processes; keys of batches as they are done.
+
+    Raises
+    ------
+    InputError
+        What a worker gave up with, or if workers die before they begin. The others are ended then;
+        finished batches stay.
+    """
+    context = multiprocessing.get_context("spawn")
+    workers: dict[Connection, tuple[BaseProcess, int]] = {}
+
+    def start(part: int) -> None:
+        ours, theirs = context.Pipe(duplex=False)
+        process = context.Process(target=_work, args=(theirs, job, part, n_workers), daemon=True)
+        process.start()
+        theirs.close()  # so that ours ends with the process
+        workers[ours] = (process, part)
+
+    n_stillborn = 0
+    for part in range(n_workers):
+        start(part)
+    try:
+        while workers:
+            for messages in wait(list(workers)):
+                assert isinstance(messages, Connection)
+                process, part = workers[messages]
+                try:
+                    message = messages.recv()
+                except EOFError:  # it has ended, or was killed: then another takes its place
+                    del workers[messages]
+                    process.join()
+                    if process.exitcode != 0:
+                        n_stillborn += 1
+                        start(part)
+                    if n_stillborn == STILLBORN:
+                        raise InputError(
+                            f"workers die before they begin (exit code {process.exitcode})"
+                        ) from None
+                    continue
+                n_stillborn = 0
+                if isinstance(message, Exception):
+                    raise message
+                if message:
+                    yield message
+    finally:
+        for process, _ in workers.values():
+            process.terminate()
+        for process, _ in workers.values():
+            process.join()
+
+
+def _work(messages: Connection, job: Job, part: int, n_parts: int) -> None:
+    """Life of a worker, which ends with its parent's."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def end() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=end, daemon=True).start()
+    try:
+        messages.send("")
+        for batch in drive(job, partial(in_process, part=part, n_parts=n_parts)):
+            messages.send(batch)
+    except KeyboardInterrupt:  # the parent has it, too, and says so
+        pass
+    except Exception as error:  # noqa: BLE001  # the parent raises it
+        messages.send(error)

@@ -1,0 +1,188 @@
+"""Faults in the middle of a scan, with real processes: what is done stays, the rest completes."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+from deltalake import DeltaTable
+from fleet_runs import (
+    PARAMS,
+    attempts_of,
+    begin_scan,
+    files_of,
+    hours_later,
+    killed_at,
+    process,
+    small_fleet,
+    starved_at,
+    stopped_at,
+    until,
+    write_store,
+)
+
+from nvcore.errors import InputError, StoreError
+from nvcore.fleet.location import Location
+from nvcore.fleet.on_dask import run_on_dask
+from nvcore.fleet.pool import in_pool
+from nvcore.fleet.scan import Options, drive, in_process, Plan, _opened, finish, status
+
+ELSEWHERE = """
+import socket, sys
+from pathlib import Path
+from fleet_runs import begin_scan, stopped_at
+from nvcore.fleet.scan import drive, in_process
+store, out, marks = map(Path, sys.argv[1:])
+socket.gethostname = lambda: "another machine"
+list(drive(begin_scan(store, out, run=stopped_at("r4", marks))[1], in_process))
+"""
+POOL = """
+import sys
+from pathlib import Path
+from fleet_runs import begin_scan, stopped_at
+from nvcore.fleet.location import Location
+from nvcore.fleet.pool import in_pool
+from nvcore.fleet.scan import finish
+if __name__ == "__main__":
+    store, out, marks = map(Path, sys.argv[1:])
+    plan, job = begin_scan(store, out, run=stopped_at("r4", marks))
+    list(in_pool(job, 2))
+    finish(Location(out), plan)
+"""
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> str:
+    return write_store(tmp_path_factory.mktemp("fleet") / "store", small_fleet())
+
+
+@pytest.fixture(scope="module")
+def undisturbed(store: str, tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    out = tmp_path_factory.mktemp("undisturbed")
+    plan, job = begin_scan(store, out)
+    list(drive(job, in_process))
+    return finished(out, plan)
+
+
+@pytest.fixture
+def out(tmp_path: Path) -> Path:
+    return tmp_path / "out"
+
+
+def finished(out: Path, plan: Plan) -> dict[str, bytes]:
+    finish(Location(out), plan)
+    return files_of(out)
+
+
+def batch_of(plan: Plan, recording: str) -> str:
+    return next(batch.key for batch in plan.batches if recording in batch.recordings)
+
+
+def test_a_worker_that_is_killed_costs_its_batch_alone(store, undisturbed, out, tmp_path):
+    plan, job = begin_scan(store, out, run=killed_at("r4", tmp_path, times=1))
+    list(in_pool(job, 2))
+    assert finished(out, plan) == undisturbed
+    expected = {batch.key: 1 for batch in plan.batches} | {batch_of(plan, "r4"): 2}
+    assert attempts_of(out) == expected
+
+
+def test_a_recording_that_kills_its_workers_is_set_aside(store, undisturbed, out, tmp_path):
+    plan, job = begin_scan(store, out, run=killed_at("r4", tmp_path, times=99))
+    list(in_pool(job, 1))
+    deaths = [(tmp_path / f"killed-{i}").read_text() for i in range(4)]
+    assert deaths == ["r4 r5", "r4 r5", "r4", "r4"]
+    assert not (tmp_path / "killed-4").exists()
+    files = finished(out, plan)
+    own = batch_of(plan, "r4")
+    others = [name for name in undisturbed if own not in name and "/" in name]
+    assert len(others) > len(undisturbed) / 2
+    assert all(files[name] == undisturbed[name] for name in others)
+    assert read_quarantine(out) == {"r4": "2 workers ended without a word while they compared it"}
+
+
+def test_a_scan_that_is_killed_as_a_whole_goes_on_where_it_was(store, undisturbed, out, tmp_path):
+    scan = process(POOL, store, out, tmp_path)
+    until((tmp_path / "stopped").exists, "a worker that stands still")
+    until(lambda: len([*(out / "done").glob("*.json")]) >= 5, "all other batches")
+    scan.send_signal(signal.SIGKILL)  # the parent alone: its workers end by themselves
+    scan.wait()
+    worker = int((tmp_path / "stopped").read_text())
+    until(lambda: not Path(f"/proc/{worker}").exists(), "the end of its worker")
+    done = {path: path.stat().st_mtime_ns for path in (out / "done").iterdir()}
+    plan, job = begin_scan(store, out)
+    assert list(drive(job, in_process)) == [batch_of(plan, "r4")]
+    assert {path: path.stat().st_mtime_ns for path in done} == done
+    assert finished(out, plan) == undisturbed
+    assert list(drive(job, in_process)) == []  # there is nothing left
+
+
+def test_the_batch_of_a_machine_that_died_is_taken_when_its_lease_expires(
+    store, undisturbed, out, tmp_path
+):
+    shard = process(ELSEWHERE, store, out, tmp_path)
+    until((tmp_path / "stopped").exists, "a worker that stands still")
+    shard.kill()
+    shard.wait()
+    plan, job = begin_scan(store, out)
+    batch = batch_of(plan, "r4")
+    assert job.run(batch) == "busy"  # nobody knows yet
+    assert status(Location(out)).n_running == 1
+    late = Options(clock=hours_later)
+    assert status(Location(out), late).n_lost == 1
+    list(drive(replace(job, options=late), in_process))
+    assert finished(out, plan) == undisturbed
+    assert attempts_of(out)[batch] == 2
+
+
+def test_a_worker_that_was_thought_dead_does_no_harm(store, undisturbed, out, tmp_path):
+    slow = process(ELSEWHERE, store, out, tmp_path)
+    until((tmp_path / "stopped").exists, "a worker that stands still")
+    plan, job = begin_scan(store, out)
+    list(drive(replace(job, options=Options(clock=hours_later)), in_process))
+    assert finished(out, plan) == undisturbed
+    (tmp_path / "on").touch()
+    assert slow.wait() == 0
+    assert files_of(out) == undisturbed
+
+
+def test_two_scans_at_once_share_the_work(store, undisturbed, out, tmp_path):
+    (tmp_path / "on").touch()
+    scans = [process(POOL, store, out, tmp_path) for _ in range(2)]
+    assert [scan.wait() for scan in scans] == [0, 0]
+    assert files_of(out) == undisturbed
+    assert {*attempts_of(out).values()} == {1}
+
+
+def test_a_full_disk_ends_the_scan_and_what_is_done_stays(store, undisturbed, out):
+    plan, job = begin_scan(store, out, run=starved_at("r4", n_bytes=2000))
+    with pytest.raises(StoreError, match="cannot be written"):
+        list(in_pool(job, 1))
+    done = [*(out / "done").iterdir()]
+    assert len(done) == 3
+    assert status(Location(out)).n_running == 0
+    plan, job = begin_scan(store, out)
+    assert len([*drive(job, in_process)]) == len(plan.batches) - 3
+    assert finished(out, plan) == undisturbed
+
+
+def test_other_versions_are_refused(store, out):
+    plan, job = begin_scan(store, out)
+    job.run(plan.batches[0].key)
+    path = out / "plans" / f"{plan.key}.json"
+    known = json.loads(path.read_text())
+    path.write_text(json.dumps(known | {"programs": known["programs"] | {"numba": "0.1"}}))
+    _opened.cache_clear()
+    with pytest.raises(InputError, match=r"numba 0\.1 \(here: .*same versions"):
+        job.run(plan.batches[1].key)
+
+
+def read_quarantine(out: Path) -> dict[str, str]:
+    table = DeltaTable(out / "quarantine").to_pyarrow_table()
+    return dict(zip(*table.to_pydict().values(), strict=True))

@@ -1,0 +1,163 @@
+"""Small fleets to be scanned, and what happens to the workers that scan them.
+
+The functions that take the tables of a batch run in workers, as `Options.run`: they end, stop or
+starve the process that calls them. What happened to whom they leave as files in a folder.
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from approach import approach
+from builders import Box, Place, make_dataset
+from fleet_tables import Tables, tables_of
+from places import ROOT
+
+from nvcore.dataset import Dataset
+from nvcore.fleet.batch import scan_batch
+from nvcore.fleet.location import Location
+from nvcore.fleet.results import ScanParams
+from nvcore.fleet.scan import Job, Options, Plan, begin
+from nvcore.fleet.store import Store
+
+PARAMS = ScanParams("x", "y", frames=True)
+PATIENCE_S = 60.0
+
+
+def small_fleet(n: int = 12) -> Dataset:
+    """Recordings r0, r1, ... of 40 frames, in each of which a car drives up to two pedestrians."""
+    rng = np.random.default_rng(7)
+    sources: tuple[list[Box], ...] = ([], [], [])
+    for recording in range(n):
+        starts = (0, *rng.integers(5, 38, 2).tolist())
+        for boxes, start in zip(sources, starts, strict=True):
+            shown = range(start, 40)
+            boxes += approach(shown, 4.5, recording=recording, centre=30.0 + recording)
+            boxes += approach(shown, 6, recording=recording, centre=20, track=2)
+    return make_dataset(*sources, places=[Place(range(40), horizon=40.0)] * n)
+
+
+def write_store(folder: Path, dataset: Dataset) -> str:
+    """A store with these recordings; its URI."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    folder.mkdir(parents=True)
+    tables = tables_of(dataset)
+    for name, table in tables.items():
+        if name == "recordings":
+            table = table.set_column(
+                table.column_names.index("n_rows"), "n_rows", pa.array([40] * len(table))
+            )
+        pq.write_table(table, folder / f"{name}.parquet")
+    return str(folder)
+
+
+def begin_scan(
+    store: str, out: Path, params: ScanParams = PARAMS, **options: Any
+) -> tuple[Plan, Job]:
+    """A scan of batches of two of the recordings of `small_fleet`, none of which is done yet."""
+    plan = begin(Store(Location(store)), Location(str(out)), params, frames_per_batch=100)
+    return plan, Job(plan.store, Location(str(out)).uri, plan.key, Options(**options))
+
+
+def files_of(out: Path) -> dict[str, bytes]:
+    """Content of all files with results, by path."""
+    return {
+        str(path.relative_to(out)): path.read_bytes()
+        for path in out.rglob("*")
+        if path.is_file() and (path.suffix == ".parquet" or "done" in path.parts)
+    }
+
+
+def attempts_of(out: Path) -> dict[str, int]:
+    """How often each batch was begun."""
+    return {path.name: len([*path.iterdir()]) for path in (out / "leases").iterdir()}
+
+
+def until(holds: Callable[[], object], what: str) -> None:
+    """Wait for a condition."""
+    end = time.monotonic() + PATIENCE_S
+    while not holds():
+        assert time.monotonic() < end, f"waited in vain: {what}"
+        threading.Event().wait(0.02)
+
+
+def process(script: str, *arguments: object) -> subprocess.Popen[bytes]:
+    """A Python process of its own group, which finds the project and these helpers."""
+    helpers = str(ROOT / "tests" / "helpers")
+    return subprocess.Popen(
+        [sys.executable, "-c", script, *map(str, arguments)],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), helpers])},
+        start_new_session=True,
+    )
+
+
+def named(tables: Tables) -> list[str]:
+    return tables["recordings"]["recording"].to_pylist()
+
+
+def killed_at(recording: str, folder: Path, times: int) -> Callable[..., Any]:
+    """Its worker is killed so many times, whenever it comes to this recording."""
+    return partial(_killed_at, recording, folder, times)
+
+
+def _killed_at(recording: str, folder: Path, times: int, tables: Tables, params: ScanParams) -> Any:
+    if recording in named(tables):
+        number = len([*folder.glob("killed-*")])
+        if number < times:
+            (folder / f"killed-{number}").write_text(" ".join(named(tables)))
+            os.kill(os.getpid(), signal.SIGKILL)
+    return scan_batch(tables, params)
+
+
+def stopped_at(recording: str, folder: Path) -> Callable[..., Any]:
+    """Its worker stands still at this recording, and says so, until a file "on" is there."""
+    return partial(_stopped_at, recording, folder)
+
+
+def _stopped_at(recording: str, folder: Path, tables: Tables, params: ScanParams) -> Any:
+    if recording in named(tables):
+        (folder / "stopped").write_text(str(os.getpid()))
+        until((folder / "on").exists, "the file that lets this worker go on")
+    return scan_batch(tables, params)
+
+
+def starved_at(recording: str, n_bytes: int) -> Callable[..., Any]:
+    """From this recording on its worker can write no file of more bytes, as on a full disk."""
+    return partial(_starved_at, recording, n_bytes)
+
+
+def _starved_at(recording: str, n_bytes: int, tables: Tables, params: ScanParams) -> Any:
+    if recording in named(tables):
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, n_bytes))
+    return scan_batch(tables, params)
+
+
+def broken_at(recordings: Sequence[str]) -> Callable[..., Any]:
+    """These recordings cannot be compared."""
+    return partial(_broken_at, recordings)
+
+
+def _broken_at(recordings: Sequence[str], tables: Tables, params: ScanParams) -> Any:
+    for name in named(tables):
+        if name in recordings:
+            raise ZeroDivisionError(f"of {name}")
+    return scan_batch(tables, params)
+
+
+def hours_later() -> float:
+    """A clock by which every lease of now has expired."""
+    return time.time() + 10_000
