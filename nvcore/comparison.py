@@ -271,6 +271,7 @@ def compare(
     x: str | None = None,
     y: str | None = None,
     previous: Result | None = None,
+    stages: Mapping[tuple[Any, ...], Any] | None = None,
 ) -> Result:
     """Compare two systems of a dataset.
 
@@ -287,6 +288,8 @@ def compare(
         A result of the same dataset, or of it with other names: stages whose settings are the same
         are taken from it, so that changing alpha or the sigmoid costs little. No number depends on
         it.
+    stages
+        What steps made of these data elsewhere, by key as `Result.stages` has it.
 
     Raises
     ------
@@ -303,7 +306,8 @@ def compare(
     names = _pick(dataset, x, y)
     params = dataset.params_of(*names) if params is None else params
     is_same = previous is not None and _same_numbers(previous.dataset, dataset)
-    memo = Memo(params, previous.stages if previous is not None and is_same else {})
+    known = previous.stages if previous is not None and is_same else {}
+    memo = Memo(params, {**known, **(stages or {})})
     tracks, encounters = encounters_of(dataset)
     at = Inputs(dataset, params, tracks, encounters)
     truth = Made(steps_of("truth", TRUTH_STEPS), at, memo)

@@ -6,6 +6,7 @@ one (`nvcore.dataset.Dataset.each_alone`), so that results of batches only have 
 
 from __future__ import annotations
 
+import copy
 import hashlib
 from collections.abc import Mapping, MutableMapping, Sequence
 from dataclasses import replace
@@ -17,10 +18,11 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from nvcore.comparison import compare
+from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
 from nvcore.errors import InputError, NvcoreError
+from nvcore.fleet.cutting import can_be_cut, compare_pieces
 from nvcore.fleet.results import ScanParams, Summary, gather, result_tables
 from nvcore.objects import PEDESTRIAN, objects_from
 from nvcore.params import Params
@@ -77,7 +79,7 @@ def scan_batch(
     while waiting:
         names = waiting.pop()
         try:
-            result = compare(batch.dataset(names, params, each_alone=True))
+            result = batch.compare(names, params)
             parts.append(result_tables(result, batch.truth_kinds(names, params), params.frames))
         except NvcoreError as error:
             if len(names) == 1:
@@ -140,10 +142,36 @@ class Batch:
         self._rows["boxes"] = _runs(tables["boxes"], ["recording", "source"])
         self._columns: dict[tuple[str, str], np.ndarray] = {}
 
+    def part(self, name: str, listed: np.ndarray, sources: Sequence[str]) -> Batch:
+        """A recording with these of its listed frames, one after another, and these sources alone.
+
+        Raises
+        ------
+        InputError
+            If its boxes are not in the order of the frames.
+        """
+        part = copy.copy(self)
+        part._rows = {"frames": self._within("frames", (name,), listed), "boxes": {}}
+        for of in sources:
+            part._rows["boxes"] |= self._within("boxes", (name, of), listed)
+        return part
+
+    def _within(
+        self, table: str, key: tuple[str, ...], listed: np.ndarray
+    ) -> dict[tuple[str, ...], list[slice]]:
+        """Rows of a key from the first to the last of these frames."""
+        number = self._column(table, "frame", key)
+        runs = self._rows[table].get(key, [])
+        if len(runs) > 1 or (np.diff(number) < 0).any():
+            raise InputError(f"{', '.join(key)}: its {table} are not in order; ingest it again")
+        start, stop = np.searchsorted(number, [listed[0], listed[-1] + 1]).tolist()
+        return {key: [slice(runs[0].start + start, runs[0].start + stop)]} if runs else {}
+
     def alike(self, params: ScanParams, refused: MutableMapping[str, str]) -> list[list[str]]:
         """Recordings that one comparison can hold, each group by name; others are `refused`.
 
-        They are of the same objects, and their systems have the same thresholds.
+        They are of the same objects, and their systems have the same thresholds. One that is too
+        long is by itself.
         """
         stored = self._sources["threshold"].to_dict()
         groups: dict[tuple[str, ...], list[str]] = {}
@@ -157,13 +185,30 @@ class Batch:
                 repr(stored[name, of]) if value is None else ""
                 for of, value in zip((params.x, params.y), given, strict=True)
             ]
-            groups.setdefault((*_listed(objects), *own), []).append(str(name))
+            is_long = self._count("frames", (str(name),)) > params.max_frames
+            whose = str(name) if is_long else ""
+            groups.setdefault((*_listed(objects), *own, whose), []).append(str(name))
         return [*groups.values()]
 
     def truth_kinds(self, names: Sequence[str], params: ScanParams) -> list[str]:
         """Whether the truth of each recording is annotated, automatic or absent."""
         kinds = self._sources["kind"].to_dict()
         return [kinds.get((name, params.truth)) or "absent" for name in names]
+
+    def compare(self, names: Sequence[str], params: ScanParams) -> Result:
+        """The comparison of recordings that are `alike`; one that is too long is cut."""
+        listed = self._column("frames", "frame", *((name,) for name in names))
+        if len(names) > 1 or len(listed) <= params.max_frames or not can_be_cut(params.params):
+            return compare(self.dataset(names, params, each_alone=True))
+
+        def piece(frames: np.ndarray, *sources: str) -> Dataset:
+            return self.part(names[0], frames, sources).dataset(names, params, each_alone=True)
+
+        return compare_pieces(
+            piece(listed, params.truth),
+            lambda start, stop: piece(listed[start:stop], *params.sources),
+            params.max_frames,
+        )
 
     def dataset(
         self, names: Sequence[str], params: ScanParams, *, each_alone: bool = False

@@ -198,8 +198,10 @@ def compared_with(recording: np.ndarray, each_alone: bool) -> list[slice]:
     each_alone
         `nvcore.dataset.Dataset.each_alone`.
     """
-    edges = np.flatnonzero(np.diff(recording)) + 1 if each_alone else []
-    return [slice(int(a), int(b)) for a, b in pairwise([0, *edges, len(recording)])]
+    edges: list[int] = []
+    if each_alone:
+        edges = (np.flatnonzero(np.diff(recording)) + 1).tolist()
+    return [slice(a, b) for a, b in pairwise([0, *edges, len(recording)])]
 
 
 def _z_scores(values: np.ndarray) -> np.ndarray:

@@ -148,8 +148,8 @@ def fit_saliency(
     saliency = [_of_recordings(_events(result, result.params), result.params, delay_s)[rows]]
     steps = list(_front_settings(result))
     for n_done, front in enumerate(steps, 1):
-        names = {"x": result.x.name, "y": result.y.name}
-        compared = compare(result.dataset, front, **names, previous=result)
+        x, y = result.x.name, result.y.name
+        compared = compare(result.dataset, front, x=x, y=y, previous=result)
         for weight in WEIGHTS:
             weighted = replace(front, saliency_weight=weight)
             events = _events(compared, weighted)
