@@ -5,7 +5,12 @@ from nvcore.subjects import Subject
 SUBJECT = Subject(
     name="fleet",
     commands="commands:COMMANDS",
-    names={"scan": "face:scan", "scan_status": "face:scan_status"},
+    names={
+        "scan": "face:scan",
+        "scan_status": "face:scan_status",
+        "top": "face:top",
+        "export_recording": "face:export_recording",
+    },
     extras={
         "fleet": ("deltalake", "duckdb", "obstore", "sqlglot"),
         "dask": ("deltalake", "distributed", "duckdb", "obstore", "sqlglot"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
+from urllib.parse import unquote
 
 import numpy as np
 import pandas as pd
@@ -12,6 +13,11 @@ import pandas as pd
 from nvcore import __version__
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
+from nvcore.fleet.batch import dataset_of
+from nvcore.fleet.location import Location
+from nvcore.fleet.results import ScanParams
+from nvcore.fleet.scan import newest_plan
+from nvcore.fleet.store import Snapshot, Store
 from nvcore.inputs.readers.base import Reading, Role, recordings_table
 from nvcore.inputs.session import (
     TABLES_OF_SUBJECTS,
@@ -26,6 +32,7 @@ from nvcore.inputs.writers.classes import class_names
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_whole
 from nvcore.schema import DETECTABILITY_COLUMNS, NO_LABEL, NO_TRACK, READING_DTYPES, conform
+from nvcore.wording import count_text, did_you_mean, listed
 
 SESSION: Final = "session.toml"
 TRUTH: Final = "truth.parquet"
@@ -42,6 +49,62 @@ ESTIMATES: Final = (
 """Columns of the file of detectability: period_s is empty where eyes are adapted."""
 FILES: Final = (SESSION, TRUTH, *SYSTEMS, FRAMES, SPEED, DETECTABILITY)
 """What `write_recording` may write."""
+
+
+def recording_of(
+    location: Location,
+    recording: str,
+    *,
+    x: str | None = None,
+    y: str | None = None,
+    truth: str | None = None,
+) -> tuple[Dataset, str | None]:
+    """A recording of a store, or as a scan has compared it, and the path of its pictures.
+
+    Parameters
+    ----------
+    location
+        Of a store, or of the results of a scan, whose settings and versions are taken then.
+    x, y, truth
+        Sources, as of `Snapshot.pick`. None: the scan's, or the only two systems there are.
+
+    Raises
+    ------
+    InputError
+        If there is no such recording or source, or it is not clear which systems are meant.
+    """
+    plan = newest_plan(location)
+    if plan is None:
+        snapshot = Store(location).snapshot()
+        rows = snapshot.sources[snapshot.sources["recording"] == recording]
+        systems = rows.loc[rows["kind"] == "system", "source"].unique().tolist()
+        left = [name for name in systems if name not in (x, y)]
+        if len(left) == (x is None) + (y is None):
+            x = left.pop(0) if x is None else x
+            y = left.pop(0) if y is None else y
+        if len(rows) and (x is None or y is None):
+            raise InputError(
+                f"expected two systems to compare, found {listed(systems) or 'none'}; name X and Y",
+                file=location.uri,
+            )
+        params = ScanParams(x or "x", y or "y", truth or "truth")
+    else:
+        snapshot = Snapshot(Location(plan.store, location.options), plan.versions)
+        own = plan.params
+        params = replace(own, x=x or own.x, y=y or own.y, truth=truth or own.truth)
+    if recording not in set(snapshot.recordings["recording"]):
+        names = snapshot.recordings["recording"].tolist()
+        known = f"there are {count_text(len(names), 'recording')}"
+        raise InputError(
+            f"there is no recording {recording!r}; {did_you_mean(recording, names, known)}",
+            file=snapshot.location.uri,
+        )
+    tables = snapshot.read([recording], params.sources)
+    [pictures] = tables["recordings"]["pictures"].to_pylist()
+    scheme, separator, rest = (pictures or "").partition("://")
+    if separator:
+        pictures = unquote(rest) if scheme == "file" else None
+    return dataset_of(tables, params), pictures or None
 
 
 def write_recording(dataset: Dataset, folder: Path, *, pictures: str | None = None) -> Path:

@@ -43,6 +43,8 @@ MOMENTS: Final[Mapping[str, tuple[str, str, str, str]]] = {
 """By table of results: what is worst in it, by default; the frame to look at (empty: none); a frame
 whose time is known, and the column of that."""
 
+SUMMARY: Final = "summary.json"
+"""What a scan that is finished has written."""
 LONGEST_FILTER: Final = 10_000
 MOST_NAMED: Final = 12
 """Columns that an error names."""
@@ -93,9 +95,14 @@ class Top:
     by: tuple[str, ...]
 
     def __str__(self) -> str:
-        if not len(self.table):
-            return "No row fits the filter."
         return "\n".join(aligned(self.cells()))
+
+    @property
+    def frames(self) -> list[int | None]:
+        """Frame to look at of each row; None: the table has none."""
+        if "frame" not in self.table:
+            return [None] * len(self.table)
+        return [None if pd.isna(frame) else int(frame) for frame in self.table["frame"]]
 
     def cells(self) -> list[tuple[str, ...]]:
         """What it shows, as cells of text; names of columns first."""
@@ -113,7 +120,7 @@ class Top:
         return [tuple(names), *map(tuple, rows)]
 
 
-def top(
+def worst(
     results: Location,
     table: str = "encounters",
     *,
@@ -172,14 +179,36 @@ def top(
             value = Function(worse, *map(Column, columns))
         order = value.desc() if is_low_better != is_reversed else value.asc()
         ties = [Column(name) for name in ("recording", timed, "track", "system") if name in own]
-        worst = chosen.filter(value.isnotnull()).sort(order, *ties).limit(n)
-        found = worst.to_arrow_table().to_pandas(types_mapper={pa.int64(): pd.Int64Dtype()}.get)
+        found = chosen.filter(value.isnotnull()).sort(order, *ties).limit(n)
+        found = found.to_arrow_table().to_pandas(types_mapper={pa.int64(): pd.Int64Dtype()}.get)
     moments = {"recording": found.pop("recording")}
     if frame:
         moments["frame"] = found[frame]
         moments["time_s"] = found[time_s] + (found[frame] - found[timed]) / found["recording.fps"]
     left = found.drop(columns=[name for name in found if name in moments or "." in name])
     return Top(pd.concat([pd.DataFrame(moments), left], axis=1), columns)
+
+
+def results_in(location: Location) -> Location:
+    """Where results of a scan are: there, or in the one folder below that has some.
+
+    Raises
+    ------
+    InputError
+        If there are none, or several.
+    """
+    try:
+        location.read(SUMMARY)
+    except FileNotFoundError:
+        paths = [entry.path for entry in location.list()]
+        folders = [path.removesuffix(f"/{SUMMARY}") for path in paths if path.endswith(SUMMARY)]
+        if len(folders) != 1:
+            found = listed(folders, most=MOST_NAMED) if folders else "none"
+            raise InputError(
+                f"expected results of a scan that is finished, found {found}", file=location.uri
+            ) from None
+        return location.child(folders[0])
+    return location
 
 
 _CONFINED: Final[dict[str, Any]] = {

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from nvcore.errors import InputError
 from nvcore.fleet.location import Location
-from nvcore.fleet.query import LONGEST_FILTER, top
+from nvcore.fleet.query import LONGEST_FILTER, worst
 
 ENCOUNTERS = pa.table(
     {
@@ -65,7 +65,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Location:
 
 def chosen(results: Location, where: str) -> list[int]:
     """Rows of the encounters that fit, by their first frames."""
-    table = top(results, by="first_frame", where=where, is_reversed=True).table
+    table = worst(results, by="first_frame", where=where, is_reversed=True).table
     return [*table["first_frame"]]
 
 
@@ -181,28 +181,28 @@ def test_any_condition_holds_where_sql_says_that_it_does(results, condition):
 
 
 def test_the_worst_come_first_by_whatever_a_name_means(results):
-    worst = top(results)
-    assert worst.by == ("severity_s_x", "severity_s_y")
+    found = worst(results)
+    assert found.by == ("severity_s_x", "severity_s_y")
     # a row of which neither system's severity is known is not the worst
-    assert [*worst.table["shown_frame"]] == [5, 8, 2, 9]
-    assert [*worst.table["time_s"]] == [0.5, 0.1, 0.2, 0.0]
-    assert [*top(results, by="severity_x", n=1).table["recording"]] == ["b"]
+    assert [*found.table["shown_frame"]] == [5, 8, 2, 9]
+    assert [*found.table["time_s"]] == [0.5, 0.1, 0.2, 0.0]
+    assert [*worst(results, by="severity_x", n=1).table["recording"]] == ["b"]
     # of coverage, little is bad
-    assert [*top(results, by="coverage_x").table["coverage_x"]] == [0.2, 0.5, 0.9, 1.0]
-    assert [*top(results, by="coverage_x", n=2, is_reversed=True).table["recording"]] == ["a", "c"]
+    assert [*worst(results, by="coverage_x").table["coverage_x"]] == [0.2, 0.5, 0.9, 1.0]
+    assert [*worst(results, by="coverage_x", n=2, is_reversed=True).table["recording"]] == ["a", "c"]
     with pytest.raises(InputError, match="did you mean 'severity'"):
-        top(results, by="severty")
+        worst(results, by="severty")
 
 
 def test_the_frame_to_look_at_has_its_time_whatever_frame_the_table_times(results):
-    table = top(results, "intervals", where="recording.fps > 1").table
+    table = worst(results, "intervals", where="recording.fps > 1").table
     assert [*table["frame"]] == [30, 12]
     assert [*table["time_s"]] == [pytest.approx(2.5), pytest.approx(1.2)]
-    assert "frame" not in top(results, "recordings", by="n_frames").table
+    assert "frame" not in worst(results, "recordings", by="n_frames").table
 
 
 def test_results_that_are_not_there_are_said_to_be_missing(results, tmp_path: Path):
     with pytest.raises(InputError, match="there is no such table of results"):
-        top(Location(str(tmp_path)))
+        worst(Location(str(tmp_path)))
     with pytest.raises(InputError, match="did you mean 'encounters'"):
-        top(results, "encounter")
+        worst(results, "encounter")
