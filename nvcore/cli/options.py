@@ -267,9 +267,14 @@ reading_options = (
 
 
 def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Flags that name the inputs and the facts which they lack."""
+    """A session file, or flags that name the inputs and the facts which they lack."""
+    session = click.argument("session_file", required=False, type=click.Path(path_type=Path))
+    return session(input_flags(command))
+
+
+def input_flags(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The flags of `input_options` alone."""
     options = [
-        click.argument("session_file", required=False, type=click.Path(path_type=Path)),
         grouped_option(
             INPUTS,
             "--truth",

@@ -4,8 +4,11 @@ from nvcore.subjects import Subject
 
 SUBJECT = Subject(
     name="fleet",
+    recording_keys="session:FleetEntry",
     commands="commands:COMMANDS",
     names={
+        "ingest": "face:ingest",
+        "open_store": "face:open_store",
         "scan": "face:scan",
         "scan_status": "face:scan_status",
         "top": "face:top",

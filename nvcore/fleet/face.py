@@ -1,17 +1,24 @@
-"""The calls of Python users: `nvcore.scan`, `nvcore.scan_status`, `nvcore.top`, ..."""
+"""The calls of Python users: `nvcore.ingest`, `nvcore.scan`, `nvcore.top`, ..."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from nvcore.api.inputs import load
 from nvcore.arguments import PathLike, called_with
+from nvcore.dataset import Dataset
 from nvcore.errors import InputError, ParameterError
 from nvcore.extras import needs
 from nvcore.fleet.arguments import OpenArguments, ScanArguments, TopArguments
+from nvcore.fleet.ingest import Ingested, ingest_all, session_files
+from nvcore.fleet.location import Location
+from nvcore.fleet.store import Store
+from nvcore.inputs.session import Session
 from nvcore.memory import free_bytes
 from nvcore.params import Params
 from nvcore.progress import with_time_left
@@ -48,6 +55,84 @@ class Scan:
             for row in measures.itertuples()
         ]
         return "\n".join([*aligned(rows), "", str(self.status)])
+
+
+def ingest(
+    *inputs: PathLike | Session | Dataset,
+    store: PathLike | Store,
+    partition: str | None = None,
+    labels: Mapping[str, str] | None = None,
+    truth_kind: str = "annotated",
+) -> Ingested:
+    """Append recordings to a store; what is there already is left out, what changed is a version.
+
+    Parameters
+    ----------
+    inputs
+        Session files, folders that are searched for session files, sessions, or datasets made by
+        `load`. One that cannot be read is left out whole, see `Ingested.errors`.
+    store
+        A folder, ``s3://bucket/folder`` (with what the environment says of the server), or what
+        `open_store` returns; a new one is made.
+    partition
+        How a new store is divided: by ``month``, ``unit``, or the key of a tag, such as ``route``
+        where recordings have tags such as ``route=A9``.
+    labels
+        What to call these versions, by ``truth`` or the system's name: ``{"FIR": "2026-03"}``.
+    truth_kind
+        Whether the ground truth is ``"annotated"`` by people, ``"automatic"``, or ``"absent"``.
+
+    Returns
+    -------
+    Ingested
+        What was appended, and what could not be.
+
+    Raises
+    ------
+    InputError
+        If a folder holds no session file, or the store is divided in another way.
+    StoreError
+        If the store cannot be read or written; what was appended until then is in it.
+
+    Examples
+    --------
+    >>> done = ingest("drives", store="fleet", labels={"FIR": "2026-03"})  # doctest: +SKIP
+    >>> len(done.recordings), done.errors  # doctest: +SKIP
+    (10, {})
+    """
+    if not isinstance(store, Store):
+        store = Store(Location(store), partition=partition)
+    return ingest_all(_named(inputs), store, truth_kind=truth_kind, labels=labels)
+
+
+def _named(
+    inputs: tuple[PathLike | Session | Dataset, ...],
+) -> Iterator[tuple[str, Callable[[], Dataset]]]:
+    for place, of in enumerate(inputs):
+        if isinstance(of, Session | Dataset):
+            yield f"input {place + 1}", partial(load, of)
+        else:
+            for path in session_files(Path(of)):
+                yield str(path), partial(load, path)
+
+
+def open_store(uri: PathLike, *, options: Mapping[str, str] | None = None) -> Store:
+    """A store of recordings: `Store.snapshot` shows what it holds, `ingest` appends to it.
+
+    Parameters
+    ----------
+    uri
+        A folder, or ``s3://bucket/folder``.
+    options
+        Of the server, by keys such as ``aws_endpoint_url``; what is not given is taken from the
+        environment (``AWS_ENDPOINT_URL``).
+
+    Raises
+    ------
+    InputError
+        If there can be no store at such a place. Whether there is one is asked for later.
+    """
+    return Store(Location(uri, options))
 
 
 @called_with(ScanArguments)
@@ -108,10 +193,8 @@ def scan(arguments: ScanArguments) -> Scan:
     ):
         raise ParameterError("workers, shard, scheduler: give one of them")
     with needs("fleet", "scans need"):
-        from nvcore.fleet.location import Location
         from nvcore.fleet.results import ScanParams
         from nvcore.fleet.scan import Job, Options, begin, drive, finish, forget_quarantined, status
-        from nvcore.fleet.store import Store
     store = Store(Location(str(arguments.store), arguments.storage))
     out = Location(str(arguments.out), arguments.storage)
     if out.list("sources/"):
@@ -180,7 +263,6 @@ def scan_status(out: PathLike, *, storage: dict[str, str] | None = None) -> Stat
         If there is none.
     """
     with needs("fleet", "scans need"):
-        from nvcore.fleet.location import Location
         from nvcore.fleet.scan import status
     return status(Location(str(out), storage or {}))
 
@@ -225,7 +307,6 @@ def top(arguments: TopArguments) -> Top:
     >>> top("night-vision", by="severity", where="tag.road = 'rural'")  # doctest: +SKIP
     """
     with needs("fleet", "results of scans need"):
-        from nvcore.fleet.location import Location
         from nvcore.fleet.query import results_in, worst
     results = results_in(Location(str(arguments.results), arguments.storage))
     return worst(
@@ -271,7 +352,6 @@ def export_recording(arguments: OpenArguments) -> Path:
     >>> dataset = nv.load(export_recording("night-vision", "drive 7", "seven"))  # doctest: +SKIP
     """
     with needs("fleet", "stores need"):
-        from nvcore.fleet.location import Location
         from nvcore.fleet.opening import recording_of, write_recording
     assert arguments.out is not None
     dataset, pictures = recording_of(

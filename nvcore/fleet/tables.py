@@ -91,8 +91,8 @@ BOXES: Final = pa.schema(
 """Boxes of truth and systems, by recording, source and frame; the order within a frame is kept."""
 
 SCHEMAS: Final = {"frames": FRAMES, "boxes": BOXES, "sources": SOURCES, "recordings": RECORDINGS}
-"""Tables of a store, each a Delta table in a folder of this name, in the order of writing: what refers
-to others later than these."""
+"""Tables of a store, each a Delta table in a folder of this name, in the order of writing: what
+refers to others later than these."""
 
 _TEXT: Final = pa.dictionary(pa.int32(), pa.string())
 IN_MEMORY: Final = {

@@ -87,7 +87,7 @@ def classes_of(dataset: Dataset) -> EncounterClasses:
     if key not in dataset.derived:
         _, encounters = encounters_of(dataset)
         truth, frames = dataset.truth, dataset.frame_columns
-        attributes = attributes_of(encounters, _texts_of_truth(dataset))
+        attributes = attributes_of(encounters, texts_of_truth(dataset))
         named = classes_named(attributes)
         derived = {
             CROSSING: find_crossing(encounters, truth, frames),
@@ -110,7 +110,7 @@ def classes_of(dataset: Dataset) -> EncounterClasses:
     return classes
 
 
-def _texts_of_truth(dataset: Dataset) -> Any:
+def texts_of_truth(dataset: Dataset) -> Any:
     """The text of `Dataset.attributes` for each truth row; missing where there is none."""
     table, n_truth = dataset.attributes, len(dataset.truth)
     texts = pd.Categorical(table["attributes"])
