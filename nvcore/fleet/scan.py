@@ -44,6 +44,7 @@ from nvcore.fleet.batch import scan_batch
 from nvcore.fleet.location import Location
 from nvcore.fleet.results import ScanParams, Summary, gather
 from nvcore.fleet.store import Snapshot, Store
+from nvcore.fleet.tables import SCHEMAS
 from nvcore.wording import count_text, listed, one_line, shortened
 
 FRAMES_PER_BATCH: Final = 250_000
@@ -329,15 +330,13 @@ def _opened(
     """Results, reader of the store, plan and its batches: once a process."""
     out = Location(out_uri, dict(storage))
     found = Plan.from_json(out.read(f"plans/{plan_key}.json"))
-    snapshot = Store(Location(store_uri, dict(storage))).snapshot(found.versions)
-    sources = [found.params.truth, found.params.x, found.params.y]
-    sources = [*dict.fromkeys(sources)]
-    return (
-        out,
-        lambda names: snapshot.read(names, sources),
-        found,
-        {batch.key: batch for batch in found.batches},
-    )
+    snapshot = Snapshot(Location(store_uri, dict(storage)), found.versions)
+
+    def read(names: Sequence[str]) -> dict[str, pa.Table]:
+        tables = snapshot.read(names, found.params.sources)
+        return {name: table.cast(SCHEMAS[name]) for name, table in tables.items()}
+
+    return out, read, found, {batch.key: batch for batch in found.batches}
 
 
 def _compared(
@@ -353,7 +352,7 @@ def _compared(
             return options.run(read(batch.recordings), params)
         except Exception as error:  # noqa: BLE001  # whatever it is: which recording is it about?
             _give_up_without_storage(error)
-    parts, reasons = [], {}
+    parts, reasons, faults = [], {}, 0
     for name in batch.recordings:
         n_killed = lease.killed_at.count(name)
         if n_killed >= ATTEMPTS:
@@ -366,6 +365,9 @@ def _compared(
             _give_up_without_storage(error)
             known = isinstance(error, NvcoreError | MemoryError)
             text = str(error) if known and str(error) else f"{type(error).__name__}: {error}"
+            faults += not known
+            if faults == len(batch.recordings) > 1:  # then it is no fault of theirs
+                raise
             reasons[name] = shortened(one_line(text), LONGEST_REASON)
     for part in parts:
         reasons |= dict(zip(*part["quarantine"].to_pydict().values(), strict=True))
@@ -494,11 +496,11 @@ class Job:
         """See `run_batch`."""
         return run_batch(self.store, self.out, self.plan, batch, self.options)
 
-    def missing(self) -> list[str]:
-        """Keys of the batches that are not done, in the plan's order."""
+    def missing(self, among: slice = slice(None)) -> list[str]:
+        """Keys of the batches, or of these of the plan, that are not done, in the plan's order."""
         out, _, _, batches = _opened(self.store, self.out, self.plan, self.options.storage)
         done = _done_in(out)
-        return [batch for batch in batches if batch not in done]
+        return [batch for batch in [*batches][among] if batch not in done]
 
 
 def _done_in(out: Location) -> set[str]:
@@ -526,10 +528,10 @@ def drive(job: Job, engine: Engine) -> Iterator[str]:
 
 def in_process(job: Job, part: int = 0, n_parts: int = 1) -> Iterator[str]:
     """The engine of one process: every n-th batch from `part` on, then what others have left."""
+    own = job.missing(slice(part % n_parts, None, n_parts))
+    yield from (batch for batch in own if job.run(batch) == "done")
     left = job.missing()
-    yield from (batch for batch in left[part % n_parts :: n_parts] if job.run(batch) == "done")
-    left = job.missing()
-    start = len(left) * part // n_parts
+    start = len(left) * part // n_parts  # each at another place
     yield from (batch for batch in left[start:] + left[:start] if job.run(batch) == "done")
 
 
@@ -559,7 +561,7 @@ def finish(out: Location, its_plan: Plan) -> Summary:
             for name in done[0]["files"]
         }
         known = {"plan": its_plan.key, "tables": versions, "left_out": its_plan.left_out}
-        out.write("summary.parquet", _as_parquet(pa.Table.from_pandas(summary.measures())))
+        out.write("summary.parquet", _as_parquet(pa.table(dict(summary.measures()))))
         out.write("summary.json", json.dumps(known, indent=1).encode())
         out.create(f"finished/{its_plan.key}.json", b"")
     return summary

@@ -25,12 +25,12 @@ from fleet_runs import (
     starved_at,
     stopped_at,
     until,
-    write_store,
+    append_to,
 )
 
 from nvcore.errors import InputError, StoreError
 from nvcore.fleet.location import Location
-from nvcore.fleet.on_dask import run_on_dask
+from nvcore.fleet.on_dask import on_dask
 from nvcore.fleet.pool import in_pool
 from nvcore.fleet.scan import Options, drive, in_process, Plan, _opened, finish, status
 
@@ -60,7 +60,7 @@ if __name__ == "__main__":
 
 @pytest.fixture(scope="module")
 def store(tmp_path_factory: pytest.TempPathFactory) -> str:
-    return write_store(tmp_path_factory.mktemp("fleet") / "store", small_fleet())
+    return append_to(tmp_path_factory.mktemp("fleet") / "store", small_fleet())
 
 
 @pytest.fixture(scope="module")

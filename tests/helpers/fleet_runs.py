@@ -27,9 +27,10 @@ from places import ROOT
 from nvcore.dataset import Dataset
 from nvcore.fleet.batch import scan_batch
 from nvcore.fleet.location import Location
-from nvcore.fleet.results import ScanParams
+from nvcore.fleet.results import ScanParams, typed
 from nvcore.fleet.scan import Job, Options, Plan, begin
-from nvcore.fleet.store import Store
+from nvcore.fleet.store import ROWS_IN, Store
+from nvcore.fleet.tables import IN_MEMORY, SCHEMAS
 
 PARAMS = ScanParams("x", "y", frames=True)
 PATIENCE_S = 60.0
@@ -48,28 +49,34 @@ def small_fleet(n: int = 12) -> Dataset:
     return make_dataset(*sources, places=[Place(range(40), horizon=40.0)] * n)
 
 
-def write_store(folder: Path, dataset: Dataset) -> str:
-    """A store with these recordings; its URI."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    folder.mkdir(parents=True)
+def append_to(store: str | Path, dataset: Dataset) -> str:
+    """Append recordings to a store, which is made if it is not there; its URI."""
     tables = tables_of(dataset)
-    for name, table in tables.items():
-        if name == "recordings":
-            table = table.set_column(
-                table.column_names.index("n_rows"), "n_rows", pa.array([40] * len(table))
+    names = tables["recordings"]["recording"].to_pylist()
+    for name, data in ROWS_IN.items():
+        rows = tables[name].to_pandas()
+        keys = ["recording", "source"] if name == "sources" else ["recording"]
+        sizes = tables[data].select(keys).to_pandas().astype(str).value_counts()
+        n_rows = [int(sizes.get(key, 0)) for key in rows[keys].itertuples(index=False, name=None)]
+        known = rows.assign(n_rows=n_rows, first_row=np.cumsum([0, *n_rows])[:-1])
+        if name == "sources":
+            of_recordings = dict(
+                zip(names, tables["recordings"]["sha256"].to_pylist(), strict=True)
             )
-        pq.write_table(table, folder / f"{name}.parquet")
-    return str(folder)
+            known["recording_sha256"] = known["recording"].map(of_recordings)
+        tables[name] = typed(known, SCHEMAS[name])
+    tables |= {data: tables[data].cast(IN_MEMORY[data]) for data in ROWS_IN.values()}
+    made = Store(Location(store))
+    made.append([tables])
+    return made.location.uri
 
 
 def begin_scan(
-    store: str, out: Path, params: ScanParams = PARAMS, **options: Any
+    store: str | Path, out: Path, params: ScanParams = PARAMS, **options: Any
 ) -> tuple[Plan, Job]:
     """A scan of batches of two of the recordings of `small_fleet`, none of which is done yet."""
-    plan = begin(Store(Location(store)), Location(str(out)), params, frames_per_batch=100)
-    return plan, Job(plan.store, Location(str(out)).uri, plan.key, Options(**options))
+    plan = begin(Store(Location(store)), Location(out), params, frames_per_batch=100)
+    return plan, Job(plan.store, Location(out).uri, plan.key, Options(**options))
 
 
 def files_of(out: Path) -> dict[str, bytes]:
