@@ -236,8 +236,8 @@ def top(out: Path | None, **options: Any) -> None:
     opens = [""]
     for name, frame in zip(found.table["recording"], found.frames, strict=True):
         place = [] if frame is None else ["--at", str(frame)]
-        sign = ["--"] if name.startswith("-") else []  # else it would be a flag
-        opens.append(shlex.join(["open", *place, *sign, options["results"], name]))
+        words = ["--", found.results, name] if name.startswith("-") else [found.results, name]
+        opens.append(shlex.join(["open", *(place + words if "--" in words else words + place)]))
     for line, words in zip(lines, opens, strict=True):
         click.echo(one_line(f"{line}  {program()} {words}" if words else line))
     if out is not None:

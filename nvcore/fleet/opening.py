@@ -18,6 +18,7 @@ from nvcore.fleet.location import Location
 from nvcore.fleet.results import ScanParams
 from nvcore.fleet.scan import newest_plan
 from nvcore.fleet.store import Snapshot, Store
+from nvcore.fleet.tables import SCHEMAS
 from nvcore.inputs.readers.base import Reading, Role, recordings_table
 from nvcore.inputs.session import (
     TABLES_OF_SUBJECTS,
@@ -99,7 +100,10 @@ def recording_of(
             f"there is no recording {recording!r}; {did_you_mean(recording, names, known)}",
             file=snapshot.location.uri,
         )
-    tables = snapshot.read([recording], params.sources)
+    tables = {
+        name: table.cast(SCHEMAS[name])
+        for name, table in snapshot.read([recording], params.sources).items()
+    }
     [pictures] = tables["recordings"]["pictures"].to_pylist()
     scheme, separator, rest = (pictures or "").partition("://")
     if separator:
@@ -129,6 +133,7 @@ def write_recording(dataset: Dataset, folder: Path, *, pictures: str | None = No
     InputError
         If the folder cannot be written to, or no frame of the recording is evaluated.
     """
+    folder = folder.absolute()
     [recording] = dataset.recordings.to_dict("records")
     if not len(dataset.frames):
         raise InputError(f"recording {recording['name']!r} has no evaluated frame to open")

@@ -89,10 +89,13 @@ class Top:
         that of the recordings; the other columns of the table.
     by
         Columns that it is sorted by; of both systems by the worse.
+    results
+        Where the table is from.
     """
 
     table: pd.DataFrame
     by: tuple[str, ...]
+    results: str
 
     def __str__(self) -> str:
         return "\n".join(aligned(self.cells()))
@@ -186,7 +189,7 @@ def worst(
         moments["frame"] = found[frame]
         moments["time_s"] = found[time_s] + (found[frame] - found[timed]) / found["recording.fps"]
     left = found.drop(columns=[name for name in found if name in moments or "." in name])
-    return Top(pd.concat([pd.DataFrame(moments), left], axis=1), columns)
+    return Top(pd.concat([pd.DataFrame(moments), left], axis=1), columns, results.uri)
 
 
 def results_in(location: Location) -> Location:

@@ -189,7 +189,10 @@ def test_the_worst_come_first_by_whatever_a_name_means(results):
     assert [*worst(results, by="severity_x", n=1).table["recording"]] == ["b"]
     # of coverage, little is bad
     assert [*worst(results, by="coverage_x").table["coverage_x"]] == [0.2, 0.5, 0.9, 1.0]
-    assert [*worst(results, by="coverage_x", n=2, is_reversed=True).table["recording"]] == ["a", "c"]
+    assert [*worst(results, by="coverage_x", n=2, is_reversed=True).table["recording"]] == [
+        "a",
+        "c",
+    ]
     with pytest.raises(InputError, match="did you mean 'severity'"):
         worst(results, by="severty")
 
