@@ -51,8 +51,8 @@ class Scan:
         measures = self.summary.measures()
         rows = [("", self.status.plan.params.x, self.status.plan.params.y, "n")]
         rows += [
-            (row.label, *(number(value, ".4g") for value in (row.x, row.y)), f"{row.n:,}")
-            for row in measures.itertuples()
+            (label, number(x, ".4g"), number(y, ".4g"), f"{n:,}")
+            for label, x, y, n in measures[["label", "x", "y", "n"]].to_numpy().tolist()
         ]
         return "\n".join([*aligned(rows), "", str(self.status)])
 
@@ -187,11 +187,9 @@ def scan(arguments: ScanArguments) -> Scan:
     >>> done = scan("fleet", "night-vision", x="FIR", y="NIR")  # doctest: +SKIP
     >>> done.summary.measures()  # doctest: +SKIP
     """
-    if (
-        sum(way is not None for way in (arguments.workers, arguments.shard, arguments.scheduler))
-        > 1
-    ):
-        raise ParameterError("workers, shard, scheduler: give one of them")
+    ways = (arguments.workers, arguments.shard, arguments.scheduler, arguments.engine)
+    if sum(way is not None for way in ways) > 1:
+        raise ParameterError("workers, shard, scheduler, engine: give one of them")
     with needs("fleet", "scans need"):
         from nvcore.fleet.results import ScanParams
         from nvcore.fleet.scan import Job, Options, begin, drive, finish, forget_quarantined, status

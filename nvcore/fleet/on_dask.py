@@ -12,14 +12,14 @@ from nvcore.fleet.scan import Job
 
 with needs("dask", "scans on Dask need"):
     from distributed import CancelledError, Client, KilledWorker, as_completed
-    from distributed.comm import CommClosedError
+    from distributed.comm.core import CommClosedError
 
 TASKS: Final = 20_000
 """Tasks that the scheduler is given at a time."""
 
 
 def on_dask(job: Job, scheduler: str) -> Iterator[str]:
-    """Have the workers of a scheduler run the batches that are missing; keys of those that are done.
+    """Have a scheduler's workers run the batches that are missing; keys of those that are done.
 
     If the scheduler goes away, the others are left; the next round waits for it.
 

@@ -35,7 +35,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from deltalake import DeltaTable
 from deltalake.exceptions import CommitFailedError, TableNotFoundError
-from deltalake.transaction import AddAction
+from deltalake.transaction import AddAction, RemoveAction
 from obstore.exceptions import BaseError
 
 from nvcore import __version__
@@ -212,7 +212,7 @@ def plan(
     n_boxes = np.zeros(len(recordings))
     facts = [names, recordings["sha256"]]
     is_compared = np.ones(len(recordings), bool)
-    left_out = {}
+    left_out: dict[str, int] = {}
     for source in dict.fromkeys((params.truth, params.x, params.y)):
         rows = snapshot.pick(source).set_index("recording").reindex(names)
         n_boxes += rows["n_rows"].fillna(0).to_numpy()
@@ -361,7 +361,7 @@ def _compared(
         lease.mark(name)
         try:
             parts.append(options.run(read([name]), params)[0])
-        except Exception as error:  # noqa: BLE001  # it is told in the quarantine; the others go on
+        except Exception as error:
             _give_up_without_storage(error)
             known = isinstance(error, NvcoreError | MemoryError)
             text = str(error) if known and str(error) else f"{type(error).__name__}: {error}"
@@ -571,7 +571,7 @@ def _list_files(folder: Location, files: Sequence[Mapping[str, Any]]) -> int:
     """Version of a folder's Delta table that holds these files alone."""
     names = [file["path"].rpartition("/")[2] for file in files]
     schema = pq.read_schema(folder.open(names[0]))
-    added = [
+    added: list[AddAction | RemoveAction] = [
         AddAction(name, file["size"], {}, 0, True, json.dumps({"numRecords": file["rows"]}))
         for name, file in zip(names, files, strict=True)
     ]

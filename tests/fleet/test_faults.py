@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
 import socket
-import sys
-from collections.abc import Iterator
-from contextlib import ExitStack
+import subprocess
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
 from deltalake import DeltaTable
 from fleet_runs import (
-    PARAMS,
+    append_to,
     attempts_of,
     begin_scan,
     files_of,
@@ -25,14 +25,22 @@ from fleet_runs import (
     starved_at,
     stopped_at,
     until,
-    append_to,
 )
 
 from nvcore.errors import InputError, StoreError
 from nvcore.fleet.location import Location
 from nvcore.fleet.on_dask import on_dask
 from nvcore.fleet.pool import in_pool
-from nvcore.fleet.scan import Options, drive, in_process, Plan, _opened, finish, status
+from nvcore.fleet.scan import (
+    Options,
+    Plan,
+    _opened,
+    drive,
+    finish,
+    forget_quarantined,
+    in_process,
+    status,
+)
 
 ELSEWHERE = """
 import socket, sys
@@ -72,6 +80,21 @@ def undisturbed(store: str, tmp_path_factory: pytest.TempPathFactory) -> dict[st
 
 
 @pytest.fixture
+def start() -> Iterator[Callable[..., subprocess.Popen[bytes]]]:
+    """Starts a process, which is ended after the test."""
+    started: list[subprocess.Popen[bytes]] = []
+
+    def begin(*command: object) -> subprocess.Popen[bytes]:
+        started.append(process(*command))
+        return started[-1]
+
+    yield begin
+    for one in started:
+        one.kill()
+        one.wait()
+
+
+@pytest.fixture
 def out(tmp_path: Path) -> Path:
     return tmp_path / "out"
 
@@ -107,8 +130,10 @@ def test_a_recording_that_kills_its_workers_is_set_aside(store, undisturbed, out
     assert read_quarantine(out) == {"r4": "2 workers ended without a word while they compared it"}
 
 
-def test_a_scan_that_is_killed_as_a_whole_goes_on_where_it_was(store, undisturbed, out, tmp_path):
-    scan = process(POOL, store, out, tmp_path)
+def test_a_scan_that_is_killed_as_a_whole_goes_on_where_it_was(
+    store, undisturbed, out, tmp_path, start
+):
+    scan = start("-c", POOL, store, out, tmp_path)
     until((tmp_path / "stopped").exists, "a worker that stands still")
     until(lambda: len([*(out / "done").glob("*.json")]) >= 5, "all other batches")
     scan.send_signal(signal.SIGKILL)  # the parent alone: its workers end by themselves
@@ -124,9 +149,9 @@ def test_a_scan_that_is_killed_as_a_whole_goes_on_where_it_was(store, undisturbe
 
 
 def test_the_batch_of_a_machine_that_died_is_taken_when_its_lease_expires(
-    store, undisturbed, out, tmp_path
+    store, undisturbed, out, tmp_path, start
 ):
-    shard = process(ELSEWHERE, store, out, tmp_path)
+    shard = start("-c", ELSEWHERE, store, out, tmp_path)
     until((tmp_path / "stopped").exists, "a worker that stands still")
     shard.kill()
     shard.wait()
@@ -141,8 +166,8 @@ def test_the_batch_of_a_machine_that_died_is_taken_when_its_lease_expires(
     assert attempts_of(out)[batch] == 2
 
 
-def test_a_worker_that_was_thought_dead_does_no_harm(store, undisturbed, out, tmp_path):
-    slow = process(ELSEWHERE, store, out, tmp_path)
+def test_a_worker_that_was_thought_dead_does_no_harm(store, undisturbed, out, tmp_path, start):
+    slow = start("-c", ELSEWHERE, store, out, tmp_path)
     until((tmp_path / "stopped").exists, "a worker that stands still")
     plan, job = begin_scan(store, out)
     list(drive(replace(job, options=Options(clock=hours_later)), in_process))
@@ -152,9 +177,9 @@ def test_a_worker_that_was_thought_dead_does_no_harm(store, undisturbed, out, tm
     assert files_of(out) == undisturbed
 
 
-def test_two_scans_at_once_share_the_work(store, undisturbed, out, tmp_path):
+def test_two_scans_at_once_share_the_work(store, undisturbed, out, tmp_path, start):
     (tmp_path / "on").touch()
-    scans = [process(POOL, store, out, tmp_path) for _ in range(2)]
+    scans = [start("-c", POOL, store, out, tmp_path) for _ in range(2)]
     assert [scan.wait() for scan in scans] == [0, 0]
     assert files_of(out) == undisturbed
     assert {*attempts_of(out).values()} == {1}
@@ -170,6 +195,59 @@ def test_a_full_disk_ends_the_scan_and_what_is_done_stays(store, undisturbed, ou
     plan, job = begin_scan(store, out)
     assert len([*drive(job, in_process)]) == len(plan.batches) - 3
     assert finished(out, plan) == undisturbed
+
+
+def test_damaged_files_cost_their_recordings_alone(tmp_path, out):
+    for first, n in ((0, 4), (4, 3)):  # a file each
+        append_to(tmp_path / "store", small_fleet(n, first))
+    store = tmp_path / "store"
+    undamaged, job = begin_scan(store, tmp_path / "other")
+    list(drive(job, in_process))
+    expected = finished(tmp_path / "other", undamaged)
+    damaged = min((store / "boxes").glob("*.parquet"), key=lambda path: path.stat().st_size)
+    content = damaged.read_bytes()
+    damaged.write_bytes(content[:200] + bytes(len(content) - 400) + content[-200:])
+    plan, job = begin_scan(store, out)
+    list(drive(job, in_process))
+    finished(out, plan)
+    reasons = read_quarantine(out)
+    assert [*reasons] == ["r4", "r5", "r6"]
+    assert all(damaged.name in reason for reason in reasons.values())
+    damaged.write_bytes(content)
+    forget_quarantined(Location(out), plan)
+    list(drive(job, in_process))
+    assert finished(out, plan).items() >= expected.items()
+
+
+def test_a_scan_goes_on_when_the_dask_scheduler_was_restarted(
+    store, undisturbed, out, tmp_path, start
+):
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    address = f"tcp://127.0.0.1:{port}"
+
+    def cluster() -> list[subprocess.Popen[bytes]]:
+        quiet = ("--no-dashboard",)
+        at = ("--host", "127.0.0.1", "--port", port)
+        alone = ("--no-nanny", "--nthreads", 1, "--local-directory", tmp_path)
+        return [
+            start("-m", "distributed.cli.dask_scheduler", *at, *quiet),
+            start("-m", "distributed.cli.dask_worker", address, *alone, *quiet),
+        ]
+
+    killed = cluster()
+    plan, job = begin_scan(store, out, run=stopped_at("r4", tmp_path))
+    batches = drive(job, partial(on_dask, scheduler=address))
+    done = [next(batches) for _ in range(3)]
+    until((tmp_path / "stopped").exists, "a worker that stands still")
+    for one in killed:
+        one.kill()
+        one.wait()
+    (tmp_path / "on").touch()
+    cluster()
+    assert {*done, *batches} == {batch.key for batch in plan.batches}
+    assert finished(out, plan) == undisturbed
+    assert sum(attempts_of(out).values()) == len(plan.batches) + 1
 
 
 def test_other_versions_are_refused(store, out):

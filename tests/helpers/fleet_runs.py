@@ -14,6 +14,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -33,12 +34,15 @@ from nvcore.fleet.store import ROWS_IN, Store
 from nvcore.fleet.tables import IN_MEMORY, SCHEMAS
 
 PARAMS = ScanParams("x", "y", frames=True)
-PATIENCE_S = 60.0
+PATIENCE_S = 100.0
 
 
-def small_fleet(n: int = 12) -> Dataset:
-    """Recordings r0, r1, ... of 40 frames, in each of which a car drives up to two pedestrians."""
-    rng = np.random.default_rng(7)
+def small_fleet(n: int = 12, first: int = 0) -> Dataset:
+    """Recordings r0, r1, ... of 40 frames, in each of which a car drives up to two pedestrians.
+
+    Those from `first` on.
+    """
+    rng = np.random.default_rng(7 + first)
     sources: tuple[list[Box], ...] = ([], [], [])
     for recording in range(n):
         starts = (0, *rng.integers(5, 38, 2).tolist())
@@ -46,7 +50,9 @@ def small_fleet(n: int = 12) -> Dataset:
             shown = range(start, 40)
             boxes += approach(shown, 4.5, recording=recording, centre=30.0 + recording)
             boxes += approach(shown, 6, recording=recording, centre=20, track=2)
-    return make_dataset(*sources, places=[Place(range(40), horizon=40.0)] * n)
+    dataset = make_dataset(*sources, places=[Place(range(40), horizon=40.0)] * n)
+    names = [f"r{first + recording}" for recording in range(n)]
+    return replace(dataset, recordings=dataset.recordings.assign(name=names))
 
 
 def append_to(store: str | Path, dataset: Dataset) -> str:
@@ -101,13 +107,12 @@ def until(holds: Callable[[], object], what: str) -> None:
         threading.Event().wait(0.02)
 
 
-def process(script: str, *arguments: object) -> subprocess.Popen[bytes]:
-    """A Python process of its own group, which finds the project and these helpers."""
+def process(*command: object) -> subprocess.Popen[bytes]:
+    """A Python process, which finds the project and these helpers."""
     helpers = str(ROOT / "tests" / "helpers")
     return subprocess.Popen(
-        [sys.executable, "-c", script, *map(str, arguments)],
+        [sys.executable, *map(str, command)],
         env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), helpers])},
-        start_new_session=True,
     )
 
 
