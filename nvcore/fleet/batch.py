@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import copy
 import hashlib
-from collections.abc import Mapping, MutableMapping, Sequence
+from collections.abc import Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any, Final
@@ -24,6 +24,7 @@ from nvcore.dataset.tables import dataset_from_tables
 from nvcore.errors import InputError, NvcoreError
 from nvcore.fleet.cutting import can_be_cut, compare_pieces
 from nvcore.fleet.results import ScanParams, Summary, gather, result_tables
+from nvcore.fleet.reuse import can_reuse, freeze, stage_key, tables_again, thaw
 from nvcore.objects import PEDESTRIAN, objects_from
 from nvcore.params import Params
 from nvcore.schema import (
@@ -52,7 +53,10 @@ _MISSING: Final = {
 
 
 def scan_batch(
-    tables: Mapping[str, pa.Table], params: ScanParams
+    tables: Mapping[str, pa.Table],
+    params: ScanParams,
+    *,
+    stages: MutableMapping[str, pa.Table] | None = None,
 ) -> tuple[dict[str, pa.Table], Summary]:
     """Compare the recordings of a batch; every number is that of the recording by itself.
 
@@ -62,6 +66,10 @@ def scan_batch(
         ``recordings``, ``sources``, ``frames`` and ``boxes`` with the columns of
         `nvcore.fleet.tables`, whole recordings only; `source` as `params` names it. Frames are
         sorted by recording and frame, boxes of one source in one frame are in the file's order.
+    stages
+        What earlier scans of these very recordings and versions kept, by `stage_key`: where it has
+        that of `params`, ``boxes`` is not looked at, else it gets it. About as large as the boxes.
+        No number depends on it.
 
     Returns
     -------
@@ -74,20 +82,49 @@ def scan_batch(
     """
     batch = Batch(tables)
     refused: dict[str, str] = {}
+    key = stage_key(params) if stages is not None and can_reuse(params) else ""
+    try:
+        parts = [*_again(batch, params, refused, stages[key])] if stages and key in stages else []
+    except NvcoreError:  # what is kept does not do for these settings
+        parts, refused = [], {}
+    if not parts and not refused:
+        results = []
+        for result in _compared(batch, params, refused):
+            names = result.dataset.recordings["name"].tolist()
+            parts.append(result_tables(result, batch.truth_kinds(names, params), params.frames))
+            results += [result] if key else []
+        lengths = [np.diff(of.dataset.frame_columns.first).max(initial=0) for of in results]
+        if stages is not None and key and max(lengths, default=0) <= params.max_frames:
+            stages[key] = freeze(results, parts, refused)
+    tables_made = gather(parts, refused, has_frames=params.frames)
+    return tables_made, Summary.of(tables_made, params)
+
+
+def _again(
+    batch: Batch, params: ScanParams, refused: MutableMapping[str, str], kept: pa.Table
+) -> Iterator[dict[str, pa.Table]]:
+    groups, earlier = thaw(kept)
+    refused.update(earlier)
+    if {*batch.recordings.index} != {*earlier, *(name for of in groups for name in of.names)}:
+        raise InputError("what is kept is of other recordings")
+    for of in groups:
+        dataset = batch.dataset(of.names, params, each_alone=True, has_boxes=False)
+        yield tables_again(dataset, of, batch.truth_kinds(of.names, params), params.frames)
+
+
+def _compared(
+    batch: Batch, params: ScanParams, refused: MutableMapping[str, str]
+) -> Iterator[Result]:
     waiting = batch.alike(params, refused)
-    parts: list[dict[str, pa.Table]] = []
     while waiting:
         names = waiting.pop()
         try:
-            result = batch.compare(names, params)
-            parts.append(result_tables(result, batch.truth_kinds(names, params), params.frames))
+            yield batch.compare(names, params)
         except NvcoreError as error:
             if len(names) == 1:
                 refused[names[0]] = str(error)
             else:  # one of them is to blame: each half by itself
                 waiting += [names[: len(names) // 2], names[len(names) // 2 :]]
-    results = gather(parts, refused, has_frames=params.frames)
-    return results, Summary.of(results, params)
 
 
 def dataset_of(tables: Mapping[str, pa.Table], params: ScanParams) -> Dataset:
@@ -117,6 +154,10 @@ def dataset_of(tables: Mapping[str, pa.Table], params: ScanParams) -> Dataset:
     return batch.dataset(groups[0] if groups else [], params)
 
 
+_Rows = dict[tuple[str, ...], list[slice]]
+"""Stretches of rows with the same texts."""
+
+
 class Batch:
     """The tables of a batch, and where the rows of each recording and source lie in them.
 
@@ -138,8 +179,7 @@ class Batch:
             double = self.recordings.index[self.recordings.index.duplicated()][0]
             raise InputError(f"recording {double!r} is twice in one batch; read one version of it")
         self._sources = tables["sources"].to_pandas().set_index(["recording", "source"])
-        self._rows = {"frames": _runs(tables["frames"], ["recording"])}
-        self._rows["boxes"] = _runs(tables["boxes"], ["recording", "source"])
+        self._rows: dict[str, _Rows] = {}
         self._columns: dict[tuple[str, str], np.ndarray] = {}
 
     def part(self, name: str, listed: np.ndarray, sources: Sequence[str]) -> Batch:
@@ -156,12 +196,10 @@ class Batch:
             part._rows["boxes"] |= self._within("boxes", (name, of), listed)
         return part
 
-    def _within(
-        self, table: str, key: tuple[str, ...], listed: np.ndarray
-    ) -> dict[tuple[str, ...], list[slice]]:
+    def _within(self, table: str, key: tuple[str, ...], listed: np.ndarray) -> _Rows:
         """Rows of a key from the first to the last of these frames."""
         number = self._column(table, "frame", key)
-        runs = self._rows[table].get(key, [])
+        runs = self._rows_of(table).get(key, [])
         if len(runs) > 1 or (np.diff(number) < 0).any():
             raise InputError(f"{', '.join(key)}: its {table} are not in order; ingest it again")
         start, stop = np.searchsorted(number, [listed[0], listed[-1] + 1]).tolist()
@@ -211,7 +249,12 @@ class Batch:
         )
 
     def dataset(
-        self, names: Sequence[str], params: ScanParams, *, each_alone: bool = False
+        self,
+        names: Sequence[str],
+        params: ScanParams,
+        *,
+        each_alone: bool = False,
+        has_boxes: bool = True,
     ) -> Dataset:
         """Recordings that are `alike` as a dataset, in this order.
 
@@ -222,7 +265,10 @@ class Batch:
         """
         recordings = self.recordings.loc[[*names]]
         frames = [self._column("frames", "frame", (name,)) for name in names]
-        boxes, more = self._boxes(names, frames, params)
+        more: dict[str, Any] = {}
+        boxes = pd.DataFrame({"frame_index": [], "source": []}, dtype=np.int64)
+        if has_boxes:
+            boxes, more = self._boxes(names, frames, params)
         if each_alone:
             more["each_alone"] = True
         versions = [*map(str, recordings["sha256"]), *self._versions(names, params)]
@@ -288,8 +334,15 @@ class Batch:
             more["attributes"] = conform(of_lines, ATTRIBUTE_DTYPES, n_rows=len(line))
         return pd.DataFrame(columns, copy=False), more
 
+    def _rows_of(self, table: str) -> _Rows:
+        """Where the rows of each recording (and source) lie; found when first asked for."""
+        if table not in self._rows:
+            names = ["recording", "source"] if table == "boxes" else ["recording"]
+            self._rows[table] = _runs(self._tables[table], names)
+        return self._rows[table]
+
     def _count(self, table: str, key: tuple[str, ...]) -> int:
-        return sum(rows.stop - rows.start for rows in self._rows[table].get(key, ()))
+        return sum(rows.stop - rows.start for rows in self._rows_of(table).get(key, ()))
 
     def _column(self, table: str, name: str, *keys: tuple[str, ...]) -> np.ndarray:
         """A column of the rows of these keys; missing cells are NaN, or as `_MISSING` has them."""
@@ -312,7 +365,7 @@ class Batch:
     def _gather(
         self, values: np.ndarray, table: str, keys: Sequence[tuple[str, ...]]
     ) -> np.ndarray:
-        parts = [values[rows] for key in keys for rows in self._rows[table].get(key, ())]
+        parts = [values[rows] for key in keys for rows in self._rows_of(table).get(key, ())]
         return np.concatenate([values[:0], *parts])
 
 
@@ -321,7 +374,7 @@ def _listed(values: Any) -> tuple[str, ...]:
     return () if values is None else tuple(map(str, values))
 
 
-def _runs(table: pa.Table, names: Sequence[str]) -> dict[tuple[str, ...], list[slice]]:
+def _runs(table: pa.Table, names: Sequence[str]) -> _Rows:
     """Rows with each combination of texts, in stretches."""
     if not len(table):
         return {}
@@ -333,7 +386,7 @@ def _runs(table: pa.Table, names: Sequence[str]) -> dict[tuple[str, ...], list[s
     is_new = np.any([np.diff(code) != 0 for code in codes], axis=0)
     starts = np.concatenate([[0], np.flatnonzero(is_new) + 1])
     texts = [values.to_pylist() for values in known]
-    runs: dict[tuple[str, ...], list[slice]] = {}
+    runs: _Rows = {}
     for start, stop in pairwise([*starts.tolist(), len(table)]):
         key = tuple(of[code[start]] for of, code in zip(texts, codes, strict=True))
         runs.setdefault(key, []).append(slice(start, stop))

@@ -69,6 +69,12 @@ _BOXES: Final = ("boxes_both", "boxes_x_only", "boxes_y_only", "boxes_neither")
 _SUMMED: Final = tuple(key for key in EVIDENCE_KEYS if inference_of(key).test == "units")
 """Measures that are a factor times a sum over another one; sums have ``sum_`` before the key."""
 
+_SPANS: Final = {
+    "events": events_table,
+    "intervals": intervals_table,
+    "episodes": episodes_table,
+}
+
 _RATIOS: Final = {
     "false_alarms_per_frame": ("false_alarms", "n_frames", 1.0),
     "false_alarms_per_minute": ("false_alarms", "duration_s", 60.0),
@@ -204,19 +210,18 @@ def result_tables(result: Result, truth: Sequence[str], has_frames: bool) -> dic
         "encounters": encounters_table(result).assign(
             shown_frame=shown["frame"].to_numpy(), shown_s=shown["time_s"].to_numpy()
         ),
-        "events": events_table(result),
-        "intervals": intervals_table(result),
-        "episodes": episodes_table(result),
     }
     if has_frames:
         made["frames"] = frames_table(result)
-    row_of = {name: row for row, name in enumerate(result.dataset.recordings["name"])}
-    tables = {}
-    for name, table in made.items():
-        order = np.argsort(table["recording"].map(row_of).to_numpy(), kind="stable")
-        is_ordered = (np.diff(order) == 1).all()
-        tables[name] = typed(table if is_ordered else table.iloc[order], schema(name))
-    return tables
+    tables = {name: typed(table, schema(name)) for name, table in made.items()}
+    return tables | {name: spans_table(result, name) for name in _SPANS}
+
+
+def spans_table(result: Result, name: str) -> pa.Table:
+    """The table of events, intervals or episodes, by recording and system."""
+    of_both = [getattr(system, name)["recording"] for _, system in result.sides]
+    order = np.argsort(np.concatenate(of_both), kind="stable")
+    return typed(_SPANS[name](result).iloc[order], schema(name))
 
 
 def typed(table: pd.DataFrame, columns: pa.Schema) -> pa.Table:
@@ -230,20 +235,26 @@ def typed(table: pd.DataFrame, columns: pa.Schema) -> pa.Table:
     return pa.Table.from_arrays(known, schema=columns)
 
 
+def each_recording(result: Result) -> Units:
+    """Each recording as a unit; those without frames are in none."""
+    frames = result.dataset.frame_columns
+    number, has_frames = np.arange(len(frames.fps)), np.diff(frames.first) > 0
+    n_with_frames = int(np.count_nonzero(has_frames))
+    return Units(
+        kind=RECORDINGS,
+        unit_of_frame=frames.recording.astype(np.int64),
+        recording=number,
+        n_recordings=n_with_frames,
+        n_independent=n_with_frames,
+        block_s=np.nan,
+        of_recording=np.where(has_frames, number, -1),
+    )
+
+
 def _sums(result: Result) -> dict[str, np.ndarray]:
     """What measures over several recordings are made of, of each recording."""
     frames, n = result.dataset.frame_columns, len(result.dataset.recordings)
-    has_frames = np.diff(frames.first) > 0
-    units = Units(
-        kind=RECORDINGS,
-        unit_of_frame=frames.recording.astype(np.int64),
-        recording=np.arange(n),
-        n_recordings=int(has_frames.sum()),
-        n_independent=int(has_frames.sum()),
-        block_s=np.nan,
-        of_recording=np.where(has_frames, np.arange(n), -1),
-    )
-    sums = sum_units(result, units)
+    sums = sum_units(result, each_recording(result))
     columns = {name: sums[name].to_numpy() for name in ("n_encounters", *counted())}
     columns["share_of_recording"] = sums["share_of_recording"].to_numpy()
     columns |= {
@@ -253,10 +264,10 @@ def _sums(result: Result) -> dict[str, np.ndarray]:
         if is_met(measure_of(key).only_if, result)
     }
     truth = result.dataset.truth
-    of_truth = frames.recording[truth.frame_index]
-    matched = 2 * ~result.x.matches.is_matched + ~result.y.matches.is_matched
-    for code, name in enumerate(_BOXES):
-        columns[name] = per_recording(result, (matched == code) & ~truth.ignore, of_truth)
+    code = 4 * frames.recording[truth.frame_index].astype(np.int64)  # in the order of _BOXES
+    code += 2 * ~result.x.matches.is_matched + ~result.y.matches.is_matched
+    counts = np.bincount(code[~truth.ignore], minlength=4 * n).reshape(n, 4)
+    columns |= dict(zip(_BOXES, counts.T, strict=True))
     is_near = result.category != Category.DISTANT.value
     for letter, system in result.sides:
         of_system = _sums_of_system(result, system, is_near)

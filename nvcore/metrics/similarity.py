@@ -343,6 +343,16 @@ class SimilaritySummary:
     share_low: float
 
 
+def _percentile_5(values: np.ndarray) -> float:
+    """As ``np.percentile(values, 5)``, to the bit; that takes ten times as long on short arrays."""
+    place = 0.05 * (len(values) - 1)
+    below = int(place)
+    above, share = min(below + 1, len(values) - 1), place - below
+    low, high = np.partition(values, (below, above))[[below, above]]
+    step = high - low
+    return float(low + step * share if share < 0.5 else high - step * (1 - share))
+
+
 def summarise_similarity(similarity: np.ndarray, *, low: float = 0.9) -> SimilaritySummary:
     """Mean, minimum, 5th percentile (linear interpolation) and share of low frames."""
     if not len(similarity):
@@ -350,6 +360,6 @@ def summarise_similarity(similarity: np.ndarray, *, low: float = 0.9) -> Similar
     return SimilaritySummary(
         mean=float(similarity.mean()),
         minimum=float(similarity.min()),
-        percentile_5=float(np.percentile(similarity, 5)),
+        percentile_5=_percentile_5(similarity),
         share_low=float(np.count_nonzero(similarity < low) / len(similarity)),
     )

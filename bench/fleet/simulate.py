@@ -1,0 +1,166 @@
+"""What a scan takes at sizes that nobody measures here: a simulation from measured costs.
+
+    python -m bench.fleet.simulate COSTS.json [--out docs/scale.md]
+
+COSTS.json is what `python -m bench.fleet --keep FOLDER` leaves there. Workers take one batch after
+the other: they read it from a storage that all share, compare it for as long as a batch drawn from
+those that were measured took, and write its results; then one process finishes. Costs of programs
+are measured, those of the storage are assumptions (`Storage`), which the page names.
+"""
+
+from __future__ import annotations
+
+import argparse
+import heapq
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from bench.tables import table
+from bench.web.tables import put_section
+
+FRAMES_PER_RECORDING: Final = 2_000
+BATCH: Final = 250_000
+SEED: Final = 37
+
+
+@dataclass(frozen=True)
+class Storage:
+    """What is assumed of the storage and of machines: of an object store in a cloud.
+
+    Attributes
+    ----------
+    total, each
+        Bytes a second of all workers together, and of one.
+    request_s
+        Until a request is answered.
+    requests
+        Of a worker for one batch: lease, files of the store, results, what is done.
+    slow, times
+        Share of batches whose machine is slow, and by how much.
+    """
+
+    total: float = 12.5e9
+    each: float = 1e8
+    request_s: float = 0.03
+    requests: int = 25
+    slow: float = 0.01
+    times: float = 5.0
+
+
+LOCAL: Final = Storage(np.inf, np.inf, 0.0, 0, 0.0, 1.0)
+"""The disk of the measurement, which the time of a batch has in it."""
+
+
+@dataclass(frozen=True)
+class Costs:
+    """Measured: seconds of each batch of `BATCH` frames, of a worker's start, of what is once."""
+
+    batch_s: np.ndarray
+    start_s: float
+    read: float  # bytes a frame
+    written: float
+    plan_s: float  # by the recording, once
+    open_s: float  # by the recording, of each worker
+    plan_bytes: float  # by the recording
+    memory: float  # of a worker, bytes by the recording
+    finish_s: float  # by the batch, once
+
+
+def costs_of(known: dict[str, Any]) -> Costs:
+    """From what `bench.fleet` has measured: the largest size with one worker, and the metadata."""
+    largest = max((of for name, of in known.items() if name.isdigit()), key=_frames)
+    scan, ingest, metadata = largest["scan, 1"], largest["ingest"], known["metadata"]
+    at = np.array(scan["done_at_s"])
+    whole = np.diff(at)[:-1] if len(at) > 3 else np.diff(at)  # the last batch is a rest
+    recordings = metadata["recordings"]
+    return Costs(
+        whole,
+        max(at[0] - scan["begin_s"] - scan["open_s"] - float(np.median(whole)), 0.0),
+        ingest["bytes"] / ingest["frames"],
+        scan["bytes"] / scan["frames"],
+        metadata["begin_s"] / recordings,
+        metadata["open_s"] / recordings,
+        metadata["plan_bytes"] / recordings,
+        metadata["memory"] / recordings,
+        scan["finish_s"] / scan["batches"],
+    )
+
+
+def _frames(of: dict[str, Any]) -> int:
+    return int(of["ingest"]["frames"])
+
+
+def simulate(
+    costs: Costs,
+    storage: Storage,
+    n_frames: float,
+    workers: int,
+    rng: np.random.Generator,
+    *,
+    batch: int = BATCH,
+    stores: int = 1,
+) -> dict[str, float]:
+    """Seconds from the store to the summary, and of what they consist.
+
+    Parameters
+    ----------
+    batch
+        Frames of a batch.
+    stores
+        Into how many stores the fleet is divided, each with its scan and its share of the workers;
+        their summaries are merged.
+    """
+    n_frames, workers = n_frames / stores, max(workers // stores, 1)
+    n = max(round(n_frames / batch), 1)
+    recordings = n_frames / FRAMES_PER_RECORDING
+    took = rng.choice(costs.batch_s, n) * (batch / BATCH)
+    took = took * np.where(rng.random(n) < storage.slow, storage.times, 1.0)
+    took += storage.requests * storage.request_s + costs.written * batch / storage.each
+    plan_s = costs.plan_s * recordings
+    pages_s = n / 1000 * storage.request_s  # names of what is done come a thousand at a time
+    open_s = costs.open_s * recordings + costs.plan_bytes * recordings / storage.each + 4 * pages_s
+    ready = plan_s + costs.start_s + open_s
+    free = [ready] * workers
+    size, storage_at, waited = costs.read * batch, 0.0, 0.0
+    for seconds in took:  # a batch goes to whoever is free first
+        now = heapq.heappop(free)
+        storage_at = max(storage_at, now) + size / storage.total
+        read = max(storage_at, now + size / storage.each)
+        waited += read - now - size / storage.each
+        heapq.heappush(free, read + seconds)
+    last, finish_s = max(free), n * (costs.finish_s + 2 * storage.request_s / 16)
+    return {
+        "total": last + finish_s,
+        "metadata": ready,
+        "storage": waited / workers,
+        "tail": last - float(np.median(free)),
+        "finish": finish_s,
+        "memory": costs.memory * recordings,
+    }
+
+
+def held_against(known: dict[str, Any], costs: Costs) -> list[list[str]]:
+    """Two workers as predicted from one, and as measured, at each size."""
+    rows = []
+    for name in sorted((name for name in known if name.isdigit()), key=int):
+        scan = known[name].get("scan, 2")
+        if scan:
+            n_whole = scan["frames"] / BATCH
+            runs = [_at(costs, scan["frames"], 2, seed) for seed in range(200)]
+            low, middle, high = np.percentile(runs, [2.5, 50, 97.5])
+            rows.append(
+                [f"{scan['frames']:,} ({n_whole:.1f} batches)",
+                 f"{middle:.0f} s ({low:.0f} to {high:.0f})", f"{scan['s']:.0f} s",
+                 f"{scan['s'] / middle:.2f}"]
+            )  # fmt: skip
+    return rows
+
+
+def _at(costs: Costs, n_frames: float, workers: int, seed: int) -> float:
+    rng = np.random.default_rng([SEED, seed])
+    drawn = replace(costs, batch_s=rng.choice(costs.batch_s, len(costs.batch_s)))
+    return simulate(drawn, LOCAL, n_frames, workers, rng)["total"]
