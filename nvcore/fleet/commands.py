@@ -233,13 +233,15 @@ def top(out: Path | None, **options: Any) -> None:
 
     found = find_top(**options)
     lines = str(found).splitlines()
-    opens = [""]
+    commands = [""]
     for name, frame in zip(found.table["recording"], found.frames, strict=True):
         place = [] if frame is None else ["--at", str(frame)]
-        words = ["--", found.results, name] if name.startswith("-") else [found.results, name]
-        opens.append(shlex.join(["open", *(place + words if "--" in words else words + place)]))
-    for line, words in zip(lines, opens, strict=True):
-        click.echo(one_line(f"{line}  {program()} {words}" if words else line))
+        # a name that begins as a flag does stands last
+        words = [*place, "--", found.results, name] if name[0] == "-" else [found.results, name]
+        words += [] if name[0] == "-" else place
+        commands.append(f"  {program()} open {shlex.join(words)}")
+    for line, command in zip(lines, commands, strict=True):
+        click.echo(one_line(line + command))
     if out is not None:
         write_whole(out, to_csv_bytes(found.table))
         click.echo(one_line(f"written to {out}"), err=True)

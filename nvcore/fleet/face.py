@@ -1,4 +1,4 @@
-"""The calls of Python users: `nvcore.ingest`, `nvcore.scan`, `nvcore.top`, ..."""
+"""The calls of Python users: `nvcore.ingest`, `open_store`, `scan`, `top`, ..."""
 
 from __future__ import annotations
 
@@ -7,16 +7,31 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Final
 
 from nvcore.api.inputs import load
 from nvcore.arguments import PathLike, called_with
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, ParameterError
-from nvcore.extras import needs
 from nvcore.fleet.arguments import OpenArguments, ScanArguments, TopArguments
 from nvcore.fleet.ingest import Ingested, ingest_all, session_files
 from nvcore.fleet.location import Location
+from nvcore.fleet.opening import recording_of, write_recording
+from nvcore.fleet.pool import in_pool
+from nvcore.fleet.query import Top, results_in, worst
+from nvcore.fleet.results import ScanParams, Summary
+from nvcore.fleet.scan import (
+    Engine,
+    Job,
+    Options,
+    Status,
+    begin,
+    drive,
+    finish,
+    forget_quarantined,
+    in_process,
+    status,
+)
 from nvcore.fleet.store import Store
 from nvcore.inputs.session import Session
 from nvcore.memory import free_bytes
@@ -24,37 +39,7 @@ from nvcore.params import Params
 from nvcore.progress import with_time_left
 from nvcore.wording import aligned, number
 
-if TYPE_CHECKING:
-    from nvcore.fleet.query import Top
-    from nvcore.fleet.results import Summary
-    from nvcore.fleet.scan import Engine, Job, Status
-
-BYTES_OF_WORKER = 1_000_000_000
-
-
-@dataclass(frozen=True, eq=False)
-class Scan:
-    """What a scan came to.
-
-    Attributes
-    ----------
-    summary
-        Of all recordings; `measures` is its table.
-    status
-        With the plan, and how many recordings could not be compared.
-    """
-
-    summary: Summary
-    status: Status
-
-    def __str__(self) -> str:
-        measures = self.summary.measures()
-        rows = [("", self.status.plan.params.x, self.status.plan.params.y, "n")]
-        rows += [
-            (label, number(x, ".4g"), number(y, ".4g"), f"{n:,}")
-            for label, x, y, n in measures[["label", "x", "y", "n"]].to_numpy().tolist()
-        ]
-        return "\n".join([*aligned(rows), "", str(self.status)])
+BYTES_OF_WORKER: Final = 1_000_000_000
 
 
 def ingest(
@@ -135,6 +120,31 @@ def open_store(uri: PathLike, *, options: Mapping[str, str] | None = None) -> St
     return Store(Location(uri, options))
 
 
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """What a scan came to.
+
+    Attributes
+    ----------
+    summary
+        Of all recordings; `measures` is its table.
+    status
+        With the plan, and how many recordings could not be compared.
+    """
+
+    summary: Summary
+    status: Status
+
+    def __str__(self) -> str:
+        measures = self.summary.measures()
+        rows = [("", self.status.plan.params.x, self.status.plan.params.y, "n")]
+        rows += [
+            (label, number(x, ".4g"), number(y, ".4g"), f"{n:,}")
+            for label, x, y, n in measures[["label", "x", "y", "n"]].to_numpy().tolist()
+        ]
+        return "\n".join([*aligned(rows), "", str(self.status)])
+
+
 @called_with(ScanArguments)
 def scan(arguments: ScanArguments) -> Scan:
     """Compare two systems on all recordings of a store; what was done before is not done again.
@@ -190,9 +200,6 @@ def scan(arguments: ScanArguments) -> Scan:
     ways = (arguments.workers, arguments.shard, arguments.scheduler, arguments.engine)
     if sum(way is not None for way in ways) > 1:
         raise ParameterError("workers, shard, scheduler, engine: give one of them")
-    with needs("fleet", "scans need"):
-        from nvcore.fleet.results import ScanParams
-        from nvcore.fleet.scan import Job, Options, begin, drive, finish, forget_quarantined, status
     store = Store(Location(str(arguments.store), arguments.storage))
     out = Location(str(arguments.out), arguments.storage)
     if out.list("sources/"):
@@ -228,12 +235,8 @@ def _engine(arguments: ScanArguments, job: Job) -> Engine:
 
         return partial(on_dask, scheduler=arguments.scheduler)
     if arguments.shard is not None:
-        from nvcore.fleet.scan import in_process
-
         part, n_parts = _part(arguments.shard)
         return partial(in_process, part=part, n_parts=n_parts)
-    from nvcore.fleet.pool import in_pool
-
     n_cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     free = free_bytes()
     n_fit = n_cores if free is None else free // BYTES_OF_WORKER
@@ -260,8 +263,6 @@ def scan_status(out: PathLike, *, storage: dict[str, str] | None = None) -> Stat
     InputError
         If there is none.
     """
-    with needs("fleet", "scans need"):
-        from nvcore.fleet.scan import status
     return status(Location(str(out), storage or {}))
 
 
@@ -304,8 +305,6 @@ def top(arguments: TopArguments) -> Top:
     --------
     >>> top("night-vision", by="severity", where="tag.road = 'rural'")  # doctest: +SKIP
     """
-    with needs("fleet", "results of scans need"):
-        from nvcore.fleet.query import results_in, worst
     results = results_in(Location(str(arguments.results), arguments.storage))
     return worst(
         results,
@@ -349,8 +348,6 @@ def export_recording(arguments: OpenArguments) -> Path:
     --------
     >>> dataset = nv.load(export_recording("night-vision", "drive 7", "seven"))  # doctest: +SKIP
     """
-    with needs("fleet", "stores need"):
-        from nvcore.fleet.opening import recording_of, write_recording
     assert arguments.out is not None
     dataset, pictures = recording_of(
         Location(str(arguments.source), arguments.storage),

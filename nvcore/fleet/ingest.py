@@ -21,7 +21,7 @@ from nvcore.fleet.session import time_of
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.metrics.encounter_classes import texts_of_truth
 from nvcore.progress import Progress, no_progress
-from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
+from nvcore.schema import NO_LABEL, NO_TRACK, UNKNOWN_OCCLUSION
 from nvcore.wording import MOST_NAMED, did_you_mean, listed
 
 with needs("fleet", "a store needs"):
@@ -36,6 +36,8 @@ MOST_TOML_BYTES: Final = 16 << 20
 _LABEL_LETTERS: Final = 100
 _FACTS: Final = ("width", "height", "fps", "horizon", "context", "speed_kmh")
 _UNKNOWN: Final = {
+    "label": NO_LABEL,
+    "attributes": -1,
     "track": NO_TRACK,
     "occlusion": UNKNOWN_OCCLUSION,
     "ignore": False,
@@ -82,10 +84,9 @@ def tables_of(
             f"the ground truth is to be absent, and has {len(dataset.truth):,} boxes", file=origin
         )
     frames = {name: dataset.frames[name].to_numpy() for name in ("frame", "speed_kmh")}
-    columns, stretch = _boxes_by_recording(dataset)
+    columns, boxes, stretch = _boxes_by_recording(dataset)
     n_sources = len(dataset.systems) + 1
     counts = np.bincount(stretch, minlength=len(dataset.recordings) * n_sources)
-    boxes = {name: columns.pop(name) for name in ("label", "attributes")}
     try:
         recordings = _recordings_of(dataset, frames, origin)
         names = recordings["recording"]
@@ -109,25 +110,31 @@ def tables_of(
         raise InputError(f"a name is no UTF-8 text: {error.object[:40]!r}", file=origin) from error
 
 
-def _boxes_by_recording(dataset: Dataset) -> tuple[dict[str, Any], np.ndarray]:
-    """Columns of the boxes by recording, then source; recording * sources + source of each row."""
+def _boxes_by_recording(
+    dataset: Dataset,
+) -> tuple[dict[str, np.ndarray], dict[str, _Texts], np.ndarray]:
+    """Columns and texts in which anything is known, by recording and source; and which these are.
+
+    That is recording * sources + source of each row.
+    """
     boxes, n_sources = dataset.boxes, len(dataset.systems) + 1
     frame_index = boxes["frame_index"].to_numpy()
     recording = dataset.frames["recording"].to_numpy()[frame_index].astype(np.int64)
     stretch = recording * n_sources + boxes["source"].to_numpy()
-    attributes = np.full(len(boxes), -1, np.int32)
-    of_truth = texts_of_truth(dataset)
-    attributes[: len(of_truth)] = of_truth.codes
     columns = {name: boxes[name].to_numpy() for name in IN_MEMORY["boxes"].names if name in boxes}
-    columns |= {"frame": dataset.frames["frame"].to_numpy()[frame_index], "attributes": attributes}
+    columns = {name: of for name, of in columns.items() if _is_any_known(name, of)}
+    columns["frame"] = dataset.frames["frame"].to_numpy()[frame_index]
+    texts = texts_of_truth(dataset)
+    if len(texts.categories):
+        columns["attributes"] = np.full(len(boxes), -1, np.int32)
+        columns["attributes"][: len(texts)] = texts.codes
     if len(dataset.recordings) > 1:  # a dataset has all of one source first
         order = np.argsort(stretch, kind="stable")
         stretch = stretch[order]
-        # a column that is unknown throughout is one value, without a row of its own
-        columns = {name: of[order] if of.strides[0] else of for name, of in columns.items()}
-    columns["label"] = _sorted(columns["label"], dataset.labels)
-    columns["attributes"] = _sorted(columns["attributes"], of_truth.categories)
-    return columns, stretch
+        columns = {name: of[order] for name, of in columns.items()}
+    named = {"label": dataset.labels, "attributes": texts.categories}
+    known = {name: _sorted(columns.pop(name), of) for name, of in named.items() if name in columns}
+    return columns, known, stretch
 
 
 def _sorted(codes: np.ndarray, texts: Iterable[object]) -> _Texts:
@@ -143,10 +150,10 @@ def _recordings_of(
 ) -> dict[str, list[Any]]:
     table, settings = dataset.recordings, dataset.settings
     names = table["name"].tolist()
-    is_session = isinstance(settings, Session)
-    entries = settings.entries(names) if is_session else {}
-    entries = {name: entries.get(name, RecordingEntry(name)) for name in names}
-    folder = settings.folder if is_session else Path()
+    stated, folder = {}, Path()
+    if isinstance(settings, Session):
+        stated, folder = settings.entries(names), settings.folder
+    entries = {name: stated.get(name, RecordingEntry(name)) for name in names}
     first = dataset.frame_columns.first
     counts = np.diff(first)
     times = [time_of(entry.recorded_at) for entry in entries.values()]
@@ -188,8 +195,11 @@ def _sources_of(
 ) -> dict[str, list[Any]]:
     names, sources = recordings["recording"], [TRUTH_NAME, *dataset.systems]
     params, (x, y) = dataset.params_of(), dataset.compared()
-    thresholds = dict(zip(dataset.systems, dataset.settings.thresholds, strict=False))
-    thresholds |= {x: params.threshold_x, y: params.threshold_y}
+    thresholds: dict[str | None, float | None] = {
+        **dict(zip(dataset.systems, dataset.settings.thresholds, strict=False)),
+        x: params.threshold_x,
+        y: params.threshold_y,
+    }
     inputs = {
         str(subject): group.tolist()
         for subject, group in dataset.inputs.groupby("subject", sort=False)["sha256"]
@@ -213,6 +223,14 @@ def _sources_of(
     }
 
 
+def _is_any_known(name: str, column: np.ndarray) -> bool:
+    unknown = _UNKNOWN.get(name)
+    return any(  # mostly the first value says it
+        bool(np.any(~np.isnan(part) if unknown is None else part != unknown))
+        for part in (column[:1], column)
+    )
+
+
 def _sha256(
     facts: str, rows: slice, columns: Mapping[str, np.ndarray], texts: Mapping[str, _Texts]
 ) -> str:
@@ -220,16 +238,15 @@ def _sha256(
     digest = hashlib.sha256(facts.encode())
     for name, column in columns.items():
         part = column[rows]
-        is_known = ~np.isnan(part) if part.dtype.kind == "f" else part != _UNKNOWN.get(name, None)
-        if np.any(is_known):
+        if _is_any_known(name, part):
             digest.update(f"\n{name} {len(part)}\n".encode())
-            digest.update(np.ascontiguousarray(part))
+            digest.update(part.tobytes())
     for name, (codes, names) in texts.items():
         used, places = np.unique(codes[rows], return_inverse=True)
         if len(used) and used[-1] >= 0:
             own = [names[code] if code >= 0 else None for code in used]
             digest.update(f"\n{name} {json.dumps(own)}\n".encode())
-            digest.update(places.astype(np.int32))
+            digest.update(places.astype(np.int32).tobytes())
     return digest.hexdigest()
 
 
@@ -249,18 +266,17 @@ def _rows(columns: Mapping[str, list[Any]], schema: pa.Schema) -> pa.Table:
 def _table(
     columns: Mapping[str, np.ndarray], texts: Mapping[str, pa.Array], schema: pa.Schema
 ) -> pa.Table:
+    n_rows = len(columns["frame"])
     arrays = []
     for of in schema:
         if of.name in texts:
             arrays.append(texts[of.name])
-            continue
-        column = columns[of.name]
-        is_unknown = column.dtype.kind == "f" and np.isnan(column).all()
-        arrays.append(
-            pa.nulls(len(column), of.type)
-            if is_unknown
-            else pa.array(column, of.type, from_pandas=True)
-        )
+        elif of.name in columns:
+            arrays.append(pa.array(columns[of.name], of.type, from_pandas=True))
+        elif pa.types.is_floating(of.type) or pa.types.is_dictionary(of.type):
+            arrays.append(pa.nulls(n_rows, of.type))
+        else:
+            arrays.append(pa.repeat(pa.scalar(_UNKNOWN[of.name], of.type), n_rows))
     return pa.table(arrays, schema=schema)
 
 

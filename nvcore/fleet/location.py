@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from datetime import datetime, timedelta
-from functools import cached_property
+from functools import cached_property, partial
+from io import SEEK_CUR, SEEK_END, SEEK_SET, RawIOBase
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, cast
 
 from nvcore.errors import InputError, StoreError
 from nvcore.extras import needs
@@ -16,13 +19,15 @@ with needs("fleet", "a store needs"):
     import obstore
     import pyarrow as pa
     from deltalake.exceptions import DeltaError
-    from obstore.exceptions import AlreadyExistsError, BaseError
+    from obstore.exceptions import BaseError
     from obstore.store import LocalStore, from_url
 
-MAX_RETRIES: Final = 8
+MAX_RETRIES: Final = 20
 RETRY_TIMEOUT_S: Final = 60
-"""After that long a request that the server keeps refusing, or cuts, is an error."""
+"""Of a request that the server refuses or cuts; the option `max_retries` goes before the number."""
 _MAX_WAIT_S: Final = 5
+_LONGEST_REASON: Final = 400
+_LINE_STARTS: Final = re.compile(r"\s*\n(?:\s|\x1b\[\d+m|↳)*")
 _REMOTE: Final = ("s3", "s3a", "gs", "az", "abfs", "abfss")
 _DELTA_OPTIONS: Final = {
     "max_retries": str(MAX_RETRIES),
@@ -94,20 +99,21 @@ class Location:
     def _files(self) -> Any:
         if self.path:
             return LocalStore(self.path, mkdir=True)
-        http = self.options.get("aws_allow_http", self.options.get("allow_http"))
+        options = {"max_retries": str(MAX_RETRIES), **self.options}
+        http = options.pop("aws_allow_http", os.environ.get("AWS_ALLOW_HTTP", "false")).lower()
         try:
             return from_url(
                 self.uri,
-                config={k: v for k, v in self.options.items() if not k.endswith("allow_http")},
-                client_options={"allow_http": True} if http == "true" else None,
+                config=cast(Any, options),
+                client_options={"allow_http": http == "true"},
                 retry_config={
-                    "max_retries": MAX_RETRIES,
+                    "max_retries": int(options.pop("max_retries")),
                     "retry_timeout": timedelta(seconds=RETRY_TIMEOUT_S),
                     "backoff": {"max_backoff": timedelta(seconds=_MAX_WAIT_S)},
                 },
             )
         except (BaseError, ValueError) as error:
-            raise InputError(f"cannot be used ({_first_line(error)})", file=self.uri) from error
+            raise InputError(f"cannot be used ({_reason(error)})", file=self.uri) from error
 
     @contextmanager
     def at(self, path: str, done: str) -> Iterator[None]:
@@ -126,7 +132,7 @@ class Location:
             raise FileNotFoundError(f"there is no {self.uri}/{path}") from error
         except (BaseError, DeltaError, OSError) as error:
             raise StoreError(
-                f"cannot be {done} ({_first_line(error)})", file=f"{self.uri}/{path}"
+                f"cannot be {done} ({_reason(error)})", file=f"{self.uri}/{path}"
             ) from error
 
     def child(self, path: str) -> Location:
@@ -146,12 +152,18 @@ class Location:
             obstore.put(self._files, path, content)
 
     def create(self, path: str, content: bytes) -> bool:
-        """Write a file unless there is one: of several at once, one alone is told True."""
+        """Write a file unless there is one; whether it now holds this content.
+
+        Of several at once with different contents, such as their names, one alone is told True,
+        also where the answer to its first attempt was lost.
+        """
         with self.at(path, "written"):
             try:
                 obstore.put(self._files, path, content, mode="create", use_multipart=False)
-            except AlreadyExistsError:
-                return False
+            except BaseError:
+                with suppress(FileNotFoundError):
+                    return self.read(path) == content
+                raise
             return True
 
     def list(self, prefix: str = "") -> list[Entry]:
@@ -182,8 +194,42 @@ class Location:
         with self.at(path, "read"):
             if self.path:
                 return pa.OSFile(str(self.path / path))
-            return pa.PythonFile(obstore.open_reader(self._files, path), mode="r")
+            return pa.PythonFile(_Ranges(self._files, path), mode="r")
 
 
-def _first_line(error: BaseException) -> str:
-    return str(error).strip().partition("\n")[0][:300]
+class _Ranges(RawIOBase):
+    """A file in an object store, of which the ranges that are read are fetched, and no more.
+
+    `obstore.open_reader` cannot be used: pyarrow asks whether a file is closed.
+    """
+
+    def __init__(self, files: Any, path: str):
+        self._fetch = partial(obstore.get_range, files, path)
+        self._size = obstore.head(files, path)["size"]
+        self._place = 0
+
+    def readable(self) -> bool:
+        return True
+
+    def seekable(self) -> bool:
+        return True
+
+    def tell(self) -> int:
+        return self._place
+
+    def seek(self, offset: int, whence: int = SEEK_SET, /) -> int:
+        self._place = offset + {SEEK_SET: 0, SEEK_CUR: self._place, SEEK_END: self._size}[whence]
+        return self._place
+
+    def read(self, size: int = -1, /) -> bytes:
+        left = self._size - self._place
+        length = left if size < 0 else min(size, left)
+        content = bytes(self._fetch(start=self._place, length=length)) if length > 0 else b""
+        self._place += len(content)
+        return content
+
+
+def _reason(error: BaseException) -> str:
+    """What an error of object_store or deltalake says, in one line without colours."""
+    text = str(error).strip().partition("\n\nDebug source")[0]
+    return ": ".join(filter(None, _LINE_STARTS.split(text)))[:_LONGEST_REASON]

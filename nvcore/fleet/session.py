@@ -33,10 +33,10 @@ def time_of(text: str | None) -> datetime | None:
     SessionError
         If it is none.
     """
+    if text is None:
+        return None
     try:
-        when = None if text is None else datetime.fromisoformat(text)
-        if when is None:
-            return None
+        when = datetime.fromisoformat(text)
         return when.replace(tzinfo=UTC) if when.tzinfo is None else when.astimezone(UTC)
     except (ValueError, OverflowError) as error:
         raise SessionError(

@@ -118,16 +118,14 @@ class Store:
         return tables
 
     def _made(self, name: str) -> DeltaTable:
-        schema, parts = SCHEMAS[name], []
-        if self._wanted is not None and name in IN_MEMORY:
-            schema, parts = schema.append(pa.field(self._wanted, pa.string())), [self._wanted]
+        schema, parts = _divided(name, self._wanted)
         with self.location.at(name, "made"):
             if self.location.path:
                 (self.location.path / name).mkdir(parents=True, exist_ok=True)
             try:
                 return DeltaTable.create(
                     f"{self.location.uri}/{name}",
-                    Schema.from_arrow(schema),
+                    schema,
                     partition_by=parts,
                     storage_options=self.location.delta_options,
                 )
@@ -191,7 +189,7 @@ class Store:
                 (item[0], batch[numbers[item[-1]]][data].slice(first, n))
                 for item, first, n in zip(order, index["first_row"], index["n_rows"], strict=True)
             ]
-            files[data], places_in_files = self._written(data, pieces)
+            files[data], places_in_files = self._written(data, pieces, partition)
             for column, values in zip(INDEX, places_in_files, strict=True):
                 new[name] = new[name].set_column(
                     new[name].schema.get_field_index(column.name),
@@ -200,14 +198,14 @@ class Store:
                 )
         for name, rows in new.items():
             if len(rows):
-                files[name] = [self._put(name, [rows], None)]
+                files[name] = [self._put(name, [rows.sort_by("recording")], {})]
         for name in SCHEMAS:  # in this order: those that refer to others last
             if files.get(name):
                 self._commit(name, files[name], partition)
         return new
 
     def _written(
-        self, name: str, pieces: Sequence[tuple[str | None, pa.Table]]
+        self, name: str, pieces: Sequence[tuple[str | None, pa.Table]], partition: str | None
     ) -> tuple[list[AddAction], list[tuple[Any, ...]]]:
         """Write stretches of rows into a file a part; where each lies, as columns of `INDEX`."""
         actions, places = [], []
@@ -226,22 +224,24 @@ class Store:
                 n_in_group, n_rows = n_in_group + n, n_rows + n
             path = ""
             if n_rows:
-                action = self._put(name, map(pa.concat_tables, groups), part)
+                values = {} if partition is None else {partition: part}
+                action = self._put(name, map(pa.concat_tables, groups), values)
                 path = action.path
                 actions.append(action)
             places += [(path if n else "", group, first, n) for group, first, n in spots]
         return actions, [*zip(*places, strict=True)] or [()] * len(INDEX)
 
-    def _put(self, name: str, groups: Iterable[pa.Table], part: str | None) -> AddAction:
+    def _put(
+        self, name: str, groups: Iterable[pa.Table], values: Mapping[str, str | None]
+    ) -> AddAction:
+        """Write a file of rows sorted by recording; what is committed of it."""
         sink = pa.BufferOutputStream()
         schema = IN_MEMORY.get(name, SCHEMAS[name])
-        texts = [field.name for field in SCHEMAS[name] if field.type == pa.string()]
         n_rows, names = 0, []
         with pq.ParquetWriter(
             sink,
             schema,
             compression="zstd",
-            use_dictionary=texts,
             write_page_checksum=True,
             store_schema=False,
         ) as writer:
@@ -259,22 +259,17 @@ class Store:
                 "maxValues": {"recording": max(names)},
             }
         return AddAction(
-            path, len(content), {"": part}, int(time.time() * 1000), True, json.dumps(stats)
+            path, len(content), values, int(time.time() * 1000), True, json.dumps(stats)
         )
 
-    def _commit(self, name: str, actions: list[AddAction], partition: str | None) -> None:
-        is_divided = partition is not None and name in IN_MEMORY
-        schema = SCHEMAS[name]
-        if is_divided:
-            schema = schema.append(pa.field(partition, pa.string()))
-        for action in actions:
-            action.partition_values = {partition: action.partition_values[""]} if is_divided else {}
+    def _commit(self, name: str, actions: list[Any], partition: str | None) -> None:
+        schema, parts = _divided(name, partition)
         with self.location.at(name, "written"):
             self._tables[name].create_write_transaction(
                 actions,
                 mode="append",
-                schema=Schema.from_arrow(schema),
-                partition_by=[partition] if is_divided else [],
+                schema=schema,
+                partition_by=parts,
                 commit_properties=CommitProperties(max_commit_retries=_COMMIT_RETRIES),
             )
 
@@ -440,7 +435,7 @@ class Snapshot:
             if not file:
                 continue
             of_file = places.to_numpy()
-            with _file_of(self.location, f"{name}/{file}", texts) as parquet:
+            with _file_of(self.location, f"{name}/{file!s}", texts) as parquet:
                 sizes = [
                     parquet.metadata.row_group(i).num_rows for i in range(parquet.num_row_groups)
                 ]
@@ -506,6 +501,15 @@ def _opened(location: Location, name: str, version: int | None = None) -> DeltaT
             return None
 
 
+def _divided(name: str, partition: str | None) -> tuple[Schema, list[str]]:
+    """Schema of a table and by which columns it is divided: frames and boxes alone are."""
+    schema = SCHEMAS[name]
+    parts = [partition] if partition is not None and name in IN_MEMORY else []
+    for part in parts:
+        schema = schema.append(pa.field(part, pa.string()))
+    return Schema.from_arrow(schema), parts
+
+
 def _partition_of(table: DeltaTable) -> str | None:
     return next(iter(table.metadata().partition_columns), None)
 
@@ -514,7 +518,7 @@ def _rows(location: Location, name: str, table: DeltaTable, known: dict[str, pa.
     """All rows of a table of recordings or sources; `known` has files that were read before."""
     with location.at(name, "read"):
         actions = pa.table(table.get_add_actions(flatten=True))
-    paths = [f"{name}/{unquote(path)}" for path in actions["path"].to_pylist()]
+    paths = [f"{name}/{unquote(path)}" for path in map(str, actions["path"].to_pylist())]
     new = [path for path in paths if path not in known]
 
     def read(path: str) -> pa.Table:
