@@ -1,10 +1,10 @@
-"""What a fleet costs: ingest, scan, merging, questions; written to docs/benchmarks.md.
+"""What a fleet costs: ingest, scan, merging, questions; and, simulated, what larger ones would.
 
-    python -m bench.fleet [--frames 1e5 1e6 1e7] [--workers 1 2] [--keep FOLDER] [--out FILE]
+    python -m bench.fleet [--frames 1e5 1e6 1e7] [--keep FOLDER] [--out docs]
 
 Each step runs in a fresh process, one after the other, on the fleet of `bench.fleet.generate`; a
-scan's worker processes are looked at from outside. Figures go to FOLDER/costs.json, too, which
-`bench.fleet.simulate` reads. 10^7 frames take some 2 GB of disk and twenty minutes on two cores.
+scan's worker processes are looked at from outside. Figures go to FOLDER/costs.json, too, of which
+`bench.fleet.pages` makes the sections again. 10^7 frames take 2 GB of disk.
 """
 
 from __future__ import annotations
@@ -17,35 +17,18 @@ import shutil
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
-from itertools import pairwise
 from multiprocessing import active_children
 from pathlib import Path
 from statistics import median
 from time import perf_counter
 from typing import Any, Final
 
-from bench.measure import report
-from bench.tables import growth_exponent, seconds_text, table
-from bench.web.tables import put_section
+from bench.fleet.pages import write_pages
+from bench.measure import peak_beyond, report
 from bench.workers import run_worker
 
-SECTION = """\
-## Fleet
-
-A synthetic fleet (`bench/fleet/generate.py`: 4 pedestrians a frame, 4 + 4 detections, recordings of
-1,000 to 3,000 frames) in a store on the local disk. *Ingest* is from boxes in memory to a store,
-drawing them is not in it; *from CSV* reads files first. *Scan* goes from the store to the tables of
-results, in batches of 250,000 frames, with its worker processes' start in it; *finishing* merges
-what the batches gave and is in it, too. *Second scan* is the same with another alpha. *Top* are the
-20 worst encounters by night on rural roads. *Growth* is the slope of log time over log frames. Load
-of the machine when it began: {load:.1f}.
-
-{table}
-
-Bytes: {bytes}. Peak memory of a worker: {peak}. {speedup}
-"""
 ALPHA: Final = 0.8
 POLL_S: Final = 0.1
 QUESTION: Final = "tag.night and tag.road = 'rural'"
@@ -185,6 +168,47 @@ def scan(store: str, out: str, workers: int, alpha: float | None) -> dict[str, A
     }
 
 
+def metadata(folder: str, recordings: int) -> dict[str, Any]:
+    """What recordings take before the first is compared: a store with nothing but names."""
+    import numpy as np
+    import pandas as pd
+
+    from nvcore.dataset.tables import dataset_from_tables
+    from nvcore.fleet.ingest import ingest_all
+    from nvcore.fleet.location import Location
+    from nvcore.fleet.results import ScanParams
+    from nvcore.fleet.scan import Job, begin
+    from nvcore.fleet.store import Snapshot, Store
+
+    names = [f"r{number:08}" for number in range(recordings)]
+    facts = pd.DataFrame({"name": names, "width": 640, "height": 480, "fps": 20.0, "unit": "car"})
+    boxes = pd.DataFrame({name: [] for name in ("frame_index", "source", "x", "y", "w", "h")})
+    frames = [np.arange(2)] * recordings
+    dataset = dataset_from_tables(facts, frames, boxes, ["FIR", "NIR"], fingerprint="")
+    store, out = f"{folder}/store", Location(f"{folder}/out")
+    params = ScanParams("FIR", "NIR")
+    ingest_all([("all", lambda: dataset)], Store(store))
+
+    def read() -> tuple[Any, ...]:
+        plan, begin_s, _ = clocked(lambda: begin(Store(store), out, params))
+
+        def open_as_worker() -> None:
+            Job(plan.store, out.uri, plan.key).missing()
+            Snapshot(Location(store), plan.versions).read(names[:1], params.sources)
+
+        return plan, begin_s, clocked(open_as_worker)[1]
+
+    (plan, begin_s, open_s), peak_mb = peak_beyond(read)
+    return {
+        "recordings": recordings,
+        "s": begin_s + open_s,
+        "begin_s": begin_s,
+        "open_s": open_s,
+        "plan_bytes": len(plan.to_json()),
+        "memory": peak_mb * 1024**2,
+    }
+
+
 def top(out: str) -> dict[str, Any]:
     """The question that opens the worst moments."""
     from nvcore.fleet.location import Location
@@ -198,7 +222,13 @@ def _bytes(folder: str) -> int:
     return sum(path.stat().st_size for path in Path(folder).rglob("*") if path.is_file())
 
 
-STEPS: Final = {"ingest": ingest, "from_csv": from_csv, "scan": scan, "top": top}
+STEPS: Final[dict[str, Callable[..., dict[str, Any]]]] = {
+    "ingest": ingest,
+    "from_csv": from_csv,
+    "metadata": metadata,
+    "scan": scan,
+    "top": top,
+}
 
 
 def measured(step: str, **arguments: Any) -> dict[str, Any]:
@@ -212,67 +242,16 @@ def measured(step: str, **arguments: Any) -> dict[str, Any]:
     return figures
 
 
-def measure_size(n_frames: int, workers: list[int], folder: Path) -> dict[str, Any]:
+def measure_size(n_frames: int, folder: Path) -> dict[str, Any]:
     """All steps at one size."""
     store = str(folder / "store")
     costs = {"ingest": measured("ingest", store=store, n_frames=n_frames)}
-    for n in workers:
+    for n in (1, 2):
         out = str(folder / f"by {n}")
         costs[f"scan, {n}"] = measured("scan", store=store, out=out, workers=n, alpha=None)
-    out = str(folder / f"by {workers[-1]}")
     costs["top"] = measured("top", out=out)
-    again = {"store": store, "out": out, "workers": workers[-1], "alpha": ALPHA}
-    costs["second scan"] = measured("scan", **again)
+    costs["second scan"] = measured("scan", store=store, out=out, workers=2, alpha=ALPHA)
     return costs
-
-
-def rows_of(costs: dict[int, dict[str, Any]]) -> Iterator[list[str]]:
-    """Rows of the table: clock, and frames a second of one core."""
-    sizes = sorted(costs)
-    for step in costs[sizes[0]]:
-        of_step = [costs[n].get(step) for n in sizes]
-        known = [(of["frames"], of) for of in of_step if of is not None and "frames" in of]
-        known = known or [
-            (costs[n]["ingest"]["frames"], of) for n, of in zip(sizes, of_step, strict=True) if of
-        ]
-        exponent = growth_exponent([n for n, _ in known], [of["s"] for _, of in known])
-        rates = [] if step == "top" else [f"{n / of['cpu_s']:,.0f}" for n, of in known[-1:]]
-        cells = ["–" if of is None else seconds_text(of["s"]) for of in of_step]
-        name = step.replace("scan, 1", "scan, 1 worker").replace("scan, 2", "scan, 2 workers")
-        yield [name, *cells, f"{exponent:.2f}" if exponent == exponent else "", *(rates or [""])]
-        if step.startswith("scan"):
-            cells = [seconds_text(of["finish_s"]) for of in of_step if of]
-            finish_s = [of["finish_s"] for _, of in known]
-            exponent = growth_exponent([n for n, _ in known], finish_s)
-            shown = f"{exponent:.2f}" if exponent == exponent else ""
-            yield ["… of it finishing", *cells, shown, ""]
-
-
-def section_of(costs: dict[int, dict[str, Any]], csv: dict[str, Any], load: float) -> str:
-    """The section of docs/benchmarks.md."""
-    sizes = sorted(costs)
-    largest = costs[sizes[-1]]
-    scans = [of for step, of in largest.items() if step.startswith("scan, ")]
-    n = largest["ingest"]["frames"]
-    rows = [*rows_of(costs)]
-    rate = f"{csv['frames'] / csv['cpu_s']:,.0f}"
-    first = f"from CSV, {csv['frames']:,} frames"
-    rows.insert(1, [first, seconds_text(csv["s"]), *[""] * (len(sizes) - 1), "", rate])
-    head = ["", *(f"{costs[of]['ingest']['frames']:,} frames" for of in sizes), "growth"]
-    peaks = {of["peak_mb"] for step in costs.values() for of in step.values() if "peak_mb" in of}
-    grown = max(of["grown_mb"] for of in scans)
-    rates = [of["frames"] / of["s"] for of in scans]
-    return SECTION.format(
-        load=load,
-        table=table([*head, "frames a second a core"], rows),
-        bytes=f"{largest['ingest']['bytes'] / n:.0f} a frame in the store, "
-        f"{scans[-1]['bytes'] / n:.1f} of results",
-        peak=f"{max(peaks):.0f} MB, {grown:.0f} MB of it in the second half of its life at "
-        f"{n:,} frames (target: less than 1,000 MB)",
-        speedup="From one worker to two: "
-        + ", ".join(f"{after / before:.2f} times as fast" for before, after in pairwise(rates))
-        + ".",
-    )
 
 
 def main() -> None:
@@ -280,30 +259,26 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--frames", type=float, nargs="+", default=[1e5, 1e6, 1e7])
-    parser.add_argument("--workers", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--keep", type=Path, help="folder for stores and costs.json, kept")
-    parser.add_argument("--out", type=Path, help="the page that the section goes into")
+    parser.add_argument("--out", type=Path, help="folder of the pages that sections go into")
     parser.add_argument("--step", nargs=2, help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.step:
         name, arguments = options.step
         report(**STEPS[name](**json.loads(arguments)))
         return
-    load = os.getloadavg()[0]
     folder = options.keep or Path(tempfile.mkdtemp(prefix="fleet-"))
+    known: dict[str, Any] = {"load": os.getloadavg()[0], "sizes": {}}
     try:
-        costs = {}
         with tempfile.TemporaryDirectory() as files:
-            csv = measured("from_csv", folder=files, n_frames=100_000)
+            known["csv"] = measured("from_csv", folder=files, n_frames=100_000)
+            known["metadata"] = measured("metadata", folder=f"{files}/names", recordings=10_000)
         for n in map(int, options.frames):
             of_size = folder / f"{n}"
             shutil.rmtree(of_size, ignore_errors=True)
-            costs[n] = measure_size(n, options.workers, of_size)
-            (folder / "costs.json").write_text(json.dumps(costs, indent=1))
-        section = section_of(costs, csv, load)
-        print(section)
-        if options.out:
-            put_section(options.out, section)
+            known["sizes"][str(n)] = measure_size(n, of_size)
+            (folder / "costs.json").write_text(json.dumps(known))
+        write_pages(known, options.out)
     finally:
         if not options.keep:
             shutil.rmtree(folder)

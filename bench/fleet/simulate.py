@@ -1,26 +1,17 @@
 """What a scan takes at sizes that nobody measures here: a simulation from measured costs.
 
-    python -m bench.fleet.simulate COSTS.json [--out docs/scale.md]
-
-COSTS.json is what `python -m bench.fleet --keep FOLDER` leaves there. Workers take one batch after
-the other: they read it from a storage that all share, compare it for as long as a batch drawn from
-those that were measured took, and write its results; then one process finishes. Costs of programs
-are measured, those of the storage are assumptions (`Storage`), which the page names.
+Workers take one batch after the other: they read it from a storage that all share, compare it for
+as long as a batch drawn from those that were measured took, and write its results; then one process
+finishes. Costs of programs are measured (`bench.fleet`), those of storage and machines assumed.
 """
 
 from __future__ import annotations
 
-import argparse
 import heapq
-import json
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-
-from bench.tables import table
-from bench.web.tables import put_section
 
 FRAMES_PER_RECORDING: Final = 2_000
 BATCH: Final = 250_000
@@ -72,26 +63,20 @@ class Costs:
 
 def costs_of(known: dict[str, Any]) -> Costs:
     """From what `bench.fleet` has measured: the largest size with one worker, and the metadata."""
-    largest = max((of for name, of in known.items() if name.isdigit()), key=_frames)
+    largest = known["sizes"][max(known["sizes"], key=int)]
     scan, ingest, metadata = largest["scan, 1"], largest["ingest"], known["metadata"]
     at = np.array(scan["done_at_s"])
-    whole = np.diff(at)[:-1] if len(at) > 3 else np.diff(at)  # the last batch is a rest
-    recordings = metadata["recordings"]
+    took = np.diff(at)[:-1] if len(at) > 3 else np.diff(at)  # the last batch is a rest
+    start_s = at[0] - scan["begin_s"] - scan["open_s"] - float(np.median(took))
+    of_recording = [metadata[of] for of in ("begin_s", "open_s", "plan_bytes", "memory")]
     return Costs(
-        whole,
-        max(at[0] - scan["begin_s"] - scan["open_s"] - float(np.median(whole)), 0.0),
+        took,
+        max(start_s, 0.0),
         ingest["bytes"] / ingest["frames"],
         scan["bytes"] / scan["frames"],
-        metadata["begin_s"] / recordings,
-        metadata["open_s"] / recordings,
-        metadata["plan_bytes"] / recordings,
-        metadata["memory"] / recordings,
+        *(of / metadata["recordings"] for of in of_recording),
         scan["finish_s"] / scan["batches"],
     )
-
-
-def _frames(of: dict[str, Any]) -> int:
-    return int(of["ingest"]["frames"])
 
 
 def simulate(
@@ -143,24 +128,14 @@ def simulate(
     }
 
 
-def held_against(known: dict[str, Any], costs: Costs) -> list[list[str]]:
-    """Two workers as predicted from one, and as measured, at each size."""
-    rows = []
-    for name in sorted((name for name in known if name.isdigit()), key=int):
-        scan = known[name].get("scan, 2")
-        if scan:
-            n_whole = scan["frames"] / BATCH
-            runs = [_at(costs, scan["frames"], 2, seed) for seed in range(200)]
-            low, middle, high = np.percentile(runs, [2.5, 50, 97.5])
-            rows.append(
-                [f"{scan['frames']:,} ({n_whole:.1f} batches)",
-                 f"{middle:.0f} s ({low:.0f} to {high:.0f})", f"{scan['s']:.0f} s",
-                 f"{scan['s'] / middle:.2f}"]
-            )  # fmt: skip
-    return rows
-
-
-def _at(costs: Costs, n_frames: float, workers: int, seed: int) -> float:
-    rng = np.random.default_rng([SEED, seed])
-    drawn = replace(costs, batch_s=rng.choice(costs.batch_s, len(costs.batch_s)))
-    return simulate(drawn, LOCAL, n_frames, workers, rng)["total"]
+def predicted(
+    costs: Costs, storage: Storage, n_frames: float, workers: int
+) -> tuple[float, float, float]:
+    """Low, middle and high seconds (95 %): each time other batches stand for those measured."""
+    totals = []
+    for seed in range(200):
+        rng = np.random.default_rng([SEED, seed])
+        drawn = replace(costs, batch_s=rng.choice(costs.batch_s, len(costs.batch_s)))
+        totals.append(simulate(drawn, storage, n_frames, workers, rng)["total"])
+    low, middle, high = np.percentile(totals, [2.5, 50, 97.5])
+    return float(low), float(middle), float(high)

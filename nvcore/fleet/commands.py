@@ -237,8 +237,10 @@ def top(out: Path | None, **options: Any) -> None:
     for name, frame in zip(found.table["recording"], found.frames, strict=True):
         place = [] if frame is None else ["--at", str(frame)]
         # a name that begins as a flag does stands last
-        words = [*place, "--", found.results, name] if name[0] == "-" else [found.results, name]
-        words += [] if name[0] == "-" else place
+        words = (
+            [*place, "--", found.results, name] if name.startswith("-") else [found.results, name]
+        )
+        words += [] if name.startswith("-") else place
         commands.append(f"  {program()} open {shlex.join(words)}")
     for line, command in zip(lines, commands, strict=True):
         click.echo(one_line(line + command))
