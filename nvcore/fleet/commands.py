@@ -17,7 +17,7 @@ from urllib.parse import urlencode
 
 import click
 
-from nvcore.arguments import INPUTS, OUTPUT, pairs_of
+from nvcore.arguments import OUTPUT, pairs_of
 from nvcore.cli.app import serve
 from nvcore.cli.options import (
     GroupedCommand,
@@ -42,6 +42,8 @@ if TYPE_CHECKING:
 
 # As in nvcore/cli/__init__.py, numpy and what stores need are imported by the commands only.
 
+STORE: Final = "Store"
+
 
 @click.command(
     cls=GroupedCommand,
@@ -54,7 +56,7 @@ if TYPE_CHECKING:
 )
 @click.argument("inputs", nargs=-1, type=click.Path(path_type=Path))
 @grouped_option(
-    OUTPUT,
+    STORE,
     "--store",
     required=True,
     metavar="URI",
@@ -62,14 +64,14 @@ if TYPE_CHECKING:
     "(AWS_ENDPOINT_URL, ...); made if there is none.",
 )
 @grouped_option(
-    OUTPUT,
+    STORE,
     "--partition",
     metavar="KEY",
     help="How a new store is divided: by month, unit, or the key of a tag, such as route where "
     "recordings have tags such as route=A9. Default: not.",
 )
 @grouped_option(
-    OUTPUT,
+    STORE,
     "--label",
     "labels",
     multiple=True,
@@ -78,7 +80,7 @@ if TYPE_CHECKING:
     help="What to call this version of a system, or of the truth; may be given again.",
 )
 @grouped_option(
-    INPUTS,
+    STORE,
     "--truth-kind",
     type=click.Choice(["annotated", "automatic", "absent"]),
     default="annotated",
@@ -98,8 +100,8 @@ def ingest(
 
     INPUTS are session files, or folders that are searched for them; in their place, flags name the
     files of one comparison. What the store has already is left out, and what has changed is a new
-    version: nothing is overwritten. Exit code 0: fine, 1: some inputs could not be used, the others
-    are in the store, 2: bad input.
+    version: nothing is overwritten. How they are compared is said later. Exit code 0: fine, 1: some
+    inputs could not be used, the others are in the store, 2: bad input.
     """
     from nvcore.fleet.ingest import ingest_all, session_files
     from nvcore.fleet.location import Location

@@ -1,8 +1,8 @@
 """Stores of many recordings: appended to, never overwritten, read by whole recordings.
 
 A store is a folder with four Delta tables (`nvcore.fleet.tables`). Their files are named by their
-content and committed in an order in which a reader who goes from recordings and sources to files
-sees nothing of what a broken ingest left behind.
+content and committed with the sources last, from which a reader goes to recordings and files: so
+nothing is seen of what a broken ingest left behind.
 """
 
 from __future__ import annotations
@@ -11,10 +11,12 @@ import hashlib
 import json
 import re
 import time
+from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from functools import cached_property
+from dataclasses import dataclass, field
+from functools import cached_property, partial
 from itertools import groupby
 from pathlib import Path
 from typing import Any, Final
@@ -42,15 +44,27 @@ GROUP_ROWS: Final = 1 << 18
 MAX_GROUP_ROWS: Final = 1 << 20
 ROWS_IN: Final = {"recordings": "frames", "sources": "boxes"}
 """Where the rows are that a row of the other table refers to."""
-_VERSION_KEYS: Final = {
+_CONTENT: Final = {
     "recordings": ["recording", "sha256"],
     "sources": ["recording", "source", "sha256"],
 }
+"""What tells versions apart."""
+_ROW: Final = {**_CONTENT, "sources": [*_CONTENT["sources"], "recording_sha256"]}
+_INDEX: Final = [column.name for column in INDEX]
 _KEY: Final = re.compile(r"[a-z][a-z0-9_]{0,40}")
 _COMMIT_RETRIES: Final = 100
 """Writers that may come in between before one gives up."""
 _THREADS: Final = 8
 _LONGEST_IN_STATS: Final = 200
+
+
+@dataclass
+class _Learned:
+    """What a writer knows of a table: its files, its rows, and where rows with a content lie."""
+
+    paths: set[str] = field(default_factory=set)
+    rows: set[tuple[Any, ...]] = field(default_factory=set)
+    index: dict[tuple[Any, ...], tuple[Any, ...]] = field(default_factory=dict)
 
 
 class Store:
@@ -80,9 +94,10 @@ class Store:
             )
         self._wanted = partition
         self._known: dict[str, pa.Table] = {}
+        self._learned = {name: _Learned() for name in ROWS_IN}
 
-    def __getstate__(self) -> dict[str, Any]:
-        return {"location": self.location, "_wanted": self._wanted, "_known": {}}
+    def __reduce__(self) -> Any:
+        return partial(Store, self.location, partition=self._wanted), ()
 
     def __repr__(self) -> str:
         return f"Store({self.location.uri!r})"
@@ -98,7 +113,7 @@ class Store:
             If it cannot be read.
         """
         versions: dict[str, int] = {}
-        for name in reversed(SCHEMAS):  # so that all is there that a row refers to
+        for name in reversed(SCHEMAS):  # so that all is there that a source refers to
             table = _opened(self.location, name)
             if table is None:
                 raise InputError("there is no store here", file=self.location.uri)
@@ -157,79 +172,77 @@ class Store:
         StoreError
             If it cannot be read or written.
         """
-        tables, new, files = self._tables, {}, {}
+        tables, new, actions = self._tables, {}, {}
         partition = _partition_of(tables["boxes"])
-        parts = [_parts_of(tables_of_one["recordings"], partition) for tables_of_one in batch]
         with self.location.at("", "read"):
             for table in tables.values():
                 table.update_incremental()
-        stored = {name: _rows(self.location, name, tables[name], self._known) for name in ROWS_IN}
-        versions = set(_keys(stored["recordings"], _VERSION_KEYS["recordings"]))
         for name, data in ROWS_IN.items():
-            own = stored[name]
-            if name == "sources":  # what came with a version that is not there is not seen
-                versions |= {
-                    key
-                    for of in batch
-                    for key in _keys(of["recordings"], _VERSION_KEYS["recordings"])
-                }
-                came_with = _keys(own, ["recording", "recording_sha256"])
-                own = own.filter(pa.array([key in versions for key in came_with], pa.bool_()))
-            known = set(_keys(own, _VERSION_KEYS[name]))
-            rows = pa.concat_tables([tables_of_one[name] for tables_of_one in batch])
-            numbers = np.repeat(np.arange(len(batch)), [len(of[name]) for of in batch])
-            places: dict[tuple[Any, ...], tuple[Any, ...]] = {}
-            for place, key in enumerate(_keys(rows, _VERSION_KEYS[name])):
-                if key not in known and key not in places:
-                    places[key] = (parts[numbers[place]][key[0]], *key, place)
-            order = sorted(places.values(), key=lambda item: (item[0] or "", *item[1:]))
-            new[name] = rows.take(pa.array([item[-1] for item in order], pa.int64()))
-            index = new[name].select(["first_row", "n_rows"]).to_pydict()
+            stored = self._stored(name)
+            rows = pa.concat_tables([SCHEMAS[name].empty_table(), *(of[name] for of in batch)])
             pieces = [
-                (item[0], batch[numbers[item[-1]]][data].slice(first, n))
-                for item, first, n in zip(order, index["first_row"], index["n_rows"], strict=True)
-            ]
-            files[data], places_in_files = self._written(data, pieces, partition)
-            for column, values in zip(INDEX, places_in_files, strict=True):
-                new[name] = new[name].set_column(
-                    new[name].schema.get_field_index(column.name),
-                    column,
-                    pa.array(values, column.type),
+                (part, of[data].slice(first, n))
+                for of in batch
+                for part, first, n in zip(
+                    _parts_of(of["recordings"], of[name]["recording"], partition),
+                    of[name]["first_row"].to_pylist(),
+                    of[name]["n_rows"].to_pylist(),
+                    strict=True,
                 )
+            ]
+            contents = _keys(rows, _CONTENT[name])
+            places = {key: place for place, key in enumerate(contents) if key not in stored.index}
+            order = sorted(places, key=lambda key: (pieces[places[key]][0] or "", *key))
+            actions[data], written = self._written(
+                data, [pieces[places[key]] for key in order], partition
+            )
+            lies = ChainMap(dict(zip(order, written, strict=True)), stored.index)
+            keys = dict(zip(_keys(rows, _ROW[name]), range(len(rows)), strict=True))
+            chosen = sorted(keys[key] for key in keys.keys() - stored.rows)
+            taken = rows.take(pa.array(chosen, pa.int64()))
+            new[name] = _with_index(taken, [lies[contents[place]] for place in chosen])
         for name, rows in new.items():
-            if len(rows):
-                files[name] = [self._put(name, [rows.sort_by("recording")], {})]
-        for name in SCHEMAS:  # in this order: those that refer to others last
-            if files.get(name):
-                self._commit(name, files[name], partition)
+            actions[name] = [self._put(name, [rows.sort_by("recording")], {})] if len(rows) else []
+        for name in SCHEMAS:  # in this order: nothing is seen before the last one
+            if actions[name]:
+                self._commit(name, actions[name], partition)
         return new
+
+    def _stored(self, name: str) -> _Learned:
+        """What is in a table of recordings or sources, of which only new files are looked at."""
+        learned = self._learned[name]
+        paths = _paths(self.location, name, self._tables[name])
+        new = [path for path in paths if path not in learned.paths]
+        rows = _rows(self.location, name, new, self._known)
+        learned.index.update(zip(_keys(rows, _CONTENT[name]), _keys(rows, _INDEX), strict=True))
+        learned.rows.update(_keys(rows, _ROW[name]))
+        learned.paths.update(new)
+        return learned
 
     def _written(
         self, name: str, pieces: Sequence[tuple[str | None, pa.Table]], partition: str | None
     ) -> tuple[list[AddAction], list[tuple[Any, ...]]]:
-        """Write stretches of rows into a file a part; where each lies, as columns of `INDEX`."""
+        """Write stretches of rows, into a file for each part; where they lie, by `_INDEX`."""
         actions, places = [], []
         for part, of_part in groupby(pieces, key=lambda piece: piece[0]):
-            groups: list[list[pa.Table]] = [[]]
+            groups: list[list[pa.Table]] = []
             spots, n_groups, n_in_group, n_rows = [], 0, 0, 0
             for _, rows in of_part:
                 n = len(rows)
-                if groups[-1] and (n_in_group >= GROUP_ROWS or n_in_group + n > MAX_GROUP_ROWS):
-                    n_groups += -(-n_in_group // MAX_GROUP_ROWS)
-                    groups.append([])
-                    n_in_group = 0
-                spots.append((n_groups, n_rows, n) if n else (0, 0, 0))
+                if n and (n_in_group >= GROUP_ROWS or n_in_group + n > MAX_GROUP_ROWS):
+                    n_groups, n_in_group = n_groups + -(-n_in_group // MAX_GROUP_ROWS), 0
                 if n:
+                    groups += [[]] * (not n_in_group)
                     groups[-1].append(rows)
+                spots.append((n_groups, n_rows, n) if n else (0, 0, 0))
                 n_in_group, n_rows = n_in_group + n, n_rows + n
             path = ""
             if n_rows:
                 values = {} if partition is None else {partition: part}
-                action = self._put(name, map(pa.concat_tables, groups), values)
-                path = action.path
-                actions.append(action)
+                actions.append(self._put(name, map(pa.concat_tables, groups), values))
+                path = actions[-1].path
             places += [(path if n else "", group, first, n) for group, first, n in spots]
-        return actions, [*zip(*places, strict=True)] or [()] * len(INDEX)
+        return actions, places
 
     def _put(
         self, name: str, groups: Iterable[pa.Table], values: Mapping[str, str | None]
@@ -310,17 +323,21 @@ class Snapshot:
     def _tables(self) -> dict[str, pd.DataFrame]:
         """Recordings and sources, each version once, by when it came."""
         found = {}
-        for name, keys in _VERSION_KEYS.items():
+        for name in ROWS_IN:
             table = _opened(self.location, name, self.versions[name])
             if table is None:
                 raise InputError("there is no store here", file=self.location.uri)
-            rows = _rows(self.location, name, table, self._known).to_pandas()
-            found[name] = rows.sort_values(["ingested_at", *keys], kind="stable")
-        versions = pd.MultiIndex.from_frame(found["recordings"][["recording", "sha256"]])
-        came_with = pd.MultiIndex.from_frame(found["sources"][["recording", "recording_sha256"]])
-        found["sources"] = found["sources"][came_with.isin(versions)]
+            found[name] = _rows(
+                self.location, name, _paths(self.location, name, table), self._known
+            ).to_pandas()
+        # a recording is seen, and is as old, as the sources that came with it
+        came = found["sources"].groupby(["recording", "recording_sha256"])["ingested_at"].min()
+        keys = pd.MultiIndex.from_frame(found["recordings"][_CONTENT["recordings"]])
+        found["recordings"]["ingested_at"] = came.reindex(keys).to_numpy()
         return {
-            name: rows.drop_duplicates(_VERSION_KEYS[name]).reset_index(drop=True)
+            name: rows.dropna(subset="ingested_at")
+            .sort_values(["ingested_at", *_ROW[name]], kind="stable")
+            .drop_duplicates(_CONTENT[name])
             for name, rows in found.items()
         }
 
@@ -462,7 +479,7 @@ class Snapshot:
         for position, column in enumerate(given):
             codes, names = pd.factorize(rows[column])
             codes = pa.array(np.repeat(codes.astype(np.int32), counts))
-            texts = pa.DictionaryArray.from_arrays(codes, pa.array(names, pa.string()))
+            texts = pa.DictionaryArray.from_arrays(codes, pa.array([*names], pa.string()))
             whole = whole.add_column(position, schema.field(column), texts)
         return whole.cast(schema)
 
@@ -514,18 +531,23 @@ def _partition_of(table: DeltaTable) -> str | None:
     return next(iter(table.metadata().partition_columns), None)
 
 
-def _rows(location: Location, name: str, table: DeltaTable, known: dict[str, pa.Table]) -> pa.Table:
-    """All rows of a table of recordings or sources; `known` has files that were read before."""
+def _paths(location: Location, name: str, table: DeltaTable) -> list[str]:
+    """Files of a table, within the location."""
     with location.at(name, "read"):
         actions = pa.table(table.get_add_actions(flatten=True))
-    paths = [f"{name}/{unquote(path)}" for path in map(str, actions["path"].to_pylist())]
-    new = [path for path in paths if path not in known]
+    return [f"{name}/{unquote(path)}" for path in map(str, actions["path"].to_pylist())]
+
+
+def _rows(
+    location: Location, name: str, paths: Sequence[str], known: dict[str, pa.Table]
+) -> pa.Table:
+    """Rows of files of recordings or sources; `known` has those that were read before."""
 
     def read(path: str) -> pa.Table:
         with _file_of(location, path) as parquet:
             return parquet.read().select(SCHEMAS[name].names).cast(SCHEMAS[name])
 
-    if new:
+    if new := [path for path in paths if path not in known]:
         with ThreadPoolExecutor(_THREADS) as pool:
             known.update(zip(new, pool.map(read, new), strict=True))
     return pa.concat_tables([SCHEMAS[name].empty_table(), *(known[path] for path in paths)])
@@ -535,18 +557,32 @@ def _keys(rows: pa.Table, columns: Sequence[str]) -> list[tuple[Any, ...]]:
     return [*zip(*(rows[name].to_pylist() for name in columns), strict=True)]
 
 
-def _parts_of(recordings: pa.Table, partition: str | None) -> dict[str, str | None]:
-    """In which part of a divided store each recording is; None: in the one of all others."""
-    names = recordings["recording"].to_pylist()
-    if partition == "month":
-        times = recordings["recorded_at"].to_pylist()
-        parts = [None if when is None else f"{when:%Y-%m}" for when in times]
-    elif partition == "unit":
-        parts = [unit or None for unit in recordings["unit"].to_pylist()]
-    else:
-        start = f"{partition}="
-        parts = [
-            next((tag.removeprefix(start) for tag in tags if tag.startswith(start)), None) or None
-            for tags in recordings["tags"].to_pylist()
-        ]
-    return dict(zip(names, parts, strict=True))
+def _with_index(rows: pa.Table, places: Sequence[tuple[Any, ...]]) -> pa.Table:
+    """Rows that say where their own rows lie."""
+    for column, values in zip(INDEX, zip(*places, strict=True), strict=bool(places)):
+        at = rows.schema.get_field_index(column.name)
+        rows = rows.set_column(at, column, pa.array(values, column.type))
+    return rows
+
+
+def _parts_of(
+    recordings: pa.Table, names: pa.ChunkedArray, partition: str | None
+) -> list[str | None]:
+    """In which part of a divided store these recordings are; None: in the one of all others."""
+    units, times = recordings["unit"].to_pylist(), recordings["recorded_at"].to_pylist()
+    parts = {}
+    for name, unit, when, tags in zip(
+        recordings["recording"].to_pylist(),
+        units,
+        times,
+        recordings["tags"].to_pylist(),
+        strict=True,
+    ):
+        of_tags = (tag.partition("=")[2] for tag in tags if tag.startswith(f"{partition}="))
+        part = next(of_tags, None)
+        if partition == "unit":
+            part = unit
+        elif partition == "month" and when is not None:
+            part = f"{when:%Y-%m}"
+        parts[name] = part or None
+    return [parts[name] for name in names.to_pylist()]

@@ -54,7 +54,7 @@ SOURCES: Final = pa.schema(
 )
 """One row for each version of the truth or a system of a recording.
 
-It counts once the version of the recording that it came with is there, which is written last.
+They are written last: of a recording, a version counts once there is a source that came with it.
 """
 
 FRAMES: Final = pa.schema(
@@ -90,7 +90,7 @@ BOXES: Final = pa.schema(
 )
 """Boxes of truth and systems, by recording, source and frame; the order within a frame is kept."""
 
-SCHEMAS: Final = {"frames": FRAMES, "boxes": BOXES, "sources": SOURCES, "recordings": RECORDINGS}
+SCHEMAS: Final = {"frames": FRAMES, "boxes": BOXES, "recordings": RECORDINGS, "sources": SOURCES}
 """Tables of a store, each a Delta table in a folder of this name, in the order of writing: what
 refers to others later than these."""
 

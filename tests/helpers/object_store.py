@@ -16,7 +16,7 @@ import pytest
 from places import ROOT
 
 SERVER: Final = ROOT / ".venv-tools" / "s3" / "bin" / "moto_server"
-"""Emulates S3 with its conditional writes; ``make`` installs it apart, as it pins other versions."""
+"""Emulates S3 with its conditional writes; installed apart, as it wants other versions than we."""
 
 
 def options(url: str) -> dict[str, str]:

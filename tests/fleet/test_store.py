@@ -1,0 +1,350 @@
+"""What is appended to a store is read again, whole, whoever writes or dies beside it."""
+
+from __future__ import annotations
+
+import multiprocessing
+import pickle
+import resource
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from builders import Box, make_dataset
+from deltalake import DeltaTable
+from object_store import options, troubled
+from store_writers import (
+    DyingStore,
+    Killed,
+    append_and_be_killed,
+    append_each,
+    batch_of,
+    recordings,
+)
+
+from nvcore.dataset import Dataset
+from nvcore.errors import FormatError, InputError, StoreError
+from nvcore.fleet import store as store_module
+from nvcore.fleet.ingest import tables_of
+from nvcore.fleet.location import Location
+from nvcore.fleet.store import Snapshot, Store
+
+SPAWN = multiprocessing.get_context("spawn")
+WRITES = 8  # files of four tables, and their commits
+
+
+def content(snapshot: Snapshot) -> pd.DataFrame:
+    """All boxes of a store, without when and where they came."""
+    names = snapshot.recordings["recording"].tolist()
+    return snapshot.read(names, ["truth", "x", "y"])["boxes"].to_pandas()
+
+
+def check_same(snapshot: Snapshot, dataset: Dataset) -> None:
+    """That reading all of it gives the rows of the dataset."""
+    systems = dataset.systems
+    tables = snapshot.read(dataset.recordings["name"].tolist(), ["truth", *systems])
+    frames, boxes = tables["frames"].to_pandas(), tables["boxes"].to_pandas()
+    names = dataset.recordings["name"].to_numpy()
+    own = dataset.boxes.assign(
+        recording=names[dataset.frames["recording"].to_numpy()[dataset.boxes["frame_index"]]],
+        frame=dataset.frames["frame"].to_numpy()[dataset.boxes["frame_index"]],
+    ).sort_values(["recording", "source"], kind="stable", ignore_index=True)
+    own_frames = dataset.frames.assign(name=names[dataset.frames["recording"]])
+    own_frames = own_frames.sort_values("name", kind="stable", ignore_index=True)
+    assert frames["recording"].tolist() == own_frames["name"].tolist()
+    assert boxes["recording"].tolist() == own["recording"].tolist()
+    assert boxes["source"].tolist() == np.array(["truth", *systems])[own["source"]].tolist()
+    labels = [*dataset.labels, None]
+    assert boxes["label"].astype(object).where(boxes["label"].notna(), None).tolist() == [
+        labels[code] for code in own["label"]
+    ]
+    for table, expected in ((frames, own_frames), (boxes, own)):
+        for name in set(table) & set(expected) - {"recording", "source", "label"}:
+            np.testing.assert_array_equal(table[name], expected[name].to_numpy(), err_msg=name)
+    for rows, of in (("recordings", "frames"), ("sources", "boxes")):
+        for row in tables[rows].to_pylist():
+            stretch = tables[of].slice(row["first_row"], row["n_rows"]).to_pandas()
+            assert (stretch["recording"] == row["recording"]).all()
+
+
+def test_a_dataset_is_read_as_it_was_appended(place: Location):
+    full = Box(3, 1.5, 2.5, 10, 20, 7, 0.25, True, 12.5, 1, 0, 0.75)
+    truth = [full._replace(frame=frame, label=frame % 3 - 1) for frame in (0, 5, 6, 6)]
+    dataset = make_dataset(truth, [full], labels=("zebra", "ant"), n_frames=9, horizon=40)
+    dataset = replace(dataset, systems=("A", "none"))
+    store = Store(place)
+    new = store.append([tables_of(dataset, truth_kind="automatic", labels={"A": "spring"})])
+    snapshot = pickle.loads(pickle.dumps(store.snapshot()))
+    check_same(snapshot, dataset)
+    assert [len(rows) for rows in new.values()] == [1, 3]
+    columns = ["source", "kind", "label", "version", "n_rows"]
+    assert snapshot.sources[columns].to_numpy().tolist() == [
+        ["A", "system", "spring", 1, 1],
+        ["none", "system", "", 1, 0],
+        ["truth", "automatic", "", 1, 4],
+    ]
+    row = snapshot.recordings.iloc[0]
+    assert [row[name] for name in ("width", "fps", "horizon")] == [100, 10, 40]
+    assert row["duration_s"] == pytest.approx(0.9)
+    assert np.isnan(row["context"])
+    assert len(pickle.dumps(snapshot)) < 1000
+
+
+def test_only_what_is_asked_for_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(store_module, "GROUP_ROWS", 20)
+    monkeypatch.setattr(store_module, "MAX_GROUP_ROWS", 25)  # recordings of 30 frames are split
+    names = [f"r{number}" for number in range(6)]
+    dataset = recordings(*names)
+    store = Store(tmp_path)
+    store.append([tables_of(dataset)])
+    snapshot = store.snapshot()
+    check_same(snapshot, dataset)
+    (file,) = (tmp_path / "boxes").glob("*.parquet")
+    groups = []
+    read = pq.ParquetFile.read_row_groups
+
+    def counting(self: pq.ParquetFile, of: list[int], **more: object) -> object:
+        groups.append(len(of))
+        return read(self, of, **more)
+
+    monkeypatch.setattr(pq.ParquetFile, "read_row_groups", counting)
+    tables = snapshot.read(["r3", "r1"], ["y", "x"])
+    assert sum(groups) < pq.ParquetFile(file).num_row_groups
+    boxes = tables["boxes"].to_pandas()
+    pairs = boxes[["recording", "source"]].drop_duplicates().to_numpy().tolist()
+    assert pairs == [["r1", "y"], ["r1", "x"], ["r3", "y"], ["r3", "x"]]
+    whole = content(snapshot)
+    for (recording, source), part in boxes.groupby(["recording", "source"], observed=True):
+        own = whole[(whole["recording"] == recording) & (whole["source"] == source)]
+        np.testing.assert_array_equal(part["x"], own["x"])
+    empty = snapshot.read([], [])
+    assert [len(table) for table in empty.values()] == [0] * 4
+    assert empty["boxes"].schema == tables["boxes"].schema
+
+
+def test_a_changed_source_is_a_new_version_and_the_same_one_is_none(tmp_path: Path):
+    store = Store(tmp_path)
+    store.append(batch_of("a", "b"))
+    before = store.snapshot()
+    files = sorted(tmp_path.rglob("*"))
+    again = store.append(batch_of("b", "a"))
+    assert [len(rows) for rows in again.values()] == [0, 0]
+    assert sorted(tmp_path.rglob("*")) == files
+    store.append([tables_of(recordings("a", seed=1), labels={"x": "second"})])
+    now = store.snapshot()
+    assert content(before).equals(content(Snapshot(before.location, before.versions)))
+    versions = now.sources.groupby(["recording", "source"])["version"].max()
+    assert versions["a"].tolist() == [2, 2, 2]
+    assert versions["b"].tolist() == [1, 1, 1]
+    one, two = (now.read(["a"], [asked])["boxes"].to_pandas() for asked in ("x@1", "x@second"))
+    assert one["source"].unique().tolist() == ["x@1"]
+    np.testing.assert_array_equal(
+        one["x"], content(before).query("recording == 'a' and source == 'x'")["x"]
+    )
+    assert not np.array_equal(one["x"], two["x"])
+    np.testing.assert_array_equal(now.read(["a"], ["x"])["boxes"]["x"], two["x"])
+    assert now.pick("x@2")["recording"].tolist() == ["a"]
+    # the frame rate was corrected: another recording, with the boxes that it had
+    corrected = recordings("b", fps=25.0)
+    new = store.append([tables_of(corrected)])
+    assert [len(rows) for rows in new.values()] == [1, 3]
+    check_same(store.snapshot(), corrected)
+    assert store.snapshot().pick("x")["version"].tolist() == [2, 1]
+    assert len([*(tmp_path / "boxes").glob("*.parquet")]) == 2
+    for asked, words in (
+        ("z", "there is no source 'z'; there are truth, x and y"),
+        ("x@3", "there is no version '3' of 'x'; there are 1 to 2, and second"),
+    ):
+        with pytest.raises(InputError, match=words):
+            now.pick(asked)
+    with pytest.raises(InputError, match="there is no recording 'c'"):
+        now.read(["a", "c"], ["x"])
+
+
+def test_a_store_is_divided_by_a_tag_month_or_unit(tmp_path: Path):
+    names = ["a", "b", "c", "d"]
+    tags = pd.Series([("road=rural",), ("road=urban", "night"), (), ("road=../../x",)])
+    dataset = recordings(*names, tags=tags, unit=["v1", "v2", "", "v1"])
+    for key, parts in (
+        ("road", {"rural": "a", "urban": "b", None: "ce", "../../x": "d"}),
+        ("unit", {"v1": "ad", "v2": "b", None: "c", "e": "e"}),
+        ("month", {None: "abcde"}),
+    ):
+        folder = tmp_path / key
+        Store(folder, partition=key).append([tables_of(dataset)])
+        store = Store(folder)  # which knows by itself how it is divided
+        store.append([tables_of(recordings("e", unit=["e"]))])
+        check_same(store.snapshot(), dataset)
+        table = DeltaTable(folder / "boxes").to_pandas()
+        of_part = table.groupby(key, dropna=False)["recording"].unique()
+        assert parts == {
+            part if isinstance(part, str) else None: "".join(sorted(of))
+            for part, of in of_part.items()
+        }
+        assert {path.parent for path in folder.rglob("*.parquet")} <= {
+            folder / name for name in ("recordings", "sources", "frames", "boxes")
+        }
+    with pytest.raises(InputError, match="divided by unit, not by road; this cannot be changed"):
+        Store(tmp_path / "unit", partition="road").append(batch_of("f"))
+    for bad in ("a b", "track", "../x", "X" * 100):
+        with pytest.raises(InputError, match="expected month, unit, or the key of a tag"):
+            Store(tmp_path, partition=bad)
+
+
+def test_hostile_names_are_names_alone(place: Location):
+    names = [
+        "../../x",
+        "a\"b'c; DROP TABLE boxes",
+        "two\nlines",
+        "/etc/passwd",
+        "ä\u202e\0",
+        "n" * 10_000,
+    ]
+    dataset = replace(recordings(*names), systems=("x@2", "../truth\n"))
+    store = Store(place)
+    store.append([tables_of(dataset)])
+    check_same(store.snapshot(), dataset)
+    tops = {entry.path.partition("/")[0] for entry in place.list()}
+    assert tops == {"recordings", "sources", "frames", "boxes"}
+    if place.path:
+        assert {path.name for path in place.path.parent.iterdir()} == {place.path.name}
+    table = DeltaTable(f"{place.uri}/boxes", storage_options=place.delta_options)
+    assert sorted(set(table.to_pandas()["recording"])) == sorted(names)
+    bad = replace(dataset, systems=("\ud800", "y"))
+    with pytest.raises(InputError, match="a name is no UTF-8 text"):
+        tables_of(bad)
+
+
+def test_writers_at_once_lose_nothing_of_each_other(place: Location, tmp_path: Path):
+    ours, theirs = ([f"{who}{number}" for number in range(4)] for who in ("own", "their"))
+    writers = [
+        SPAWN.Process(target=append_each, args=(place, tmp_path / names[0], "both", *names, "both"))
+        for names in (ours, theirs)
+    ]
+    for writer in writers:
+        writer.start()
+    for writer in writers:
+        writer.join()
+    assert (tmp_path / ours[0]).exists()
+    assert (tmp_path / theirs[0]).exists()
+    snapshot = Store(place).snapshot()
+    assert snapshot.recordings["recording"].tolist() == sorted([*ours, *theirs, "both"])
+    assert snapshot.sources["version"].unique().tolist() == [1]
+    check_same(snapshot, recordings("both"))
+    check_same(snapshot, recordings("their3"))
+
+
+def test_a_writer_that_dies_leaves_nothing_that_is_seen(tmp_path: Path):
+    location = Location(tmp_path / "store")
+
+    def end() -> None:
+        raise Killed
+
+    for n in range(WRITES):  # also of the first ones, that make the store
+        with pytest.raises(Killed):
+            DyingStore(Location(tmp_path / f"new{n}"), n, end).append(batch_of("a"))
+        assert Store(tmp_path / f"new{n}").snapshot().recordings.empty
+    Store(location).append(batch_of("a"))
+    before = Store(location).snapshot()
+    boxes = [Box(50, 1, 2, 3, 4)], [Box(9, 1, 2, 3, 4, score=1)]
+    longer = make_dataset(*boxes, n_frames=60)
+    longer = replace(longer, recordings=longer.recordings.assign(name="a"))
+    for n in range(WRITES):  # another version of what is there, with other frames
+        with pytest.raises(Killed):
+            DyingStore(Location(location.uri), n, end).append([tables_of(longer)])
+        now = Store(location).snapshot()
+        assert now.recordings.equals(before.recordings)
+        assert now.sources.equals(before.sources)
+        assert content(now).equals(content(before))
+    new = Store(location).append([tables_of(longer)])
+    assert [len(rows) for rows in new.values()] == [0, 3]  # the recording was there, unseen
+    now = Store(location).snapshot()
+    assert now.sources["version"].max() == 2
+    check_same(now, longer)
+
+
+def test_after_a_killed_process_the_next_one_goes_on(place: Location):
+    Store(place).append(batch_of("a"))
+    before = content(Store(place).snapshot())
+    for n in (3, WRITES - 1):
+        process = SPAWN.Process(target=append_and_be_killed, args=(place, n, "a", "b"))
+        process.start()
+        process.join()
+        assert process.exitcode == -9
+        assert content(Store(place).snapshot()).equals(before)
+    Store(place).append(batch_of("a", "b", seed=1))
+    snapshot = Store(place).snapshot()
+    check_same(snapshot, recordings("b", seed=1))
+    assert snapshot.sources.groupby(["recording", "source"]).size().tolist() == [2] * 3 + [1] * 3
+
+
+def test_a_full_disk_is_told_and_what_was_there_stays(tmp_path: Path):
+    store = Store(tmp_path / "store")
+    store.append(batch_of("a"))
+    before = content(store.snapshot())
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (2000, hard))
+    try:
+        with pytest.raises(StoreError, match=r"store/.* cannot be written \(.*large"):
+            store.append(batch_of("b"))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert content(Store(tmp_path / "store").snapshot()).equals(before)
+    store.append(batch_of("b"))
+    check_same(store.snapshot(), recordings("b"))
+
+
+def test_a_damaged_or_missing_file_is_named(tmp_path: Path):
+    store = Store(tmp_path)
+    store.append(batch_of("a"))
+    (file,) = (tmp_path / "boxes").glob("*.parquet")
+    good = file.read_bytes()
+    for bad in (good[:200], b"PAR1" + bytes(len(good) - 8) + b"PAR1", b""):
+        file.write_bytes(bad)
+        with pytest.raises(FormatError, match=rf"{file.name}: is damaged"):
+            store.snapshot().read(["a"], ["x"])
+    file.write_bytes(good)
+    column = pq.ParquetFile(file).metadata.row_group(0).column(3)
+    flipped = bytearray(good)
+    flipped[column.dictionary_page_offset + column.total_compressed_size - 3] ^= 1
+    file.write_bytes(flipped)
+    with pytest.raises(FormatError, match=rf"{file.name}: is damaged"):
+        store.snapshot().read(["a"], ["truth", "x", "y"])
+    file.unlink()
+    with pytest.raises(InputError, match=rf"{file.name}: is missing in the store"):
+        store.snapshot().read(["a"], ["x"])
+    with pytest.raises(InputError, match="there is no store here"):
+        Store(tmp_path / "elsewhere").snapshot()
+
+
+def test_a_server_that_refuses_and_cuts_costs_attempts_alone(bucket: Location, s3: str):
+    with troubled(s3) as (url, done):
+        store = Store(Location(bucket.uri, options(url)))
+        names = ["r0", "r1"]
+        for name in names:
+            for _ in range(20):
+                try:
+                    store.append(batch_of(name))
+                    break
+                except StoreError:  # the answer to a commit was lost: it is made again
+                    continue
+        snapshot = store.snapshot()
+        check_same(snapshot, recordings("r1"))
+        assert content(Store(bucket).snapshot()).equals(content(snapshot))
+    assert snapshot.recordings["recording"].tolist() == names
+    assert snapshot.sources["version"].unique().tolist() == [1]
+    assert min(done.values()) > 5
+
+
+def test_other_programs_read_the_tables_as_they_stand(tmp_path: Path):
+    Store(tmp_path).append([tables_of(recordings("b", "a"))])
+    tables = {name: DeltaTable(tmp_path / name) for name in ("frames", "boxes", "sources")}
+    boxes = tables["boxes"].to_pandas()
+    assert boxes["recording"].is_monotonic_increasing
+    assert boxes["distance_m"].isna().all()
+    actions = pa.table(tables["boxes"].get_add_actions(flatten=True)).to_pylist()
+    assert [of["num_records"] for of in actions] == [len(boxes)]
+    assert [(of["min.recording"], of["max.recording"]) for of in actions] == [("a", "b")]
