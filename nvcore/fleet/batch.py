@@ -39,9 +39,9 @@ from nvcore.schema import (
 )
 from nvcore.settings import Settings
 
-_BOX_COLUMNS: Final = (
-    *("x", "y", "w", "h", "score", "track", "ignore", "distance_m", "occlusion"),
-)
+__all__ = ["Batch", "ScanParams", "dataset_of", "scan_batch"]
+
+_BOX_COLUMNS: Final = "x y w h score track ignore distance_m occlusion".split()
 _MISSING: Final = {
     "track": NO_TRACK,
     "ignore": False,

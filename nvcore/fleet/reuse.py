@@ -22,6 +22,7 @@ from nvcore import __version__
 from nvcore.columns import BoxColumns, boxes_of_frame, offsets_of
 from nvcore.comparison import TRUTH_STEPS, Result, compare
 from nvcore.dataset import Dataset
+from nvcore.errors import InputError
 from nvcore.fleet.cutting import can_be_cut
 from nvcore.fleet.results import ScanParams, each_recording, result_tables, spans_table
 from nvcore.measures.table import MEASURES
@@ -38,6 +39,9 @@ _KEPT: Final = (
     *("nearest", "distances", "events", "encounters", "failures", "confirmed"),
 )
 """Steps whose results are kept, as far as they are of frames, encounters or boxes of the truth."""
+
+ALIGNED: Final = 8
+"""Bytes of which each array has a multiple, so that those that follow can be used as they lie."""
 
 
 def can_reuse(params: ScanParams) -> bool:
@@ -71,7 +75,12 @@ def freeze(
     """
     arrays: list[np.ndarray] = []
     groups = [_kept(*of, arrays) for of in zip(results, tables, strict=True)]
-    values = pa.array([array.tobytes() for array in arrays], pa.large_binary())
+    ends = np.cumsum([0, *(-(-array.nbytes // ALIGNED) * ALIGNED for array in arrays)])
+    content = np.zeros(ends[-1], np.uint8)
+    for start, array in zip(ends.tolist(), arrays, strict=False):
+        content[start : start + array.nbytes] = array.view(np.uint8)
+    buffers = [None, pa.py_buffer(ends.astype(np.int64)), pa.py_buffer(content)]
+    values = pa.Array.from_buffers(pa.large_binary(), len(arrays), buffers)
     about = json.dumps({"refused": dict(refused), "groups": groups})
     return pa.table({"values": values}).replace_schema_metadata({"about": about})
 
@@ -94,10 +103,19 @@ class Kept:
 
 
 def thaw(table: pa.Table) -> tuple[list[Kept], dict[str, str]]:
-    """What was kept of each comparison, and who was refused."""
-    about = json.loads(table.schema.metadata[b"about"])
-    arrays = [value.as_buffer() for value in table["values"]]
-    return [Kept(group, arrays) for group in about["groups"]], about["refused"]
+    """What was kept of each comparison, and who was refused.
+
+    Raises
+    ------
+    InputError
+        If it is no such table.
+    """
+    try:
+        about = json.loads(table.schema.metadata[b"about"])
+        arrays = [value.as_buffer() for value in table["values"]]
+        return [Kept(group, arrays) for group in about["groups"]], about["refused"]
+    except (AttributeError, LookupError, TypeError, ValueError) as error:
+        raise InputError(f"what is kept of a batch cannot be read ({error})") from error
 
 
 def tables_again(
@@ -192,14 +210,14 @@ def _kept(
     }
     for number, (_, system) in enumerate(result.sides):
         boxes, is_counted = dataset.system(system.name), system.matches.is_counted
-        counted, nearest_px = boxes.only(is_counted), system.nearest.detections[is_counted]
-        is_by_depth = result.params.proximity == "horizon"
-        values[f"sizes_{number}"] = {
-            "h": counted.y + counted.h if is_by_depth else counted.h,
-            "distance_m": counted.distance_m,
-            "frame_index": counted.frame_index,
-            "most_px": np.minimum(border_of(counted, frames, edge_weight), nearest_px),
+        border_px = border_of(boxes, frames, edge_weight)
+        sizes = {
+            "h": boxes.y + boxes.h if result.params.proximity == "horizon" else boxes.h,
+            "distance_m": boxes.distance_m,
+            "frame_index": boxes.frame_index,
+            "most_px": np.minimum(border_px, system.nearest.detections),
         }
+        values[f"sizes_{number}"] = {name: of[is_counted] for name, of in sizes.items()}
     steps = []
     for key, value in result.stages.items():
         if key[0] in _KEPT:
@@ -262,12 +280,24 @@ def _frozen(value: Any, arrays: list[np.ndarray]) -> Any:
     elif value.dtype == np.int64 and np.abs(value).max(initial=0) < 2**31:
         plain = plain.astype(np.int32)
     arrays.append(plain)
-    return spec | {"stored": plain.dtype.str, "place": len(arrays) - 1}
+    return spec | {
+        "stored": plain.dtype.str,
+        "stored_n": len(plain),
+        "place": len(arrays) - 1,
+    }
 
 
-def _thawed(spec: Mapping[str, Any], arrays: Sequence[Any]) -> Any:
+def _thawed(spec: Mapping[str, Any], arrays: Sequence[Any], *, is_column: bool = False) -> Any:
+    """The value of `_frozen`.
+
+    Parameters
+    ----------
+    is_column
+        Whether it becomes a column of a table, which nobody writes to: as it lies then, not copied.
+    """
     if "table" in spec:
-        columns = {name: _thawed(of, arrays) for name, of in spec["table"].items()}
+        items = spec["table"].items()
+        columns = {name: _thawed(of, arrays, is_column=True) for name, of in items}
         return pd.DataFrame(columns, copy=False)
     if "arrow" in spec:
         return pa.ipc.open_stream(arrays[spec["arrow"]]).read_all()
@@ -285,7 +315,7 @@ def _thawed(spec: Mapping[str, Any], arrays: Sequence[Any]) -> Any:
         return spec["is"]
     if "texts" in spec:
         return np.array([*spec["texts"], None], dtype=object)[_thawed(spec["codes"], arrays)]
-    stored = np.frombuffer(arrays[spec["place"]], spec["stored"])
+    stored = np.frombuffer(arrays[spec["place"]], spec["stored"], spec["stored_n"])
     if len(stored) != spec["n"]:
         return np.repeat(stored, spec["n"])
-    return stored.astype(spec["dtype"])  # a copy that can be written to, as a step would make it
+    return stored.astype(spec["dtype"], copy=not is_column)
