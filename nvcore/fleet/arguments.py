@@ -60,6 +60,13 @@ class ScanArguments:
     scheduler: str | None = argument(
         RUN, "By the workers of this Dask scheduler.", default=None, metavar="ADDRESS"
     )
+    keep: bool = argument(
+        OUTPUT,
+        "Keep what a later scan with another alpha, sigmoid or threshold of low similarity reuses, "
+        "about as large as the boxes. Default: kept.",
+        flag="--keep/--no-keep",
+        default=True,
+    )
     engine: Engine | None = None
     retry: bool = argument(
         RUN,

@@ -41,7 +41,7 @@ from nvcore.settings import Settings
 
 __all__ = ["Batch", "ScanParams", "dataset_of", "scan_batch"]
 
-_BOX_COLUMNS: Final = "x y w h score track ignore distance_m occlusion".split()
+_BOX_COLUMNS: Final = ["x", "y", "w", "h", "score", "track", "ignore", "distance_m", "occlusion"]
 _MISSING: Final = {
     "track": NO_TRACK,
     "ignore": False,

@@ -196,7 +196,9 @@ def scan(**options: Any) -> None:
     2: bad input.
     """
     from nvcore.fleet.face import scan as run_scan
+    from nvcore.fleet.scan import end_on_request
 
+    end_on_request()
     given = {name: value for name in SETTINGS if (value := options.pop(name)) is not None}
     with ShareProgress() as progress:
         done = run_scan(**options, params=params_from(given), progress=progress)

@@ -17,6 +17,7 @@ from nvcore.fleet.arguments import OpenArguments, ScanArguments, TopArguments
 from nvcore.fleet.ingest import Ingested, ingest_all, session_files
 from nvcore.fleet.location import Location
 from nvcore.fleet.opening import recording_of, write_recording
+from nvcore.fleet.plan import begin
 from nvcore.fleet.pool import in_pool
 from nvcore.fleet.query import Top, results_in, worst
 from nvcore.fleet.results import ScanParams, Summary
@@ -25,7 +26,6 @@ from nvcore.fleet.scan import (
     Job,
     Options,
     Status,
-    begin,
     drive,
     finish,
     forget_quarantined,
@@ -170,6 +170,9 @@ def scan(arguments: ScanArguments) -> Scan:
         ``"17/300"``: in this process, beginning with the 17th of 300 parts of the batches.
     scheduler
         Address of a Dask scheduler, whose workers then do it.
+    keep
+        Whether a later scan with another alpha, sigmoid or threshold of low similarity can reuse
+        what dear steps made.
     engine
         What runs the batches otherwise: a function of a job (`nvcore.fleet.scan.Engine`).
     retry
@@ -200,6 +203,7 @@ def scan(arguments: ScanArguments) -> Scan:
     ways = (arguments.workers, arguments.shard, arguments.scheduler, arguments.engine)
     if sum(way is not None for way in ways) > 1:
         raise ParameterError("workers, shard, scheduler, engine: give one of them")
+    engine = _engine(arguments)
     store = Store(Location(str(arguments.store), arguments.storage))
     out = Location(str(arguments.out), arguments.storage)
     if out.list("sources/"):
@@ -214,19 +218,19 @@ def scan(arguments: ScanArguments) -> Scan:
     plan = begin(store, out, params)
     if arguments.retry:
         forget_quarantined(out, plan)
-    options = Options(storage=tuple(arguments.storage.items()))
+    options = Options(storage=tuple(arguments.storage.items()), keep=arguments.keep)
     job = Job(plan.store, out.uri, plan.key, options)
     n = len(plan.batches)
     done = {batch.key for batch in plan.batches}.difference(job.missing())
     progress = with_time_left(arguments.progress)
     progress(len(done) / n, f"{len(done)} of {n} batches")
-    for batch in drive(job, _engine(arguments, job)):
+    for batch in drive(job, engine):
         done.add(batch)
         progress(len(done) / n, f"{len(done)} of {n} batches")
     return Scan(finish(out, plan), status(out))
 
 
-def _engine(arguments: ScanArguments, job: Job) -> Engine:
+def _engine(arguments: ScanArguments) -> Engine:
     """What runs the batches."""
     if arguments.engine is not None:
         return arguments.engine
@@ -240,7 +244,7 @@ def _engine(arguments: ScanArguments, job: Job) -> Engine:
     n_cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     free = free_bytes()
     n_fit = n_cores if free is None else free // BYTES_OF_WORKER
-    n_workers = arguments.workers or max(1, min(n_cores or 1, n_fit or 1, len(job.missing())))
+    n_workers = arguments.workers or max(1, min(n_cores or 1, n_fit or 1))
     return partial(in_pool, n_workers=n_workers)
 
 

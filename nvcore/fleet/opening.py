@@ -15,8 +15,8 @@ from nvcore.dataset import Dataset
 from nvcore.errors import InputError
 from nvcore.fleet.batch import dataset_of
 from nvcore.fleet.location import Location
+from nvcore.fleet.plan import newest_plan
 from nvcore.fleet.results import ScanParams
-from nvcore.fleet.scan import newest_plan
 from nvcore.fleet.store import Snapshot, Store
 from nvcore.fleet.tables import SCHEMAS
 from nvcore.inputs.readers.base import Reading, Role, recordings_table

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 import threading
 from collections.abc import Iterator
 from functools import partial
@@ -12,7 +13,7 @@ from multiprocessing.process import BaseProcess
 from typing import Final
 
 from nvcore.errors import InputError
-from nvcore.fleet.scan import Job, drive, in_process
+from nvcore.fleet.scan import Job, drive, end_on_request, in_process
 
 STILLBORN: Final = 3
 """Workers in a row that may die before they begin to work."""
@@ -38,6 +39,7 @@ def in_pool(job: Job, n_workers: int) -> Iterator[str]:
         workers[ours] = (process, part)
 
     n_stillborn = 0
+    n_workers = min(n_workers, len(job.missing()))
     for part in range(n_workers):
         start(part)
     try:
@@ -77,9 +79,10 @@ def _work(messages: Connection, job: Job, part: int, n_parts: int) -> None:
 
     def end() -> None:
         parent.join()
-        os._exit(1)
+        os.kill(os.getpid(), signal.SIGTERM)
 
     threading.Thread(target=end, daemon=True).start()
+    end_on_request()
     try:
         messages.send("")
         for batch in drive(job, partial(in_process, part=part, n_parts=n_parts)):

@@ -4,6 +4,7 @@ A scan keeps all it knows in the folder of its results, so that any number of pr
 number of machines can work on it, and any of them may die:
 
     plans/<plan>.json              what is compared, by which programs, and in which batches
+    stages/<inputs>-<settings>.arrow   what a later scan with other settings reuses of a batch
     leases/<batch>/<attempt>.json  who is at work on a batch, and until when the others wait
     done/<batch>.json              which files a batch has given
     <table>/<batch>-<hash>.parquet its rows of each table of results, listed in a Delta table
@@ -17,20 +18,17 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
-import socket
+import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import asdict, dataclass
-from functools import lru_cache
-from importlib.metadata import version
+from dataclasses import dataclass
+from functools import lru_cache, partial
 from typing import Any, Final
 
-import numpy as np
-import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 from deltalake import DeltaTable
@@ -38,32 +36,21 @@ from deltalake.exceptions import CommitFailedError, TableNotFoundError
 from deltalake.transaction import AddAction, RemoveAction
 from obstore.exceptions import BaseError
 
-from nvcore import __version__
 from nvcore.errors import InputError, NvcoreError, StoreError
 from nvcore.fleet.batch import scan_batch
+from nvcore.fleet.leases import Lease, claim, is_held
 from nvcore.fleet.location import Location
+from nvcore.fleet.plan import Batch, Plan, exists, is_finished, newest_plan
 from nvcore.fleet.results import ScanParams, Summary, gather
-from nvcore.fleet.store import Snapshot, Store
-from nvcore.fleet.tables import SCHEMAS
-from nvcore.wording import count_text, listed, one_line, shortened
+from nvcore.fleet.reuse import stage_key
+from nvcore.fleet.store import Snapshot
+from nvcore.wording import count_text, one_line, shortened
 
-FRAMES_PER_BATCH: Final = 250_000
-"""A worker with so many frames takes 0.6 GB."""
-BOXES_A_FRAME: Final = 12
-"""Recordings with more boxes a frame than these count as longer."""
 WHOLE_ATTEMPTS: Final = 2
 """Attempts at a whole batch; afterwards its recordings are taken one at a time."""
 ATTEMPTS: Final = 2
 """Workers that a single recording may end before it is left out."""
 LONGEST_REASON: Final = 400
-
-
-def programs() -> dict[str, str]:
-    """Versions of what results depend on, and the bytes of their files."""
-    return {
-        "nvcore": __version__,
-        **{name: version(name) for name in ("numba", "numpy", "pyarrow")},
-    }
 
 
 @dataclass(frozen=True)
@@ -83,8 +70,10 @@ class Options:
         How long a scheduler that does not answer is waited for.
     clock
         Seconds since 1970, for leases.
+    keep
+        Whether each batch keeps what a later scan with other settings reuses.
     run
-        What is called on the tables of whole recordings.
+        What is called on the tables of whole recordings: `scan_batch`.
     """
 
     storage: tuple[tuple[str, str], ...] = ()
@@ -92,194 +81,8 @@ class Options:
     poll_s: float = 0.2
     patience_s: float = 300.0
     clock: Callable[[], float] = time.time
+    keep: bool = True
     run: Callable[..., tuple[dict[str, pa.Table], Summary]] = scan_batch
-
-
-@dataclass(frozen=True)
-class Batch:
-    """Recordings that are compared together.
-
-    Attributes
-    ----------
-    key
-        Hash of all that its results depend on.
-    recordings
-        Their names, in the order of the names.
-    n_frames
-        Of all of them.
-    """
-
-    key: str
-    recordings: tuple[str, ...]
-    n_frames: int
-
-
-@dataclass(frozen=True)
-class Plan:
-    """A scan as it is to be done: what of the store is compared, how, and in which batches.
-
-    Attributes
-    ----------
-    store
-        Its URI.
-    versions
-        Of the store's tables.
-    params
-        Of the comparison.
-    programs
-        See `programs`.
-    batches
-        In the order in which their recordings were taken into the store.
-    left_out
-        Number of recordings that a system lacks, by the system.
-    """
-
-    store: str
-    versions: dict[str, int]
-    params: ScanParams
-    programs: dict[str, str]
-    batches: tuple[Batch, ...]
-    left_out: dict[str, int]
-
-    @property
-    def key(self) -> str:
-        """Hash of all of it."""
-        return _hash(self.to_json())
-
-    @property
-    def n_frames(self) -> int:
-        """Frames of all batches."""
-        return sum(batch.n_frames for batch in self.batches)
-
-    def to_json(self) -> bytes:
-        """All of it as JSON."""
-        known = {**asdict(self), "params": self.params.given()}
-        return json.dumps(known, sort_keys=True).encode()
-
-    @classmethod
-    def from_json(cls, text: bytes) -> Plan:
-        """The plan that was written as JSON."""
-        known = json.loads(text)
-        params = ScanParams.parse(known.pop("params"))
-        batches = [
-            Batch(batch["key"], tuple(batch["recordings"]), batch["n_frames"])
-            for batch in known.pop("batches")
-        ]
-        return cls(params=params, batches=tuple(batches), **known)
-
-    def check_programs(self) -> None:
-        """Refuse to work on it with other programs.
-
-        Raises
-        ------
-        InputError
-            If a version differs.
-        """
-        here = programs()
-        others = [
-            f"{name} {self.programs.get(name)} (here: {own})"
-            for name, own in here.items()
-            if self.programs.get(name) != own
-        ]
-        if others:
-            raise InputError(
-                f"this scan was begun with {listed(others)}; all workers need the same versions. "
-                "Install these, or write the results of the new ones elsewhere"
-            )
-
-
-def plan(
-    snapshot: Snapshot,
-    params: ScanParams,
-    store: str,
-    *,
-    frames_per_batch: int = FRAMES_PER_BATCH,
-) -> Plan:
-    """The batches of a scan; the same store gives the same plan.
-
-    A batch ends where the hash of a recording's name says so, if it is half full, and where it
-    would be too large: recordings that are added or changed move few of the others into another
-    batch, and a batch that has the same recordings as before need not be done again.
-
-    Raises
-    ------
-    InputError
-        If no recording has detections of both systems.
-    """
-    recordings = snapshot.recordings
-    recordings = recordings.sort_values(["ingested_at", "file", "first_row", "recording"])
-    names = recordings["recording"]
-    n_boxes = np.zeros(len(recordings))
-    facts = [names, recordings["sha256"]]
-    is_compared = np.ones(len(recordings), bool)
-    left_out: dict[str, int] = {}
-    for source in dict.fromkeys((params.truth, params.x, params.y)):
-        rows = snapshot.pick(source).set_index("recording").reindex(names)
-        n_boxes += rows["n_rows"].fillna(0).to_numpy()
-        facts += [rows[name].map(str) for name in ("sha256", "kind", "threshold")]
-        if source != params.truth:
-            has_none = rows["sha256"].isna().to_numpy()
-            left_out |= {source: int(has_none.sum())} if has_none.any() else {}
-            is_compared &= ~has_none
-    if not is_compared.any():
-        raise InputError(
-            f"none of {count_text(len(recordings), 'recording')} has detections of both "
-            f"{params.x} and {params.y}",
-            file=store,
-        )
-    chosen = np.flatnonzero(is_compared)
-    size = np.maximum(recordings["n_rows"].to_numpy(), n_boxes / BOXES_A_FRAME)[chosen]
-    hashes = [int(_hash(name.encode())[:8], 16) / 2**32 for name in names.iloc[chosen]]
-    may_end = np.array(hashes) < size / (frames_per_batch / 4)
-    lines = pd.Series(["\0".join(row) for row in zip(*facts, strict=True)]).iloc[chosen]
-    starts, total = [0], 0.0
-    for i, n in enumerate(size):  # each end depends on the one before: a loop over recordings
-        if total and total + n > frames_per_batch:
-            starts.append(i)
-            total = 0.0
-        total += n
-        if total >= frames_per_batch / 2 and may_end[i] and i + 1 < len(size):
-            starts.append(i + 1)
-            total = 0.0
-    used = programs()
-    batches = []
-    for lo, hi in zip(starts, [*starts[1:], len(size)], strict=True):
-        if lo == hi:
-            continue
-        rows = recordings.iloc[chosen[lo:hi]]
-        known = [params.key, json.dumps(used), *sorted(lines.iloc[lo:hi])]
-        key = _hash("\n".join(known).encode())
-        batches.append(Batch(key, tuple(sorted(rows["recording"])), int(rows["n_rows"].sum())))
-    return Plan(store, dict(snapshot.versions), params, used, tuple(batches), left_out)
-
-
-def begin(store: Store, out: Location, params: ScanParams, **plan_options: Any) -> Plan:
-    """The plan of a scan of the store as it is now, written to the folder of the results.
-
-    Raises
-    ------
-    InputError
-        If the same scan was begun with other programs and is not finished.
-    """
-    made = plan(store.snapshot(), params, store.location.uri, **plan_options)
-    path = f"plans/{made.key}.json"
-    newest = newest_plan(out)
-    if newest is not None and newest.key != made.key:
-        is_same = newest.store == made.store and newest.params == params
-        if is_same and not _is_finished(out, newest):
-            newest.check_programs()
-    out.write(path, made.to_json())  # written anew, it is the newest
-    return made
-
-
-def newest_plan(out: Location) -> Plan | None:
-    """The plan that was begun last; None: there is none."""
-    entries = out.list("plans/")
-    if not entries:
-        return None
-    return Plan.from_json(
-        out.read(max(entries, key=lambda entry: (entry.modified, entry.path)).path)
-    )
 
 
 def run_batch(
@@ -311,14 +114,14 @@ def run_batch(
     out, read, its_plan, batches = _opened(store_uri, out_uri, plan_key, options.storage)
     its_plan.check_programs()
     done = f"done/{batch_key}.json"
-    if _exists(out, done):
+    if exists(out, done):
         return "done"
-    lease = claim(out, batch_key, options)
+    lease = claim(out, batch_key, options.lease_s, options.clock)
     if lease is None:
         return "busy"
     with lease:
-        if not _exists(out, done):  # its last worker may just have ended
-            parts = _compared(batches[batch_key], read, its_plan.params, lease, options)
+        if not exists(out, done):  # its last worker may just have ended
+            parts = _compared(batches[batch_key], read, its_plan.params, out, lease, options)
             out.create(done, _write(out, batch_key, *parts))
     return "done"
 
@@ -331,11 +134,7 @@ def _opened(
     out = Location(out_uri, dict(storage))
     found = Plan.from_json(out.read(f"plans/{plan_key}.json"))
     snapshot = Snapshot(Location(store_uri, dict(storage)), found.versions)
-
-    def read(names: Sequence[str]) -> dict[str, pa.Table]:
-        tables = snapshot.read(names, found.params.sources)
-        return {name: table.cast(SCHEMAS[name]) for name, table in tables.items()}
-
+    read = partial(snapshot.read, sources=found.params.sources)
     return out, read, found, {batch.key: batch for batch in found.batches}
 
 
@@ -343,13 +142,14 @@ def _compared(
     batch: Batch,
     read: Callable[[Sequence[str]], dict[str, pa.Table]],
     params: ScanParams,
+    out: Location,
     lease: Lease,
     options: Options,
 ) -> tuple[dict[str, pa.Table], Summary]:
     """Results of a batch, of its recordings one at a time if they fail together."""
     if lease.n_killed < WHOLE_ATTEMPTS:
         try:
-            return options.run(read(batch.recordings), params)
+            return _compared_at_once(batch, read, params, out, options)
         except Exception as error:  # noqa: BLE001  # whatever it is: which recording is it about?
             _give_up_without_storage(error)
     parts, reasons, faults = [], {}, 0
@@ -375,6 +175,31 @@ def _compared(
     return results, Summary.of(results, params)
 
 
+def _compared_at_once(
+    batch: Batch,
+    read: Callable[[Sequence[str]], dict[str, pa.Table]],
+    params: ScanParams,
+    out: Location,
+    options: Options,
+) -> tuple[dict[str, pa.Table], Summary]:
+    """Results of a batch, with what an earlier scan has kept of it, or keeping that for others."""
+    if not options.keep:
+        return options.run(read(batch.recordings), params)
+    key, stages = stage_key(params), {}
+    path = f"stages/{batch.inputs}-{key[:16]}.arrow"
+    with suppress(FileNotFoundError), out.open(path) as file:
+        stages[key] = pa.ipc.open_file(file).read_all()
+    kept = stages.get(key)
+    results = options.run(read(batch.recordings), params, stages=stages)
+    if stages.get(key) is not kept:
+        sink = pa.BufferOutputStream()
+        how = pa.ipc.IpcWriteOptions(compression="lz4")
+        with pa.ipc.new_file(sink, stages[key].schema, options=how) as writer:
+            writer.write_table(stages[key])
+        out.write(path, sink.getvalue())
+    return results
+
+
 def _give_up_without_storage(error: Exception) -> None:
     """Raise what is no fault of a recording: the storage fails, and would for all others.
 
@@ -392,95 +217,12 @@ def _write(out: Location, key: str, tables: dict[str, pa.Table], summary: Summar
     files = {}
     for name, table in tables.items():
         content = _as_parquet(table)
-        sha256 = _hash(content)
+        sha256 = hashlib.sha256(content).hexdigest()
         path = f"{name}/{key}-{sha256[:8]}.parquet"
         out.write(path, content)
         files[name] = {"path": path, "size": len(content), "sha256": sha256, "rows": len(table)}
     known = {"files": files, "summary": json.loads(summary.to_json())}
     return json.dumps(known, sort_keys=True).encode()
-
-
-class Lease:
-    """The right to work on a batch, renewed by a thread as long as the work goes on.
-
-    Attributes
-    ----------
-    n_killed
-        Earlier attempts that ended without a word.
-    killed_at
-        Recordings at which they were, where they took them one at a time.
-    """
-
-    def __init__(
-        self, out: Location, path: str, earlier: Sequence[dict[str, Any]], options: Options
-    ):
-        self._out, self._path, self._options = out, path, options
-        lost = [attempt for attempt in earlier if attempt["ended"] is None]
-        self.n_killed = len(lost)
-        self.killed_at = [attempt["at"] for attempt in lost if attempt["at"] is not None]
-        self._state: dict[str, Any] = {
-            "host": socket.gethostname(),
-            "pid": os.getpid(),
-            "at": None,
-            "ended": None,
-        }
-        self._lock, self._is_over = threading.Lock(), threading.Event()
-
-    def content(self, **changes: Any) -> bytes:
-        """What its file says from now on, with a new time of expiry."""
-        with self._lock:
-            expires = self._options.clock() + self._options.lease_s
-            self._state |= {"expires": expires, **changes}
-            return json.dumps(self._state).encode()
-
-    def mark(self, recording: str) -> None:
-        """Say at which recording the work is."""
-        self._out.write(self._path, self.content(at=recording))
-
-    def __enter__(self) -> Lease:
-        threading.Thread(target=self._renew, daemon=True).start()
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: object, _: object) -> None:
-        self._is_over.set()
-        ended = "done" if kind is None else one_line(f"{kind.__name__}: {error}")
-        try:
-            self._out.write(self._path, self.content(ended=ended))
-        except StoreError:  # it will expire
-            if kind is None:
-                raise
-
-    def _renew(self) -> None:
-        while not self._is_over.wait(self._options.lease_s / 4):
-            try:
-                self._out.write(self._path, self.content())
-            except StoreError:  # at worst, two workers do the same
-                continue
-
-
-def claim(out: Location, key: str, options: Options) -> Lease | None:
-    """The lease of a batch; None: another has it."""
-    earlier = [json.loads(out.read(entry.path)) for entry in out.list(f"leases/{key}/")]
-    if earlier and is_held(earlier[-1], options.clock()):
-        return None
-    path = f"leases/{key}/{len(earlier) + 1:04}.json"
-    lease = Lease(out, path, earlier, options)
-    return lease if out.create(path, lease.content()) else None
-
-
-def is_held(attempt: Mapping[str, Any], now: float) -> bool:
-    """Whether the worker of a lease may be at work; of processes of this host it is known."""
-    if attempt["ended"] is not None or attempt["expires"] <= now:
-        return False
-    if os.name != "posix" or attempt["host"] != socket.gethostname():
-        return True
-    try:
-        os.kill(attempt["pid"], 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:  # another user's
-        return True
-    return True
 
 
 @dataclass(frozen=True)
@@ -505,6 +247,11 @@ class Job:
 
 def _done_in(out: Location) -> set[str]:
     return {entry.path.removeprefix("done/").removesuffix(".json") for entry in out.list("done/")}
+
+
+def end_on_request() -> None:
+    """Have SIGTERM end this process by an exception, so that it gives its batch back."""
+    signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
 
 
 Engine = Callable[[Job], Iterable[str]]
@@ -555,15 +302,15 @@ def finish(out: Location, its_plan: Plan) -> Summary:
     summaries = [Summary.from_json(json.dumps(batch["summary"]).encode()) for batch in done]
     summary = Summary.merge(summaries)
     newest = newest_plan(out)
-    if newest is None or newest.key == its_plan.key or not _is_finished(out, newest):
+    if newest is None or newest.key == its_plan.key or not is_finished(out, newest):
         versions = {
             name: _list_files(out.child(name), [batch["files"][name] for batch in done])
             for name in done[0]["files"]
         }
         known = {"plan": its_plan.key, "tables": versions, "left_out": its_plan.left_out}
         out.write("summary.parquet", _as_parquet(pa.table(dict(summary.measures()))))
-        out.write("summary.json", json.dumps(known, indent=1).encode())
-        out.create(f"finished/{its_plan.key}.json", b"")
+        for path in ("summary.json", f"finished/{its_plan.key}.json"):
+            out.write(path, json.dumps(known, indent=1).encode())
     return summary
 
 
@@ -575,18 +322,15 @@ def _list_files(folder: Location, files: Sequence[Mapping[str, Any]]) -> int:
         AddAction(name, file["size"], {}, 0, True, json.dumps({"numRecords": file["rows"]}))
         for name, file in zip(names, files, strict=True)
     ]
+    storage: dict[str, Any] = {"storage_options": folder.delta_options}
     while True:
-        try:
-            table = DeltaTable(folder.uri, storage_options=folder.delta_options)
-        except TableNotFoundError:
-            DeltaTable.create(
-                folder.uri, schema, mode="ignore", storage_options=folder.delta_options
-            )
-            continue
-        listed_now = {uri.rpartition("/")[2] for uri in table.file_uris()}
-        if listed_now == set(names):
-            return table.version()
-        with suppress(CommitFailedError):  # another was faster: look again
+        with folder.at("", "written"), suppress(CommitFailedError):  # another was faster
+            try:
+                table = DeltaTable(folder.uri, **storage)
+            except TableNotFoundError:
+                table = DeltaTable.create(folder.uri, schema, mode="ignore", **storage)
+            if {uri.rpartition("/")[2] for uri in table.file_uris()} == set(names):
+                return table.version()
             table.create_write_transaction(added, "overwrite", schema, [])
 
 
@@ -665,7 +409,7 @@ def status(out: Location, options: Options = Options()) -> Status:
         sum(held),
         sum(attempt["ended"] is None for attempt in attempts) - sum(held),
         n_quarantined,
-        _is_finished(out, its_plan),
+        is_finished(out, its_plan),
     )
 
 
@@ -678,22 +422,6 @@ def forget_quarantined(out: Location, its_plan: Plan) -> None:
                 out.delete(path)
                 for entry in out.list(f"leases/{batch.key}/"):
                     out.delete(entry.path)
-
-
-def _is_finished(out: Location, its_plan: Plan) -> bool:
-    return _exists(out, f"finished/{its_plan.key}.json")
-
-
-def _exists(out: Location, path: str) -> bool:
-    try:
-        out.read(path)
-    except FileNotFoundError:
-        return False
-    return True
-
-
-def _hash(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()[:32]
 
 
 def _as_parquet(table: pa.Table) -> bytes:

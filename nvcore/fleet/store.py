@@ -12,7 +12,7 @@ import json
 import re
 import time
 from collections import ChainMap
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -412,7 +412,8 @@ class Snapshot:
         dict
             recordings and sources, whose first_row and n_rows say where their rows are in the other
             two: frames, by recording and frame; boxes, by recording, source in the order asked for,
-            and frame. The column source has the sources as asked for.
+            and frame. The column source has the sources as asked for. Frames and boxes are read
+            when they are first looked up, with these errors, too.
 
         Raises
         ------
@@ -430,9 +431,10 @@ class Snapshot:
         rows = rows[rows["recording"].isin(chosen["recording"])]
         rows = rows.sort_values(["recording", "place"], kind="stable")
         rows["source"] = np.array([*sources, ""], object)[rows["place"]]
-        found: dict[str, pa.Table] = {}
-        for name, of in (("recordings", chosen), ("sources", rows)):
-            found[ROWS_IN[name]] = self._read_rows(ROWS_IN[name], of)
+        of_rows = {"recordings": chosen, "sources": rows}
+        rows_of = {ROWS_IN[name]: of for name, of in of_rows.items()}
+        found = _WhenAsked(lambda name: self._read_rows(name, rows_of[name]))
+        for name, of in of_rows.items():
             ends = of["n_rows"].cumsum()
             own = of.assign(file="", group=0, first_row=ends - of["n_rows"])
             found[name] = pa.Table.from_pandas(own, SCHEMAS[name], preserve_index=False)
@@ -482,6 +484,17 @@ class Snapshot:
             texts = pa.DictionaryArray.from_arrays(codes, pa.array([*names], pa.string()))
             whole = whole.add_column(position, schema.field(column), texts)
         return whole.cast(schema)
+
+
+class _WhenAsked(dict[str, pa.Table]):
+    """Tables by name, of which some are read when they are first looked up."""
+
+    def __init__(self, read: Callable[[str], pa.Table]):
+        self._read = read
+
+    def __missing__(self, name: str) -> pa.Table:
+        self[name] = self._read(name)
+        return self[name]
 
 
 @contextmanager

@@ -12,7 +12,6 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from deltalake import DeltaTable
 from fleet_runs import (
     append_to,
     attempts_of,
@@ -21,6 +20,7 @@ from fleet_runs import (
     hours_later,
     killed_at,
     process,
+    quarantine_of,
     small_fleet,
     starved_at,
     stopped_at,
@@ -30,10 +30,10 @@ from fleet_runs import (
 from nvcore.errors import InputError, StoreError
 from nvcore.fleet.location import Location
 from nvcore.fleet.on_dask import on_dask
+from nvcore.fleet.plan import Plan
 from nvcore.fleet.pool import in_pool
 from nvcore.fleet.scan import (
     Options,
-    Plan,
     _opened,
     drive,
     finish,
@@ -127,7 +127,7 @@ def test_a_recording_that_kills_its_workers_is_set_aside(store, undisturbed, out
     others = [name for name in undisturbed if own not in name and "/" in name]
     assert len(others) > len(undisturbed) / 2
     assert all(files[name] == undisturbed[name] for name in others)
-    assert read_quarantine(out) == {"r4": "2 workers ended without a word while they compared it"}
+    assert quarantine_of(out) == {"r4": "2 workers ended without a word while they compared it"}
 
 
 def test_a_scan_that_is_killed_as_a_whole_goes_on_where_it_was(
@@ -210,7 +210,7 @@ def test_damaged_files_cost_their_recordings_alone(tmp_path, out):
     plan, job = begin_scan(store, out)
     list(drive(job, in_process))
     finished(out, plan)
-    reasons = read_quarantine(out)
+    reasons = quarantine_of(out)
     assert [*reasons] == ["r4", "r5", "r6"]
     assert all(damaged.name in reason for reason in reasons.values())
     damaged.write_bytes(content)
@@ -259,8 +259,3 @@ def test_other_versions_are_refused(store, out):
     _opened.cache_clear()
     with pytest.raises(InputError, match=r"numba 0\.1 \(here: .*same versions"):
         job.run(plan.batches[1].key)
-
-
-def read_quarantine(out: Path) -> dict[str, str]:
-    table = DeltaTable(out / "quarantine").to_pyarrow_table()
-    return dict(zip(*table.to_pydict().values(), strict=True))

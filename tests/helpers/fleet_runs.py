@@ -6,6 +6,7 @@ starve the process that calls them. What happened to whom they leave as files in
 
 from __future__ import annotations
 
+import gc
 import os
 import resource
 import signal
@@ -13,34 +14,39 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
 from approach import approach
 from builders import Box, Place, make_dataset
-from fleet_tables import Tables, tables_of
+from deltalake import DeltaTable
+from numba.core.dispatcher import Dispatcher
 from places import ROOT
 
 from nvcore.dataset import Dataset
 from nvcore.fleet.batch import scan_batch
+from nvcore.fleet.ingest import tables_of
 from nvcore.fleet.location import Location
-from nvcore.fleet.results import ScanParams, typed
-from nvcore.fleet.scan import Job, Options, Plan, begin
-from nvcore.fleet.store import ROWS_IN, Store
-from nvcore.fleet.tables import IN_MEMORY, SCHEMAS
+from nvcore.fleet.plan import Plan, begin
+from nvcore.fleet.results import ScanParams
+from nvcore.fleet.scan import Job, Options
+from nvcore.fleet.store import Store
 
 PARAMS = ScanParams("x", "y", frames=True)
 PATIENCE_S = 100.0
 
 
 def small_fleet(n: int = 12, first: int = 0) -> Dataset:
-    """Recordings r0, r1, ... of 40 frames, in each of which a car drives up to two pedestrians.
+    """Recordings r0, r1, ... of 40 frames: those from `first` on.
 
-    Those from `first` on.
+    In each a car drives up to two pedestrians; the systems have false alarms, too.
     """
     rng = np.random.default_rng(7 + first)
     sources: tuple[list[Box], ...] = ([], [], [])
@@ -50,30 +56,17 @@ def small_fleet(n: int = 12, first: int = 0) -> Dataset:
             shown = range(start, 40)
             boxes += approach(shown, 4.5, recording=recording, centre=30.0 + recording)
             boxes += approach(shown, 6, recording=recording, centre=20, track=2)
+            boxes += approach(range(start % 9), 5, recording=recording, centre=80, track=3)
     dataset = make_dataset(*sources, places=[Place(range(40), horizon=40.0)] * n)
     names = [f"r{first + recording}" for recording in range(n)]
     return replace(dataset, recordings=dataset.recordings.assign(name=names))
 
 
-def append_to(store: str | Path, dataset: Dataset) -> str:
-    """Append recordings to a store, which is made if it is not there; its URI."""
-    tables = tables_of(dataset)
-    names = tables["recordings"]["recording"].to_pylist()
-    for name, data in ROWS_IN.items():
-        rows = tables[name].to_pandas()
-        keys = ["recording", "source"] if name == "sources" else ["recording"]
-        sizes = tables[data].select(keys).to_pandas().astype(str).value_counts()
-        n_rows = [int(sizes.get(key, 0)) for key in rows[keys].itertuples(index=False, name=None)]
-        known = rows.assign(n_rows=n_rows, first_row=np.cumsum([0, *n_rows])[:-1])
-        if name == "sources":
-            of_recordings = dict(
-                zip(names, tables["recordings"]["sha256"].to_pylist(), strict=True)
-            )
-            known["recording_sha256"] = known["recording"].map(of_recordings)
-        tables[name] = typed(known, SCHEMAS[name])
-    tables |= {data: tables[data].cast(IN_MEMORY[data]) for data in ROWS_IN.values()}
-    made = Store(Location(store))
-    made.append([tables])
+def append_to(store: str | Path, dataset: Dataset, *, without: str = "") -> str:
+    """Append recordings to a store, perhaps without one of the systems; its URI."""
+    made, tables = Store(Location(store)), tables_of(dataset)
+    has_it = pc.not_equal(tables["sources"]["source"], without)
+    made.append([tables | {"sources": tables["sources"].filter(has_it)}])
     return made.location.uri
 
 
@@ -92,6 +85,18 @@ def files_of(out: Path) -> dict[str, bytes]:
         for path in out.rglob("*")
         if path.is_file() and (path.suffix == ".parquet" or "done" in path.parts)
     }
+
+
+def table_of(out: Path, name: str) -> pa.Table:
+    """A table of results, of the files that Delta lists."""
+    files = DeltaTable(out / name).file_uris()
+    return pa.concat_tables([pq.read_table(file) for file in files])
+
+
+def quarantine_of(out: Path) -> dict[str, str]:
+    """Why recordings are in quarantine, by name."""
+    rows = table_of(out, "quarantine").sort_by("recording").to_pydict()
+    return dict(zip(*rows.values(), strict=True))
 
 
 def attempts_of(out: Path) -> dict[str, int]:
@@ -116,7 +121,7 @@ def process(*command: object) -> subprocess.Popen[bytes]:
     )
 
 
-def named(tables: Tables) -> list[str]:
+def named(tables: Mapping[str, pa.Table]) -> list[str]:
     return tables["recordings"]["recording"].to_pylist()
 
 
@@ -125,13 +130,20 @@ def killed_at(recording: str, folder: Path, times: int) -> Callable[..., Any]:
     return partial(_killed_at, recording, folder, times)
 
 
-def _killed_at(recording: str, folder: Path, times: int, tables: Tables, params: ScanParams) -> Any:
+def _killed_at(
+    recording: str,
+    folder: Path,
+    times: int,
+    tables: Mapping[str, pa.Table],
+    params: ScanParams,
+    **more: Any,
+) -> Any:
     if recording in named(tables):
         number = len([*folder.glob("killed-*")])
         if number < times:
             (folder / f"killed-{number}").write_text(" ".join(named(tables)))
             os.kill(os.getpid(), signal.SIGKILL)
-    return scan_batch(tables, params)
+    return scan_batch(tables, params, **more)
 
 
 def stopped_at(recording: str, folder: Path) -> Callable[..., Any]:
@@ -139,11 +151,13 @@ def stopped_at(recording: str, folder: Path) -> Callable[..., Any]:
     return partial(_stopped_at, recording, folder)
 
 
-def _stopped_at(recording: str, folder: Path, tables: Tables, params: ScanParams) -> Any:
+def _stopped_at(
+    recording: str, folder: Path, tables: Mapping[str, pa.Table], params: ScanParams, **more: Any
+) -> Any:
     if recording in named(tables):
         (folder / "stopped").write_text(str(os.getpid()))
         until((folder / "on").exists, "the file that lets this worker go on")
-    return scan_batch(tables, params)
+    return scan_batch(tables, params, **more)
 
 
 def starved_at(recording: str, n_bytes: int) -> Callable[..., Any]:
@@ -151,11 +165,30 @@ def starved_at(recording: str, n_bytes: int) -> Callable[..., Any]:
     return partial(_starved_at, recording, n_bytes)
 
 
-def _starved_at(recording: str, n_bytes: int, tables: Tables, params: ScanParams) -> Any:
+def _starved_at(
+    recording: str, n_bytes: int, tables: Mapping[str, pa.Table], params: ScanParams, **more: Any
+) -> Any:
     if recording in named(tables):
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, n_bytes))
-    return scan_batch(tables, params)
+    return scan_batch(tables, params, **more)
+
+
+def compiled_in(folder: Path) -> Callable[..., Any]:
+    """Its worker leaves word of how many loops it had to compile."""
+    return partial(_compiled_in, folder)
+
+
+def _compiled_in(
+    folder: Path, tables: Mapping[str, pa.Table], params: ScanParams, **more: Any
+) -> Any:
+    results = scan_batch(tables, params, **more)
+    loops = [of for of in gc.get_objects() if isinstance(of, Dispatcher)]
+    n = sum(
+        sum(of.stats.cache_misses.values()) for of in loops if "nvcore" in of.py_func.__module__
+    )
+    (folder / f"compiled-{os.getpid()}").write_text(str(n))
+    return results
 
 
 def broken_at(recordings: Sequence[str]) -> Callable[..., Any]:
@@ -163,11 +196,13 @@ def broken_at(recordings: Sequence[str]) -> Callable[..., Any]:
     return partial(_broken_at, recordings)
 
 
-def _broken_at(recordings: Sequence[str], tables: Tables, params: ScanParams) -> Any:
+def _broken_at(
+    recordings: Sequence[str], tables: Mapping[str, pa.Table], params: ScanParams, **more: Any
+) -> Any:
     for name in named(tables):
         if name in recordings:
             raise ZeroDivisionError(f"of {name}")
-    return scan_batch(tables, params)
+    return scan_batch(tables, params, **more)
 
 
 def hours_later() -> float:

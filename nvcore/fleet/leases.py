@@ -1,0 +1,110 @@
+"""Leases: which worker has the right to a batch, and what became of those who had it before."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from nvcore.errors import StoreError
+from nvcore.fleet.location import Location
+from nvcore.wording import one_line
+
+
+class Lease:
+    """The right to work on a batch, renewed by a thread as long as the work goes on.
+
+    Attributes
+    ----------
+    n_killed
+        Earlier attempts that ended without a word.
+    killed_at
+        Recordings at which they were, where they took them one at a time.
+    """
+
+    def __init__(
+        self,
+        out: Location,
+        path: str,
+        earlier: Sequence[Mapping[str, Any]],
+        lease_s: float,
+        clock: Callable[[], float],
+    ):
+        self._out, self._path, self._lease_s, self._clock = out, path, lease_s, clock
+        lost = [attempt for attempt in earlier if attempt["ended"] is None]
+        self.n_killed = len(lost)
+        self.killed_at = [attempt["at"] for attempt in lost if attempt["at"] is not None]
+        self._state: dict[str, Any] = {
+            "host": socket.gethostname(),
+            "pid": os.getpid(),
+            "at": None,
+            "ended": None,
+        }
+        self._lock, self._is_over = threading.Lock(), threading.Event()
+
+    def content(self, **changes: Any) -> bytes:
+        """What its file says from now on, with a new time of expiry."""
+        with self._lock:
+            expires = self._clock() + self._lease_s
+            self._state |= {"expires": expires, **changes}
+            return json.dumps(self._state).encode()
+
+    def mark(self, recording: str) -> None:
+        """Say at which recording the work is."""
+        self._out.write(self._path, self.content(at=recording))
+
+    def __enter__(self) -> Lease:
+        threading.Thread(target=self._renew, daemon=True).start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: object, _: object) -> None:
+        self._is_over.set()
+        ended = "done" if kind is None else one_line(f"{kind.__name__}: {error}")
+        try:
+            self._out.write(self._path, self.content(ended=ended))
+        except StoreError:  # it will expire
+            if kind is None:
+                raise
+
+    def _renew(self) -> None:
+        while not self._is_over.wait(self._lease_s / 4):
+            try:
+                self._out.write(self._path, self.content())
+            except StoreError:  # at worst, two workers do the same
+                continue
+
+
+def claim(out: Location, key: str, lease_s: float, clock: Callable[[], float]) -> Lease | None:
+    """The lease of a batch; None: another has it.
+
+    Parameters
+    ----------
+    lease_s
+        How long it holds if its owner gives no sign of life.
+    clock
+        Seconds since 1970.
+    """
+    earlier = [json.loads(out.read(entry.path)) for entry in out.list(f"leases/{key}/")]
+    if earlier and is_held(earlier[-1], clock()):
+        return None
+    path = f"leases/{key}/{len(earlier) + 1:04}.json"
+    lease = Lease(out, path, earlier, lease_s, clock)
+    return lease if out.create(path, lease.content()) else None
+
+
+def is_held(attempt: Mapping[str, Any], now: float) -> bool:
+    """Whether the worker of a lease may be at work; of processes of this host it is known."""
+    if attempt["ended"] is not None or attempt["expires"] <= now:
+        return False
+    if os.name != "posix" or attempt["host"] != socket.gethostname():
+        return True
+    try:
+        os.kill(attempt["pid"], 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:  # another user's
+        return True
+    return True
