@@ -127,9 +127,10 @@ def from_csv(folder: str, n_frames: int) -> dict[str, Any]:
 def scan(store: str, out: str, workers: int, alpha: float | None) -> dict[str, Any]:
     """A scan by so many processes, and what its parts take."""
     from nvcore.fleet.location import Location
+    from nvcore.fleet.plan import begin
     from nvcore.fleet.pool import in_pool
     from nvcore.fleet.results import ScanParams
-    from nvcore.fleet.scan import Job, begin, drive, finish
+    from nvcore.fleet.scan import Job, drive, finish
     from nvcore.fleet.store import Store
     from nvcore.params import Params
 
@@ -164,7 +165,8 @@ def scan(store: str, out: str, workers: int, alpha: float | None) -> dict[str, A
         **parts,
         "done_at_s": done_at,
         "plan_bytes": len(plan.to_json()),
-        "bytes": _bytes(out),
+        "bytes": _bytes(out) - _bytes(f"{out}/stages"),
+        "kept_bytes": _bytes(f"{out}/stages"),
     }
 
 
@@ -176,8 +178,9 @@ def metadata(folder: str, recordings: int) -> dict[str, Any]:
     from nvcore.dataset.tables import dataset_from_tables
     from nvcore.fleet.ingest import ingest_all
     from nvcore.fleet.location import Location
+    from nvcore.fleet.plan import begin
     from nvcore.fleet.results import ScanParams
-    from nvcore.fleet.scan import Job, begin
+    from nvcore.fleet.scan import Job
     from nvcore.fleet.store import Snapshot, Store
 
     names = [f"r{number:08}" for number in range(recordings)]

@@ -7,9 +7,11 @@ of which is an operation that is known here, a column that is there, or a consta
 
 from __future__ import annotations
 
+import json
 import operator
 import re
 from collections.abc import Callable, Collection, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -155,8 +157,11 @@ def worst(
     InputError
         If there are no results, no such table or column, or the filter cannot be used.
     """
-    rows = _dataset(results, table)
-    recordings = rows if table == "recordings" else _dataset(results, "recordings")
+    versions = {}
+    with suppress(FileNotFoundError):  # a later scan may be writing its tables
+        versions = json.loads(results.read(SUMMARY))["tables"]
+    rows = _dataset(results, table, versions)
+    recordings = rows if table == "recordings" else _dataset(results, "recordings", versions)
     own = dict(zip(rows.schema.names, rows.schema.types, strict=True))
     of_recordings = dict(zip(recordings.schema.names, recordings.schema.types, strict=True))
     usual, frame, timed, time_s = MOMENTS[table]
@@ -221,13 +226,14 @@ _CONFINED: Final[dict[str, Any]] = {
 }
 
 
-def _dataset(results: Location, table: str) -> Any:
+def _dataset(results: Location, table: str, versions: Mapping[str, int]) -> Any:
     """A table of the results as a data set of Arrow: nothing of it is read yet."""
     if table not in MOMENTS:
         raise InputError(did_you_mean(table, MOMENTS, f"the tables are {listed([*MOMENTS])}"))
     folder = results.child(table)
     try:
-        return DeltaTable(folder.uri, storage_options=folder.delta_options).to_pyarrow_dataset()
+        delta = DeltaTable(folder.uri, versions.get(table), storage_options=folder.delta_options)
+        return delta.to_pyarrow_dataset()
     except TableNotFoundError as error:
         raise InputError(
             "there is no such table of results; is the scan finished, and was it asked for?",
