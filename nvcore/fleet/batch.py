@@ -357,10 +357,12 @@ class Batch:
         self, name: str, keys: Sequence[tuple[str, ...]]
     ) -> tuple[np.ndarray, tuple[str, ...]]:
         """Codes of a column of texts of the boxes, -1: none, and what they count."""
-        column = self._tables["boxes"][name]
-        texts = sorted(pc.unique(column).drop_null().to_pylist())
-        code = pc.fill_null(pc.index_in(column, pa.array(texts, pa.string())), -1)
-        return self._gather(code.to_numpy(), "boxes", keys), tuple(texts)
+        code, known = _coded(self._tables["boxes"][name])
+        used = sorted(np.unique(code[code >= 0]), key=lambda number: known[number])
+        place = np.full(len(known) + 1, -1)
+        place[used] = np.arange(len(used))
+        texts = tuple(known[number] for number in used)
+        return self._gather(place[code], "boxes", keys), texts
 
     def _gather(
         self, values: np.ndarray, table: str, keys: Sequence[tuple[str, ...]]
@@ -374,18 +376,21 @@ def _listed(values: Any) -> tuple[str, ...]:
     return () if values is None else tuple(map(str, values))
 
 
+def _coded(column: pa.ChunkedArray) -> tuple[np.ndarray, list[str]]:
+    """A column of texts as numbers, -1: none, and the text of each number."""
+    is_coded = pa.types.is_dictionary(column.type)
+    coded = column.unify_dictionaries() if is_coded else column.dictionary_encode()
+    whole = coded.combine_chunks()
+    return pc.fill_null(whole.indices, -1).to_numpy(), whole.dictionary.to_pylist()
+
+
 def _runs(table: pa.Table, names: Sequence[str]) -> _Rows:
     """Rows with each combination of texts, in stretches."""
     if not len(table):
         return {}
-    known = [pc.unique(table[name]) for name in names]
-    codes = [
-        pc.index_in(table[name], values).to_numpy()
-        for name, values in zip(names, known, strict=True)
-    ]
+    codes, texts = zip(*(_coded(table[name]) for name in names), strict=True)
     is_new = np.any([np.diff(code) != 0 for code in codes], axis=0)
     starts = np.concatenate([[0], np.flatnonzero(is_new) + 1])
-    texts = [values.to_pylist() for values in known]
     runs: _Rows = {}
     for start, stop in pairwise([*starts.tolist(), len(table)]):
         key = tuple(of[code[start]] for of, code in zip(texts, codes, strict=True))

@@ -52,9 +52,9 @@ class Lease:
             self._state |= {"expires": expires, **changes}
             return json.dumps(self._state).encode()
 
-    def mark(self, recording: str) -> None:
-        """Say at which recording the work is."""
-        self._out.write(self._path, self.content(at=recording))
+    def tell(self, **changes: str) -> None:
+        """Say at which recording the work is (`at`), or why the batch failed as a whole."""
+        self._out.write(self._path, self.content(**changes))
 
     def __enter__(self) -> Lease:
         threading.Thread(target=self._renew, daemon=True).start()
@@ -64,7 +64,7 @@ class Lease:
         self._is_over.set()
         ended = "done" if kind is None else one_line(f"{kind.__name__}: {error}")
         try:
-            self._out.write(self._path, self.content(ended=ended))
+            self.tell(ended=ended)
         except StoreError:  # it will expire
             if kind is None:
                 raise
@@ -72,7 +72,7 @@ class Lease:
     def _renew(self) -> None:
         while not self._is_over.wait(self._lease_s / 4):
             try:
-                self._out.write(self._path, self.content())
+                self.tell()
             except StoreError:  # at worst, two workers do the same
                 continue
 

@@ -152,23 +152,22 @@ def _compared(
             return _compared_at_once(batch, read, params, out, options)
         except Exception as error:  # noqa: BLE001  # whatever it is: which recording is it about?
             _give_up_without_storage(error)
+            lease.tell(failed=_reason(error))
     parts, reasons, faults = [], {}, 0
     for name in batch.recordings:
         n_killed = lease.killed_at.count(name)
         if n_killed >= ATTEMPTS:
             reasons[name] = f"{n_killed} workers ended without a word while they compared it"
             continue
-        lease.mark(name)
+        lease.tell(at=name)
         try:
             parts.append(options.run(read([name]), params)[0])
         except Exception as error:
             _give_up_without_storage(error)
-            known = isinstance(error, NvcoreError | MemoryError)
-            text = str(error) if known and str(error) else f"{type(error).__name__}: {error}"
-            faults += not known
+            faults += not isinstance(error, NvcoreError | MemoryError)
             if faults == len(batch.recordings) > 1:  # then it is no fault of theirs
                 raise
-            reasons[name] = shortened(one_line(text), LONGEST_REASON)
+            reasons[name] = _reason(error)
     for part in parts:
         reasons |= dict(zip(*part["quarantine"].to_pydict().values(), strict=True))
     results = gather(parts, reasons, has_frames=params.frames)
@@ -196,8 +195,14 @@ def _compared_at_once(
         how = pa.ipc.IpcWriteOptions(compression="lz4")
         with pa.ipc.new_file(sink, stages[key].schema, options=how) as writer:
             writer.write_table(stages[key])
-        out.write(path, sink.getvalue())
+        out.write(path, sink.getvalue().to_pybytes())
     return results
+
+
+def _reason(error: Exception) -> str:
+    """What happened, in one line."""
+    kind = "" if isinstance(error, NvcoreError) else f"{type(error).__name__}: "
+    return shortened(one_line(f"{kind}{error}"), LONGEST_REASON)
 
 
 def _give_up_without_storage(error: Exception) -> None:

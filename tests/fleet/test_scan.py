@@ -16,6 +16,7 @@ from fleet_runs import (
     begin_scan,
     broken_at,
     compiled_in,
+    failures_of,
     files_of,
     quarantine_of,
     small_fleet,
@@ -27,6 +28,7 @@ from nvcore.comparison import compare
 from nvcore.fleet.location import Location
 from nvcore.fleet.plan import plan
 from nvcore.fleet.pool import in_pool
+from nvcore.fleet.results import ScanParams
 from nvcore.fleet.scan import drive, finish, in_process, status
 from nvcore.fleet.store import Store
 from nvcore.params import Params
@@ -43,6 +45,7 @@ def undisturbed(store: str, tmp_path_factory: pytest.TempPathFactory) -> dict[st
     out = tmp_path_factory.mktemp("undisturbed")
     its_plan, job = begin_scan(store, out)
     assert list(drive(job, in_process)) == [batch.key for batch in its_plan.batches]
+    assert not failures_of(out)
     finish(Location(out), its_plan)
     return files_of(out)
 
@@ -83,6 +86,7 @@ def test_recordings_that_fail_are_set_aside_with_the_reason(store, undisturbed, 
     others = [name for name in undisturbed if name.startswith("encounters/") and name in files]
     assert len(others) == len(its_plan.batches) - 2
     assert {*attempts_of(tmp_path).values()} == {1}
+    assert failures_of(tmp_path) == {*quarantine_of(tmp_path).values()}
 
 
 def test_a_fault_of_the_program_is_not_put_upon_the_recordings(store, tmp_path):
@@ -145,6 +149,24 @@ def test_the_tables_are_those_of_the_scan_that_was_begun_last(store, undisturbed
     finish(out, its_plan)
     assert len(table_of(tmp_path, "intervals")) > n_intervals
     assert files_of(tmp_path).items() >= undisturbed.items()
+
+
+def test_what_a_scan_keeps_changes_nothing_for_the_next(store, tmp_path):
+    def files_with(folder: str, params: ScanParams, keep: bool) -> dict[str, bytes]:
+        its_plan, job = begin_scan(store, tmp_path / folder, params, keep=keep)
+        list(drive(job, in_process))
+        assert not failures_of(tmp_path / folder)
+        finish(Location(tmp_path / folder), its_plan)
+        return files_of(tmp_path / folder)
+
+    params = ScanParams("x", "y", params=Params(alpha=0.5, midpoint=30))
+    files_with("kept", ScanParams("x", "y"), keep=True)
+    kept = {path: path.stat().st_mtime_ns for path in (tmp_path / "kept/stages").iterdir()}
+    assert len(kept) == 6
+    anew = files_with("anew", params, keep=False)
+    assert not (tmp_path / "anew/stages").exists()
+    assert files_with("kept", params, keep=True).items() >= anew.items()
+    assert {path: path.stat().st_mtime_ns for path in (tmp_path / "kept/stages").iterdir()} == kept
 
 
 def test_the_command_scans_and_says_how_far_it_is(store, tmp_path):

@@ -7,6 +7,7 @@ starve the process that calls them. What happened to whom they leave as files in
 from __future__ import annotations
 
 import gc
+import json
 import os
 import resource
 import signal
@@ -102,6 +103,12 @@ def quarantine_of(out: Path) -> dict[str, str]:
 def attempts_of(out: Path) -> dict[str, int]:
     """How often each batch was begun."""
     return {path.name: len([*path.iterdir()]) for path in (out / "leases").iterdir()}
+
+
+def failures_of(out: Path) -> set[str]:
+    """Why batches failed as a whole, so that their recordings were taken one at a time."""
+    attempts = [json.loads(path.read_text()) for path in out.glob("leases/*/*.json")]
+    return {attempt["failed"] for attempt in attempts if "failed" in attempt}
 
 
 def until(holds: Callable[[], object], what: str) -> None:
