@@ -144,8 +144,9 @@ def scan(store: str, out: str, workers: int, alpha: float | None) -> dict[str, A
         job = Job(plan.store, location.uri, plan.key)
         _, open_s, _ = clocked(job.missing)
         with Watch() as watch:
-            for _ in drive(job, partial(in_pool, n_workers=workers)):
-                done_at.append(perf_counter() - start)
+            sizes = {batch.key: batch.n_frames for batch in plan.batches}
+            for batch in drive(job, partial(in_pool, n_workers=workers)):
+                done_at.append((perf_counter() - start, sizes[batch]))
         _, finish_s, _ = clocked(lambda: finish(location, plan))
         return plan, {
             "begin_s": begin_s,

@@ -35,6 +35,8 @@ reuses. Peak memory of a worker: {peak:.0f} MB, of which {grown:.0f} MB came in 
 its life at the largest size (target: less than 1,000 MB, steady). Two workers are {speedup:.2f}
 times as fast as one; a second scan is {again:.1f} times as fast as the first (target: 10).
 """
+LEAST_BATCHES: Final = 4
+"""Of the largest size, from which larger ones are simulated."""
 NAMES: Final = {
     "scan, 1": "scan, 1 worker",
     "scan, 2": "scan, 2 workers",
@@ -51,9 +53,10 @@ PARTS: Final = {
 SIMULATED: Final = """\
 ## Simulated
 
-Measured: a batch of 250,000 frames takes {batch:.1f} s of one core (standard deviation
-{spread:.0%}, {n} batches), a worker's start {costs.start_s:.1f} s. Of a frame {costs.read:.0f}
-bytes are read and {costs.written:.1f} written. A recording costs {plan_us:.0f} us in the plan,
+Measured: one worker compares {rate:,.0f} frames a second in batches of {costs.batch:,.0f} (the
+standard deviation over {n} batches is {spread:.0%}); its start takes {costs.start_s:.1f} s. Of a
+frame {costs.read:.0f} bytes are read and {costs.written:.0f} written, what a second scan reuses
+with them. A recording costs {plan_us:.0f} us in the plan,
 once, and {open_us:.0f} us and {memory:.1f} kB of memory in every worker; a batch {finish:.1f} ms
 when the scan is finished. Assumed of an object store: {total:.1f} GB/s for all workers together,
 {each:.0f} MB/s for one, {request:.0f} ms a request, {cloud.requests} requests a batch;
@@ -72,7 +75,7 @@ measurement:
 """
 SETTINGS: Final[tuple[tuple[str, Storage, dict[str, int]], ...]] = (
     ("ten times the storage's bandwidth", Storage(total=125e9), {}),
-    ("batches of 1,000,000 frames", Storage(), {"batch": 1_000_000}),
+    ("batches four times as large", Storage(), {"times": 4}),
     ("no slow machines", Storage(slow=0.0), {}),
     ("divided into 100 stores", Storage(), {"stores": 100}),
 )
@@ -136,9 +139,9 @@ def simulated_section(known: dict[str, Any]) -> str:
         held.append([f"{scan['frames']:,}", span, f"{scan['s']:.0f} s", ratio])
     low, middle, high = (of / 60 for of in predicted(costs, LOCAL, 1e8, 2))
     return SIMULATED.format(
-        batch=float(np.median(costs.batch_s)),
-        spread=float(np.std(costs.batch_s) / np.mean(costs.batch_s)),
-        n=len(costs.batch_s),
+        rate=1 / np.median(costs.frame_s),
+        spread=float(np.std(costs.frame_s) / np.mean(costs.frame_s)),
+        n=len(costs.frame_s),
         costs=costs,
         plan_us=costs.plan_s * 1e6,
         open_us=costs.open_s * 1e6,
@@ -167,7 +170,10 @@ def _row(
 
 def write_pages(known: dict[str, Any], docs: Path | None) -> None:
     """Print both sections, and put them into the pages of that folder."""
-    sections = {"benchmarks.md": measured_section(known), "scale.md": simulated_section(known)}
+    sections = {"benchmarks.md": measured_section(known)}
+    largest = known["sizes"][max(known["sizes"], key=int)]
+    if largest["scan, 1"]["batches"] >= LEAST_BATCHES:
+        sections["scale.md"] = simulated_section(known)
     for page, section in sections.items():
         print(section)
         if docs is not None:

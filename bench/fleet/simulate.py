@@ -14,7 +14,6 @@ from typing import Any, Final
 import numpy as np
 
 FRAMES_PER_RECORDING: Final = 2_000
-BATCH: Final = 250_000
 SEED: Final = 37
 
 
@@ -48,9 +47,10 @@ LOCAL: Final = Storage(np.inf, np.inf, 0.0, 0, 0.0, 1.0)
 
 @dataclass(frozen=True)
 class Costs:
-    """Measured: seconds of each batch of `BATCH` frames, of a worker's start, of what is once."""
+    """Measured: seconds of batches, of a worker's start, of what is once."""
 
-    batch_s: np.ndarray
+    frame_s: np.ndarray  # a frame, of each batch
+    batch: float  # frames, on average
     start_s: float
     read: float  # bytes a frame
     written: float
@@ -65,15 +65,16 @@ def costs_of(known: dict[str, Any]) -> Costs:
     """From what `bench.fleet` has measured: the largest size with one worker, and the metadata."""
     largest = known["sizes"][max(known["sizes"], key=int)]
     scan, ingest, metadata = largest["scan, 1"], largest["ingest"], known["metadata"]
-    at = np.array(scan["done_at_s"])
-    took = np.diff(at)[:-1] if len(at) > 3 else np.diff(at)  # the last batch is a rest
-    start_s = at[0] - scan["begin_s"] - scan["open_s"] - float(np.median(took))
+    at, n_frames = np.array(scan["done_at_s"]).T
+    frame_s = np.diff(at) / n_frames[1:]
+    start_s = at[0] - scan["begin_s"] - scan["open_s"] - n_frames[0] * np.median(frame_s)
     of_recording = [metadata[of] for of in ("begin_s", "open_s", "plan_bytes", "memory")]
     return Costs(
-        took,
-        max(start_s, 0.0),
+        frame_s,
+        scan["frames"] / scan["batches"],
+        max(float(start_s), 0.0),
         ingest["bytes"] / ingest["frames"],
-        scan["bytes"] / scan["frames"],
+        (scan["bytes"] + scan["kept_bytes"]) / scan["frames"],
         *(of / metadata["recordings"] for of in of_recording),
         scan["finish_s"] / scan["batches"],
     )
@@ -86,31 +87,31 @@ def simulate(
     workers: int,
     rng: np.random.Generator,
     *,
-    batch: int = BATCH,
+    times: float = 1.0,
     stores: int = 1,
 ) -> dict[str, float]:
     """Seconds from the store to the summary, and of what they consist.
 
     Parameters
     ----------
-    batch
-        Frames of a batch.
+    times
+        How much larger batches are than those that were measured.
     stores
         Into how many stores the fleet is divided, each with its scan and its share of the workers;
         their summaries are merged.
     """
     n_frames, workers = n_frames / stores, max(workers // stores, 1)
-    n = max(round(n_frames / batch), 1)
+    n = max(round(n_frames / (times * costs.batch)), 1)
     recordings = n_frames / FRAMES_PER_RECORDING
-    took = rng.choice(costs.batch_s, n) * (batch / BATCH)
+    took = rng.choice(costs.frame_s, n) * (n_frames / n)
     took = took * np.where(rng.random(n) < storage.slow, storage.times, 1.0)
-    took += storage.requests * storage.request_s + costs.written * batch / storage.each
+    took += storage.requests * storage.request_s + costs.written * n_frames / n / storage.each
     plan_s = costs.plan_s * recordings
     pages_s = n / 1000 * storage.request_s  # names of what is done come a thousand at a time
     open_s = costs.open_s * recordings + costs.plan_bytes * recordings / storage.each + 4 * pages_s
     ready = plan_s + costs.start_s + open_s
     free = [ready] * workers
-    size, storage_at, waited = costs.read * batch, 0.0, 0.0
+    size, storage_at, waited = costs.read * n_frames / n, 0.0, 0.0
     for seconds in took:  # a batch goes to whoever is free first
         now = heapq.heappop(free)
         storage_at = max(storage_at, now) + size / storage.total
@@ -121,7 +122,7 @@ def simulate(
     return {
         "total": last + finish_s,
         "metadata": ready,
-        "storage": waited / workers,
+        "storage": max(waited / workers, 0.0),
         "tail": last - float(np.median(free)),
         "finish": finish_s,
         "memory": costs.memory * recordings,
@@ -135,7 +136,7 @@ def predicted(
     totals = []
     for seed in range(200):
         rng = np.random.default_rng([SEED, seed])
-        drawn = replace(costs, batch_s=rng.choice(costs.batch_s, len(costs.batch_s)))
+        drawn = replace(costs, frame_s=rng.choice(costs.frame_s, len(costs.frame_s)))
         totals.append(simulate(drawn, storage, n_frames, workers, rng)["total"])
     low, middle, high = np.percentile(totals, [2.5, 50, 97.5])
     return float(low), float(middle), float(high)
