@@ -191,19 +191,26 @@ class Batch:
             If its boxes are not in the order of the frames.
         """
         part = copy.copy(self)
-        part._rows = {"frames": self._within("frames", (name,), listed), "boxes": {}}
-        for of in sources:
-            part._rows["boxes"] |= self._within("boxes", (name, of), listed)
+        part._tables, part._rows, part._columns = {**self._tables}, {}, {}
+        keys: dict[str, list[tuple[str, ...]]] = {
+            "frames": [(name,)],
+            "boxes": [(name, of) for of in sources],
+        }
+        for table, of_table in keys.items():
+            slices = [self._within(table, key, listed) for key in of_table]
+            part._tables[table] = pa.concat_tables(
+                self._tables[table].slice(rows.start, rows.stop - rows.start) for rows in slices
+            )
         return part
 
-    def _within(self, table: str, key: tuple[str, ...], listed: np.ndarray) -> _Rows:
+    def _within(self, table: str, key: tuple[str, ...], listed: np.ndarray) -> slice:
         """Rows of a key from the first to the last of these frames."""
         number = self._column(table, "frame", key)
-        runs = self._rows_of(table).get(key, [])
-        if len(runs) > 1 or (np.diff(number) < 0).any():
+        runs = self._rows_of(table).get(key, [slice(0, 0)])
+        if len(runs) > 1 or (number[1:] < number[:-1]).any():
             raise InputError(f"{', '.join(key)}: its {table} are not in order; ingest it again")
         start, stop = np.searchsorted(number, [listed[0], listed[-1] + 1]).tolist()
-        return {key: [slice(runs[0].start + start, runs[0].start + stop)]} if runs else {}
+        return slice(runs[0].start + start, runs[0].start + stop)
 
     def alike(self, params: ScanParams, refused: MutableMapping[str, str]) -> list[list[str]]:
         """Recordings that one comparison can hold, each group by name; others are `refused`.
@@ -368,7 +375,7 @@ class Batch:
         self, values: np.ndarray, table: str, keys: Sequence[tuple[str, ...]]
     ) -> np.ndarray:
         parts = [values[rows] for key in keys for rows in self._rows_of(table).get(key, ())]
-        return np.concatenate([values[:0], *parts])
+        return parts[0] if len(parts) == 1 else np.concatenate([values[:0], *parts])
 
 
 def _listed(values: Any) -> tuple[str, ...]:
