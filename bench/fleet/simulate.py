@@ -105,19 +105,19 @@ def simulate(
     recordings = n_frames / FRAMES_PER_RECORDING
     took = rng.choice(costs.frame_s, n) * (n_frames / n)
     took = took * np.where(rng.random(n) < storage.slow, storage.times, 1.0)
-    took += storage.requests * storage.request_s + costs.written * n_frames / n / storage.each
+    took += storage.requests * storage.request_s
     plan_s = costs.plan_s * recordings
     pages_s = n / 1000 * storage.request_s  # names of what is done come a thousand at a time
     open_s = costs.open_s * recordings + costs.plan_bytes * recordings / storage.each + 4 * pages_s
     ready = plan_s + costs.start_s + open_s
     free = [ready] * workers
-    size, storage_at, waited = costs.read * n_frames / n, 0.0, 0.0
+    size, storage_at, waited = (costs.read + costs.written) * n_frames / n, 0.0, 0.0
     for seconds in took:  # a batch goes to whoever is free first
         now = heapq.heappop(free)
         storage_at = max(storage_at, now) + size / storage.total
-        read = max(storage_at, now + size / storage.each)
-        waited += read - now - size / storage.each
-        heapq.heappush(free, read + seconds)
+        moved = max(storage_at, now + size / storage.each)
+        waited += moved - now - size / storage.each
+        heapq.heappush(free, moved + seconds)
     last, finish_s = max(free), n * (costs.finish_s + 2 * storage.request_s / 16)
     return {
         "total": last + finish_s,

@@ -182,15 +182,17 @@ def _compared_at_once(
     options: Options,
 ) -> tuple[dict[str, pa.Table], Summary]:
     """Results of a batch, with what an earlier scan has kept of it, or keeping that for others."""
-    if not options.keep:
-        return options.run(read(batch.recordings), params)
-    key, stages = stage_key(params), {}
+    key = stage_key(params)
     path = f"stages/{batch.inputs}-{key[:16]}.arrow"
-    with suppress(FileNotFoundError), out.open(path) as file:
-        stages[key] = pa.ipc.open_file(file).read_all()
-    kept = stages.get(key)
-    results = options.run(read(batch.recordings), params, stages=stages)
-    if stages.get(key) is not kept:
+    stages: dict[str, pa.Table] | None = {} if options.keep else None
+    if stages is not None:
+        with suppress(FileNotFoundError), out.open(path) as file:
+            stages[key] = pa.ipc.open_file(file).read_all()
+    kept, tables = stages and stages.get(key), read(batch.recordings)
+    if not kept:
+        tables["boxes"]  # read now: a damaged file is no fault of all of these recordings
+    results = options.run(tables, params, stages=stages)
+    if stages and stages[key] is not kept:
         sink = pa.BufferOutputStream()
         how = pa.ipc.IpcWriteOptions(compression="lz4")
         with pa.ipc.new_file(sink, stages[key].schema, options=how) as writer:
@@ -421,12 +423,13 @@ def status(out: Location, options: Options = Options()) -> Status:
 def forget_quarantined(out: Location, its_plan: Plan) -> None:
     """Have the batches run anew that have recordings in quarantine."""
     for batch in its_plan.batches:
-        path = f"done/{batch.key}.json"
+        done = f"done/{batch.key}.json"
         with suppress(FileNotFoundError):
-            if json.loads(out.read(path))["files"]["quarantine"]["rows"]:
-                out.delete(path)
-                for entry in out.list(f"leases/{batch.key}/"):
+            if json.loads(out.read(done))["files"]["quarantine"]["rows"]:
+                kept = [of for of in out.list("stages/") if batch.inputs in of.path]
+                for entry in (*kept, *out.list(f"leases/{batch.key}/")):
                     out.delete(entry.path)
+                out.delete(done)
 
 
 def _as_parquet(table: pa.Table) -> bytes:
