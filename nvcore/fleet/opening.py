@@ -18,7 +18,6 @@ from nvcore.fleet.location import Location
 from nvcore.fleet.plan import newest_plan
 from nvcore.fleet.results import ScanParams
 from nvcore.fleet.store import Snapshot, Store
-from nvcore.fleet.tables import SCHEMAS
 from nvcore.inputs.readers.base import Reading, Role, recordings_table
 from nvcore.inputs.session import (
     TABLES_OF_SUBJECTS,
@@ -100,10 +99,7 @@ def recording_of(
             f"there is no recording {recording!r}; {did_you_mean(recording, names, known)}",
             file=snapshot.location.uri,
         )
-    tables = {
-        name: table.cast(SCHEMAS[name])
-        for name, table in snapshot.read([recording], params.sources).items()
-    }
+    tables = snapshot.read([recording], params.sources)
     [pictures] = tables["recordings"]["pictures"].to_pylist()
     scheme, separator, rest = (pictures or "").partition("://")
     if separator:
