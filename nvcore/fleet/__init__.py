@@ -11,6 +11,8 @@ SUBJECT = Subject(
         "open_store": "face:open_store",
         "scan": "face:scan",
         "scan_status": "face:scan_status",
+        "top": "face:top",
+        "export_recording": "face:export_recording",
     },
     extras={
         "fleet": ("deltalake", "duckdb", "obstore", "sqlglot"),

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from nvcore.fleet.scan import Engine
 
 RUN: Final = "How it is run"
+SELECTION: Final = "Selection"
 
 
 @arguments
@@ -75,3 +76,63 @@ class ScanArguments:
     )
     storage: Mapping[str, str] = field(default_factory=dict)
     progress: Progress = no_progress
+
+
+@arguments
+class TopArguments:
+    """See `nvcore.top`."""
+
+    results: PathLike
+    _: KW_ONLY
+    table: str = argument(
+        SELECTION,
+        "Which results: encounters, events, intervals, episodes, recordings, or frames where the "
+        "scan has kept them.",
+        default="encounters",
+        metavar="TABLE",
+    )
+    by: str | None = argument(
+        SELECTION,
+        "A column, with or without its unit and the letter of a system: severity is the larger one "
+        "of both. Default: severity; saliency of events, depth of intervals, duration of episodes, "
+        "similarity of frames.",
+        default=None,
+        metavar="COLUMN",
+    )
+    where: str = argument(
+        SELECTION,
+        "Only rows for which this holds, such as \"tag.road = 'rural' and n_frames > 10\" "
+        "(docs/fleet.md).",
+        default="",
+        metavar="CONDITION",
+    )
+    n: int = argument(
+        SELECTION, "So many.", flag="-n", default=20, type=click.IntRange(min=1), metavar="N"
+    )
+    reverse: bool = argument(SELECTION, "The best first.", default=False, is_flag=True)
+    storage: Mapping[str, str] = field(default_factory=dict)
+
+
+@arguments
+class OpenArguments:
+    """See `nvcore.export_recording`."""
+
+    source: PathLike
+    recording: str
+    out: PathLike | None = argument(
+        OUTPUT,
+        "Write the recording as a session into this folder, and start nothing.",
+        default=None,
+        metavar="DIR",
+    )
+    _: KW_ONLY
+    x: str | None = argument(
+        INPUTS,
+        "System X of a store, as for scan. Default: those of the scan, or the recording's only two "
+        "systems.",
+        default=None,
+        metavar="SYSTEM",
+    )
+    y: str | None = argument(INPUTS, "System Y, likewise.", default=None, metavar="SYSTEM")
+    truth: str | None = argument(INPUTS, "The truth, likewise.", default=None, metavar="SOURCE")
+    storage: Mapping[str, str] = field(default_factory=dict)

@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+import shlex
+import socket
+import tempfile
+import time
+import webbrowser
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import urlencode
 
 import click
 
-from nvcore.arguments import pairs_of
+from nvcore.arguments import OUTPUT, pairs_of
+from nvcore.cli.app import serve
 from nvcore.cli.options import (
     GroupedCommand,
     examples,
@@ -18,12 +27,13 @@ from nvcore.cli.options import (
     options_of,
     parameter_options,
 )
-from nvcore.cli.program import EXIT_BAD_INPUT
+from nvcore.cli.program import EXIT_BAD_INPUT, program
 from nvcore.cli.progress import ShareProgress, step_lines
 from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import EXIT_FINDINGS, errors_of
 from nvcore.errors import InputError
-from nvcore.fleet.arguments import RUN, ScanArguments
+from nvcore.fleet.arguments import RUN, OpenArguments, ScanArguments, TopArguments
+from nvcore.output.files import write_whole
 from nvcore.params import SETTINGS, params_from
 from nvcore.wording import count_text, one_line
 
@@ -198,4 +208,108 @@ def scan(**options: Any) -> None:
         raise SystemExit(EXIT_FINDINGS)
 
 
-COMMANDS: Final[tuple[Any, ...]] = (ingest, scan)
+@click.command(
+    cls=GroupedCommand,
+    short_help="The worst moments of a scan, and how to open them.",
+    epilog=examples(
+        "nvcore top night -n 5",
+        "nvcore top night --by severity_y --where \"tag.road = 'rural' and n_frames > 10\"",
+        "nvcore top night --table intervals --where tag.night --out worst.csv",
+    ),
+)
+@click.argument("results", metavar="RESULTS")
+@options_of(TopArguments)
+@grouped_option(
+    OUTPUT,
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="CSV",
+    help="Write the rows with all columns into this file.",
+)
+def top(out: Path | None, **options: Any) -> None:
+    """Show the worst rows of RESULTS, a folder or URI that nvcore scan wrote.
+
+    Of each row the command is shown that opens its recording in the dashboard, at the frame to
+    look at. Exit code 0: fine, 2: bad input.
+    """
+    from nvcore.fleet.face import top as find_top
+    from nvcore.output.csv_text import to_csv_bytes
+
+    found = find_top(**options)
+    lines = str(found).splitlines()
+    commands = [""]
+    for name, frame in zip(found.table["recording"], found.frames, strict=True):
+        place = [] if frame is None else ["--at", str(frame)]
+        # a name that begins as a flag does stands last
+        words = (
+            [*place, "--", found.results, name] if name.startswith("-") else [found.results, name]
+        )
+        words += [] if name.startswith("-") else place
+        commands.append(f"  {program()} open {shlex.join(words)}")
+    for line, command in zip(lines, commands, strict=True):
+        click.echo(one_line(line + command))
+    if out is not None:
+        write_whole(out, to_csv_bytes(found.table))
+        click.echo(one_line(f"written to {out}"), err=True)
+
+
+@click.command(
+    "open",
+    cls=GroupedCommand,
+    short_help="Open a recording of a store in the dashboard.",
+    epilog=examples(
+        "nvcore open night 'drive 7' --at 1234",
+        "nvcore open fleet 'drive 7' --x FIR@1 --y FIR@2",
+        "nvcore open night 'drive 7' --out seven",
+    ),
+)
+@click.argument("source", metavar="RESULTS|STORE")
+@click.argument("recording")
+@options_of(OpenArguments)
+@grouped_option(RUN, "--at", type=int, metavar="FRAME", help="The frame to show.")
+@grouped_option(
+    RUN, "--port", type=click.IntRange(1, 65535), help="Default: 8501, or the next free one."
+)
+@grouped_option(RUN, "--no-browser", is_flag=True, help="Start without opening a browser.")
+def open_(at: int | None, port: int | None, no_browser: bool, **options: Any) -> None:
+    """Open RECORDING by itself in the dashboard, on this computer; Ctrl+C ends it.
+
+    RESULTS is what nvcore scan wrote: its systems, settings and versions are shown. Of a STORE
+    the newest versions are, with the settings by default. Exit code 0: ended, 2: bad input.
+    """
+    from nvcore.fleet.face import export_recording
+
+    if options["out"] is not None:
+        session = export_recording(**options)
+        click.echo(one_line(f"written to {session}"), err=True)
+        return
+    with tempfile.TemporaryDirectory(prefix="nvcore-") as folder:
+        session = export_recording(**options | {"out": folder})
+        place = {"recording": options["recording"], **({} if at is None else {"frame": at})}
+        port = port or _free_port()
+        link = f"http://localhost:{port}/timeline?{urlencode(place)}"
+        click.echo(one_line(f"opens at {link}"))
+        if not no_browser:
+            Thread(target=_open_when_served, args=(port, link), daemon=True).start()
+        serve([f"--session={session}"], address="localhost", port=port, no_browser=True)
+
+
+def _free_port() -> int:
+    """The first port from Streamlit's own on at which nothing listens."""
+    for port in range(8501, 8601):
+        with suppress(OSError), socket.socket() as there:
+            there.bind(("localhost", port))
+            return port
+    raise click.UsageError("the ports 8501 to 8600 are in use; give --port")
+
+
+def _open_when_served(port: int, link: str) -> None:
+    """Open a link in the browser as soon as something listens."""
+    for _ in range(600):
+        with suppress(OSError), socket.create_connection(("localhost", port), timeout=1):
+            webbrowser.open(link)
+            return
+        time.sleep(0.1)
+
+
+COMMANDS: Final[tuple[Any, ...]] = (ingest, scan, top, open_)

@@ -1,4 +1,4 @@
-"""The calls of Python users: `nvcore.ingest`, `open_store`, `scan`, `scan_status`."""
+"""The calls of Python users: `nvcore.ingest`, `open_store`, `scan`, `top`, ..."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ from nvcore.api.inputs import load
 from nvcore.arguments import PathLike, called_with
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, ParameterError
-from nvcore.fleet.arguments import ScanArguments
+from nvcore.fleet.arguments import OpenArguments, ScanArguments, TopArguments
 from nvcore.fleet.ingest import Ingested, ingest_all, session_files
 from nvcore.fleet.location import Location
+from nvcore.fleet.opening import recording_of, write_recording
 from nvcore.fleet.plan import begin
 from nvcore.fleet.pool import in_pool
+from nvcore.fleet.query import Top, results_in, worst
 from nvcore.fleet.results import ScanParams, Summary
 from nvcore.fleet.scan import (
     Engine,
@@ -266,3 +268,96 @@ def scan_status(out: PathLike, *, storage: dict[str, str] | None = None) -> Stat
         If there is none.
     """
     return status(Location(str(out), storage or {}))
+
+
+@called_with(TopArguments)
+def top(arguments: TopArguments) -> Top:
+    """The worst rows of the results of a scan, each with the frame to look at.
+
+    Parameters
+    ----------
+    results
+        Folder or URI that the scan has written to, or of the store, if one lies below it.
+    table
+        ``"encounters"``, ``"events"``, ``"intervals"``, ``"episodes"``, ``"recordings"``, or
+        ``"frames"`` where the scan has kept them.
+    by
+        A column, with or without its unit and the letter of a system: ``"severity"`` is the larger
+        one of both systems.
+    where
+        A condition on the columns of the table, on those of the recordings (``unit``, ``fps``, or
+        ``recording.n_frames`` where the table has such a column, too) and on tags: ``"tag.night"``,
+        ``"tag.road = 'rural' and n_frames > 10"``. Empty: all rows.
+    n
+        Largest number of rows.
+    reverse
+        Whether the best come first.
+    storage
+        As of `nvcore.scan`.
+
+    Returns
+    -------
+    Top
+        With `table`, a DataFrame.
+
+    Raises
+    ------
+    InputError
+        If there are no results, no such table or column, or the condition cannot be used.
+
+    Examples
+    --------
+    >>> top("night-vision", by="severity", where="tag.road = 'rural'")  # doctest: +SKIP
+    """
+    results = results_in(Location(str(arguments.results), arguments.storage))
+    return worst(
+        results,
+        arguments.table,
+        by=arguments.by,
+        where=arguments.where,
+        n=arguments.n,
+        is_reversed=arguments.reverse,
+    )
+
+
+@called_with(OpenArguments)
+def export_recording(arguments: OpenArguments) -> Path:
+    """Write a recording of a store as a session, which gives the numbers of the scan.
+
+    Parameters
+    ----------
+    source
+        Folder or URI of the results of a scan: X, Y, settings and versions are the scan's. Or of a
+        store: its newest versions, with the settings by default.
+    recording
+        Its name.
+    out
+        Folder of the session, which `nvcore.load` reads.
+    x, y, truth
+        Sources of a store, as of `nvcore.scan`. None: the recording's only two systems.
+    storage
+        As of `nvcore.scan`.
+
+    Returns
+    -------
+    Path
+        The session file.
+
+    Raises
+    ------
+    InputError
+        If there is no such recording or source, or the folder cannot be written to.
+
+    Examples
+    --------
+    >>> dataset = nv.load(export_recording("night-vision", "drive 7", "seven"))  # doctest: +SKIP
+    """
+    assert arguments.out is not None
+    dataset, pictures = recording_of(
+        Location(str(arguments.source), arguments.storage),
+        arguments.recording,
+        x=arguments.x,
+        y=arguments.y,
+        truth=arguments.truth,
+    )
+    return write_recording(dataset, Path(arguments.out), pictures=pictures)

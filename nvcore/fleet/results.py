@@ -36,6 +36,7 @@ from nvcore.schema import Category, MissClass
 from nvcore.scoring import SystemResult
 from nvcore.tables.column import CellKind
 from nvcore.tables.columns import report_columns
+from nvcore.tables.moments import encounter_moments
 from nvcore.tables.result import (
     encounters_table,
     episodes_table,
@@ -167,8 +168,9 @@ def _both(names: Iterable[str]) -> list[str]:
 def schema(table: str) -> pa.Schema:
     """Columns of a result; those of a report's file of that name, with the recording first.
 
-    ``recordings`` has the kind of the truth, too, and what measures over several are made of:
-    counts, sums (``sum_`` and the key of the measure) and extremes.
+    ``encounters`` has the frame in which to look at each, and its time. ``recordings`` has the tags
+    and the kind of the truth, too, and what measures over several are made of: counts, sums
+    (``sum_`` and the key of the measure) and extremes.
     """
     if table == "quarantine":
         fields = {"recording": pa.string(), "reason": pa.string()}
@@ -180,8 +182,10 @@ def schema(table: str) -> pa.Schema:
     else:
         fields = {"recording": pa.string()}
         fields |= {of.name: _TYPES[of.kind] for of in report_columns()[f"{table}.csv"]}
+    if table == "encounters":
+        fields |= {"shown_frame": pa.int64(), "shown_s": pa.float64()}
     if table == "recordings":
-        fields["truth"] = pa.string()
+        fields |= {"tags": pa.list_(pa.string()), "truth": pa.string()}
         whole = ("n_encounters", *counted(), *_BOXES, *_both(_WHOLE.values()))
         fields |= dict.fromkeys(whole, pa.int64())
         sums = _both([*_TIMES, *(f"sum_{key}" for key in _SUMMED)])
@@ -199,11 +203,13 @@ def result_tables(result: Result, truth: Sequence[str], has_frames: bool) -> dic
     has_frames
         Whether to make the table of frames.
     """
+    facts = {"tags": result.dataset.recordings["tags"], "truth": [*truth], **_sums(result)}
+    shown = result.dataset.frames.iloc[encounter_moments(result)["shown_row"]]
     made = {
-        "recordings": pd.concat(
-            [recordings_table(result), pd.DataFrame({"truth": [*truth], **_sums(result)})], axis=1
+        "recordings": pd.concat([recordings_table(result), pd.DataFrame(facts)], axis=1),
+        "encounters": encounters_table(result).assign(
+            shown_frame=shown["frame"].to_numpy(), shown_s=shown["time_s"].to_numpy()
         ),
-        "encounters": encounters_table(result),
     }
     if has_frames:
         made["frames"] = frames_table(result)

@@ -1,0 +1,142 @@
+"""What a scan takes at sizes that nobody measures here: a simulation from measured costs.
+
+Workers take one batch after the other: they read it from a storage that all share, compare it for
+as long as a batch drawn from those that were measured took, and write its results; then one process
+finishes. Costs of programs are measured (`bench.fleet`), those of storage and machines assumed.
+"""
+
+from __future__ import annotations
+
+import heapq
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+FRAMES_PER_RECORDING: Final = 2_000
+SEED: Final = 37
+
+
+@dataclass(frozen=True)
+class Storage:
+    """What is assumed of the storage and of machines: of an object store in a cloud.
+
+    Attributes
+    ----------
+    total, each
+        Bytes a second of all workers together, and of one.
+    request_s
+        Until a request is answered.
+    requests
+        Of a worker for one batch: lease, files of the store, results, what is done.
+    slow, times
+        Share of batches whose machine is slow, and by how much.
+    """
+
+    total: float = 12.5e9
+    each: float = 1e8
+    request_s: float = 0.03
+    requests: int = 25
+    slow: float = 0.01
+    times: float = 5.0
+
+
+LOCAL: Final = Storage(np.inf, np.inf, 0.0, 0, 0.0, 1.0)
+"""The disk of the measurement, which the time of a batch has in it."""
+
+
+@dataclass(frozen=True)
+class Costs:
+    """Measured: seconds of batches, of a worker's start, of what is once."""
+
+    frame_s: np.ndarray  # a frame, of each batch
+    batch: float  # frames, on average
+    start_s: float
+    read: float  # bytes a frame
+    written: float
+    plan_s: float  # by the recording, once
+    open_s: float  # by the recording, of each worker
+    plan_bytes: float  # by the recording
+    memory: float  # of a worker, bytes by the recording
+    finish_s: float  # by the batch, once
+
+
+def costs_of(known: dict[str, Any]) -> Costs:
+    """From what `bench.fleet` has measured: the largest size with one worker, and the metadata."""
+    largest = known["sizes"][max(known["sizes"], key=int)]
+    scan, ingest, metadata = largest["scan, 1"], largest["ingest"], known["metadata"]
+    at, n_frames = np.array(scan["done_at_s"]).T
+    frame_s = np.diff(at) / n_frames[1:]
+    start_s = at[0] - scan["begin_s"] - scan["open_s"] - n_frames[0] * np.median(frame_s)
+    of_recording = [metadata[of] for of in ("begin_s", "open_s", "plan_bytes", "memory")]
+    return Costs(
+        frame_s,
+        scan["frames"] / scan["batches"],
+        max(float(start_s), 0.0),
+        ingest["bytes"] / ingest["frames"],
+        (scan["bytes"] + scan["kept_bytes"]) / scan["frames"],
+        *(of / metadata["recordings"] for of in of_recording),
+        scan["finish_s"] / scan["batches"],
+    )
+
+
+def simulate(
+    costs: Costs,
+    storage: Storage,
+    n_frames: float,
+    workers: int,
+    rng: np.random.Generator,
+    *,
+    times: float = 1.0,
+    stores: int = 1,
+) -> dict[str, float]:
+    """Seconds from the store to the summary, and of what they consist.
+
+    Parameters
+    ----------
+    times
+        How much larger batches are than those that were measured.
+    stores
+        Into how many stores the fleet is divided, each with its scan and its share of the workers;
+        their summaries are merged.
+    """
+    n_frames, workers = n_frames / stores, max(workers // stores, 1)
+    n = max(round(n_frames / (times * costs.batch)), 1)
+    recordings = n_frames / FRAMES_PER_RECORDING
+    took = rng.choice(costs.frame_s, n) * (n_frames / n)
+    took = took * np.where(rng.random(n) < storage.slow, storage.times, 1.0)
+    took += storage.requests * storage.request_s
+    plan_s = costs.plan_s * recordings
+    pages_s = n / 1000 * storage.request_s  # names of what is done come a thousand at a time
+    open_s = costs.open_s * recordings + costs.plan_bytes * recordings / storage.each + 4 * pages_s
+    ready = plan_s + costs.start_s + open_s
+    free = [ready] * workers
+    size, storage_at, waited = (costs.read + costs.written) * n_frames / n, 0.0, 0.0
+    for seconds in took:  # a batch goes to whoever is free first
+        now = heapq.heappop(free)
+        storage_at = max(storage_at, now) + size / storage.total
+        moved = max(storage_at, now + size / storage.each)
+        waited += moved - now - size / storage.each
+        heapq.heappush(free, moved + seconds)
+    last, finish_s = max(free), n * (costs.finish_s + 2 * storage.request_s / 16)
+    return {
+        "total": last + finish_s,
+        "metadata": ready,
+        "storage": max(waited / workers, 0.0),
+        "tail": last - float(np.median(free)),
+        "finish": finish_s,
+        "memory": costs.memory * recordings,
+    }
+
+
+def predicted(
+    costs: Costs, storage: Storage, n_frames: float, workers: int
+) -> tuple[float, float, float]:
+    """Low, middle and high seconds (95 %): each time other batches stand for those measured."""
+    totals = []
+    for seed in range(200):
+        rng = np.random.default_rng([SEED, seed])
+        drawn = replace(costs, frame_s=rng.choice(costs.frame_s, len(costs.frame_s)))
+        totals.append(simulate(drawn, storage, n_frames, workers, rng)["total"])
+    low, middle, high = np.percentile(totals, [2.5, 50, 97.5])
+    return float(low), float(middle), float(high)

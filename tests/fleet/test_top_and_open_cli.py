@@ -1,0 +1,95 @@
+"""``nvcore top`` and ``nvcore open``: from a scan to its worst moment in the dashboard."""
+
+from __future__ import annotations
+
+import shlex
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pyarrow as pa
+import pytest
+from inputs import nvcore
+from places import SAMPLE
+
+import nvcore as nv
+from nvcore.fleet.results import schema, typed
+from nvcore.inputs.session_toml import read_session
+from nvcore.tables.result import encounters_table
+
+
+@pytest.fixture(scope="module")
+def fleet(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a store, and below it the results of a scan."""
+    folder = tmp_path_factory.mktemp("fleet")
+    nv.ingest(SAMPLE, store=folder)
+    nv.scan(folder, folder / "night", x="FIR", y="NIR", params=nv.Params(alpha=0.8), shard="0/1")
+    return folder
+
+
+def test_the_command_of_the_worst_moment_opens_it_with_the_numbers_of_the_scan(
+    fleet: Path, tmp_path: Path
+):
+    # the results are found below the store
+    shown = nvcore("top", fleet, "--where", "tag.night and n_frames > 10", "-n", 3).stdout
+    lines = shown.splitlines()
+    assert len(lines) == 4
+    worst = nv.top(fleet / "night", where="tag.night and n_frames > 10").table.iloc[0]
+    command = shlex.split(lines[1].partition(" nvcore ")[2])
+    assert command == ["open", f"{fleet}/night", worst["recording"], "--at", str(worst["frame"])]
+    nvcore(*command[:3], "--out", tmp_path / "one")
+    result = nv.compare(nv.load(tmp_path / "one" / "session.toml")).result
+    assert result.params.alpha == 0.8
+    own = encounters_table(result)
+    scanned = nv.top(fleet / "night", where=f"recording = '{worst['recording']}'", n=1000).table
+    columns = pa.schema([schema("encounters").field(name) for name in own])
+    ours, theirs = (typed(of.sort_values("track"), columns) for of in (own, scanned))
+    assert ours.equals(theirs)
+
+
+def test_open_starts_the_dashboard_on_that_recording_at_that_frame(
+    fleet: Path, monkeypatch: pytest.MonkeyPatch
+):
+    sessions, ports = [], []
+
+    def serve(given: list[str], *, port: int, **more: Any) -> None:
+        session = read_session(Path(given[0].removeprefix("--session=")))
+        sessions.append(nv.load(session))
+        ports.append(port)
+        assert more == {"address": "localhost", "no_browser": True}
+
+    monkeypatch.setattr(import_module("nvcore.fleet.commands"), "serve", serve)
+    shown = nvcore(
+        "open", fleet, "rural_road", "--at", 228, "--no-browser", "--x", "NIR", "--y", "FIR"
+    )
+    [dataset] = sessions
+    assert dataset.recordings["name"].tolist() == ["rural_road"]
+    assert dataset.compared() == ("NIR", "FIR")
+    link = f"http://localhost:{ports[0]}/timeline?recording=rural_road&frame=228"
+    assert link in shown.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["open", "{fleet}/night", "rural_raod", "--out", "x"], "did you mean 'rural_road'"),
+        (["open", "{fleet}", "rural_road", "--out", "x"], "expected two systems to compare, found"),
+        (["top", "{fleet}", "--by", "severty"], "did you mean 'severity'"),
+        (["top", "{fleet}/sources"], "expected results of a scan that is finished, found none"),
+    ],
+)
+def test_what_is_not_there_is_an_error_that_helps(fleet: Path, arguments: list[str], message: str):
+    ended = nvcore(*(of.format(fleet=fleet) for of in arguments))
+    assert ended.exit_code == 2
+    assert message in ended.output
+
+
+def test_the_rows_are_written_as_csv_with_all_columns(fleet: Path, tmp_path: Path):
+    nvcore(
+        "top", fleet, "--table", "intervals", "--by", "min_similarity", "--out", tmp_path / "a.csv"
+    )
+    table = pd.read_csv(tmp_path / "a.csv")
+    assert table["min_similarity"].is_monotonic_increasing
+    assert {*schema("intervals").names} <= {*table}
+    assert (table["frame"] == table["worst_frame"]).all()
