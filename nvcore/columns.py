@@ -208,7 +208,7 @@ class FrameColumns:
         first = self.first
         return np.array(
             [
-                np.median(self.gap[start:stop]) if stop > start else 1.0
+                _median_gap(self.gap[start:stop]) if stop > start else 1.0
                 for start, stop in pairwise(first)
             ],
             dtype=np.float64,
@@ -288,6 +288,10 @@ def frame_gaps(frame: np.ndarray, first: np.ndarray) -> np.ndarray:
     for i in range(len(first) - 1):  # a loop over recordings: hundreds, not millions
         own = gap[first[i] : first[i + 1]]
         if len(own):
-            is_steady = (own[:-1] == own[0]).all()  # nearly always, and a median takes its time
-            own[-1] = (own[0] if is_steady else np.median(own[:-1])) if len(own) > 1 else 1.0
+            own[-1] = _median_gap(own[:-1]) if len(own) > 1 else 1.0
     return gap
+
+
+def _median_gap(gap: np.ndarray) -> float:
+    """Median of at least one gap; nearly always all are the same, and a median takes its time."""
+    return float(gap[0] if (gap == gap[0]).all() else np.median(gap))
