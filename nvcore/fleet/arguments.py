@@ -49,6 +49,13 @@ class ScanArguments:
         default=None,
         type=click.IntRange(min=1),
     )
+    frames_per_batch: int = argument(
+        RUN,
+        "Frames that a worker compares at a time. Smaller batches take less memory and lose less "
+        "when a worker dies, larger ones make fewer files.",
+        default=100_000,
+        type=click.IntRange(min=1_000),
+    )
     shard: str | None = argument(
         RUN,
         "In this process alone, beginning with its part of the batches: 17/300 is task 17 of an "

@@ -215,7 +215,7 @@ def scan(arguments: ScanArguments) -> Scan:
         arguments.params or Params(),
         frames=arguments.frames,
     )
-    plan = begin(store, out, params)
+    plan = begin(store, out, params, frames_per_batch=arguments.frames_per_batch)
     if arguments.retry:
         forget_quarantined(out, plan)
     options = Options(storage=tuple(arguments.storage.items()), keep=arguments.keep)
@@ -353,11 +353,11 @@ def export_recording(arguments: OpenArguments) -> Path:
     >>> dataset = nv.load(export_recording("night-vision", "drive 7", "seven"))  # doctest: +SKIP
     """
     assert arguments.out is not None
-    dataset, pictures = recording_of(
+    dataset, shown = recording_of(
         Location(str(arguments.source), arguments.storage),
         arguments.recording,
         x=arguments.x,
         y=arguments.y,
         truth=arguments.truth,
     )
-    return write_recording(dataset, Path(arguments.out), pictures=pictures)
+    return write_recording(dataset, Path(arguments.out), **shown)

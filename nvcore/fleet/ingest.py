@@ -177,6 +177,7 @@ def _recordings_of(
             "" if entry.pictures is None else str((folder / entry.pictures).absolute())
             for entry in entries.values()
         ],
+        "first_picture": [entry.first_picture for entry in entries.values()],
         "duration_s": np.bincount(
             dataset.frames["recording"], weights=step_s, minlength=len(names)
         ).tolist(),

@@ -34,14 +34,14 @@ def on_dask(job: Job, scheduler: str) -> Iterator[str]:
         What a worker gave up with, or if there is no scheduler for `Options.patience_s`.
     """
     try:
-        client = Client(scheduler, timeout=job.options.patience_s, set_as_default=False)  # type: ignore[no-untyped-call]
+        client = Client(scheduler, timeout=job.options.patience_s, set_as_default=False)
     except OSError as error:
         raise InputError(f"there is no Dask scheduler at {scheduler}") from error
     with client, suppress(CancelledError, CommClosedError):
         missing = job.missing()[:TASKS]
         tasks = client.map(job.run, missing, pure=False)
         batch_of = {task.key: batch for task, batch in zip(tasks, missing, strict=True)}
-        for task in as_completed(tasks, loop=client.loop):  # type: ignore[no-untyped-call]
+        for task in as_completed(tasks, loop=client.loop):
             failure = task.exception() if task.status == "error" else None
             if failure is None and task.result() == "done":
                 yield batch_of[task.key]

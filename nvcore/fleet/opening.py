@@ -58,8 +58,8 @@ def recording_of(
     x: str | None = None,
     y: str | None = None,
     truth: str | None = None,
-) -> tuple[Dataset, str | None]:
-    """A recording of a store, or as a scan has compared it, and the path of its pictures.
+) -> tuple[Dataset, dict[str, Any]]:
+    """A recording of a store, or as a scan has compared it, and where its pictures are.
 
     Parameters
     ----------
@@ -100,14 +100,21 @@ def recording_of(
             file=snapshot.location.uri,
         )
     tables = snapshot.read([recording], params.sources)
-    [pictures] = tables["recordings"]["pictures"].to_pylist()
+    [facts] = tables["recordings"].select(["pictures", "first_picture"]).to_pylist()
+    pictures = facts["pictures"]
     scheme, separator, rest = (pictures or "").partition("://")
     if separator:
         pictures = unquote(rest) if scheme == "file" else None
-    return dataset_of(tables, params), pictures or None
+    return dataset_of(tables, params), facts | {"pictures": pictures or None}
 
 
-def write_recording(dataset: Dataset, folder: Path, *, pictures: str | None = None) -> Path:
+def write_recording(
+    dataset: Dataset,
+    folder: Path,
+    *,
+    pictures: str | None = None,
+    first_picture: int | None = None,
+) -> Path:
     """Write a session that gives the same numbers as the dataset: boxes, frames, facts, settings.
 
     Parameters
@@ -118,6 +125,8 @@ def write_recording(dataset: Dataset, folder: Path, *, pictures: str | None = No
         Where to write `FILES`; those that are there are replaced.
     pictures
         Path of the recording's pictures, if there are any on this machine.
+    first_picture
+        Number of the frame that the first one shows; None: by their names.
 
     Returns
     -------
@@ -142,9 +151,8 @@ def write_recording(dataset: Dataset, folder: Path, *, pictures: str | None = No
     write_whole(folder / FRAMES, lines.encode())
     has_speed = frames["speed_kmh"].notna()
     if has_speed.any():
-        # of the recording, whose frame 0 is at 0 s; read again, each frame is at a reading
-        time_s = frames["frame"] / recording["fps"]
-        series = pd.DataFrame({"time_s": time_s, "speed_kmh": frames["speed_kmh"]})[has_speed]
+        # read again, each frame is at a reading
+        series = frames.loc[has_speed, ["time_s", "speed_kmh"]]
         write_whole(folder / SPEED, to_csv_bytes(series, digits=None))
         facts["speed"] = SPEED
     more: dict[str, Any] = {}
@@ -191,6 +199,7 @@ def write_recording(dataset: Dataset, folder: Path, *, pictures: str | None = No
                 tags=recording["tags"],
                 unit=recording["unit"] or None,
                 pictures=pictures,
+                first_picture=first_picture,
                 **facts,
             ),
         ),

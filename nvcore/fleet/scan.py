@@ -16,6 +16,7 @@ the same. Plans, leases and what is done are created on condition that they are 
 
 from __future__ import annotations
 
+import ctypes
 import hashlib
 import json
 import signal
@@ -123,6 +124,8 @@ def run_batch(
         if not exists(out, done):  # its last worker may just have ended
             parts = _compared(batches[batch_key], read, its_plan.params, out, lease, options)
             out.create(done, _write(out, batch_key, *parts))
+            del parts
+            _give_back_memory()
     return "done"
 
 
@@ -196,10 +199,18 @@ def _compared_at_once(
     if stages and stages.get(key) is not kept:
         sink = pa.BufferOutputStream()
         how = pa.ipc.IpcWriteOptions(compression="lz4")
+        del tables  # the boxes
         with pa.ipc.new_file(sink, stages[key].schema, options=how) as writer:
-            writer.write_table(stages[key])
-        out.write(path, sink.getvalue().to_pybytes())
+            writer.write_table(stages.pop(key))
+        out.write(path, memoryview(sink.getvalue()))
     return results
+
+
+def _give_back_memory() -> None:
+    """Return what was freed to the system: allocators keep as much as the largest batch took."""
+    pa.default_memory_pool().release_unused()
+    with suppress(AttributeError, OSError, TypeError):  # glibc alone has it
+        ctypes.CDLL(None).malloc_trim(0)
 
 
 def _reason(error: Exception) -> str:

@@ -29,6 +29,7 @@ RECORDINGS: Final = pa.schema(
         pa.field("unit", pa.string()),  # drive, vehicle or route that it is part of; empty: none
         pa.field("recorded_at", pa.timestamp("us", "UTC")),  # null: unknown
         pa.field("pictures", pa.string()),  # source URI of its pictures; empty: none
+        pa.field("first_picture", pa.int64()),  # frame that the first one shows; null: not stated
         pa.field("objects", pa.list_(pa.string())),  # what the boxes are of: singular, plural
         pa.field("duration_s", pa.float64()),
         pa.field("source", pa.string()),  # URI of the session that it came with

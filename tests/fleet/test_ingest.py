@@ -46,6 +46,7 @@ def test_a_session_is_stored_with_all_that_it_says(tmp_path: Path):
         tmp_path / "drive",
         "[[recording]]", 'name = "urban"', 'tags = ["night", "road=urban"]', 'unit = "car 7"',
         'recorded_at = "2026-03-01T00:20:00+01:00"', 'pictures = "urban.mp4"', "horizon = 250",
+        "first_picture = 3",
         'context = "urban"', "speed_kmh = 50",
         "[[recording]]", 'name = "rural"', 'visible = "seen.mp4"',
     )  # fmt: skip
@@ -59,6 +60,7 @@ def test_a_session_is_stored_with_all_that_it_says(tmp_path: Path):
     assert [*urban["tags"]] == ["night", "road=urban"]
     assert urban["recorded_at"] == pd.Timestamp("2026-02-28T23:20Z")
     assert Path(urban["pictures"]) == tmp_path / "drive" / "urban.mp4"
+    assert urban["first_picture"] == 3
     assert (urban["unit"], urban["horizon"], urban["context"], urban["speed_kmh"]) == (
         "car 7", 250, 0, 50,
     )  # fmt: skip

@@ -305,17 +305,17 @@ def test_a_damaged_or_missing_file_is_named(tmp_path: Path):
     for bad in (good[:200], b"PAR1" + bytes(len(good) - 8) + b"PAR1", b""):
         file.write_bytes(bad)
         with pytest.raises(FormatError, match=rf"{file.name}: is damaged"):
-            store.snapshot().read(["a"], ["x"])
+            store.snapshot().read(["a"], ["x"])["boxes"]
     file.write_bytes(good)
     column = pq.ParquetFile(file).metadata.row_group(0).column(3)
     flipped = bytearray(good)
     flipped[column.dictionary_page_offset + column.total_compressed_size - 3] ^= 1
     file.write_bytes(flipped)
     with pytest.raises(FormatError, match=rf"{file.name}: is damaged"):
-        store.snapshot().read(["a"], ["truth", "x", "y"])
+        store.snapshot().read(["a"], ["truth", "x", "y"])["boxes"]
     file.unlink()
     with pytest.raises(InputError, match=rf"{file.name}: is missing in the store"):
-        store.snapshot().read(["a"], ["x"])
+        store.snapshot().read(["a"], ["x"])["boxes"]
     with pytest.raises(InputError, match="there is no store here"):
         Store(tmp_path / "elsewhere").snapshot()
 
