@@ -52,7 +52,8 @@ def _draw_curve(result: Result) -> None:
         help=state.say(
             "Up and left is better: more {many} alerted in time, fewer that the driver could do "
             "without. Each point is the same policy with another score threshold; the large "
-            f"mark is the one in use. {click}"
+            "mark is the one in use. {click}",
+            click=click,
         ),
     )
     if threshold is not None and moved:
