@@ -91,6 +91,14 @@ def choose_pedestrian(one: Visit) -> None:
     chosen.click()
 
 
+def ask_of_alerts(one: Visit) -> None:
+    """Ask raters of the alerts, where none are judged yet."""
+    for choice in ("Rating session", "Those of this comparison"):
+        one.page.get_by_role("radio", name=choice, exact=True).first.click()
+        one.wait_until_drawn()
+    press("rating_open_alerts")(one)
+
+
 def follow(title: str) -> Click:
     def click(one: Visit) -> None:
         one.find_entry(title).click()
@@ -162,6 +170,7 @@ IN_THE_SAMPLE: Final = (
     Jump("ui/data/audit/entries.py:_go", "Data", "Timeline", open_case),
     Jump("ui/timeline/listed.py:draw", "Timeline", "Data", press("listed_back")),
     Jump("ui/timeline/panel.py:_chosen", "Timeline", "Encounters", choose_pedestrian),
+    Jump("ui/ratings/conduct.py:_ask_alerts", "Ratings", "Alerts", ask_of_alerts),
     Jump("ui/shell/pages.py:draw_bar", "Data", "Time left", follow("Time left")),
     Jump("ui/shell/pages.py:_draw_group", "Data", "Stability", follow("Stability")),
     Jump(
@@ -184,6 +193,7 @@ WITH_ONE: Final = (
 )
 WALKED: Final = (*IN_THE_SAMPLE, *WITH_THREE, *WITH_TWO, *WITH_ONE)
 ELSEWHERE: Final = {
+    "ui/alerts/listed.py:draw": "walked by the test of raters, with a policy",
     "ui/data/opening.py:_draw_opened": "other files were opened, with settings of their own",
     "ui/detectors/finished.py:_open": "as above: the session that it opens has the settings",
     "ui/driver/finished.py:draw_aside": "a link of Streamlit's, as those of the navigation",
