@@ -64,9 +64,12 @@ def _of_kind(kind: AlertKind) -> tuple[Measure, Measure]:
     def by_recording(result: Result, system: SystemResult) -> Any:
         view = alerts_in(result)
         recording = result.dataset.frame_columns.recording[view.rows_of_kind(system, kind)]
-        counts = per_recording(result, None, recording)
-        is_known = view.knows_driver or not rests_on_driver
-        return counts.astype(np.int64) if is_known else np.full(len(counts), np.nan)
+        counts = per_recording(result, None, recording).astype(np.int64)
+        known = result.made["detectable"]["known_row"].to_numpy() >= 0
+        is_known = per_recording(result, known, result.encounters.recording) > 0
+        if is_known.all() or not rests_on_driver:
+            return counts
+        return np.where(is_known, counts, np.nan)
 
     label = f"{kind.value} alerts"
     unknown = "it is known of no {one} whether the driver sees {him}" if rests_on_driver else ""

@@ -146,7 +146,7 @@ class Location:
                 return (self.path / path).read_bytes()
             return bytes(obstore.get(self._files, path).bytes())
 
-    def write(self, path: str, content: bytes | memoryview) -> None:
+    def write(self, path: str, content: bytes) -> None:
         """Write a file whole, in place of one that may be there: nobody sees half of it."""
         with self.at(path, "written"):
             obstore.put(self._files, path, content)

@@ -202,7 +202,7 @@ def _compared_at_once(
         del tables  # the boxes
         with pa.ipc.new_file(sink, stages[key].schema, options=how) as writer:
             writer.write_table(stages.pop(key))
-        out.write(path, memoryview(sink.getvalue()))
+        out.write(path, sink.getvalue().to_pybytes())
     return results
 
 
