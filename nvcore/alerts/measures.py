@@ -15,6 +15,7 @@ from nvcore.comparison import Result
 from nvcore.driver.comparison.settings import DRIVER
 from nvcore.measures.entry import (
     HIGHER,
+    HOUR_S,
     LOWER,
     NO_FRAMES,
     AxisScale,
@@ -31,7 +32,6 @@ from nvcore.time_left.steps import time_left_in
 
 Members = Callable[[Result, SystemResult], np.ndarray]
 """Encounters of a kind; bool, shape (n_encounters,)."""
-_HOUR_S: Final = 3600.0
 _SHARE: Final = AxisScale(".0%", least=1.0, least_reach=1.0)
 _ASKED: Final[dict[str, Any]] = {"applies": ASKED.holds, "only_if": ASKED}
 _SCORED: Final[dict[str, Any]] = {"tables": (MeasureTable.SCORECARD,), **_ASKED}
@@ -41,9 +41,15 @@ def _unwanted_rows(result: Result, system: SystemResult) -> np.ndarray:
     return alerts_in(result).rows_of_kind(system, *UNWANTED)
 
 
-def _unwanted_by_recording(result: Result, system: SystemResult) -> np.ndarray:
-    recording = result.dataset.frame_columns.recording[_unwanted_rows(result, system)]
+def _by_recording(result: Result, system: SystemResult, *kinds: AlertKind) -> np.ndarray:
+    """Alerts of these kinds; int64, shape (n_recordings,)."""
+    rows = alerts_in(result).rows_of_kind(system, *kinds)
+    recording = result.dataset.frame_columns.recording[rows]
     return per_recording(result, None, recording).astype(np.int64)
+
+
+def _unwanted_by_recording(result: Result, system: SystemResult) -> np.ndarray:
+    return _by_recording(result, system, *UNWANTED)
 
 
 _UNWANTED: Final[dict[str, Any]] = {
@@ -62,9 +68,7 @@ def _of_kind(kind: AlertKind) -> tuple[Measure, Measure]:
         return alerts_in(result).count(system)[kind]
 
     def by_recording(result: Result, system: SystemResult) -> Any:
-        view = alerts_in(result)
-        recording = result.dataset.frame_columns.recording[view.rows_of_kind(system, kind)]
-        counts = per_recording(result, None, recording).astype(np.int64)
+        counts = _by_recording(result, system, kind)
         known = result.made["detectable"]["known_row"].to_numpy() >= 0
         is_known = per_recording(result, known, result.encounters.recording) > 0
         if is_known.all() or not rests_on_driver:
@@ -97,11 +101,11 @@ def _of_kind(kind: AlertKind) -> tuple[Measure, Measure]:
             key=f"alerts_{kind.value}_per_hour",
             label=f"{label} per hour",
             form=".1f",
-            of=lambda result, system: ratio_of(_HOUR_S * count(result, system), result.duration_s),
+            of=lambda result, system: ratio_of(HOUR_S * count(result, system), result.duration_s),
             unit="1/h",
             meaning="The same per hour.",
             empty=", or ".join(filter(None, (unknown, NO_FRAMES))),
-            by_recording=rate_by_recording(by_recording, per_s=_HOUR_S),
+            by_recording=rate_by_recording(by_recording, per_s=HOUR_S),
             **shared,
         ),
     )
@@ -222,18 +226,18 @@ MEASURES: Final[tuple[Measure, ...]] = (
         part="per hour",
         form=".1f",
         of=lambda result, system: ratio_of(
-            _HOUR_S * len(_unwanted_rows(result, system)), result.duration_s
+            HOUR_S * len(_unwanted_rows(result, system)), result.duration_s
         ),
         unit="1/h",
         meaning="The same per hour.",
         empty=NO_FRAMES,
-        by_recording=rate_by_recording(_unwanted_by_recording, per_s=_HOUR_S),
+        by_recording=rate_by_recording(_unwanted_by_recording, per_s=HOUR_S),
         inference=Inference(
             test="units",
             scale=AxisScale(",.0f", least=1.0, least_reach=1.0, unit="alerts per hour"),
             parts=lambda result, system: Parts(_unwanted_rows(result, system), None),
             per="duration_s",
-            factor=_HOUR_S,
+            factor=HOUR_S,
             not_of_pedestrians="a false alert belongs to no {one}",
             noun="unwanted alerts",
             noun_unit=" per hour",

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 RUN: Final = "How it is run"
 SELECTION: Final = "Selection"
+FRAMES_PER_BATCH: Final = 100_000
+"""A worker with so many frames takes some 1.0 GB, if there are 11 boxes in each."""
 
 
 @arguments
@@ -53,7 +55,7 @@ class ScanArguments:
         RUN,
         "Frames that a worker compares at a time. Smaller batches take less memory and lose less "
         "when a worker dies, larger ones make fewer files.",
-        default=100_000,
+        default=FRAMES_PER_BATCH,
         type=click.IntRange(min=1_000),
     )
     shard: str | None = argument(

@@ -12,13 +12,12 @@ import numpy as np
 
 from nvcore import __version__
 from nvcore.errors import InputError
+from nvcore.fleet.arguments import FRAMES_PER_BATCH
 from nvcore.fleet.location import Location
 from nvcore.fleet.results import ScanParams
 from nvcore.fleet.store import Snapshot, Store
 from nvcore.wording import count_text, listed
 
-FRAMES_PER_BATCH: Final = 100_000
-"""A worker with so many frames takes some 0.9 GB, if there are 11 boxes in each."""
 BOXES_A_FRAME: Final = 12
 """Recordings with more boxes a frame than these count as longer."""
 

@@ -19,10 +19,9 @@ from nvcore import __version__
 from nvcore.comparison import Result
 from nvcore.errors import InputError, ParameterError
 from nvcore.evidence.units import RECORDINGS, Units, sum_units
-from nvcore.measures.entry import is_met
+from nvcore.measures.entry import HOUR_S, is_met
 from nvcore.measures.table import (
     EVIDENCE_KEYS,
-    HOUR_S,
     MEASURES,
     counted,
     inference_of,
@@ -268,17 +267,15 @@ def _sums(result: Result) -> dict[str, np.ndarray]:
     code += 2 * ~result.x.matches.is_matched + ~result.y.matches.is_matched
     counts = np.bincount(code[~truth.ignore], minlength=4 * n).reshape(n, 4)
     columns |= dict(zip(_BOXES, counts.T, strict=True))
-    is_near = result.category != Category.DISTANT.value
     for letter, system in result.sides:
-        of_system = _sums_of_system(result, system, is_near)
+        of_system = _sums_of_system(result, system)
         columns |= {f"{name}_{letter}": values for name, values in of_system.items()}
     return columns
 
 
-def _sums_of_system(
-    result: Result, system: SystemResult, is_near: np.ndarray
-) -> dict[str, np.ndarray]:
+def _sums_of_system(result: Result, system: SystemResult) -> dict[str, np.ndarray]:
     frames, recording = result.dataset.frame_columns, result.encounters.recording
+    is_near = result.is_near
     n_frames, n_near = np.diff(frames.first), per_recording(result, is_near, recording)
     events, episodes = system.events, system.episodes
     of_event, of_episode = events["recording"].to_numpy(), episodes["recording"].to_numpy()

@@ -20,6 +20,8 @@ Better = Literal["higher", "lower", ""]
 HIGHER: Final = "higher"
 LOWER: Final = "lower"
 
+HOUR_S: Final = 3600.0
+"""Seconds of the rates per hour."""
 NO_FRAMES: Final = "no evaluated frames"
 NO_EPISODES: Final = "no episodes"
 

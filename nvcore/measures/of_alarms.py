@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from nvcore.measures.entry import (
+    HOUR_S,
     LOWER,
     NO_EPISODES,
     NO_FRAMES,
@@ -89,14 +90,14 @@ ALARM_MEASURES: Final[tuple[Measure, ...]] = (
         unit="1/h",
         meaning="The same per hour.",
         empty=NO_FRAMES,
-        by_recording=rate_by_recording(episodes_by_recording, per_s=3600),
+        by_recording=rate_by_recording(episodes_by_recording, per_s=HOUR_S),
         tables=(MeasureTable.SCORECARD, MeasureTable.FALSE_ALERTS),
         inference=Inference(
             test="units",
             scale=AxisScale(",.0f", least=1.0, least_reach=1.0, unit="episodes per hour"),
             parts=episode_parts,
             per="duration_s",
-            factor=3600.0,
+            factor=HOUR_S,
             not_of_pedestrians="a false alert belongs to no {one}",
             noun="false-alert episodes",
             noun_unit=" per hour",

@@ -20,6 +20,7 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.errors import ParameterError
 from nvcore.measures.entry import (
+    HOUR_S,
     Inference,
     Measure,
     MeasureTable,
@@ -32,7 +33,6 @@ from nvcore.primary import Primary, now_text
 from nvcore.subjects import contributed
 from nvcore.wording import LEAST_HOURLY_S, did_you_mean, difference, duration_text, one_line
 
-HOUR_S: Final = 3600.0
 MEASURES: Final[tuple[Measure, ...]] = (
     *FRAME_MEASURES,
     *ENCOUNTER_MEASURES,

@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from typing import Any
 
 import pytest
+from app_files import CLIP_FRAMES, write_session
 from app_server import HELPERS, ROOT, open_chromium, serve
 from app_visit import Visit
 from kept_window import HAS_FAILED, Kept
@@ -112,3 +113,14 @@ def page(request: pytest.FixtureRequest, viewer_window: Kept[ViewerWindow]) -> I
     with viewer_window.lend(request) as window:
         window.start_anew()
         yield window.page
+
+
+@pytest.fixture(scope="module")
+def short_app(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """A server with a short sample, which keeps its ratings in a folder of the test."""
+    folder = tmp_path_factory.mktemp("short")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("NVCORE_RATINGS", str(folder / "ratings.sqlite"))
+        patch.setenv("NVCORE_TEST_SESSION", str(write_session(folder, CLIP_FRAMES)))
+        with serve(HELPERS / "short_app.py") as address:
+            yield address

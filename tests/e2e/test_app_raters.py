@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 import viewer_scene as scene
-from app_files import RECORDING, write_session
-from app_server import HELPERS, serve
+from app_files import CLIP_FRAMES, RECORDING
 from app_visit import Visit
 from playwright.sync_api import expect
 
-CLIP_FRAMES = 40  # two seconds: clips are watched to their end
 FORM = {"age": "41", "licence": "yes", "night_driving": "every week", "1. Glasses": "none"}
 ANSWERS = ("Yes", "No", "Cannot say")
 # whether the red rim of a warning sign stands in the picture
@@ -28,14 +25,9 @@ HAS_SIGN = """canvas => {
 
 
 @pytest.fixture(scope="module")
-def app(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """A server with a short sample, which keeps its ratings in a folder of the test."""
-    folder = tmp_path_factory.mktemp("raters")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("NVCORE_RATINGS", str(folder / "ratings.sqlite"))
-        patch.setenv("NVCORE_TEST_SESSION", str(write_session(folder, CLIP_FRAMES)))
-        with serve(HELPERS / "short_app.py") as address:
-            yield address
+def app(short_app: str) -> str:
+    """What is visited."""
+    return short_app
 
 
 def begin_session(one: Visit) -> tuple[str, str, int]:

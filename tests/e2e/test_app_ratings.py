@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 import viewer_scene as scene
-from app_files import RECORDING, send, write_files, write_session
-from app_server import HELPERS, serve
+from app_files import CLIP_FRAMES, RECORDING, send, write_files
 from app_visit import Visit
 from playwright.sync_api import BrowserContext, expect
 from viewer_reading import READER
 
 from nvcore.palette import X_COLOUR, Y_COLOUR
 
-CLIP_FRAMES = 40  # two seconds: clips are watched to their end
 MOST_READINGS = 2_000
 # how many pixels of the canvas have each of these colours
 COUNT_COLOURS = """(canvas, colours) => {
@@ -42,14 +39,9 @@ COLOURS = [
 
 
 @pytest.fixture(scope="module")
-def app(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """A server with a short sample, which keeps its ratings in a folder of the test."""
-    folder = tmp_path_factory.mktemp("clips")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("NVCORE_RATINGS", str(folder / "ratings.sqlite"))
-        patch.setenv("NVCORE_TEST_SESSION", str(write_session(folder, CLIP_FRAMES)))
-        with serve(HELPERS / "short_app.py") as address:
-            yield address
+def app(short_app: str) -> str:
+    """What is visited."""
+    return short_app
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""Where stores lie: a folder, and a bucket of a server of S3."""
+"""Where stores lie: a folder, and a bucket of a server of S3; and a small fleet, scanned."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from itertools import count
 from pathlib import Path
 
 import pytest
+from fleet_runs import append_to, begin_scan, failures_of, files_of, small_fleet
 from object_store import make_bucket, options, served
 
 from nvcore.fleet.location import Location
+from nvcore.fleet.scan import drive, finish, in_process
 
 NUMBERS = count()
 
@@ -36,3 +38,20 @@ def place(request: pytest.FixtureRequest, tmp_path: Path) -> Location:
         made: Location = request.getfixturevalue("bucket")
         return made
     return Location(tmp_path / "new" / "store")
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """URI of a store with `small_fleet`."""
+    return append_to(tmp_path_factory.mktemp("fleet") / "store", small_fleet())
+
+
+@pytest.fixture(scope="module")
+def undisturbed(store: str, tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """Files of a scan of it in this process."""
+    out = tmp_path_factory.mktemp("undisturbed")
+    plan, job = begin_scan(store, out)
+    assert list(drive(job, in_process)) == [batch.key for batch in plan.batches]
+    assert not failures_of(out)
+    finish(Location(out), plan)
+    return files_of(out)

@@ -67,19 +67,6 @@ if __name__ == "__main__":
 """
 
 
-@pytest.fixture(scope="module")
-def store(tmp_path_factory: pytest.TempPathFactory) -> str:
-    return append_to(tmp_path_factory.mktemp("fleet") / "store", small_fleet())
-
-
-@pytest.fixture(scope="module")
-def undisturbed(store: str, tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    out = tmp_path_factory.mktemp("undisturbed")
-    plan, job = begin_scan(store, out)
-    list(drive(job, in_process))
-    return finished(out, plan)
-
-
 @pytest.fixture
 def start() -> Iterator[Callable[..., subprocess.Popen[bytes]]]:
     """Starts a process, which is ended after the test."""

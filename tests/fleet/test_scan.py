@@ -34,22 +34,6 @@ from nvcore.fleet.store import Store
 from nvcore.params import Params
 
 
-@pytest.fixture(scope="module")
-def store(tmp_path_factory: pytest.TempPathFactory) -> str:
-    return append_to(tmp_path_factory.mktemp("fleet") / "store", small_fleet())
-
-
-@pytest.fixture(scope="module")
-def undisturbed(store: str, tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    """Files of a scan in this process."""
-    out = tmp_path_factory.mktemp("undisturbed")
-    its_plan, job = begin_scan(store, out)
-    assert list(drive(job, in_process)) == [batch.key for batch in its_plan.batches]
-    assert not failures_of(out)
-    finish(Location(out), its_plan)
-    return files_of(out)
-
-
 @pytest.mark.parametrize("n_workers", [1, 2])
 def test_processes_make_the_same_files_and_compile_nothing(store, undisturbed, tmp_path, n_workers):
     out = tmp_path / "out"

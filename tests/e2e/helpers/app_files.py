@@ -15,6 +15,7 @@ from playwright.sync_api import expect
 
 RECORDING = "walk"
 N_FRAMES = 150
+CLIP_FRAMES = 40  # two seconds: clips are watched to their end
 SOURCES = ("truth", "camera_a", "camera_b")
 
 
