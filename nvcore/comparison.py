@@ -186,6 +186,10 @@ class Result:
         value: T = self._kept[name]
         return value
 
+    def forget(self) -> None:
+        """Drop what `keep` has, which may hold this comparison: then it is freed with its owner."""
+        self._kept.clear()
+
     @property
     def sides(self) -> tuple[tuple[str, SystemResult], tuple[str, SystemResult]]:
         """The two systems, each with the letter that ends its columns' names."""

@@ -93,6 +93,7 @@ def scan_batch(
             names = result.dataset.recordings["name"].tolist()
             parts.append(result_tables(result, batch.truth_kinds(names, params), params.frames))
             results += [result] if key else []
+            result.forget()
         lengths = [np.diff(of.dataset.frame_columns.first).max(initial=0) for of in results]
         if stages is not None and key and max(lengths, default=0) <= params.max_frames:
             stages[key] = freeze(results, parts, refused)

@@ -27,6 +27,8 @@ RETRY_TIMEOUT_S: Final = 60
 """Of a request that the server refuses or cuts; the option `max_retries` goes before the number."""
 _MAX_WAIT_S: Final = 5
 _LONGEST_REASON: Final = 400
+_NOT_IN_NAMES: Final = re.compile(r"[\[\]\\]|%[0-9a-fA-F]{2}")
+"""What deltalake misreads in the path of a folder."""
 _LINE_STARTS: Final = re.compile(r"\s*\n(?:\s|\x1b\[\d+m|↳)*")
 _REMOTE: Final = ("s3", "s3a", "gs", "az", "abfs", "abfss")
 _DELTA_OPTIONS: Final = {
@@ -66,7 +68,7 @@ class Location:
     Raises
     ------
     InputError
-        If nothing can read such a URI, or an option is unknown.
+        If nothing can read such a URI or path, or an option is unknown.
     """
 
     def __init__(self, uri: str | Path, options: Mapping[str, str] | None = None):
@@ -83,6 +85,11 @@ class Location:
         else:
             self.path = Path(rest if separator else uri).expanduser().absolute()
             self.uri = str(self.path)
+            if misread := _NOT_IN_NAMES.search(self.path.as_posix()):
+                raise InputError(
+                    f"{misread[0]!r} cannot be in the path of a store; rename the folder",
+                    file=self.uri,
+                )
 
     def __getstate__(self) -> dict[str, Any]:
         return {"uri": self.uri, "options": self.options, "path": self.path}

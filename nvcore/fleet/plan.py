@@ -152,7 +152,7 @@ def plan(
     is_compared = np.ones(len(recordings), bool)
     left_out: dict[str, int] = {}
     for source in params.sources:
-        rows = snapshot.pick(source).set_index("recording").reindex(names)
+        rows = snapshot.pick(source).reindex(names)
         n_boxes += rows["n_rows"].fillna(0).to_numpy()
         facts += [rows[name].map(str) for name in ("sha256", "kind", "threshold")]
         if source != params.truth:

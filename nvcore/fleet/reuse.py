@@ -40,10 +40,6 @@ _KEPT: Final = (
 )
 """Steps whose results are kept, as far as they are of frames, encounters or boxes of the truth."""
 
-ALIGNED: Final = 8
-"""Bytes of which each array has a multiple, so that those that follow can be used as they lie."""
-
-
 def can_reuse(params: ScanParams) -> bool:
     """Whether no step looks at the systems' boxes once they are matched and measured."""
     return can_be_cut(params.params)
@@ -75,12 +71,9 @@ def freeze(
     """
     arrays: list[np.ndarray] = []
     groups = [_kept(*of, arrays) for of in zip(results, tables, strict=True)]
-    ends = np.cumsum([0, *(-(-array.nbytes // ALIGNED) * ALIGNED for array in arrays)])
-    content = np.zeros(ends[-1], np.uint8)
-    for start, array in zip(ends.tolist(), arrays, strict=False):
-        content[start : start + array.nbytes] = array.view(np.uint8)
-    buffers = [None, pa.py_buffer(ends.astype(np.int64)), pa.py_buffer(content)]
-    values = pa.Array.from_buffers(pa.large_binary(), len(arrays), buffers)
+    buffers = [[None, pa.py_buffer(np.array([0, of.nbytes])), pa.py_buffer(of)] for of in arrays]
+    chunks = [pa.Array.from_buffers(pa.large_binary(), 1, of) for of in buffers]
+    values = pa.chunked_array(chunks, pa.large_binary())
     about = json.dumps({"refused": dict(refused), "groups": groups})
     return pa.table({"values": values}).replace_schema_metadata({"about": about})
 
@@ -112,7 +105,7 @@ def thaw(table: pa.Table) -> tuple[list[Kept], dict[str, str]]:
     """
     try:
         about = json.loads(table.schema.metadata[b"about"])
-        arrays = [value.as_buffer() for value in table["values"]]
+        arrays = [chunk.buffers()[2] or b"" for chunk in table["values"].chunks]
         return [Kept(group, arrays) for group in about["groups"]], about["refused"]
     except (AttributeError, LookupError, TypeError, ValueError) as error:
         raise InputError(f"what is kept of a batch cannot be read ({error})") from error
@@ -133,7 +126,10 @@ def tables_again(
     params = dataset.params_of()
     changed = [name for name in SETTINGS if getattr(params, name) != getattr(kept.params, name)]
     if has_frames or not {SETTINGS[name].stage for name in changed} <= {SIMILARITY, LOW}:
-        return result_tables(_compare_again(dataset, kept), truth, has_frames)
+        result = _compare_again(dataset, kept)
+        tables = result_tables(result, truth, has_frames)
+        result.forget()
+        return tables
     # nothing but similarity is another: as of recordings without boxes, whose distances are known
     nobody = np.full(len(dataset.frames), -1)
     known = kept.stages("distances").items()

@@ -195,6 +195,7 @@ def _compared_at_once(
     tables = read(batch.recordings)
     if kept is None:
         tables["boxes"]  # read now: a damaged file is no fault of all of these recordings
+        pa.default_memory_pool().release_unused()  # the pieces that they were put together from
     results = options.run(tables, params, stages=stages)
     if stages and stages.get(key) is not kept:
         sink = pa.BufferOutputStream()

@@ -315,9 +315,10 @@ class Snapshot:
         self.location = location
         self.versions = dict(versions)
         self._known = {} if known is None else known
+        self._picked: dict[str, pd.DataFrame] = {}
 
     def __getstate__(self) -> dict[str, Any]:
-        return {"location": self.location, "versions": self.versions, "_known": {}}
+        return {"location": self.location, "versions": self.versions, "_known": {}, "_picked": {}}
 
     @cached_property
     def _tables(self) -> dict[str, pd.DataFrame]:
@@ -345,7 +346,7 @@ class Snapshot:
     def recordings(self) -> pd.DataFrame:
         """The newest version of every recording."""
         newest = self._tables["recordings"].drop_duplicates("recording", keep="last")
-        return newest.sort_values("recording", ignore_index=True)
+        return _by_recording(newest.sort_values("recording"))
 
     @cached_property
     def sources(self) -> pd.DataFrame:
@@ -374,6 +375,8 @@ class Snapshot:
         InputError
             If no recording has it.
         """
+        if source in self._picked:
+            return self._picked[source]
         rows, names = self.sources, self.sources["source"].unique().tolist()
         name, _, version = source.rpartition("@")
         if source in names:
@@ -395,7 +398,8 @@ class Snapshot:
         else:
             known = did_you_mean(source, names, f"there are {listed(names, most=MOST_NAMED)}")
             raise InputError(f"there is no source {source!r}; {known}", file=self.location.uri)
-        return rows.drop_duplicates("recording", keep="last").reset_index(drop=True)
+        self._picked[source] = _by_recording(rows.drop_duplicates("recording", keep="last"))
+        return self._picked[source]
 
     def read(self, recordings: Sequence[str], sources: Sequence[str]) -> dict[str, pa.Table]:
         """Whole recordings, with these sources alone.
@@ -422,15 +426,14 @@ class Snapshot:
         StoreError
             If the store cannot be read.
         """
-        chosen = self.recordings[self.recordings["recording"].isin(recordings)]
-        if len(chosen) < len(set(recordings)):
-            missing = min(set(recordings).difference(chosen["recording"]))
+        names = sorted({*recordings})
+        chosen = _rows_of(self.recordings, names)
+        if len(chosen) < len(names):
+            missing = min({*names}.difference(chosen["recording"]))
             raise InputError(f"there is no recording {missing!r}", file=self.location.uri)
-        picked = [self.pick(source).assign(place=place) for place, source in enumerate(sources)]
-        rows = pd.concat(picked) if picked else self.sources[:0].assign(place=0)
-        rows = rows[rows["recording"].isin(chosen["recording"])]
-        rows = rows.sort_values(["recording", "place"], kind="stable")
-        rows["source"] = np.array([*sources, ""], object)[rows["place"]]
+        picked = [_rows_of(self.pick(of), names).assign(source=of) for of in sources]
+        rows = pd.concat([self.sources[:0], *picked])
+        rows = rows.sort_values("recording", kind="stable")
         of_rows = {"recordings": chosen, "sources": rows}
         rows_of = {ROWS_IN[name]: of for name, of in of_rows.items()}
         found = _WhenAsked(lambda name: self._read_rows(name, rows_of[name]))
@@ -484,6 +487,17 @@ class Snapshot:
             texts = pa.DictionaryArray.from_arrays(codes, pa.array([*names], pa.string()))
             whole = whole.add_column(position, schema.field(column), texts)
         return whole.cast(schema)
+
+
+def _by_recording(rows: pd.DataFrame) -> pd.DataFrame:
+    """Rows of one recording each, with its name as index, too."""
+    return rows.set_axis(rows["recording"].array)
+
+
+def _rows_of(rows: pd.DataFrame, names: Sequence[str]) -> pd.DataFrame:
+    """Those of recordings of these names, in this order, as far as they are there."""
+    place = rows.index.get_indexer(pd.Index([*names]))
+    return rows.iloc[place[place >= 0]]
 
 
 class _WhenAsked(dict[str, pa.Table]):

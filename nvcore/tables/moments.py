@@ -36,19 +36,21 @@ def encounter_moments(result: Result) -> pd.DataFrame:
     first = _earliest(n, of[is_relevant], frame_row[is_relevant])
     first = np.where(first == NEVER, encounters.first_row, first)
     moments = {"first_row": first}
-    # a track that occurs twice in a frame is one pedestrian, matched if either box is
-    key = of * (len(result.dataset.frames) + 1) + frame_row
+    is_new = np.ones(len(of), bool)
+    is_new[1:] = (np.diff(of) != 0) | (np.diff(frame_row) != 0)
+    start, place = np.flatnonzero(is_new), np.cumsum(is_new) - 1
+
+    def either(is_so: np.ndarray) -> np.ndarray:
+        """Of a track that occurs twice in a frame, which is one pedestrian, either box."""
+        of_any: np.ndarray = np.logical_or.reduceat(is_so, start)[place]
+        return of_any
+
     is_missed_by, is_detected_by = {}, {}
     for letter, system in result.sides:
         is_matched = system.matches.is_matched[rows]
-        is_missed = is_relevant & ~is_matched
-        has_matched_twin = np.isin(key[is_missed], _twice(key[is_relevant & is_matched], key))
-        moments[f"missed_row_{letter}"] = _earliest(
-            n, of[is_missed][~has_matched_twin], frame_row[is_missed][~has_matched_twin]
-        )
-        is_missed[is_missed] = ~has_matched_twin
-        is_missed_by[letter] = is_missed
-        is_detected_by[letter] = np.isin(key, key[is_matched])
+        is_missed = is_relevant & ~either(is_relevant & is_matched)
+        moments[f"missed_row_{letter}"] = _earliest(n, of[is_missed], frame_row[is_missed])
+        is_missed_by[letter], is_detected_by[letter] = is_missed, either(is_matched)
     x, y = result.x.failures, result.y.failures
     is_of_y = (y["severity_s"] > x["severity_s"]).to_numpy()
     peak_row = np.where(is_of_y, y["peak_row"], x["peak_row"])
@@ -118,12 +120,6 @@ def encounter_time(result: Result, encounter: int) -> EncounterTime:
     )
     fps = frames.fps[encounters.recording[encounter]]
     return EncounterTime(*(float(frames.gap[some].sum() / fps) for some in (relevant, *missed)))
-
-
-def _twice(candidates: np.ndarray, keys: np.ndarray) -> np.ndarray:
-    """Those of `candidates` that occur more than once in the sorted `keys`."""
-    several = keys[1:][keys[1:] == keys[:-1]]
-    return candidates[np.isin(candidates, several)] if len(several) else several
 
 
 def _costliest(

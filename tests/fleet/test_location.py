@@ -60,3 +60,7 @@ def test_storage_that_cannot_be_used_is_named(tmp_path: Path):
         gone.read("a")
     with pytest.raises(InputError, match="http:// is no place for a store; expected a folder"):
         Location("http://x/y")
+    for name in ("a[1]", "a\\b", "100%25"):
+        with pytest.raises(InputError, match="cannot be in the path of a store; rename"):
+            Location(tmp_path / name)
+    assert Location(tmp_path / "5 % of #1").create("a", b"")
