@@ -25,8 +25,8 @@ A synthetic fleet (`bench/fleet/generate.py`: 4 pedestrians a frame, 4 + 4 detec
 drawing them is not in it; *from CSV* reads files first. *Scan* goes from the store to the tables of
 results, in batches of up to 125,000 frames, with its worker processes' start in it; *finishing*
 merges what the batches gave and is in it, too. *Second scan* is the same with another alpha. *Top*
-are the 20 worst encounters by night on rural roads. *Growth* is the slope of log time over log frames. Load
-of the machine when it began: {load:.1f}.
+are the 20 worst encounters by night on rural roads. *Growth* is the slope of log time over log
+frames. Load of the machine when it began: {load:.1f}.
 
 {table}
 
