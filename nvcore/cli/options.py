@@ -266,14 +266,46 @@ reading_options = (
 """Flags that say how files are read."""
 
 
+verdict_options = (
+    grouped_option(
+        INPUTS,
+        "--primary",
+        metavar="KEY",
+        help="The measure by which to decide, to be chosen before the verdict is seen: it is "
+        "tested by itself, and others are claimed only if it shows a difference; such as "
+        "mean_similarity or encounters_detected. Default: the session's, or "
+        f"{DEFAULT}.",
+    ),
+    grouped_option(
+        INPUTS,
+        "--operating-point",
+        type=click.Choice(POINTS),
+        help="Where X and Y are set to unequally many false alarms: their numbers as set, or "
+        "with one threshold moved, so that both have equally many. Claims are about these "
+        "either way. Default: the session's, or as-set (of a report: equal-alarms).",
+    ),
+    grouped_option(
+        OUTPUT,
+        "--accept",
+        multiple=True,
+        metavar="CODE",
+        help="An error of the audit that is meant, such as no-match: it is a warning; may be "
+        "given again.",
+    ),
+)
+"""Flags that say how X and Y are judged, where they are."""
+
+
 def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """A session file, or flags that name the inputs and the facts which they lack."""
     session = click.argument("session_file", required=False, type=click.Path(path_type=Path))
+    for option in reversed(verdict_options):
+        command = option(command)
     return session(input_flags(command))
 
 
 def input_flags(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The flags of `input_options` alone."""
+    """The flags that name inputs and facts, alone."""
     options = [
         grouped_option(
             INPUTS,
@@ -361,31 +393,6 @@ def input_flags(command: Callable[..., Any]) -> Callable[..., Any]:
             multiple=True,
             metavar="RECORDING",
             help="Compare only this recording; may be given again.",
-        ),
-        grouped_option(
-            INPUTS,
-            "--primary",
-            metavar="KEY",
-            help="The measure by which to decide, to be chosen before the verdict is seen: it is "
-            "tested by itself, and others are claimed only if it shows a difference; such as "
-            "mean_similarity or encounters_detected. Default: the session's, or "
-            f"{DEFAULT}.",
-        ),
-        grouped_option(
-            INPUTS,
-            "--operating-point",
-            type=click.Choice(POINTS),
-            help="Where X and Y are set to unequally many false alarms: their numbers as set, or "
-            "with one threshold moved, so that both have equally many. Claims are about these "
-            "either way. Default: the session's, or as-set (of a report: equal-alarms).",
-        ),
-        grouped_option(
-            OUTPUT,
-            "--accept",
-            multiple=True,
-            metavar="CODE",
-            help="An error of the audit that is meant, such as no-match: it is a warning; may be "
-            "given again.",
         ),
     ]
     for letter in "xy":

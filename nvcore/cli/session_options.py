@@ -129,7 +129,7 @@ def _with_facts(session: Session, options: dict[str, Any]) -> Session:
         only_tags=tuple(dict.fromkeys(options["tags"])) or session.only_tags,
         only=tuple(dict.fromkeys(options["only"])) or session.only,
         objects=objects_from_option(options) or session.objects,
-        accept=tuple(dict.fromkeys([*session.accept, *options["accept"]])),
+        accept=tuple(dict.fromkeys([*session.accept, *options.get("accept", ())])),
     )
     return override_recordings(
         session,
