@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 RUN: Final = "How it is run"
 SELECTION: Final = "Selection"
-FRAMES_PER_BATCH: Final = 125_000
+FRAMES_PER_BATCH: Final = 100_000
 """A worker with so many frames takes some 0.9 GB, if there are 11 boxes in each."""
 
 

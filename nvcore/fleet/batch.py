@@ -24,7 +24,7 @@ from nvcore.dataset.tables import dataset_from_tables
 from nvcore.errors import InputError, NvcoreError
 from nvcore.fleet.cutting import can_be_cut, compare_pieces
 from nvcore.fleet.results import ScanParams, Summary, gather, result_tables
-from nvcore.fleet.reuse import can_reuse, freeze, stage_key, tables_again, thaw
+from nvcore.fleet.reuse import Frozen, can_reuse, freeze, stage_key, tables_again, thaw
 from nvcore.objects import PEDESTRIAN, objects_from
 from nvcore.params import Params
 from nvcore.schema import (
@@ -56,7 +56,7 @@ def scan_batch(
     tables: Mapping[str, pa.Table],
     params: ScanParams,
     *,
-    stages: MutableMapping[str, pa.Table] | None = None,
+    stages: MutableMapping[str, Frozen] | None = None,
 ) -> tuple[dict[str, pa.Table], Summary]:
     """Compare the recordings of a batch; every number is that of the recording by itself.
 
@@ -102,7 +102,7 @@ def scan_batch(
 
 
 def _again(
-    batch: Batch, params: ScanParams, refused: MutableMapping[str, str], kept: pa.Table
+    batch: Batch, params: ScanParams, refused: MutableMapping[str, str], kept: Frozen
 ) -> Iterator[dict[str, pa.Table]]:
     groups, earlier = thaw(kept)
     refused.update(earlier)

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
 from importlib import import_module
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -39,6 +39,12 @@ _KEPT: Final = (
     *("nearest", "distances", "events", "encounters", "failures", "confirmed"),
 )
 """Steps whose results are kept, as far as they are of frames, encounters or boxes of the truth."""
+
+Frozen: TypeAlias = "pa.Table | pa.ipc.RecordBatchFileReader"
+"""What is kept of a batch: as `freeze` returns it, or the file that it was written to."""
+Arrays: TypeAlias = Callable[[int], Any]
+"""The bytes of an array by its number."""
+
 
 def can_reuse(params: ScanParams) -> bool:
     """Whether no step looks at the systems' boxes once they are matched and measured."""
@@ -81,7 +87,7 @@ def freeze(
 class Kept:
     """What is kept of a comparison; each value is read when it is asked for."""
 
-    def __init__(self, spec: Mapping[str, Any], arrays: Sequence[Any]):
+    def __init__(self, spec: Mapping[str, Any], arrays: Arrays):
         self._spec, self._arrays = spec, arrays
         self.names: list[str] = spec["names"]
         self.params = params_from(spec["params"])
@@ -95,18 +101,22 @@ class Kept:
         return {tuple(key): _thawed(of, self._arrays) for key, of in steps}
 
 
-def thaw(table: pa.Table) -> tuple[list[Kept], dict[str, str]]:
+def thaw(kept: Frozen) -> tuple[list[Kept], dict[str, str]]:
     """What was kept of each comparison, and who was refused.
 
     Raises
     ------
     InputError
-        If it is no such table.
+        If nothing was kept there.
     """
     try:
-        about = json.loads(table.schema.metadata[b"about"])
-        arrays = [chunk.buffers()[2] or b"" for chunk in table["values"].chunks]
-        return [Kept(group, arrays) for group in about["groups"]], about["refused"]
+        batch = kept.to_batches().__getitem__ if isinstance(kept, pa.Table) else kept.get_batch
+        about = json.loads(kept.schema.metadata[b"about"])
+        groups = [
+            Kept(group, lambda place: batch(place)["values"].buffers()[2] or b"")
+            for group in about["groups"]
+        ]
+        return groups, about["refused"]
     except (AttributeError, LookupError, TypeError, ValueError) as error:
         raise InputError(f"what is kept of a batch cannot be read ({error})") from error
 
@@ -283,7 +293,7 @@ def _frozen(value: Any, arrays: list[np.ndarray]) -> Any:
     }
 
 
-def _thawed(spec: Mapping[str, Any], arrays: Sequence[Any], *, is_column: bool = False) -> Any:
+def _thawed(spec: Mapping[str, Any], arrays: Arrays, *, is_column: bool = False) -> Any:
     """The value of `_frozen`.
 
     Parameters
@@ -296,7 +306,7 @@ def _thawed(spec: Mapping[str, Any], arrays: Sequence[Any], *, is_column: bool =
         columns = {name: _thawed(of, arrays, is_column=True) for name, of in items}
         return pd.DataFrame(columns, copy=False)
     if "arrow" in spec:
-        return pa.ipc.open_stream(arrays[spec["arrow"]]).read_all()
+        return pa.ipc.open_stream(arrays(spec["arrow"])).read_all()
     if "dict" in spec:
         return {name: _thawed(of, arrays) for name, of in spec["dict"].items()}
     if "tuple" in spec:
@@ -311,7 +321,7 @@ def _thawed(spec: Mapping[str, Any], arrays: Sequence[Any], *, is_column: bool =
         return spec["is"]
     if "texts" in spec:
         return np.array([*spec["texts"], None], dtype=object)[_thawed(spec["codes"], arrays)]
-    stored = np.frombuffer(arrays[spec["place"]], spec["stored"], spec["stored_n"])
+    stored = np.frombuffer(arrays(spec["place"]), spec["stored"], spec["stored_n"])
     if len(stored) != spec["n"]:
         return np.repeat(stored, spec["n"])
     return stored.astype(spec["dtype"], copy=not is_column)

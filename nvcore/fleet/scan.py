@@ -43,7 +43,7 @@ from nvcore.fleet.leases import Lease, claim, is_held
 from nvcore.fleet.location import Location
 from nvcore.fleet.plan import Batch, Plan, exists, is_finished, newest_plan
 from nvcore.fleet.results import ScanParams, Summary, gather
-from nvcore.fleet.reuse import stage_key
+from nvcore.fleet.reuse import Frozen, stage_key
 from nvcore.fleet.store import Snapshot
 from nvcore.wording import count_text, one_line, shortened
 
@@ -187,10 +187,10 @@ def _compared_at_once(
     """Results of a batch, with what an earlier scan has kept of it, or keeping that for others."""
     key = stage_key(params)
     path = f"stages/{batch.inputs}-{key[:16]}.arrow"
-    stages: dict[str, pa.Table] | None = {} if options.keep else None
+    stages: dict[str, Frozen] | None = {} if options.keep else None
     if stages is not None:
-        with suppress(FileNotFoundError), out.open(path) as file:
-            stages[key] = pa.ipc.open_file(file).read_all()
+        with suppress(FileNotFoundError):
+            stages[key] = pa.ipc.open_file(pa.BufferReader(out.read(path)))
     kept = None if stages is None else stages.get(key)
     tables = read(batch.recordings)
     if kept is None:
@@ -447,5 +447,5 @@ def forget_quarantined(out: Location, its_plan: Plan) -> None:
 
 def _as_parquet(table: pa.Table) -> bytes:
     sink = pa.BufferOutputStream()
-    pq.write_table(table, sink, compression="zstd", row_group_size=1 << 20)
+    pq.write_table(table, sink, compression="zstd", use_dictionary=False)
     return bytes(sink.getvalue())
