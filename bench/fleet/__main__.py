@@ -238,6 +238,7 @@ STEPS: Final[dict[str, Callable[..., dict[str, Any]]]] = {
 def measured(step: str, **arguments: Any) -> dict[str, Any]:
     """Figures of a step, in a process of its own."""
     print(f"{step} {arguments} ...", file=sys.stderr)
+    os.sync()  # what steps before it have written is none of its work
     python = Path(sys.executable)
     figures = run_worker(python, "bench.fleet", "--step", step, json.dumps(arguments))
     if "failed" in figures:

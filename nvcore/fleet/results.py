@@ -471,9 +471,9 @@ class Summary:
     def _columns(self) -> set[str]:
         return {*self.counts, *self.sums}
 
-    def to_json(self) -> bytes:
-        """As JSON; the same summary gives the same bytes. `Summary.from_json` reads it."""
-        content = {
+    def given(self) -> dict[str, Any]:
+        """For JSON, the same for the same summary; `Summary.parse` reads it."""
+        return {
             "params": self.params.given(),
             "recordings": self.recordings,
             "quarantined": self.quarantined,
@@ -481,19 +481,17 @@ class Summary:
             "sums": {name: str(value) for name, value in self.sums.items()},
             "extremes": {name: list(of) for name, of in self.extremes.items()},
         }
-        return json.dumps(content, sort_keys=True, ensure_ascii=False, indent=1).encode()
 
     @staticmethod
-    def from_json(text: bytes) -> Summary:
-        """From what `to_json` made."""
-        content = json.loads(text)
+    def parse(given: Mapping[str, Any]) -> Summary:
+        """From what `given` returned."""
         return Summary(
-            ScanParams.parse(content["params"]),
-            content["recordings"],
-            content["quarantined"],
-            content["counts"],
-            {name: Fraction(value) for name, value in content["sums"].items()},
-            {name: (float(value), of) for name, (value, of) in content["extremes"].items()},
+            ScanParams.parse(given["params"]),
+            given["recordings"],
+            given["quarantined"],
+            given["counts"],
+            {name: Fraction(value) for name, value in given["sums"].items()},
+            {name: (float(value), of) for name, (value, of) in given["extremes"].items()},
         )
 
 

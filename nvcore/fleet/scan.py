@@ -52,6 +52,8 @@ WHOLE_ATTEMPTS: Final = 2
 ATTEMPTS: Final = 2
 """Workers that a single recording may end before it is left out."""
 LONGEST_REASON: Final = 400
+_M_ARENA_MAX: Final = -8
+"""Of mallopt(3)."""
 
 
 @dataclass(frozen=True)
@@ -134,6 +136,7 @@ def _opened(
     store_uri: str, out_uri: str, plan_key: str, storage: tuple[tuple[str, str], ...]
 ) -> tuple[Location, Callable[..., dict[str, pa.Table]], Plan, dict[str, Batch]]:
     """Results, reader of the store, plan and its batches: once a process."""
+    _use_one_heap()
     out = Location(out_uri, dict(storage))
     found = Plan.from_json(out.read(f"plans/{plan_key}.json"))
     snapshot = Snapshot(Location(store_uri, dict(storage)), found.versions)
@@ -207,6 +210,12 @@ def _compared_at_once(
     return results
 
 
+def _use_one_heap() -> None:
+    """Have all threads allocate from one heap: each would keep what it has freed."""
+    with suppress(AttributeError, OSError, TypeError):  # glibc alone has it
+        ctypes.CDLL(None).mallopt(_M_ARENA_MAX, 1)
+
+
 def _give_back_memory() -> None:
     """Return what was freed to the system: allocators keep as much as the largest batch took."""
     pa.default_memory_pool().release_unused()
@@ -241,7 +250,7 @@ def _write(out: Location, key: str, tables: dict[str, pa.Table], summary: Summar
         path = f"{name}/{key}-{sha256[:8]}.parquet"
         out.write(path, content)
         files[name] = {"path": path, "size": len(content), "sha256": sha256, "rows": len(table)}
-    known = {"files": files, "summary": json.loads(summary.to_json())}
+    known = {"files": files, "summary": summary.given()}
     return json.dumps(known, sort_keys=True).encode()
 
 
@@ -319,8 +328,7 @@ def finish(out: Location, its_plan: Plan) -> Summary:
             done = [json.loads(text) for text in pool.map(out.read, paths)]
         except FileNotFoundError as error:
             raise InputError("some batches of the scan are missing", file=out.uri) from error
-    summaries = [Summary.from_json(json.dumps(batch["summary"]).encode()) for batch in done]
-    summary = Summary.merge(summaries)
+    summary = Summary.merge([Summary.parse(batch["summary"]) for batch in done])
     newest = newest_plan(out)
     if newest is None or newest.key == its_plan.key or not is_finished(out, newest):
         versions = {

@@ -1,64 +1,27 @@
-"""A dataset as the tables of a store, as ingest writes them."""
+"""Tables of a store and of results: made of a dataset, divided, joined and compared."""
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
-from datetime import UTC, datetime
 
 import numpy as np
-import pandas as pd
 import pyarrow as pa
 import pyarrow.compute as pc
 
 from nvcore.dataset import Dataset
-from nvcore.fleet.results import typed
-from nvcore.fleet.tables import BOXES, FRAMES, RECORDINGS, SOURCES
+from nvcore.fleet import ingest
+from nvcore.fleet.tables import SOURCES
 
-NOW = datetime(2026, 1, 1, tzinfo=UTC)
 Tables = dict[str, pa.Table]
 
 
 def tables_of(dataset: Dataset, thresholds: Mapping[str, float] = {}) -> Tables:
-    """All recordings and sources, sorted as in a store; thresholds by the systems' names."""
-    names = dataset.recordings["name"].tolist()
-    sources = ["truth", *dataset.systems]
-    frames = dataset.frames
-    boxes = dataset.boxes.copy()
-    recording = frames["recording"].to_numpy()[boxes["frame_index"]]
-    boxes["recording"] = np.array(names, dtype=object)[recording]
-    boxes["frame"] = frames["frame"].to_numpy()[boxes["frame_index"]]
-    boxes["number"] = boxes["source"]
-    boxes["source"] = np.array(sources, dtype=object)[boxes["source"]]
-    labels = np.array([*dataset.labels, None], dtype=object)
-    boxes["label"] = labels[boxes["label"]]
-    key = ["file", "line"]
-    texts = dataset.attributes.set_index(key)["attributes"].astype(object)
-    own = texts.reindex(pd.MultiIndex.from_frame(boxes[key])).to_numpy()
-    boxes["attributes"] = np.where(boxes["number"] == 0, own, None)
-    boxes = boxes.sort_values(["recording", "number"], kind="stable")
-    objects = [dataset.objects.singular, dataset.objects.plural]
-    recordings = dataset.recordings.rename(columns={"name": "recording"}).assign(
-        sha256=[hashlib.sha256(name.encode()).hexdigest() for name in names],
-        ingested_at=NOW,
-        pictures="",
-        objects=[objects] * len(names),
-        tags=[[*tags] for tags in dataset.recordings["tags"]],
-        source="",
-    )
-    listed = frames.assign(recording=np.array(names, dtype=object)[frames["recording"]])
-    rows = [
-        {"recording": name, "source": source, "sha256": f"{name} {source}", "label": "",
-         "kind": "system" if source in dataset.systems else "annotated",
-         "threshold": thresholds.get(source)}
-        for name in names for source in sources
-    ]  # fmt: skip
-    return {
-        "recordings": typed(recordings.sort_values("recording"), RECORDINGS),
-        "sources": typed(pd.DataFrame(rows), SOURCES),
-        "frames": typed(listed.sort_values(["recording", "frame"]), FRAMES),
-        "boxes": typed(boxes, BOXES),
-    }
+    """All recordings and sources as ingest has them, with thresholds by the systems' names."""
+    tables = ingest.tables_of(dataset)
+    place = SOURCES.get_field_index("threshold")
+    own = [thresholds.get(name) for name in tables["sources"]["source"].to_pylist()]
+    values = pa.array(own, SOURCES.field(place).type)
+    return tables | {"sources": tables["sources"].set_column(place, SOURCES.field(place), values)}
 
 
 def only(tables: Tables, names: Sequence[str]) -> Tables:
