@@ -135,6 +135,7 @@ class OpenArguments:
         metavar="DIR",
     )
     _: KW_ONLY
+    force: bool = argument(OUTPUT, "Replace files of that folder.", default=False, is_flag=True)
     x: str | None = argument(
         INPUTS,
         "System X of a store, as for scan. Default: those of the scan, or the recording's only two "

@@ -192,8 +192,8 @@ def scan(**options: Any) -> None:
 
     Batches of recordings are compared by processes of this machine, by the tasks of an array job,
     or by a Dask cluster; whichever it is, the results are the same. A scan that was stopped goes
-    on where it was. Exit code 0: fine, 1: some recordings could not be compared (table quarantine),
-    2: bad input.
+    on where it was. Exit code 0: fine, 1: some recordings could not be compared (table quarantine;
+    tasks of an array job end with 0 all the same), 2: bad input.
     """
     from nvcore.fleet.face import scan as run_scan
     from nvcore.fleet.scan import end_on_request
@@ -204,7 +204,7 @@ def scan(**options: Any) -> None:
         done = run_scan(**options, params=params_from(given), progress=progress)
     click.echo(done)
     click.echo(one_line(f"written to {options['out']}"), err=True)
-    if done.status.n_quarantined:
+    if done.status.n_quarantined and options["shard"] is None:
         raise SystemExit(EXIT_FINDINGS)
 
 
@@ -280,6 +280,8 @@ def open_(at: int | None, port: int | None, no_browser: bool, **options: Any) ->
     from nvcore.fleet.face import export_recording
 
     if options["out"] is not None:
+        if at is not None or port is not None or no_browser:
+            raise click.UsageError("--out starts nothing; leave out --at, --port, --no-browser")
         session = export_recording(**options)
         click.echo(one_line(f"written to {session}"), err=True)
         return

@@ -13,7 +13,7 @@ from nvcore.api.inputs import load
 from nvcore.arguments import PathLike, called_with
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, ParameterError
-from nvcore.fleet.arguments import OpenArguments, ScanArguments, TopArguments
+from nvcore.fleet.arguments import FRAMES_PER_BATCH, OpenArguments, ScanArguments, TopArguments
 from nvcore.fleet.ingest import Ingested, ingest_all, session_files
 from nvcore.fleet.location import Location
 from nvcore.fleet.opening import recording_of, write_recording
@@ -137,7 +137,7 @@ class Scan:
 
     def __str__(self) -> str:
         measures = self.summary.measures()
-        rows = [("", self.status.plan.params.x, self.status.plan.params.y, "n")]
+        rows = [("", self.summary.params.x, self.summary.params.y, "n")]
         rows += [
             (label, number(x, ".4g"), number(y, ".4g"), f"{n:,}")
             for label, x, y, n in measures[["label", "x", "y", "n"]].to_numpy().tolist()
@@ -203,7 +203,8 @@ def scan(arguments: ScanArguments) -> Scan:
     ways = (arguments.workers, arguments.shard, arguments.scheduler, arguments.engine)
     if sum(way is not None for way in ways) > 1:
         raise ParameterError("workers, shard, scheduler, engine: give one of them")
-    engine = _engine(arguments)
+    if arguments.retry and arguments.shard is not None:
+        raise ParameterError("retry: each task would undo what others have done; run it by itself")
     store = Store(Location(str(arguments.store), arguments.storage))
     out = Location(str(arguments.out), arguments.storage)
     if out.list("sources/"):
@@ -218,6 +219,7 @@ def scan(arguments: ScanArguments) -> Scan:
     plan = begin(store, out, params, frames_per_batch=arguments.frames_per_batch)
     if arguments.retry:
         forget_quarantined(out, plan)
+    engine = _engine(arguments, max(batch.n_frames for batch in plan.batches))
     options = Options(storage=tuple(arguments.storage.items()), keep=arguments.keep)
     job = Job(plan.store, out.uri, plan.key, options)
     n = len(plan.batches)
@@ -227,11 +229,14 @@ def scan(arguments: ScanArguments) -> Scan:
     for batch in drive(job, engine):
         done.add(batch)
         progress(len(done) / n, f"{len(done)} of {n} batches")
-    return Scan(finish(out, plan), status(out))
+    summary = finish(out, plan)
+    if summary.quarantined:
+        return Scan(summary, status(out, plan))
+    return Scan(summary, Status(plan, n, plan.n_frames, 0, 0, 0, is_finished=True))
 
 
-def _engine(arguments: ScanArguments) -> Engine:
-    """What runs the batches."""
+def _engine(arguments: ScanArguments, largest: int) -> Engine:
+    """What runs the batches, of which the largest has so many frames."""
     if arguments.engine is not None:
         return arguments.engine
     if arguments.scheduler is not None:
@@ -243,7 +248,8 @@ def _engine(arguments: ScanArguments) -> Engine:
         return partial(in_process, part=part, n_parts=n_parts)
     n_cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     free = free_bytes()
-    n_fit = n_cores if free is None else free // BYTES_OF_WORKER
+    each = BYTES_OF_WORKER * max(1, largest / FRAMES_PER_BATCH)
+    n_fit = n_cores if free is None else int(free / each)
     n_workers = arguments.workers or max(1, min(n_cores or 1, n_fit or 1))
     return partial(in_pool, n_workers=n_workers)
 
@@ -352,7 +358,8 @@ def export_recording(arguments: OpenArguments) -> Path:
     --------
     >>> dataset = nv.load(export_recording("night-vision", "drive 7", "seven"))  # doctest: +SKIP
     """
-    assert arguments.out is not None
+    if arguments.out is None:
+        raise ParameterError("out: expected the folder of the session")
     dataset, shown = recording_of(
         Location(str(arguments.source), arguments.storage),
         arguments.recording,
@@ -360,4 +367,4 @@ def export_recording(arguments: OpenArguments) -> Path:
         y=arguments.y,
         truth=arguments.truth,
     )
-    return write_recording(dataset, Path(arguments.out), **shown)
+    return write_recording(dataset, Path(arguments.out), **shown, force=arguments.force)

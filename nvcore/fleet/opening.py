@@ -13,9 +13,10 @@ import pandas as pd
 from nvcore import __version__
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
+from nvcore.findings import Remedy, Step
 from nvcore.fleet.batch import dataset_of
 from nvcore.fleet.location import Location
-from nvcore.fleet.plan import newest_plan
+from nvcore.fleet.plan import plan_shown
 from nvcore.fleet.results import ScanParams
 from nvcore.fleet.store import Snapshot, Store
 from nvcore.inputs.readers.base import Reading, Role, recordings_table
@@ -73,7 +74,7 @@ def recording_of(
     InputError
         If there is no such recording or source, or it is not clear which systems are meant.
     """
-    plan = newest_plan(location)
+    plan = plan_shown(location)
     if plan is None:
         snapshot = Store(location).snapshot()
         rows = snapshot.sources[snapshot.sources["recording"] == recording]
@@ -114,6 +115,7 @@ def write_recording(
     *,
     pictures: str | None = None,
     first_picture: int | None = None,
+    force: bool = False,
 ) -> Path:
     """Write a session that gives the same numbers as the dataset: boxes, frames, facts, settings.
 
@@ -122,11 +124,13 @@ def write_recording(
     dataset
         One recording with X and Y, and the settings of its comparison.
     folder
-        Where to write `FILES`; those that are there are replaced.
+        Where to write `FILES`.
     pictures
         Path of the recording's pictures, if there are any on this machine.
     first_picture
         Number of the frame that the first one shows; None: by their names.
+    force
+        Whether files that are there are replaced.
 
     Returns
     -------
@@ -136,12 +140,17 @@ def write_recording(
     Raises
     ------
     InputError
-        If the folder cannot be written to, or no frame of the recording is evaluated.
+        If one of the files is there, the folder cannot be written to, or no frame of the recording
+        is evaluated.
     """
     folder = folder.absolute()
     [recording] = dataset.recordings.to_dict("records")
     if not len(dataset.frames):
         raise InputError(f"recording {recording['name']!r} has no evaluated frame to open")
+    there = [folder / name for name in FILES if (folder / name).exists()]
+    if there and not force:
+        step = Step(Remedy.OPTION, "", "force")
+        raise InputError("exists; name another folder", file=there[0], steps=(step,))
     facts: dict[str, Any] = {
         name: None if pd.isna(recording[name]) else recording[name]
         for name in ("width", "height", "fps", "horizon", "context", "speed_kmh")

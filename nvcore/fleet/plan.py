@@ -18,6 +18,8 @@ from nvcore.fleet.results import ScanParams
 from nvcore.fleet.store import Snapshot, Store
 from nvcore.wording import count_text, listed
 
+SUMMARY: Final = "summary.json"
+"""In a folder of results: which plan they are of, and the version of each table."""
 BOXES_A_FRAME: Final = 12
 """Recordings with more boxes a frame than these count as longer."""
 
@@ -26,7 +28,7 @@ def programs() -> dict[str, str]:
     """Versions of what results depend on, and the bytes of their files."""
     return {
         "nvcore": __version__,
-        **{name: version(name) for name in ("numba", "numpy", "pyarrow")},
+        **{name: version(name) for name in ("numba", "numpy", "pandas", "pyarrow")},
     }
 
 
@@ -206,12 +208,29 @@ def begin(store: Store, out: Location, params: ScanParams, **plan_options: Any) 
     made = plan(store.snapshot(), params, store.location.uri, **plan_options)
     path = f"plans/{made.key}.json"
     newest = newest_plan(out)
-    if newest is not None and newest.key != made.key:
-        is_same = newest.store == made.store and newest.params == params
-        if is_same and not is_finished(out, newest):
+    if newest is None or newest.key != made.key:
+        is_same = newest is not None and (newest.store, newest.params) == (made.store, params)
+        if newest is not None and is_same and not is_finished(out, newest):
             newest.check_programs()
-    out.write(path, made.to_json())  # written anew, it is the newest
+        out.write(path, made.to_json())  # also if it is there: then it is the newest
     return made
+
+
+def tables_in(out: Location) -> dict[str, Any] | None:
+    """What `SUMMARY` says of the tables of results; None: no scan was finished."""
+    try:
+        content: dict[str, Any] = json.loads(out.read(SUMMARY))
+    except FileNotFoundError:
+        return None
+    return content
+
+
+def plan_shown(out: Location) -> Plan | None:
+    """The plan that the tables of results are of; without any the one that was begun last."""
+    content = tables_in(out)
+    if content is None:
+        return newest_plan(out)
+    return Plan.from_json(out.read(f"plans/{content['plan']}.json"))
 
 
 def newest_plan(out: Location) -> Plan | None:

@@ -7,11 +7,9 @@ of which is an operation that is known here, a column that is there, or a consta
 
 from __future__ import annotations
 
-import json
 import operator
 import re
 from collections.abc import Callable, Collection, Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -20,7 +18,6 @@ import pandas as pd
 import pyarrow as pa
 import sqlglot
 from deltalake import DeltaTable
-from deltalake.exceptions import TableNotFoundError
 from duckdb import CaseExpression, Expression
 from duckdb import ColumnExpression as Column
 from duckdb import ConstantExpression as Constant
@@ -31,6 +28,7 @@ from sqlglot.errors import SqlglotError
 
 from nvcore.errors import InputError
 from nvcore.fleet.location import Location
+from nvcore.fleet.plan import SUMMARY, tables_in
 from nvcore.tables.columns import report_columns
 from nvcore.wording import aligned, did_you_mean, listed, number, one_line, shortened
 
@@ -45,8 +43,6 @@ MOMENTS: Final[Mapping[str, tuple[str, str, str, str]]] = {
 """By table of results: what is worst in it, by default; the frame to look at (empty: none); a frame
 whose time is known, and the column of that."""
 
-SUMMARY: Final = "summary.json"
-"""What a scan that is finished has written."""
 LONGEST_FILTER: Final = 10_000
 MOST_NAMED: Final = 12
 """Columns that an error names."""
@@ -157,9 +153,7 @@ def worst(
     InputError
         If there are no results, no such table or column, or the filter cannot be used.
     """
-    versions = {}
-    with suppress(FileNotFoundError):  # a later scan may be writing its tables
-        versions = json.loads(results.read(SUMMARY))["tables"]
+    versions = (tables_in(results) or {"tables": {}})["tables"]
     rows = _dataset(results, table, versions)
     recordings = rows if table == "recordings" else _dataset(results, "recordings", versions)
     own = dict(zip(rows.schema.names, rows.schema.types, strict=True))
@@ -205,18 +199,16 @@ def results_in(location: Location) -> Location:
     InputError
         If there are none, or several.
     """
-    try:
-        location.read(SUMMARY)
-    except FileNotFoundError:
-        paths = [entry.path for entry in location.list()]
-        folders = [path.removesuffix(f"/{SUMMARY}") for path in paths if path.endswith(SUMMARY)]
-        if len(folders) != 1:
-            found = listed(folders, most=MOST_NAMED) if folders else "none"
-            raise InputError(
-                f"expected results of a scan that is finished, found {found}", file=location.uri
-            ) from None
-        return location.child(folders[0])
-    return location
+    if tables_in(location) is not None:
+        return location
+    paths = [entry.path.rpartition("/") for entry in location.list()]
+    folders = [folder for folder, _, name in paths if name == SUMMARY]
+    if len(folders) != 1:
+        names = listed(folders, most=MOST_NAMED) if folders else "none"
+        raise InputError(
+            f"expected results of a scan that is finished, found {names}", file=location.uri
+        )
+    return location.child(folders[0])
 
 
 _CONFINED: Final[dict[str, Any]] = {
@@ -231,14 +223,13 @@ def _dataset(results: Location, table: str, versions: Mapping[str, int]) -> Any:
     if table not in MOMENTS:
         raise InputError(did_you_mean(table, MOMENTS, f"the tables are {listed([*MOMENTS])}"))
     folder = results.child(table)
-    try:
-        delta = DeltaTable(folder.uri, versions.get(table), storage_options=folder.delta_options)
-        return delta.to_pyarrow_dataset()
-    except TableNotFoundError as error:
+    if table not in versions:
         raise InputError(
             "there is no such table of results; is the scan finished, and was it asked for?",
             file=folder.uri,
-        ) from error
+        )
+    delta = DeltaTable(folder.uri, versions[table], storage_options=folder.delta_options)
+    return delta.to_pyarrow_dataset()
 
 
 def _columns_by(name: str, own: Mapping[str, pa.DataType]) -> tuple[str, ...]:

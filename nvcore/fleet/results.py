@@ -516,8 +516,4 @@ def _worst(
 
 def exact_sum(values: np.ndarray) -> Fraction:
     """Sum of finite numbers without any rounding; float64, shape (n,)."""
-    mantissa, exponent = np.frexp(values)
-    least = int(exponent.min(initial=0))
-    whole = (mantissa * 2.0**53).astype(np.int64).tolist()
-    total = sum(of << power for of, power in zip(whole, (exponent - least).tolist(), strict=True))
-    return Fraction(total) * Fraction(2) ** (least - 53)
+    return sum(map(Fraction, values.tolist()), Fraction())

@@ -8,10 +8,11 @@ number of machines can work on it, and any of them may die:
     leases/<batch>/<attempt>.json  who is at work on a batch, and until when the others wait
     done/<batch>.json              which files a batch has given
     <table>/<batch>-<hash>.parquet its rows of each table of results, listed in a Delta table
-    finished/<plan>.json           versions of these tables with the results of the whole plan
+    summary.json                   which plan the tables are of, and their versions
+    finished/<plan>.json           the same of each plan that was finished
 
 A batch is named by all its results depend on, a file by its content: what two processes do twice is
-the same. Plans, leases and what is done are created on condition that they are not there yet.
+the same. Leases and what is done are created on condition that they are not there yet.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ import signal
 import sys
 import threading
 import time
+import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -41,7 +43,7 @@ from nvcore.errors import InputError, NvcoreError, StoreError
 from nvcore.fleet.batch import scan_batch
 from nvcore.fleet.leases import Lease, claim, is_held
 from nvcore.fleet.location import Location
-from nvcore.fleet.plan import Batch, Plan, exists, is_finished, newest_plan
+from nvcore.fleet.plan import SUMMARY, Batch, Plan, exists, is_finished, newest_plan
 from nvcore.fleet.results import ScanParams, Summary, gather
 from nvcore.fleet.reuse import Frozen, stage_key
 from nvcore.fleet.store import Snapshot
@@ -52,8 +54,13 @@ WHOLE_ATTEMPTS: Final = 2
 ATTEMPTS: Final = 2
 """Workers that a single recording may end before it is left out."""
 LONGEST_REASON: Final = 400
+_CRC_BYTES: Final = 8  # so that what follows is aligned
 _M_ARENA_MAX: Final = -8
 """Of mallopt(3)."""
+
+
+Clock = Callable[[], float]
+"""Seconds since 1970."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +90,7 @@ class Options:
     lease_s: float = 120.0
     poll_s: float = 0.2
     patience_s: float = 300.0
-    clock: Callable[[], float] = time.time
+    clock: Clock = time.time
     keep: bool = True
     run: Callable[..., tuple[dict[str, pa.Table], Summary]] = scan_batch
 
@@ -193,7 +200,9 @@ def _compared_at_once(
     stages: dict[str, Frozen] | None = {} if options.keep else None
     if stages is not None:
         with suppress(FileNotFoundError):
-            stages[key] = pa.ipc.open_file(pa.BufferReader(out.read(path)))
+            content = memoryview(out.read(path))
+            if content[:_CRC_BYTES] == _crc(content[_CRC_BYTES:]):  # else it is written anew
+                stages[key] = pa.ipc.open_file(pa.BufferReader(content[_CRC_BYTES:]))
     kept = None if stages is None else stages.get(key)
     tables = read(batch.recordings)
     if kept is None:
@@ -206,8 +215,14 @@ def _compared_at_once(
         del tables  # the boxes
         with pa.ipc.new_file(sink, stages[key].schema, options=how) as writer:
             writer.write_table(stages.pop(key))
-        out.write(path, sink.getvalue().to_pybytes())
+        content = memoryview(sink.getvalue())
+        out.write(path, _crc(content) + content)
     return results
+
+
+def _crc(content: memoryview) -> bytes:
+    """Checksum before what a later scan reuses: Arrow's files have none."""
+    return zlib.crc32(content).to_bytes(_CRC_BYTES)
 
 
 def _use_one_heap() -> None:
@@ -337,7 +352,7 @@ def finish(out: Location, its_plan: Plan) -> Summary:
         }
         known = {"plan": its_plan.key, "tables": versions, "left_out": its_plan.left_out}
         out.write("summary.parquet", _as_parquet(pa.table(dict(summary.measures()))))
-        for path in ("summary.json", f"finished/{its_plan.key}.json"):
+        for path in (SUMMARY, f"finished/{its_plan.key}.json"):
             out.write(path, json.dumps(known, indent=1).encode())
     return summary
 
@@ -369,7 +384,7 @@ class Status:
     Attributes
     ----------
     plan
-        The plan that was begun last.
+        Of the scan.
     n_done, n_frames_done
         Batches that are done, and their frames.
     n_running
@@ -380,6 +395,8 @@ class Status:
         Recordings that could not be compared, of the batches that are done.
     is_finished
         Whether the tables of results are there.
+    reason
+        Why one of the recordings could not be compared, after its name.
     """
 
     plan: Plan
@@ -389,6 +406,7 @@ class Status:
     n_lost: int
     n_quarantined: int
     is_finished: bool
+    reason: str = ""
 
     def __str__(self) -> str:
         plan = self.plan
@@ -406,19 +424,20 @@ class Status:
             for source, n in plan.left_out.items()
         ]
         if self.n_quarantined:
-            lines += [f"{count_text(self.n_quarantined, 'recording')} in quarantine"]
+            n = count_text(self.n_quarantined, "recording")
+            lines += [f"{n} in quarantine (table quarantine), such as {self.reason}"]
         return "\n".join(map(one_line, lines))
 
 
-def status(out: Location, options: Options = Options()) -> Status:
-    """How far the scan is that was begun last.
+def status(out: Location, its_plan: Plan | None = None, clock: Clock = time.time) -> Status:
+    """How far a scan is, if none is given the one that was begun last.
 
     Raises
     ------
     InputError
         If there is none.
     """
-    its_plan = newest_plan(out)
+    its_plan = its_plan or newest_plan(out)
     if its_plan is None:
         raise InputError("there is no scan", file=out.uri)
     is_done = _done_in(out)
@@ -428,27 +447,33 @@ def status(out: Location, options: Options = Options()) -> Status:
     with ThreadPoolExecutor(16) as pool:
         attempts = [*map(json.loads, pool.map(out.read, leases))]
         of_done = map(json.loads, pool.map(out.read, [f"done/{batch.key}.json" for batch in done]))
-        n_quarantined = sum(batch["files"]["quarantine"]["rows"] for batch in of_done)
-    held = [is_held(attempt, options.clock()) for attempt in attempts]
+        refused = [of for of in (batch["files"]["quarantine"] for batch in of_done) if of["rows"]]
+    held = [is_held(attempt, clock()) for attempt in attempts]
+    first = None
+    if refused:
+        with out.open(refused[0]["path"]) as file:
+            first = pq.read_table(file).slice(0, 1).to_pylist()[0]
     return Status(
         its_plan,
         len(done),
         sum(batch.n_frames for batch in done),
         sum(held),
         sum(attempt["ended"] is None for attempt in attempts) - sum(held),
-        n_quarantined,
+        sum(of["rows"] for of in refused),
         is_finished(out, its_plan),
+        f"{first['recording']}: {first['reason']}" if first else "",
     )
 
 
 def forget_quarantined(out: Location, its_plan: Plan) -> None:
     """Have the batches run anew that have recordings in quarantine."""
+    stages = out.list("stages/")
     for batch in its_plan.batches:
         done = f"done/{batch.key}.json"
         with suppress(FileNotFoundError):
             if json.loads(out.read(done))["files"]["quarantine"]["rows"]:
-                kept = [of for of in out.list("stages/") if batch.inputs in of.path]
-                for entry in (*kept, *out.list(f"leases/{batch.key}/")):
+                own = [entry for entry in stages if batch.inputs in entry.path]
+                for entry in (*own, *out.list(f"leases/{batch.key}/")):
                     out.delete(entry.path)
                 out.delete(done)
 

@@ -148,7 +148,7 @@ def test_the_batch_of_a_machine_that_died_is_taken_when_its_lease_expires(
     assert job.run(batch) == "busy"  # nobody knows yet
     assert status(Location(out)).n_running == 1
     late = Options(clock=hours_later)
-    assert status(Location(out), late).n_lost == 1
+    assert status(Location(out), clock=late.clock).n_lost == 1
     list(drive(replace(job, options=late), in_process))
     assert finished(out, plan) == undisturbed
     assert attempts_of(out)[batch] == 2

@@ -90,6 +90,8 @@ def full_of_facts() -> Dataset:
 def assert_opens_as_scanned(tables: Tables, params: ScanParams, folder: Path) -> Dataset:
     scanned, _ = scan_batch(tables, params)
     session = read_session(write_recording(dataset_of(tables, params), folder))
+    with pytest.raises(InputError, match="exists; name another folder"):
+        write_recording(dataset_of(tables, params), folder)
     opened = load(session)
     assert not opened.findings
     assert not len(opened.left_out)
@@ -125,7 +127,8 @@ def test_recordings_open_as_scanned_with_pictures_where_there_are_any(tmp_path):
     for name in tables["recordings"]["recording"].to_pylist()[:2]:
         part = only(tables, [name])
         assert_opens_as_scanned(part, params, tmp_path / name)
-        file = write_recording(dataset_of(part, params), tmp_path / name, pictures="/videos/a.mp4")
+        data = dataset_of(part, params)
+        file = write_recording(data, tmp_path / name, pictures="/videos/a.mp4", force=True)
         assert read_session(file).recordings[0].pictures == "/videos/a.mp4"
 
 

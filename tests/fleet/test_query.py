@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import operator
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from hypothesis import strategies as st
 
 from nvcore.errors import InputError
 from nvcore.fleet.location import Location
+from nvcore.fleet.plan import SUMMARY
 from nvcore.fleet.query import LONGEST_FILTER, worst
 
 ENCOUNTERS = pa.table(
@@ -60,7 +62,9 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Location:
     tables = {"encounters": ENCOUNTERS, "recordings": RECORDINGS, "intervals": INTERVALS}
     for name, table in tables.items():
         deltalake.write_deltalake(str(folder / name), table)
-    return Location(str(folder))
+    place = Location(str(folder))
+    place.write(SUMMARY, json.dumps({"tables": dict.fromkeys(tables, 0)}).encode())
+    return place
 
 
 def chosen(results: Location, where: str) -> list[int]:

@@ -71,6 +71,9 @@ def test_recordings_that_fail_are_set_aside_with_the_reason(store, undisturbed, 
     assert len(others) == len(its_plan.batches) - 2
     assert {*attempts_of(tmp_path).values()} == {1}
     assert failures_of(tmp_path) == {*quarantine_of(tmp_path).values()}
+    shown = str(status(Location(tmp_path), its_plan))
+    assert "2 recordings in quarantine (table quarantine), such as r" in shown
+    assert ": ZeroDivisionError: of r" in shown
 
 
 def test_a_fault_of_the_program_is_not_put_upon_the_recordings(store, tmp_path):
@@ -145,12 +148,16 @@ def test_what_a_scan_keeps_changes_nothing_for_the_next(store, tmp_path):
 
     params = ScanParams("x", "y", params=Params(alpha=0.5, midpoint=30))
     files_with("kept", ScanParams("x", "y"), keep=True)
-    kept = {path: path.stat().st_mtime_ns for path in (tmp_path / "kept/stages").iterdir()}
-    assert len(kept) == 6
+    stages = [*(tmp_path / "kept/stages").iterdir()]
+    assert len(stages) == 6
+    written = [path.read_bytes() for path in stages]
+    times = [path.stat().st_mtime_ns for path in stages[1:]]
+    stages[0].write_bytes(written[0][:-100] + bytes([written[0][-100] ^ 1]) + written[0][-99:])
     anew = files_with("anew", params, keep=False)
     assert not (tmp_path / "anew/stages").exists()
     assert files_with("kept", params, keep=True).items() >= anew.items()
-    assert {path: path.stat().st_mtime_ns for path in (tmp_path / "kept/stages").iterdir()} == kept
+    assert [path.stat().st_mtime_ns for path in stages[1:]] == times
+    assert stages[0].read_bytes() not in (written[0], b"")  # was damaged, and is made anew
 
 
 def test_the_command_scans_and_says_how_far_it_is(store, tmp_path):
@@ -166,5 +173,8 @@ def test_the_command_scans_and_says_how_far_it_is(store, tmp_path):
     refused = CliRunner().invoke(main, ["scan", store, *arguments, "--shard", "4/3"])
     assert refused.exit_code == 2
     assert "expected a part such as 17/300" in refused.output
+    refused = CliRunner().invoke(main, ["scan", store, *arguments, "--shard", "1/3", "--retry"])
+    assert refused.exit_code == 2
+    assert "each task would undo what others have done" in refused.output
     into_itself = CliRunner().invoke(main, ["scan", store, *arguments[:4], "--out", store])
     assert "is a store" in into_itself.output

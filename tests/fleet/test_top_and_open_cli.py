@@ -14,7 +14,11 @@ from inputs import nvcore
 from places import SAMPLE
 
 import nvcore as nv
-from nvcore.fleet.results import schema, typed
+from nvcore.errors import InputError
+from nvcore.fleet.location import Location
+from nvcore.fleet.plan import begin
+from nvcore.fleet.results import ScanParams, schema, typed
+from nvcore.fleet.store import Store
 from nvcore.inputs.session_toml import read_session
 from nvcore.tables.result import encounters_table
 
@@ -48,6 +52,22 @@ def test_the_command_of_the_worst_moment_opens_it_with_the_numbers_of_the_scan(
     assert ours.equals(theirs)
 
 
+def test_top_and_open_show_the_scan_that_was_finished_last(tmp_path: Path):
+    store, out = tmp_path / "store", tmp_path / "out"
+    nv.ingest(SAMPLE, store=store)
+    first = nv.scan(store, out, x="FIR", y="NIR", frames=True, shard="0/1")
+    assert len(nv.top(out, table="frames", n=3).table) == 3
+    swapped = nv.scan(store, out, x="NIR", y="FIR", shard="0/1")
+    assert [str(of).split()[:2] for of in (first, swapped)] == [["FIR", "NIR"], ["NIR", "FIR"]]
+    with pytest.raises(InputError, match="no such table of results; is the scan finished"):
+        nv.top(out, table="frames")  # of the first one
+    begin(Store(store), Location(out), ScanParams("FIR", "NIR", params=nv.Params(alpha=0.9)))
+    opened = nv.load(nv.export_recording(out, "rural_road", tmp_path / "one"))
+    assert opened.compared() == ("NIR", "FIR")
+    assert opened.params_of().alpha != 0.9
+    assert nv.scan_status(out).plan.params.params.alpha == 0.9
+
+
 def test_open_starts_the_dashboard_on_that_recording_at_that_frame(
     fleet: Path, monkeypatch: pytest.MonkeyPatch
 ):
@@ -75,6 +95,10 @@ def test_open_starts_the_dashboard_on_that_recording_at_that_frame(
     [
         (["open", "{fleet}/night", "rural_raod", "--out", "x"], "did you mean 'rural_road'"),
         (["open", "{fleet}", "rural_road", "--out", "x"], "expected two systems to compare, found"),
+        (
+            ["open", "{fleet}/night", "rural_road", "--out", "x", "--at", "3"],
+            "--out starts nothing",
+        ),
         (["top", "{fleet}", "--by", "severty"], "did you mean 'severity'"),
         (["top", "{fleet}/sources"], "expected results of a scan that is finished, found none"),
     ],
