@@ -21,7 +21,7 @@ import pyarrow.compute as pc
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
-from nvcore.errors import InputError, NvcoreError
+from nvcore.errors import InputError, NvcoreError, StoreError
 from nvcore.fleet.cutting import can_be_cut, compare_pieces
 from nvcore.fleet.results import ScanParams, Summary, gather, result_tables
 from nvcore.fleet.reuse import Frozen, can_reuse, freeze, stage_key, tables_again, thaw
@@ -79,12 +79,21 @@ def scan_batch(
         recording. A recording that cannot be compared is in ``quarantine`` alone, with the reason.
     summary
         Of these recordings, to be merged with those of other batches.
+
+    Raises
+    ------
+    InputError
+        If a recording is there twice.
+    StoreError
+        If tables that are read when they are asked for cannot be.
     """
     batch = Batch(tables)
     refused: dict[str, str] = {}
     key = stage_key(params) if stages is not None and can_reuse(params) else ""
     try:
         parts = [*_again(batch, params, refused, stages[key])] if stages and key in stages else []
+    except StoreError:  # no fault of a recording
+        raise
     except NvcoreError:  # what is kept does not do for these settings
         parts, refused = [], {}
     if not parts and not refused:
@@ -121,6 +130,8 @@ def _compared(
         names = waiting.pop()
         try:
             yield batch.compare(names, params)
+        except StoreError:  # no fault of a recording
+            raise
         except NvcoreError as error:
             if len(names) == 1:
                 refused[names[0]] = str(error)

@@ -25,10 +25,10 @@ BOXES_A_FRAME: Final = 12
 
 
 def programs() -> dict[str, str]:
-    """Versions of what results depend on, and the bytes of their files."""
+    """Versions of what results, and the bytes of their files, depend on."""
     return {
         "nvcore": __version__,
-        **{name: version(name) for name in ("numba", "numpy", "pandas", "pyarrow")},
+        **{name: version(name) for name in ("numba", "numpy", "pandas", "pyarrow", "scipy")},
     }
 
 

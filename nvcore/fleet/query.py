@@ -44,6 +44,7 @@ MOMENTS: Final[Mapping[str, tuple[str, str, str, str]]] = {
 whose time is known, and the column of that."""
 
 LONGEST_FILTER: Final = 10_000
+LONGEST_REASON: Final = 400
 MOST_NAMED: Final = 12
 """Columns that an error names."""
 TAG: Final = "tag"
@@ -181,8 +182,13 @@ def worst(
             value = Function(worse, *map(Column, columns))
         order = value.desc() if is_low_better != is_reversed else value.asc()
         ties = [Column(name) for name in ("recording", timed, "track", "system") if name in own]
-        found = chosen.filter(value.isnotnull()).sort(order, *ties).limit(n)
-        found = found.to_arrow_table().to_pandas(types_mapper={pa.int64(): pd.Int64Dtype()}.get)
+        chosen = chosen.filter(value.isnotnull()).sort(order, *ties).limit(n)
+        try:
+            answer = chosen.to_arrow_table()
+        except duckdb.Error as error:
+            reason = one_line(shortened(str(error), LONGEST_REASON))
+            raise InputError(f"cannot be asked ({reason})", file=results.uri) from error
+    found = answer.to_pandas(types_mapper={pa.int64(): pd.Int64Dtype()}.get)
     moments = {"recording": found.pop("recording")}
     if frame:
         moments["frame"] = found[frame]
@@ -228,8 +234,9 @@ def _dataset(results: Location, table: str, versions: Mapping[str, int]) -> Any:
             "there is no such table of results; is the scan finished, and was it asked for?",
             file=folder.uri,
         )
-    delta = DeltaTable(folder.uri, versions[table], storage_options=folder.delta_options)
-    return delta.to_pyarrow_dataset()
+    with folder.at("", "read"):
+        delta = DeltaTable(folder.uri, versions[table], storage_options=folder.delta_options)
+        return delta.to_pyarrow_dataset()
 
 
 def _columns_by(name: str, own: Mapping[str, pa.DataType]) -> tuple[str, ...]:

@@ -45,7 +45,7 @@ from nvcore.fleet.leases import Lease, claim, is_held
 from nvcore.fleet.location import Location
 from nvcore.fleet.plan import SUMMARY, Batch, Plan, exists, is_finished, newest_plan
 from nvcore.fleet.results import ScanParams, Summary, gather
-from nvcore.fleet.reuse import Frozen, stage_key
+from nvcore.fleet.reuse import Frozen, can_reuse, stage_key
 from nvcore.fleet.store import Snapshot
 from nvcore.wording import count_text, one_line, shortened
 
@@ -197,7 +197,7 @@ def _compared_at_once(
     """Results of a batch, with what an earlier scan has kept of it, or keeping that for others."""
     key = stage_key(params)
     path = f"stages/{batch.inputs}-{key[:16]}.arrow"
-    stages: dict[str, Frozen] | None = {} if options.keep else None
+    stages: dict[str, Frozen] | None = {} if options.keep and can_reuse(params) else None
     if stages is not None:
         with suppress(FileNotFoundError):
             content = memoryview(out.read(path))
@@ -290,7 +290,12 @@ class Job:
 
 
 def _done_in(out: Location) -> set[str]:
-    return {entry.path.removeprefix("done/").removesuffix(".json") for entry in out.list("done/")}
+    entries = out.list("done/")
+    for entry in entries:
+        if not entry.size:  # of a machine that failed
+            out.delete(entry.path)
+    names = (entry.path for entry in entries if entry.size)
+    return {name.removeprefix("done/").removesuffix(".json") for name in names}
 
 
 def end_on_request() -> None:
@@ -416,7 +421,9 @@ class Status:
             f"{count_text(plan.n_frames, 'frame')}"
         ]
         if not self.is_finished:
-            lines += [f"at work on {count_text(self.n_running, 'batch', 'batches')}"]
+            n = count_text(self.n_running, "batch", "batches")
+            is_idle = "; run the scan again to go on" if not self.n_running else ""
+            lines += [f"at work on {n}{is_idle}"]
         if self.n_lost:
             lines += [f"{count_text(self.n_lost, 'attempt')} ended without a word; others go on"]
         lines += [

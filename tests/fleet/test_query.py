@@ -213,3 +213,5 @@ def test_results_that_are_not_there_are_said_to_be_missing(results, tmp_path: Pa
         worst(Location(str(tmp_path)))
     with pytest.raises(InputError, match="did you mean 'encounters'"):
         worst(results, "encounter")
+    with pytest.raises(InputError, match="cannot be asked"):
+        worst(results, where="recording like 'a\\'")

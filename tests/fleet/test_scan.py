@@ -56,6 +56,12 @@ def test_shards_in_any_order_make_the_same_files(store, undisturbed, tmp_path):
     finish(Location(tmp_path), its_plan)
     assert files_of(tmp_path) == undisturbed
     assert {*attempts_of(tmp_path).values()} == {1}
+    done = next((tmp_path / "done").iterdir())
+    content = done.read_bytes()
+    done.write_bytes(b"")  # of a machine that lost its power
+    assert job.missing() == [done.stem]
+    list(drive(job, in_process))
+    assert done.read_bytes() == content
 
 
 def test_recordings_that_fail_are_set_aside_with_the_reason(store, undisturbed, tmp_path):

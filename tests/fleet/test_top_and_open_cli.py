@@ -61,11 +61,11 @@ def test_top_and_open_show_the_scan_that_was_finished_last(tmp_path: Path):
     assert [str(of).split()[:2] for of in (first, swapped)] == [["FIR", "NIR"], ["NIR", "FIR"]]
     with pytest.raises(InputError, match="no such table of results; is the scan finished"):
         nv.top(out, table="frames")  # of the first one
-    begin(Store(store), Location(out), ScanParams("FIR", "NIR", params=nv.Params(alpha=0.9)))
+    begin(Store(store), Location(out), ScanParams("FIR", "NIR", params=nv.Params(alpha=0.7)))
     opened = nv.load(nv.export_recording(out, "rural_road", tmp_path / "one"))
     assert opened.compared() == ("NIR", "FIR")
-    assert opened.params_of().alpha != 0.9
-    assert nv.scan_status(out).plan.params.params.alpha == 0.9
+    assert opened.params_of().alpha != 0.7
+    assert nv.scan_status(out).plan.params.params.alpha == 0.7
 
 
 def test_open_starts_the_dashboard_on_that_recording_at_that_frame(
