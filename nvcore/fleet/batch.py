@@ -39,7 +39,7 @@ from nvcore.schema import (
 )
 from nvcore.settings import Settings
 
-__all__ = ["Batch", "ScanParams", "dataset_of", "scan_batch"]
+__all__ = ["ScanParams", "dataset_of", "scan_batch"]
 
 _BOX_COLUMNS: Final = ["x", "y", "w", "h", "score", "track", "ignore", "distance_m", "occlusion"]
 _MISSING: Final = {
@@ -87,7 +87,7 @@ def scan_batch(
     StoreError
         If tables that are read when they are asked for cannot be.
     """
-    batch = Batch(tables)
+    batch = BatchTables(tables)
     refused: dict[str, str] = {}
     key = stage_key(params) if stages is not None and can_reuse(params) else ""
     try:
@@ -111,7 +111,7 @@ def scan_batch(
 
 
 def _again(
-    batch: Batch, params: ScanParams, refused: MutableMapping[str, str], kept: Frozen
+    batch: BatchTables, params: ScanParams, refused: MutableMapping[str, str], kept: Frozen
 ) -> Iterator[dict[str, pa.Table]]:
     groups, earlier = thaw(kept)
     refused.update(earlier)
@@ -123,7 +123,7 @@ def _again(
 
 
 def _compared(
-    batch: Batch, params: ScanParams, refused: MutableMapping[str, str]
+    batch: BatchTables, params: ScanParams, refused: MutableMapping[str, str]
 ) -> Iterator[Result]:
     waiting = batch.alike(params, refused)
     while waiting:
@@ -153,7 +153,7 @@ def dataset_of(tables: Mapping[str, pa.Table], params: ScanParams) -> Dataset:
         If a system was not run on a recording, if recordings differ in their objects or in the
         threshold of a system, or if frames or boxes are damaged.
     """
-    batch = Batch(tables)
+    batch = BatchTables(tables)
     refused: dict[str, str] = {}
     groups = batch.alike(params, refused)
     for name, reason in refused.items():
@@ -170,7 +170,7 @@ _Rows = dict[tuple[str, ...], list[slice]]
 """Stretches of rows with the same texts."""
 
 
-class Batch:
+class BatchTables:
     """The tables of a batch, and where the rows of each recording and source lie in them.
 
     Parameters
@@ -194,7 +194,7 @@ class Batch:
         self._rows: dict[str, _Rows] = {}
         self._columns: dict[tuple[str, str], np.ndarray] = {}
 
-    def part(self, name: str, listed: np.ndarray, sources: Sequence[str]) -> Batch:
+    def part(self, name: str, listed: np.ndarray, sources: Sequence[str]) -> BatchTables:
         """A recording with these of its listed frames, one after another, and these sources alone.
 
         Raises
