@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import json
 import os
+import secrets
 import socket
 import threading
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 from nvcore.errors import StoreError
@@ -38,8 +42,9 @@ class Lease:
         self.n_killed = len(lost)
         self.killed_at = [attempt["at"] for attempt in lost if attempt["at"] is not None]
         self._state: dict[str, Any] = {
-            "host": socket.gethostname(),
+            "host": _host(),
             "pid": os.getpid(),
+            "token": secrets.token_hex(8),  # no two leases have the same content
             "at": None,
             "ended": None,
         }
@@ -47,14 +52,13 @@ class Lease:
 
     def content(self, **changes: Any) -> bytes:
         """What its file says from now on, with a new time of expiry."""
-        with self._lock:
-            expires = self._clock() + self._lease_s
-            self._state |= {"expires": expires, **changes}
-            return json.dumps(self._state).encode()
+        self._state |= {"expires": self._clock() + self._lease_s, **changes}
+        return json.dumps(self._state).encode()
 
     def tell(self, **changes: str) -> None:
         """Say at which recording the work is (`at`), or why the batch failed as a whole."""
-        self._out.write(self._path, self.content(**changes))
+        with self._lock:  # a write that is slow would else undo a later one
+            self._out.write(self._path, self.content(**changes))
 
     def __enter__(self) -> Lease:
         threading.Thread(target=self._renew, daemon=True).start()
@@ -71,10 +75,9 @@ class Lease:
 
     def _renew(self) -> None:
         while not self._is_over.wait(self._lease_s / 4):
-            try:
-                self.tell()
-            except StoreError:  # at worst, two workers do the same
-                continue
+            with suppress(StoreError), self._lock:  # at worst, two workers do the same
+                if not self._is_over.is_set():
+                    self._out.write(self._path, self.content())
 
 
 def claim(out: Location, key: str, lease_s: float, clock: Callable[[], float]) -> Lease | None:
@@ -87,7 +90,7 @@ def claim(out: Location, key: str, lease_s: float, clock: Callable[[], float]) -
     clock
         Seconds since 1970.
     """
-    earlier = [json.loads(out.read(entry.path)) for entry in out.list(f"leases/{key}/")]
+    earlier = [attempt_of(out.read(entry.path)) for entry in out.list(f"leases/{key}/")]
     if earlier and is_held(earlier[-1], clock()):
         return None
     path = f"leases/{key}/{len(earlier) + 1:04}.json"
@@ -95,11 +98,27 @@ def claim(out: Location, key: str, lease_s: float, clock: Callable[[], float]) -
     return lease if out.create(path, lease.content()) else None
 
 
+def attempt_of(content: bytes) -> dict[str, Any]:
+    """What a lease's file says; one that a machine left empty as it failed is of a lost attempt."""
+    lost = {"host": "", "pid": 0, "at": None, "ended": None, "expires": 0.0}
+    return json.loads(content) if content else lost
+
+
+@cache
+def _host() -> str:
+    """Name of the machine since it was started, and of what numbers processes in it."""
+    names = [socket.gethostname()]
+    with suppress(OSError):  # Linux alone has them
+        names.append(Path("/proc/sys/kernel/random/boot_id").read_text().strip())
+        names.append(str(Path("/proc/self/ns/pid").readlink()))
+    return " ".join(names)
+
+
 def is_held(attempt: Mapping[str, Any], now: float) -> bool:
     """Whether the worker of a lease may be at work; of processes of this host it is known."""
     if attempt["ended"] is not None or attempt["expires"] <= now:
         return False
-    if os.name != "posix" or attempt["host"] != socket.gethostname():
+    if os.name != "posix" or attempt["host"] != _host():
         return True
     try:
         os.kill(attempt["pid"], 0)

@@ -28,7 +28,9 @@ RETRY_TIMEOUT_S: Final = 60
 _MAX_WAIT_S: Final = 5
 _LONGEST_REASON: Final = 400
 _NOT_IN_NAMES: Final = re.compile(r"[\[\]\\]|%[0-9a-fA-F]{2}")
-"""What deltalake misreads in the path of a folder."""
+_NOT_IN_URIS: Final = re.compile(rf"[#?]|{_NOT_IN_NAMES.pattern}")
+"""What deltalake and obstore misread in the path of a folder, and in a URI."""
+_ANSWER: Final = re.compile(r"<Code>(\w{1,60})</Code>")
 _LINE_STARTS: Final = re.compile(r"\s*\n(?:\s|\x1b\[\d+m|↳)*")
 _REMOTE: Final = ("s3", "s3a", "gs", "az", "abfs", "abfss")
 _DELTA_OPTIONS: Final = {
@@ -77,6 +79,7 @@ class Location:
         self.path: Path | None = None
         if separator and scheme in _REMOTE:
             self.uri = str(uri).rstrip("/")
+            misread = _NOT_IN_URIS.search(self.uri)
         elif separator and scheme != "file":
             raise InputError(
                 f"{scheme}:// is no place for a store; expected a folder, or s3://bucket/folder",
@@ -85,11 +88,12 @@ class Location:
         else:
             self.path = Path(rest if separator else uri).expanduser().absolute()
             self.uri = str(self.path)
-            if misread := _NOT_IN_NAMES.search(self.path.as_posix()):
-                raise InputError(
-                    f"{misread[0]!r} cannot be in the path of a store; rename the folder",
-                    file=self.uri,
-                )
+            misread = _NOT_IN_NAMES.search(self.path.as_posix())
+        if misread:
+            raise InputError(
+                f"{misread[0]!r} cannot be in the path of a store; name another folder",
+                file=self.uri,
+            )
 
     def __getstate__(self) -> dict[str, Any]:
         return {"uri": self.uri, "options": self.options, "path": self.path}
@@ -129,15 +133,15 @@ class Location:
         Raises
         ------
         FileNotFoundError
-            If a file is not there.
+            If a file that is read or deleted is not there.
         StoreError
             In all other cases: the disk is full, the server is gone, it is not allowed.
         """
         try:
             yield
-        except FileNotFoundError as error:
-            raise FileNotFoundError(f"there is no {self.uri}/{path}") from error
         except (BaseError, DeltaError, OSError) as error:
+            if isinstance(error, FileNotFoundError) and done in ("read", "deleted"):
+                raise FileNotFoundError(f"there is no {self.uri}/{path}") from error
             raise StoreError(
                 f"cannot be {done} ({_reason(error)})", file=f"{self.uri}/{path}"
             ) from error
@@ -239,4 +243,6 @@ class _Ranges(RawIOBase):
 def _reason(error: BaseException) -> str:
     """What an error of object_store or deltalake says, in one line without colours."""
     text = str(error).strip().partition("\n\nDebug source")[0]
+    if answer := _ANSWER.search(text):
+        return f"the server says {answer[1]}"
     return ": ".join(filter(None, _LINE_STARTS.split(text)))[:_LONGEST_REASON]

@@ -35,8 +35,11 @@ def on_dask(job: Job, scheduler: str) -> Iterator[str]:
     """
     try:
         client = Client(scheduler, timeout=job.options.patience_s, set_as_default=False)
-    except OSError as error:
-        raise InputError(f"there is no Dask scheduler at {scheduler}") from error
+    except (AssertionError, OSError, ValueError) as error:
+        raise InputError(
+            f"there is no Dask scheduler at {scheduler}; expected an address such as "
+            "tcp://10.0.0.1:8786"
+        ) from error
     with client, suppress(CancelledError, CommClosedError):
         missing = job.missing()[:TASKS]
         tasks = client.map(job.run, missing, pure=False)

@@ -6,13 +6,14 @@ import multiprocessing
 import os
 import signal
 import threading
+import traceback
 from collections.abc import Iterator
 from functools import partial
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Final
 
-from nvcore.errors import InputError
+from nvcore.errors import InputError, NvcoreError
 from nvcore.fleet.scan import Job, drive, end_on_request, in_process
 
 STILLBORN: Final = 3
@@ -57,7 +58,8 @@ def in_pool(job: Job, n_workers: int) -> Iterator[str]:
                         start(part)
                     if n_stillborn == STILLBORN:
                         raise InputError(
-                            f"workers die before they begin (exit code {process.exitcode})"
+                            f"workers die before they begin (exit code {process.exitcode}); is "
+                            "there memory for so many? (--workers)"
                         ) from None
                     continue
                 n_stillborn = 0
@@ -89,5 +91,7 @@ def _work(messages: Connection, job: Job, part: int, n_parts: int) -> None:
             messages.send(batch)
     except KeyboardInterrupt:  # the parent has it, too, and says so
         pass
-    except Exception as error:  # noqa: BLE001  # the parent raises it
+    except NvcoreError as error:  # the parent raises it
         messages.send(error)
+    except Exception as error:  # noqa: BLE001  # which need not pickle
+        messages.send(RuntimeError("".join(traceback.format_exception(error))))

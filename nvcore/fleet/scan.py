@@ -41,7 +41,7 @@ from obstore.exceptions import BaseError
 
 from nvcore.errors import InputError, NvcoreError, StoreError
 from nvcore.fleet.batch import scan_batch
-from nvcore.fleet.leases import Lease, claim, is_held
+from nvcore.fleet.leases import Lease, attempt_of, claim, is_held
 from nvcore.fleet.location import Location
 from nvcore.fleet.plan import SUMMARY, Batch, Plan, exists, is_finished, newest_plan
 from nvcore.fleet.results import ScanParams, Summary, gather
@@ -53,6 +53,8 @@ WHOLE_ATTEMPTS: Final = 2
 """Attempts at a whole batch; afterwards its recordings are taken one at a time."""
 ATTEMPTS: Final = 2
 """Workers that a single recording may end before it is left out."""
+COMMIT_ATTEMPTS: Final = 30
+"""At the version of a table of results, of processes that finish at once."""
 LONGEST_REASON: Final = 400
 _CRC_BYTES: Final = 8  # so that what follows is aligned
 _M_ARENA_MAX: Final = -8
@@ -365,13 +367,15 @@ def finish(out: Location, its_plan: Plan) -> Summary:
 def _list_files(folder: Location, files: Sequence[Mapping[str, Any]]) -> int:
     """Version of a folder's Delta table that holds these files alone."""
     names = [file["path"].rpartition("/")[2] for file in files]
-    schema = pq.read_schema(folder.open(names[0]))
+    with folder.open(names[0]) as file:
+        schema = pq.read_schema(file)
     added: list[AddAction | RemoveAction] = [
         AddAction(name, file["size"], {}, 0, True, json.dumps({"numRecords": file["rows"]}))
         for name, file in zip(names, files, strict=True)
     ]
     storage: dict[str, Any] = {"storage_options": folder.delta_options}
-    while True:
+    for attempt in range(COMMIT_ATTEMPTS):
+        time.sleep(0.1 * attempt)
         with folder.at("", "written"), suppress(CommitFailedError):  # another was faster
             try:
                 table = DeltaTable(folder.uri, **storage)
@@ -380,6 +384,7 @@ def _list_files(folder: Location, files: Sequence[Mapping[str, Any]]) -> int:
             if {uri.rpartition("/")[2] for uri in table.file_uris()} == set(names):
                 return table.version()
             table.create_write_transaction(added, "overwrite", schema, [])
+    raise StoreError("cannot be written (other processes are always faster)", file=folder.uri)
 
 
 @dataclass(frozen=True)
@@ -452,7 +457,7 @@ def status(out: Location, its_plan: Plan | None = None, clock: Clock = time.time
     left = {batch.key for batch in its_plan.batches} - is_done
     leases = [entry.path for entry in out.list("leases/") if entry.path.split("/")[1] in left]
     with ThreadPoolExecutor(16) as pool:
-        attempts = [*map(json.loads, pool.map(out.read, leases))]
+        attempts = [*map(attempt_of, pool.map(out.read, leases))]
         of_done = map(json.loads, pool.map(out.read, [f"done/{batch.key}.json" for batch in done]))
         refused = [of for of in (batch["files"]["quarantine"] for batch in of_done) if of["rows"]]
     held = [is_held(attempt, clock()) for attempt in attempts]

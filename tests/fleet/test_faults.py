@@ -6,6 +6,8 @@ import json
 import signal
 import socket
 import subprocess
+import threading
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
@@ -24,11 +26,13 @@ from fleet_runs import (
     small_fleet,
     starved_at,
     stopped_at,
+    unpicklable,
     until,
 )
 from object_store import make_bucket, options, served, troubled
 
 from nvcore.errors import InputError, StoreError
+from nvcore.fleet.leases import claim
 from nvcore.fleet.location import Location
 from nvcore.fleet.on_dask import on_dask
 from nvcore.fleet.plan import Plan
@@ -56,6 +60,7 @@ POOL = """
 import sys
 from pathlib import Path
 from fleet_runs import begin_scan, stopped_at
+from nvcore.fleet.leases import claim
 from nvcore.fleet.location import Location
 from nvcore.fleet.pool import in_pool
 from nvcore.fleet.scan import finish
@@ -102,6 +107,38 @@ def test_a_worker_that_is_killed_costs_its_batch_alone(store, undisturbed, out, 
     assert finished(out, plan) == undisturbed
     expected = {batch.key: 1 for batch in plan.batches} | {batch_of(plan, "r4"): 2}
     assert attempts_of(out) == expected
+
+
+def test_an_error_that_does_not_pickle_ends_the_scan_too(store, out):
+    _, job = begin_scan(store, out, run=unpicklable)
+    with pytest.raises(RuntimeError, match="UnpicklableError: of all"):
+        list(in_pool(job, 1))
+
+
+def test_a_lease_is_written_in_the_order_of_what_is_said(tmp_path):
+    class Watched(Location):
+        busy, n_at_once, written = threading.Lock(), 0, b""
+
+        def write(self, path: str, content: bytes) -> None:
+            if not self.busy.acquire(blocking=False):
+                self.n_at_once += 1
+                return
+            super().write(path, content)
+            self.written = content
+            self.busy.release()
+
+    place = Watched(tmp_path)
+    lease = claim(place, "a", 1e-4, time.time)
+    assert lease is not None
+    with lease:
+        for number in range(100):
+            lease.tell(at=f"r{number}")
+    assert place.n_at_once == 0
+    assert json.loads(place.written)["ended"] == "done"
+    (tmp_path / "leases/a/0001.json").write_bytes(b"")  # of a machine that lost its power
+    again = claim(place, "a", 60, time.time)
+    assert again is not None
+    assert again.n_killed == 1
 
 
 def test_a_recording_that_kills_its_workers_is_set_aside(store, undisturbed, out, tmp_path):

@@ -51,6 +51,13 @@ def test_requests_that_are_refused_or_cut_are_made_again(bucket: Location, s3: s
     assert min(done.values()) > 10
 
 
+def test_a_bucket_that_is_not_there_is_named(s3: str):
+    place = Location("s3://nobody/x", options(s3))
+    for use in (lambda: place.write("a", b""), lambda: place.create("a", b""), place.list):
+        with pytest.raises(StoreError, match=r"the server says NoSuchBucket"):
+            use()
+
+
 def test_storage_that_cannot_be_used_is_named(tmp_path: Path):
     (tmp_path / "file").write_text("no folder")
     with pytest.raises(StoreError, match=r"file/a: cannot be written \(File exists"):
@@ -61,6 +68,8 @@ def test_storage_that_cannot_be_used_is_named(tmp_path: Path):
     with pytest.raises(InputError, match="http:// is no place for a store; expected a folder"):
         Location("http://x/y")
     for name in ("a[1]", "a\\b", "100%25"):
-        with pytest.raises(InputError, match="cannot be in the path of a store; rename"):
+        with pytest.raises(InputError, match="cannot be in the path of a store; name another"):
             Location(tmp_path / name)
+    with pytest.raises(InputError, match="'#' cannot be in the path"):
+        Location("s3://x/run#2")
     assert Location(tmp_path / "5 % of #1").create("a", b"")

@@ -215,6 +215,18 @@ def _broken_at(
     return scan_batch(tables, params, **more)
 
 
+class UnpicklableError(Exception):
+    """As errors of libraries that are compiled may be."""
+
+    def __reduce__(self) -> Any:
+        raise TypeError("does not pickle")
+
+
+def unpicklable(*_: Any, **more: Any) -> Any:
+    """Nothing can be compared."""
+    raise UnpicklableError("of all")
+
+
 def hours_later() -> float:
     """A clock by which every lease of now has expired."""
     return time.time() + 10_000
