@@ -126,7 +126,7 @@ def ingest(
             yield options["truth"][0] if options["truth"] else "", partial(loaded, None)
 
     done = ingest_all(
-        every(),
+        [*every()],
         Store(Location(store), partition=partition),
         truth_kind=truth_kind,
         labels=labels,
@@ -138,8 +138,9 @@ def ingest(
     for kind, n in done.not_stored.items():
         times = count_text(n, "input", "inputs")
         click.echo(one_line(f"note: {kind} are not stored ({times} with them)"), err=True)
-    for error in done.errors.values():
-        click.echo(one_line(f"error: {error}"), err=True)
+    for name, error in done.errors.items():
+        text = str(error) if name in str(error) else f"{name}: {error}"
+        click.echo(one_line(f"error: {text}"), err=True)
     recordings, sources = done.recordings, done.sources
     known = f"; {count_text(done.n_known, 'source was', 'sources were')} there already"
     click.echo(

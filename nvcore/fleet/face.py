@@ -87,7 +87,7 @@ def ingest(
     """
     if not isinstance(store, Store):
         store = Store(Location(store), partition=partition)
-    return ingest_all(_named(inputs), store, truth_kind=truth_kind, labels=labels)
+    return ingest_all([*_named(inputs)], store, truth_kind=truth_kind, labels=labels)
 
 
 def _named(

@@ -28,7 +28,7 @@ with needs("fleet", "a store needs"):
     import pyarrow as pa
 
     from nvcore.fleet.store import Store
-    from nvcore.fleet.tables import IN_MEMORY, RECORDINGS, SOURCES
+    from nvcore.fleet.tables import IN_MEMORY, RECORDINGS, SOURCES, TRUTH_KINDS
 
 BATCH_ROWS: Final = 1 << 20
 """Boxes and frames from which on a batch is appended."""
@@ -107,7 +107,9 @@ def tables_of(
             "boxes": _table(columns, texts, IN_MEMORY["boxes"]),
         }
     except UnicodeEncodeError as error:
-        raise InputError(f"a name is no UTF-8 text: {error.object[:40]!r}", file=origin) from error
+        raise InputError(
+            f"a name is not valid UTF-8: {error.object[:40]!r}", file=origin
+        ) from error
 
 
 def _boxes_by_recording(
@@ -327,16 +329,18 @@ def ingest_all(
     Raises
     ------
     InputError
-        If a label can be none.
+        If a label or the kind of truth is invalid.
     StoreError
         If the store cannot be read or written. What was appended until then is in it.
     """
     labels = labels or {}
+    if truth_kind not in TRUTH_KINDS:
+        raise InputError(f"truth_kind: expected {listed(TRUTH_KINDS)}, found {truth_kind[:40]!r}")
     for name, label in labels.items():
-        if not label.strip() or label.isdecimal() or len(label) > _LABEL_LETTERS:
+        if not label.strip() or label.isdecimal() or "@" in label or len(label) > _LABEL_LETTERS:
             raise InputError(
                 f"a version of {name!r} cannot be called {label[:_LABEL_LETTERS]!r}; expected a "
-                f"name of at most {_LABEL_LETTERS} letters that is no number"
+                f"name of at most {_LABEL_LETTERS} letters without @ that is no number"
             )
     done = Ingested(RECORDINGS.empty_table().to_pandas(), SOURCES.empty_table().to_pandas())
     batch: list[dict[str, pa.Table]] = []

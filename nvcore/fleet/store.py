@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from functools import cached_property, partial
 from itertools import groupby
 from pathlib import Path
@@ -37,7 +38,7 @@ with needs("fleet", "a store needs"):
     from deltalake.exceptions import DeltaError, TableNotFoundError
     from deltalake.transaction import AddAction, CommitProperties
 
-    from nvcore.fleet.tables import IN_MEMORY, INDEX, SCHEMAS
+    from nvcore.fleet.tables import IN_MEMORY, INDEX, SCHEMAS, TRUTH_KINDS
 
 GROUP_ROWS: Final = 1 << 18
 """Rows from which on a row group is full; it holds whole sources, unless one is larger."""
@@ -50,6 +51,10 @@ _CONTENT: Final = {
 }
 """What tells versions apart."""
 _ROW: Final = {**_CONTENT, "sources": [*_CONTENT["sources"], "recording_sha256"]}
+_FACTS: Final = {"recordings": ["pictures", "first_picture"], "sources": ["label", "kind"]}
+"""What may be said anew of a version."""
+_UNSTATED: Final = ("", None, TRUTH_KINDS[0], "system")
+"""Facts that leave those of before as they are."""
 _INDEX: Final = [column.name for column in INDEX]
 _KEY: Final = re.compile(r"[a-z][a-z0-9_]{0,40}")
 _COMMIT_RETRIES: Final = 100
@@ -60,11 +65,12 @@ _LONGEST_IN_STATS: Final = 200
 
 @dataclass
 class _Learned:
-    """What a writer knows of a table: its files, its rows, and where rows with a content lie."""
+    """What a writer knows of a table: its files, its rows, of each content facts and place."""
 
     paths: set[str] = field(default_factory=set)
     rows: set[tuple[Any, ...]] = field(default_factory=set)
     index: dict[tuple[Any, ...], tuple[Any, ...]] = field(default_factory=dict)
+    facts: dict[tuple[Any, ...], tuple[Any, ...]] = field(default_factory=dict)
 
 
 class Store:
@@ -121,8 +127,21 @@ class Store:
         return Snapshot(self.location, versions, self._known)
 
     @cached_property
+    def _broken(self) -> set[str]:
+        """Files of frames and boxes that are not there as the log has them: written anew."""
+        broken = set()
+        for name in IN_MEMORY:
+            there = {entry.path: entry.size for entry in self.location.list(f"{name}/")}
+            logged = _files(self.location, name, self._tables[name])
+            broken |= {path for path, size in logged.items() if there.get(path) != size}
+        return broken
+
+    @cached_property
     def _tables(self) -> dict[str, DeltaTable]:
         """The tables, made where there are none."""
+        if self.location.list("plans/") and _opened(self.location, "sources") is None:
+            uri = self.location.uri
+            raise InputError("holds results of a scan; name another folder", file=uri)
         tables = {name: _opened(self.location, name) or self._made(name) for name in SCHEMAS}
         if self._wanted not in (None, _partition_of(tables["boxes"])):
             raise InputError(
@@ -153,7 +172,9 @@ class Store:
     def append(self, batch: Sequence[Mapping[str, pa.Table]]) -> dict[str, pa.Table]:
         """Append recordings and sources by one commit of each table; what is there is left out.
 
-        It is safe beside other writers, and may break off anywhere: then nothing of it is seen.
+        What is said anew of a version that is there (label, kind of truth, pictures) is written,
+        and so are rows whose file is missing or cut. It is safe beside other writers, and may break
+        off anywhere: then nothing of it is seen.
 
         Parameters
         ----------
@@ -196,11 +217,21 @@ class Store:
             actions[data], written = self._written(
                 data, [pieces[places[key]] for key in order], partition
             )
+            self._broken.difference_update(f"{data}/{action.path}" for action in actions[data])
             lies = ChainMap(dict(zip(order, written, strict=True)), stored.index)
+            given = zip(contents, _keys(rows, _FACTS[name]), strict=True)
+            facts = [_said_anew(own, stored.facts.get(key, own)) for key, own in given]
             keys = dict(zip(_keys(rows, _ROW[name]), range(len(rows)), strict=True))
-            chosen = sorted(keys[key] for key in keys.keys() - stored.rows)
+            chosen = sorted(
+                place
+                for key, place in keys.items()
+                if key not in stored.rows or facts[place] != stored.facts[contents[place]]
+            )
             taken = rows.take(pa.array(chosen, pa.int64()))
-            new[name] = _with_index(taken, [lies[contents[place]] for place in chosen])
+            taken = _with_columns(taken, _INDEX, [lies[contents[place]] for place in chosen])
+            taken = _with_columns(taken, _FACTS[name], [facts[place] for place in chosen])
+            now = [(datetime.now(UTC),)] * len(chosen)  # the order of versions is that of commits
+            new[name] = _with_columns(taken, ["ingested_at"], now)
         for name, rows in new.items():
             actions[name] = [self._put(name, [rows.sort_by("recording")], {})] if len(rows) else []
         for name in SCHEMAS:  # in this order: nothing is seen before the last one
@@ -211,10 +242,16 @@ class Store:
     def _stored(self, name: str) -> _Learned:
         """What is in a table of recordings or sources, of which only new files are looked at."""
         learned = self._learned[name]
-        paths = _paths(self.location, name, self._tables[name])
+        paths = _files(self.location, name, self._tables[name])
         new = [path for path in paths if path not in learned.paths]
         rows = _rows(self.location, name, new, self._known)
-        learned.index.update(zip(_keys(rows, _CONTENT[name]), _keys(rows, _INDEX), strict=True))
+        if self._broken:
+            files = [f"{ROWS_IN[name]}/{path}" for path in rows["file"].to_pylist()]
+            rows = rows.filter(pa.array([path not in self._broken for path in files], pa.bool_()))
+        rows = rows.sort_by("ingested_at")
+        contents = _keys(rows, _CONTENT[name])
+        learned.index.update(zip(contents, _keys(rows, _INDEX), strict=True))
+        learned.facts.update(zip(contents, _keys(rows, _FACTS[name]), strict=True))
         learned.rows.update(_keys(rows, _ROW[name]))
         learned.paths.update(new)
         return learned
@@ -329,18 +366,20 @@ class Snapshot:
             if table is None:
                 raise InputError("there is no store here", file=self.location.uri)
             found[name] = _rows(
-                self.location, name, _paths(self.location, name, table), self._known
+                self.location, name, [*_files(self.location, name, table)], self._known
             ).to_pandas()
         # a recording is seen, and is as old, as the sources that came with it
         came = found["sources"].groupby(["recording", "recording_sha256"])["ingested_at"].min()
         keys = pd.MultiIndex.from_frame(found["recordings"][_CONTENT["recordings"]])
-        found["recordings"]["ingested_at"] = came.reindex(keys).to_numpy()
-        return {
-            name: rows.dropna(subset="ingested_at")
-            .sort_values(["ingested_at", *_ROW[name]], kind="stable")
-            .drop_duplicates(_CONTENT[name])
-            for name, rows in found.items()
-        }
+        found["recordings"]["since"] = came.reindex(keys).to_numpy()
+        of_content = found["sources"].groupby(_CONTENT["sources"])["ingested_at"]
+        found["sources"]["since"] = of_content.transform("min")
+        for name, rows in found.items():
+            rows = rows.dropna(subset="since").sort_values(["ingested_at", *_ROW[name]])
+            rows = rows.drop_duplicates(_CONTENT[name], keep="last")  # as it was said last
+            rows["ingested_at"] = rows.pop("since")
+            found[name] = rows.sort_values(["ingested_at", *_ROW[name]])
+        return found
 
     @cached_property
     def recordings(self) -> pd.DataFrame:
@@ -383,7 +422,7 @@ class Snapshot:
             rows = rows[rows["source"] == source]
         elif name in names:
             rows = rows[rows["source"] == name]
-            is_it = rows["label"] == version
+            is_it = (rows["label"] == version) & (version != "")
             if version.isdecimal():
                 is_it |= rows["version"] == int(version)
             if not is_it.any():
@@ -524,6 +563,8 @@ def _file_of(location: Location, path: str, texts: Sequence[str] = ()) -> Iterat
                     pre_buffer=location.path is None,
                     page_checksum_verification=True,
                 )
+            except MemoryError:
+                raise
             except OSError as error:
                 if error.errno is not None:
                     raise
@@ -558,11 +599,12 @@ def _partition_of(table: DeltaTable) -> str | None:
     return next(iter(table.metadata().partition_columns), None)
 
 
-def _paths(location: Location, name: str, table: DeltaTable) -> list[str]:
-    """Files of a table, within the location."""
+def _files(location: Location, name: str, table: DeltaTable) -> dict[str, int]:
+    """Files of a table by their path within the location, and their bytes."""
     with location.at(name, "read"):
         actions = pa.table(table.get_add_actions(flatten=True))
-    return [f"{name}/{unquote(path)}" for path in map(str, actions["path"].to_pylist())]
+    paths = [f"{name}/{unquote(path)}" for path in map(str, actions["path"].to_pylist())]
+    return dict(zip(paths, actions["size_bytes"].to_pylist(), strict=True))
 
 
 def _rows(
@@ -584,11 +626,20 @@ def _keys(rows: pa.Table, columns: Sequence[str]) -> list[tuple[Any, ...]]:
     return [*zip(*(rows[name].to_pylist() for name in columns), strict=True)]
 
 
-def _with_index(rows: pa.Table, places: Sequence[tuple[Any, ...]]) -> pa.Table:
-    """Rows that say where their own rows lie."""
-    for column, values in zip(INDEX, zip(*places, strict=True), strict=bool(places)):
-        at = rows.schema.get_field_index(column.name)
-        rows = rows.set_column(at, column, pa.array(values, column.type))
+def _said_anew(facts: tuple[Any, ...], before: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Facts of a version, where nothing is said those of before."""
+    pairs = zip(facts, before, strict=True)
+    return tuple(was if own in _UNSTATED else own for own, was in pairs)
+
+
+def _with_columns(
+    rows: pa.Table, names: Sequence[str], cells: Sequence[tuple[Any, ...]]
+) -> pa.Table:
+    """Rows with other cells in these columns, a tuple of them for each row."""
+    for name, values in zip(names, zip(*cells, strict=True), strict=bool(cells)):
+        place = rows.schema.get_field_index(name)
+        field = rows.schema.field(place)
+        rows = rows.set_column(place, field, pa.array(values, field.type))
     return rows
 
 

@@ -91,6 +91,9 @@ BOXES: Final = pa.schema(
 )
 """Boxes of truth and systems, by recording, source and frame; the order within a frame is kept."""
 
+TRUTH_KINDS: Final = ("annotated", "automatic", "absent")
+"""Whether people annotated the truth, a program did, or there is none; the first by default."""
+
 SCHEMAS: Final = {"frames": FRAMES, "boxes": BOXES, "recordings": RECORDINGS, "sources": SOURCES}
 """Tables of a store, each a Delta table in a folder of this name, in the order of writing: what
 refers to others later than these."""

@@ -170,14 +170,16 @@ def test_flags_name_the_files_of_one_comparison(tmp_path: Path):
     assert nvcore("ingest", "--store", tmp_path / "store").exit_code == 2
     result = nvcore(*given[:-1], "far=v1")
     assert result.exit_code == 1
-    assert "error: no source is called so; did you mean 'fir'?" in result.stderr
+    assert "error: label of far: no source is called so; did you mean 'fir'?" in result.stderr
 
 
 def test_what_cannot_be_meant_is_refused(tmp_path: Path):
     data = recordings("a")
-    for labels in ({"x": "12"}, {"x": " "}, {"x": "v" * 101}):
+    for labels in ({"x": "12"}, {"x": " "}, {"x": "a@b"}, {"x": "v" * 101}):
         with pytest.raises(InputError, match="a version of 'x' cannot be called"):
             nv.ingest(data, store=tmp_path, labels=labels)
+    with pytest.raises(InputError, match="expected annotated, automatic and absent, found 'anot'"):
+        nv.ingest(data, store=tmp_path, truth_kind="anot")
     with pytest.raises(InputError, match="the ground truth is to be absent, and has 15 boxes"):
         tables_of(data, truth_kind="absent")
     (tmp_path / "empty").mkdir()

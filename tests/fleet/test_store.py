@@ -7,6 +7,7 @@ import pickle
 import resource
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -214,7 +215,7 @@ def test_hostile_names_are_names_alone(place: Location):
     table = DeltaTable(f"{place.uri}/boxes", storage_options=place.delta_options)
     assert sorted(set(table.to_pandas()["recording"])) == sorted(names)
     bad = replace(dataset, systems=("\ud800", "y"))
-    with pytest.raises(InputError, match="a name is no UTF-8 text"):
+    with pytest.raises(InputError, match="a name is not valid UTF-8"):
         tables_of(bad)
 
 
@@ -318,6 +319,45 @@ def test_a_damaged_or_missing_file_is_named(tmp_path: Path):
         store.snapshot().read(["a"], ["x"])["boxes"]
     with pytest.raises(InputError, match="there is no store here"):
         Store(tmp_path / "elsewhere").snapshot()
+    # ingested again, what is missing or cut is written
+    other = Store(tmp_path)
+    for _ in range(2):
+        other.append(batch_of("a"))
+        check_same(other.snapshot(), recordings("a"))
+        assert len(other.snapshot().sources) == 3
+    file.write_bytes(good[:200])
+    Store(tmp_path).append(batch_of("a"))
+    assert file.read_bytes() == good
+
+
+def test_what_is_said_anew_of_a_version_is_taken(tmp_path: Path):
+    store, dataset = Store(tmp_path), recordings("a", "b")
+
+    def sources(**said: Any) -> pd.DataFrame:
+        store.append([tables_of(dataset, **said)])
+        rows = store.snapshot().sources
+        assert rows["version"].tolist() == [1] * 6
+        return rows[["label", "kind"]].apply(tuple, axis=1).tolist()[:3]
+
+    assert sources() == [("", "annotated"), ("", "system"), ("", "system")]
+    before = store.snapshot().sources["ingested_at"].tolist()
+    assert sources(labels={"x": "spring"})[1] == ("spring", "system")
+    assert sources()[1] == ("spring", "system")
+    assert sources(truth_kind="automatic")[0] == ("", "automatic")
+    assert sources(labels={"x": "May"}) == [("", "automatic"), ("May", "system"), ("", "system")]
+    assert store.snapshot().pick("x@May")["recording"].tolist() == ["a", "b"]
+    assert store.snapshot().sources["ingested_at"].tolist() == before
+    assert len([*(tmp_path / "boxes").glob("*.parquet")]) == 1
+    with pytest.raises(InputError, match="there is no version '' of 'x'"):
+        store.snapshot().pick("x@")
+
+
+def test_a_folder_of_results_is_no_store(tmp_path: Path):
+    (tmp_path / "plans").mkdir()
+    (tmp_path / "plans" / "a.json").write_text("{}")
+    with pytest.raises(InputError, match="holds results of a scan; name another folder"):
+        Store(tmp_path).append(batch_of("a"))
+    assert not (tmp_path / "sources").exists()
 
 
 def test_a_server_that_refuses_and_cuts_costs_attempts_alone(bucket: Location, s3: str):
