@@ -25,15 +25,14 @@ from nvcore.errors import InputError, NvcoreError, StoreError
 from nvcore.fleet.cutting import can_be_cut, compare_pieces
 from nvcore.fleet.results import ScanParams, Summary, gather, result_tables
 from nvcore.fleet.reuse import Frozen, can_reuse, freeze, stage_key, tables_again, thaw
+from nvcore.fleet.tables import MISSING
 from nvcore.objects import PEDESTRIAN, objects_from
 from nvcore.params import Params
 from nvcore.schema import (
     ATTRIBUTE_DTYPES,
     DETECTABILITY_COLUMNS,
-    NO_TRACK,
     RECORDING_DTYPES,
     TRUTH,
-    UNKNOWN_OCCLUSION,
     categories_of,
     conform,
 )
@@ -42,14 +41,6 @@ from nvcore.settings import Settings
 __all__ = ["ScanParams", "dataset_of", "scan_batch"]
 
 _BOX_COLUMNS: Final = ["x", "y", "w", "h", "score", "track", "ignore", "distance_m", "occlusion"]
-_MISSING: Final = {
-    "track": NO_TRACK,
-    "ignore": False,
-    "occlusion": UNKNOWN_OCCLUSION,
-    "is_outside": False,
-    "is_adapted": False,
-}
-"""What stands for a missing cell of a column that has no NaN."""
 
 
 def scan_batch(
@@ -364,11 +355,11 @@ class BatchTables:
         return sum(rows.stop - rows.start for rows in self._rows_of(table).get(key, ()))
 
     def _column(self, table: str, name: str, *keys: tuple[str, ...]) -> np.ndarray:
-        """A column of the rows of these keys; missing cells are NaN, or as `_MISSING` has them."""
+        """A column of the rows of these keys; missing cells are NaN, or as `MISSING` has them."""
         if (table, name) not in self._columns:
             column = self._tables[table][name]
-            if name in _MISSING:
-                column = pc.fill_null(column, _MISSING[name])
+            if name in MISSING:
+                column = pc.fill_null(column, MISSING[name])
             self._columns[table, name] = column.to_numpy()
         return self._gather(self._columns[table, name], table, keys)
 

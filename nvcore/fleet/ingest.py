@@ -21,29 +21,20 @@ from nvcore.fleet.session import time_of
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.metrics.encounter_classes import texts_of_truth
 from nvcore.progress import Progress, no_progress
-from nvcore.schema import NO_LABEL, NO_TRACK, UNKNOWN_OCCLUSION
+from nvcore.schema import NO_LABEL
 from nvcore.wording import MOST_NAMED, did_you_mean, listed
 
 with needs("fleet", "a store needs"):
     import pyarrow as pa
 
-    from nvcore.fleet.store import Store
-    from nvcore.fleet.tables import IN_MEMORY, RECORDINGS, SOURCES, TRUTH_KINDS
+    from nvcore.fleet.store import Store, keys_of
+    from nvcore.fleet.tables import FACTS, IN_MEMORY, MISSING, RECORDINGS, SOURCES, TRUTH_KINDS
 
 BATCH_ROWS: Final = 1 << 20
 """Boxes and frames from which on a batch is appended."""
 MOST_TOML_BYTES: Final = 16 << 20
 _LABEL_LETTERS: Final = 100
-_FACTS: Final = ("width", "height", "fps", "horizon", "context", "speed_kmh")
-_UNKNOWN: Final = {
-    "label": NO_LABEL,
-    "attributes": -1,
-    "track": NO_TRACK,
-    "occlusion": UNKNOWN_OCCLUSION,
-    "ignore": False,
-    "is_outside": False,
-    "is_adapted": False,
-}
+_UNKNOWN: Final = {**MISSING, "label": NO_LABEL, "attributes": -1}
 """What stands in a column where nothing is known; in one of floats it is NaN."""
 
 _Texts = tuple[np.ndarray, list[str]]
@@ -159,7 +150,7 @@ def _recordings_of(
     first = dataset.frame_columns.first
     counts = np.diff(first)
     times = [time_of(entry.recorded_at) for entry in entries.values()]
-    columns = {name: table[name].tolist() for name in _FACTS}
+    columns = {name: table[name].tolist() for name in FACTS}
     columns |= {
         "tags": [[*tags] for tags in table["tags"]],
         "unit": table["unit"].tolist(),
@@ -390,8 +381,8 @@ def _check_seen(
     own = {
         (recording, source): sha256
         for recording, source, sha256 in (
-            *((of, "", sha) for of, sha in _pairs(tables["recordings"], "recording", "sha256")),
-            *_pairs(tables["sources"], "recording", "source", "sha256"),
+            *((of, "", sha) for of, sha in keys_of(tables["recordings"], ["recording", "sha256"])),
+            *keys_of(tables["sources"], ["recording", "source", "sha256"]),
         )
     }
     for key, sha256 in own.items():
@@ -404,10 +395,6 @@ def _check_seen(
                 file=name,
             )
     seen.update({key: (sha256, name) for key, sha256 in own.items()})
-
-
-def _pairs(table: pa.Table, *columns: str) -> list[tuple[str, ...]]:
-    return [*zip(*(table[name].to_pylist() for name in columns), strict=True)]
 
 
 def _not_stored(dataset: Dataset) -> list[str]:

@@ -19,6 +19,7 @@ from nvcore.fleet.location import Location
 from nvcore.fleet.plan import plan_shown
 from nvcore.fleet.results import ScanParams
 from nvcore.fleet.store import Snapshot, Store
+from nvcore.fleet.tables import FACTS
 from nvcore.inputs.readers.base import Reading, Role, recordings_table
 from nvcore.inputs.session import (
     TABLES_OF_SUBJECTS,
@@ -152,8 +153,7 @@ def write_recording(
         step = Step(Remedy.OPTION, "", "force")
         raise InputError("exists; name another folder", file=there[0], steps=(step,))
     facts: dict[str, Any] = {
-        name: None if pd.isna(recording[name]) else recording[name]
-        for name in ("width", "height", "fps", "horizon", "context", "speed_kmh")
+        name: None if pd.isna(recording[name]) else recording[name] for name in FACTS
     }
     frames = dataset.frames
     lines = "".join(f"{number}\n" for number in frames["frame"])

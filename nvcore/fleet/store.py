@@ -51,7 +51,7 @@ _CONTENT: Final = {
 }
 """What tells versions apart."""
 _ROW: Final = {**_CONTENT, "sources": [*_CONTENT["sources"], "recording_sha256"]}
-_FACTS: Final = {"recordings": ["pictures", "first_picture"], "sources": ["label", "kind"]}
+_AMENDABLE: Final = {"recordings": ["pictures", "first_picture"], "sources": ["label", "kind"]}
 """What may be said anew of a version."""
 _UNSTATED: Final = ("", None, TRUTH_KINDS[0], "system")
 """Facts that leave those of before as they are."""
@@ -211,7 +211,7 @@ class Store:
                     strict=True,
                 )
             ]
-            contents = _keys(rows, _CONTENT[name])
+            contents = keys_of(rows, _CONTENT[name])
             places = {key: place for place, key in enumerate(contents) if key not in stored.index}
             order = sorted(places, key=lambda key: (pieces[places[key]][0] or "", *key))
             actions[data], written = self._written(
@@ -219,9 +219,9 @@ class Store:
             )
             self._broken.difference_update(f"{data}/{action.path}" for action in actions[data])
             lies = ChainMap(dict(zip(order, written, strict=True)), stored.index)
-            given = zip(contents, _keys(rows, _FACTS[name]), strict=True)
+            given = zip(contents, keys_of(rows, _AMENDABLE[name]), strict=True)
             facts = [_said_anew(own, stored.facts.get(key, own)) for key, own in given]
-            keys = dict(zip(_keys(rows, _ROW[name]), range(len(rows)), strict=True))
+            keys = dict(zip(keys_of(rows, _ROW[name]), range(len(rows)), strict=True))
             chosen = sorted(
                 place
                 for key, place in keys.items()
@@ -229,7 +229,7 @@ class Store:
             )
             taken = rows.take(pa.array(chosen, pa.int64()))
             taken = _with_columns(taken, _INDEX, [lies[contents[place]] for place in chosen])
-            taken = _with_columns(taken, _FACTS[name], [facts[place] for place in chosen])
+            taken = _with_columns(taken, _AMENDABLE[name], [facts[place] for place in chosen])
             now = [(datetime.now(UTC),)] * len(chosen)  # the order of versions is that of commits
             new[name] = _with_columns(taken, ["ingested_at"], now)
         for name, rows in new.items():
@@ -249,10 +249,10 @@ class Store:
             files = [f"{ROWS_IN[name]}/{path}" for path in rows["file"].to_pylist()]
             rows = rows.filter(pa.array([path not in self._broken for path in files], pa.bool_()))
         rows = rows.sort_by("ingested_at")
-        contents = _keys(rows, _CONTENT[name])
-        learned.index.update(zip(contents, _keys(rows, _INDEX), strict=True))
-        learned.facts.update(zip(contents, _keys(rows, _FACTS[name]), strict=True))
-        learned.rows.update(_keys(rows, _ROW[name]))
+        contents = keys_of(rows, _CONTENT[name])
+        learned.index.update(zip(contents, keys_of(rows, _INDEX), strict=True))
+        learned.facts.update(zip(contents, keys_of(rows, _AMENDABLE[name]), strict=True))
+        learned.rows.update(keys_of(rows, _ROW[name]))
         learned.paths.update(new)
         return learned
 
@@ -622,7 +622,8 @@ def _rows(
     return pa.concat_tables([SCHEMAS[name].empty_table(), *(known[path] for path in paths)])
 
 
-def _keys(rows: pa.Table, columns: Sequence[str]) -> list[tuple[Any, ...]]:
+def keys_of(rows: pa.Table, columns: Sequence[str]) -> list[tuple[Any, ...]]:
+    """Cells of these columns, a tuple for each row."""
     return [*zip(*(rows[name].to_pylist() for name in columns), strict=True)]
 
 

@@ -6,6 +6,8 @@ from typing import Final
 
 import pyarrow as pa
 
+from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
+
 INDEX: Final = (
     pa.field("file", pa.string()),  # path within the table's folder
     pa.field("group", pa.int32()),  # first row group that has rows of it
@@ -90,6 +92,18 @@ BOXES: Final = pa.schema(
     ]
 )
 """Boxes of truth and systems, by recording, source and frame; the order within a frame is kept."""
+
+FACTS: Final = ("width", "height", "fps", "horizon", "context", "speed_kmh")
+"""Columns of `RECORDINGS` that are numbers which a session states."""
+
+MISSING: Final = {
+    "track": NO_TRACK,
+    "ignore": False,
+    "occlusion": UNKNOWN_OCCLUSION,
+    "is_outside": False,
+    "is_adapted": False,
+}
+"""What stands in a dataset for a missing cell of a column of `BOXES` that has no NaN."""
 
 TRUTH_KINDS: Final = ("annotated", "automatic", "absent")
 """Whether people annotated the truth, a program did, or there is none; the first by default."""
