@@ -5,13 +5,15 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 import traceback
 from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
-from typing import Final
+from typing import Any, Final
 
 from nvcore.errors import InputError, NvcoreError
 from nvcore.fleet.scan import Job, drive, end_on_request, in_process
@@ -35,7 +37,8 @@ def in_pool(job: Job, n_workers: int) -> Iterator[str]:
     def start(part: int) -> None:
         ours, theirs = context.Pipe(duplex=False)
         process = context.Process(target=_work, args=(theirs, job, part, n_workers), daemon=True)
-        process.start()
+        with _without_main():
+            process.start()
         theirs.close()  # so that ours ends with the process
         workers[ours] = (process, part)
 
@@ -72,6 +75,20 @@ def in_pool(job: Job, n_workers: int) -> Iterator[str]:
             process.terminate()
         for process, _ in workers.values():
             process.join()
+
+
+@contextmanager
+def _without_main() -> Iterator[None]:
+    """Within it, a process that starts does not run the user's script: workers need none of it."""
+    script = vars(sys.modules["__main__"])
+    names = ("__file__", "__spec__")
+    hidden: dict[str, Any] = {name: script[name] for name in names if name in script}
+    script.pop("__file__", None)
+    script["__spec__"] = None
+    try:
+        yield
+    finally:
+        script.update(hidden)
 
 
 def _work(messages: Connection, job: Job, part: int, n_parts: int) -> None:

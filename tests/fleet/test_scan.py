@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -44,6 +46,19 @@ def test_processes_make_the_same_files_and_compile_nothing(store, undisturbed, t
     assert files_of(out) == undisturbed
     compiled = [path.read_text() for path in tmp_path.glob("compiled-*")]
     assert compiled == ["0"] * n_workers  # by this process, for the fixture
+
+
+def test_a_script_of_a_few_lines_scans_with_several_processes(store, tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import nvcore as nv\n"
+        f"done = nv.scan({str(store)!r}, {str(tmp_path / 'out')!r}, x='x', y='y', frames=True,\n"
+        "               workers=2, frames_per_batch=400)\n"
+        "print(done.summary.recordings, __file__)\n"
+    )
+    ended = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert ended.stdout == f"12 {script}\n"  # once: no worker runs it
 
 
 def test_shards_in_any_order_make_the_same_files(store, undisturbed, tmp_path):
