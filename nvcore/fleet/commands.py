@@ -201,8 +201,12 @@ def scan(**options: Any) -> None:
 
     end_on_request()
     given = {name: value for name in SETTINGS if (value := options.pop(name)) is not None}
-    with ShareProgress() as progress:
-        done = run_scan(**options, params=params_from(given), progress=progress)
+    try:
+        with ShareProgress() as progress:
+            done = run_scan(**options, params=params_from(given), progress=progress)
+    except KeyboardInterrupt:
+        click.echo("the same command goes on where it was", err=True)
+        raise
     click.echo(done)
     click.echo(one_line(f"written to {options['out']}"), err=True)
     if done.status.n_quarantined and options["shard"] is None:

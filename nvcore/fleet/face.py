@@ -37,7 +37,7 @@ from nvcore.inputs.session import Session
 from nvcore.memory import free_bytes
 from nvcore.params import Params
 from nvcore.progress import with_time_left
-from nvcore.wording import aligned, number
+from nvcore.wording import aligned, number, one_line
 
 BYTES_OF_WORKER: Final = 1_000_000_000
 
@@ -142,7 +142,10 @@ class Scan:
             (label, number(x, ".4g"), number(y, ".4g"), f"{n:,}")
             for label, x, y, n in measures[["label", "x", "y", "n"]].to_numpy().tolist()
         ]
-        return "\n".join([*aligned(rows), "", str(self.status)])
+        given = self.summary.params.params.given().items() - Params().given().items()
+        settings = ", ".join(f"{name} {value}" for name, value in sorted(given))
+        settings = f"with {settings}" if settings else "with the settings by default"
+        return "\n".join([*aligned(rows), "", one_line(settings), str(self.status)])
 
 
 @called_with(ScanArguments)

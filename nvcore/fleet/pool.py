@@ -62,7 +62,7 @@ def in_pool(job: Job, n_workers: int) -> Iterator[str]:
                     if n_stillborn == STILLBORN:
                         raise InputError(
                             f"workers die before they begin (exit code {process.exitcode}); is "
-                            "there memory for so many? (--workers)"
+                            "there memory for so many workers?"
                         ) from None
                     continue
                 n_stillborn = 0
@@ -79,16 +79,23 @@ def in_pool(job: Job, n_workers: int) -> Iterator[str]:
 
 @contextmanager
 def _without_main() -> Iterator[None]:
-    """Within it, a process that starts does not run the user's script: workers need none of it."""
+    """Within it, a process that starts does not run the user's script: workers need none of it.
+
+    Nor does it end by Ctrl+C, which its parent has, too, and ends it.
+    """
     script = vars(sys.modules["__main__"])
     names = ("__file__", "__spec__")
     hidden: dict[str, Any] = {name: script[name] for name in names if name in script}
     script.pop("__file__", None)
     script["__spec__"] = None
+    is_main = threading.current_thread() is threading.main_thread()
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN) if is_main else None
     try:
         yield
     finally:
         script.update(hidden)
+        if handler is not None:
+            signal.signal(signal.SIGINT, handler)
 
 
 def _work(messages: Connection, job: Job, part: int, n_parts: int) -> None:

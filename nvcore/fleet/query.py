@@ -97,7 +97,7 @@ class Top:
     results: str
 
     def __str__(self) -> str:
-        return "\n".join(aligned(self.cells()))
+        return "\n".join(aligned(self.cells())) if len(self.table) else "no row fits"
 
     @property
     def frames(self) -> list[int | None]:
@@ -210,7 +210,12 @@ def results_in(location: Location) -> Location:
     paths = [entry.path.rpartition("/") for entry in location.list()]
     folders = [folder for folder, _, name in paths if name == SUMMARY]
     if len(folders) != 1:
+        parts = {folder.partition("/")[0] for folder, _, _ in paths}
         names = listed(folders, most=MOST_NAMED) if folders else "none"
+        if not folders and "plans" in parts:
+            names = "one that is not finished; run it again to go on"
+        elif not folders and "sources" in parts:
+            names = "a store; scan it first"
         raise InputError(
             f"expected results of a scan that is finished, found {names}", file=location.uri
         )
@@ -394,7 +399,8 @@ class Filter:
         kind = kind or next(iter(kinds), TEXT)
         for term in terms:
             if term.kind not in (kind, TAG):
-                raise _fault(f"{terms[0].shown}: expected {kind}, found {term.shown}")
+                quotes = " in single quotes" if kind == TEXT else ""
+                raise _fault(f"{terms[0].shown}: expected {kind}{quotes}, found {term.shown}")
         return [term.taken_as(kind) for term in terms]
 
     def _term(self, node: exp.Expr) -> _Term:
@@ -432,8 +438,8 @@ class Filter:
             known = [*({} if table else self._own), *self._of_recordings]
             columns = listed([*dict.fromkeys(known)], most=MOST_NAMED)
             hint = did_you_mean(name, known, f"the columns are {columns}")
-            aside = f"'{name}' in single quotes is a text" if is_quoted else f"tag.{name} is a tag"
-            raise _fault(f"there is no column {shown} ({one_line(shortened(aside, 60))}); {hint}")
+            aside = "a text stands in single quotes" if is_quoted else "a tag is written tag.NAME"
+            raise _fault(f"there is no column {shown} ({aside}); {hint}")
         kind = _kind(kinds[name])
         if kind == LIST:
             raise _fault(f"{shown} is a list; for tags, name one of them, as in tag.night")

@@ -121,8 +121,8 @@ def test_a_filter_chooses_rows_by_their_columns_tags_and_recordings(results, whe
         ("n_frames = 'many'", "n_frames: expected a number, found 'many'"),
         ("detected_x = 1", "detected_x: expected true or false, found 1"),
         ("category = null", "found NULL"),
-        ('category = "both"', "'both' in single quotes is a text"),
-        ("nigt", r"there is no column nigt \(tag.nigt is a tag\)"),
+        ('category = "both"', "a text stands in single quotes"),
+        ("nigt", r"there is no column nigt \(a tag is written tag.NAME\)"),
         ("n_frame > 3", "did you mean 'n_frames'"),
         ("tag.raod = 'rural'", "no recording has a tag raod; did you mean 'road'"),
         ("tags = 'night'", "name one of them, as in tag.night"),
@@ -213,5 +213,6 @@ def test_results_that_are_not_there_are_said_to_be_missing(results, tmp_path: Pa
         worst(Location(str(tmp_path)))
     with pytest.raises(InputError, match="did you mean 'encounters'"):
         worst(results, "encounter")
+    assert str(worst(results, where="n_frames > 99")) == "no row fits"
     with pytest.raises(InputError, match="cannot be asked"):
         worst(results, where="recording like 'a\\'")

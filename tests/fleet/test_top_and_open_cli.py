@@ -28,6 +28,7 @@ def fleet(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a store, and below it the results of a scan."""
     folder = tmp_path_factory.mktemp("fleet")
     nv.ingest(SAMPLE, store=folder)
+    nv.ingest(SAMPLE, store=folder / ".." / "store")
     nv.scan(folder, folder / "night", x="FIR", y="NIR", params=nv.Params(alpha=0.8), shard="0/1")
     return folder
 
@@ -57,7 +58,10 @@ def test_top_and_open_show_the_scan_that_was_finished_last(tmp_path: Path):
     nv.ingest(SAMPLE, store=store)
     first = nv.scan(store, out, x="FIR", y="NIR", frames=True, shard="0/1")
     assert len(nv.top(out, table="frames", n=3).table) == 3
-    swapped = nv.scan(store, out, x="NIR", y="FIR", shard="0/1")
+    params = nv.Params(alpha=0.6)
+    swapped = nv.scan(store, out, x="NIR", y="FIR", params=params, shard="0/1")
+    assert "\nwith alpha 0.6\n" in str(swapped)
+    assert "\nwith the settings by default\n" in str(first)
     assert [str(of).split()[:2] for of in (first, swapped)] == [["FIR", "NIR"], ["NIR", "FIR"]]
     with pytest.raises(InputError, match="no such table of results; is the scan finished"):
         nv.top(out, table="frames")  # of the first one
@@ -101,6 +105,7 @@ def test_open_starts_the_dashboard_on_that_recording_at_that_frame(
         ),
         (["top", "{fleet}", "--by", "severty"], "did you mean 'severity'"),
         (["top", "{fleet}/sources"], "expected results of a scan that is finished, found none"),
+        (["top", "{fleet}/../store"], "that is finished, found a store; scan it first"),
     ],
 )
 def test_what_is_not_there_is_an_error_that_helps(fleet: Path, arguments: list[str], message: str):
