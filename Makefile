@@ -58,7 +58,7 @@ test: $(DEVELOP) $(S3) chromium lint test-js
 test-js: $(DEVELOP)
 	$(NODE) --test --test-reporter=dot "tests/js/**/*.test.js"
 
-coverage: $(DEVELOP)
+coverage: $(DEVELOP) $(S3)
 	$(BIN)/coverage erase
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q --cov --cov-report= --cov-fail-under=0 tests/metrics/kernels
 	$(BIN)/python -m pytest -q -n auto --dist loadfile --cov --cov-append --ignore=tests/e2e

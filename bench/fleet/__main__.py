@@ -4,7 +4,7 @@
 
 Each step runs in a fresh process, one after the other, on the fleet of `bench.fleet.generate`; a
 scan's worker processes are looked at from outside. Figures go to FOLDER/costs.json, too, of which
-`bench.fleet.pages` makes the sections again. 10^7 frames take 2 GB of disk.
+`bench.fleet.pages` makes the sections again. 10^7 frames take 8 GB of disk.
 """
 
 from __future__ import annotations

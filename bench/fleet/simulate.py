@@ -8,6 +8,7 @@ finishes. Costs of programs are measured (`bench.fleet`), those of storage and m
 from __future__ import annotations
 
 import heapq
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -58,7 +59,7 @@ class Costs:
     open_s: float  # by the recording, of each worker
     plan_bytes: float  # by the recording
     memory: float  # of a worker, bytes by the recording
-    finish_s: float  # by the batch, once
+    finish_s: tuple[float, float]  # by the batch, and at all; once
 
 
 def costs_of(known: dict[str, Any]) -> Costs:
@@ -76,8 +77,17 @@ def costs_of(known: dict[str, Any]) -> Costs:
         ingest["bytes"] / ingest["frames"],
         (scan["bytes"] + scan["kept_bytes"]) / scan["frames"],
         *(of / metadata["recordings"] for of in of_recording),
-        scan["finish_s"] / scan["batches"],
+        _finishing([of["scan, 1"] for of in known["sizes"].values()]),
     )
+
+
+def _finishing(scans: Sequence[dict[str, Any]]) -> tuple[float, float]:
+    """Seconds of finishing by the batch, and at all: the line through those measured."""
+    n, seconds = ([of[name] for of in scans] for name in ("batches", "finish_s"))
+    if len(scans) == 1:
+        return seconds[0] / n[0], 0.0
+    slope, at_all = np.polyfit(n, seconds, 1)
+    return max(float(slope), 0.0), max(float(at_all), 0.0)
 
 
 def simulate(
@@ -118,7 +128,8 @@ def simulate(
         moved = max(storage_at, now + size / storage.each)
         waited += moved - now - size / storage.each
         heapq.heappush(free, moved + seconds)
-    last, finish_s = max(free), n * (costs.finish_s + 2 * storage.request_s / 16)
+    of_batch, at_all = costs.finish_s
+    last, finish_s = max(free), at_all + n * (of_batch + 2 * storage.request_s / 16)
     return {
         "total": last + finish_s,
         "metadata": ready,

@@ -14,6 +14,7 @@ from nvcore.progress import Progress, no_progress
 
 if TYPE_CHECKING:
     from nvcore.fleet.scan import Engine
+    from nvcore.fleet.store import Store
 
 RUN: Final = "How it is run"
 SELECTION: Final = "Selection"
@@ -25,7 +26,7 @@ FRAMES_PER_BATCH: Final = 100_000
 class ScanArguments:
     """See `nvcore.scan`."""
 
-    store: PathLike
+    store: PathLike | Store
     out: PathLike = argument(
         OUTPUT,
         "Folder of the results: a path, or a URI such as s3://bucket/results.",

@@ -33,6 +33,7 @@ from nvcore.fleet.scan import (
     status,
 )
 from nvcore.fleet.store import Store
+from nvcore.fleet.tables import TRUTH_KINDS
 from nvcore.inputs.session import Session
 from nvcore.memory import free_bytes
 from nvcore.params import Params
@@ -47,7 +48,8 @@ def ingest(
     store: PathLike | Store,
     partition: str | None = None,
     labels: Mapping[str, str] | None = None,
-    truth_kind: str = "annotated",
+    truth_kind: str = TRUTH_KINDS[0],
+    storage: Mapping[str, str] | None = None,
 ) -> Ingested:
     """Append recordings to a store; what is there already is left out, what changed is a version.
 
@@ -66,6 +68,8 @@ def ingest(
         What to call these versions, by ``truth`` or the system's name: ``{"FIR": "2026-03"}``.
     truth_kind
         Whether the ground truth is ``"annotated"`` by people, ``"automatic"``, or ``"absent"``.
+    storage
+        As of `open_store`.
 
     Returns
     -------
@@ -86,7 +90,7 @@ def ingest(
     (10, {})
     """
     if not isinstance(store, Store):
-        store = Store(Location(store), partition=partition)
+        store = Store(Location(store, storage), partition=partition)
     return ingest_all([*_named(inputs)], store, truth_kind=truth_kind, labels=labels)
 
 
@@ -101,14 +105,14 @@ def _named(
                 yield str(path), partial(load, path)
 
 
-def open_store(uri: PathLike, *, options: Mapping[str, str] | None = None) -> Store:
+def open_store(uri: PathLike, *, storage: Mapping[str, str] | None = None) -> Store:
     """A store of recordings: `Store.snapshot` shows what it holds, `ingest` appends to it.
 
     Parameters
     ----------
     uri
         A folder, or ``s3://bucket/folder``.
-    options
+    storage
         Of the server, by keys such as ``aws_endpoint_url``; what is not given is taken from the
         environment (``AWS_ENDPOINT_URL``).
 
@@ -117,7 +121,7 @@ def open_store(uri: PathLike, *, options: Mapping[str, str] | None = None) -> St
     InputError
         If there can be no store at such a place. Whether there is one is asked for later.
     """
-    return Store(Location(uri, options))
+    return Store(Location(uri, storage))
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +159,7 @@ def scan(arguments: ScanArguments) -> Scan:
     Parameters
     ----------
     store
-        Folder or URI of a store, as ``nvcore ingest`` makes it.
+        Folder or URI of a store, as ``nvcore ingest`` makes it, or what `open_store` returns.
     out
         Folder or URI of the results. Each run of the same scan goes on where the last one ended,
         also several at a time; a store that has grown, or another setting, is a new scan, for which
@@ -208,8 +212,11 @@ def scan(arguments: ScanArguments) -> Scan:
         raise ParameterError("workers, shard, scheduler, engine: give one of them")
     if arguments.retry and arguments.shard is not None:
         raise ParameterError("retry: each task would undo what others have done; run it by itself")
-    store = Store(Location(str(arguments.store), arguments.storage))
-    out = Location(str(arguments.out), arguments.storage)
+    store = arguments.store
+    if not isinstance(store, Store):
+        store = Store(Location(str(store), arguments.storage))
+    storage = dict(arguments.storage) or store.location.options
+    out = Location(str(arguments.out), storage)
     if out.list("sources/"):
         raise InputError("is a store; write the results elsewhere, or below it", file=out.uri)
     params = ScanParams(
@@ -223,7 +230,7 @@ def scan(arguments: ScanArguments) -> Scan:
     if arguments.retry:
         forget_quarantined(out, plan)
     engine = _engine(arguments, max(batch.n_frames for batch in plan.batches))
-    options = Options(storage=tuple(arguments.storage.items()), keep=arguments.keep)
+    options = Options(storage=tuple(storage.items()), keep=arguments.keep)
     job = Job(plan.store, out.uri, plan.key, options)
     n = len(plan.batches)
     done = {batch.key for batch in plan.batches}.difference(job.missing())

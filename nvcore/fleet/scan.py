@@ -375,15 +375,17 @@ def _list_files(folder: Location, files: Sequence[Mapping[str, Any]]) -> int:
     ]
     storage: dict[str, Any] = {"storage_options": folder.delta_options}
     for attempt in range(COMMIT_ATTEMPTS):
-        time.sleep(0.1 * attempt)
-        with folder.at("", "written"), suppress(CommitFailedError):  # another was faster
+        with folder.at("", "written"):
             try:
                 table = DeltaTable(folder.uri, **storage)
             except TableNotFoundError:
                 table = DeltaTable.create(folder.uri, schema, mode="ignore", **storage)
             if {uri.rpartition("/")[2] for uri in table.file_uris()} == set(names):
                 return table.version()
-            table.create_write_transaction(added, "overwrite", schema, [])
+            try:
+                table.create_write_transaction(added, "overwrite", schema, [])
+            except CommitFailedError:  # another was faster
+                time.sleep(0.1 * attempt)
     raise StoreError("cannot be written (other processes are always faster)", file=folder.uri)
 
 

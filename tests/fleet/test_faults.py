@@ -60,7 +60,6 @@ POOL = """
 import sys
 from pathlib import Path
 from fleet_runs import begin_scan, stopped_at
-from nvcore.fleet.leases import claim
 from nvcore.fleet.location import Location
 from nvcore.fleet.pool import in_pool
 from nvcore.fleet.scan import finish
@@ -90,6 +89,14 @@ def start() -> Iterator[Callable[..., subprocess.Popen[bytes]]]:
 @pytest.fixture
 def out(tmp_path: Path) -> Path:
     return tmp_path / "out"
+
+
+def has_ended(pid: int) -> bool:
+    """Also where nobody has asked yet how it ended."""
+    try:
+        return ") Z " in Path(f"/proc/{pid}/stat").read_text()
+    except FileNotFoundError:
+        return True
 
 
 def finished(out: Path, plan: Plan) -> dict[str, bytes]:
@@ -164,7 +171,7 @@ def test_a_scan_that_is_killed_as_a_whole_goes_on_where_it_was(
     scan.send_signal(signal.SIGKILL)  # the parent alone: its workers end by themselves
     scan.wait()
     worker = int((tmp_path / "stopped").read_text())
-    until(lambda: not Path(f"/proc/{worker}").exists(), "the end of its worker")
+    until(lambda: has_ended(worker), "the end of its worker")
     done = {path: path.stat().st_mtime_ns for path in (out / "done").iterdir()}
     plan, job = begin_scan(store, out)
     assert list(drive(job, in_process)) == [batch_of(plan, "r4")]
@@ -203,8 +210,11 @@ def test_a_worker_that_was_thought_dead_does_no_harm(store, undisturbed, out, tm
 
 
 def test_two_scans_at_once_share_the_work(store, undisturbed, out, tmp_path, start):
+    scans = [start("-c", POOL, store, out, tmp_path)]
+    until((tmp_path / "stopped").exists, "a worker of the first that stands still")
+    scans.append(start("-c", POOL, store, out, tmp_path))
+    until(lambda: len([*(out / "done").glob("*.json")]) == 5, "all other batches")
     (tmp_path / "on").touch()
-    scans = [start("-c", POOL, store, out, tmp_path) for _ in range(2)]
     assert [scan.wait() for scan in scans] == [0, 0]
     assert files_of(out) == undisturbed
     assert {*attempts_of(out).values()} == {1}

@@ -10,7 +10,7 @@ import pandas as pd
 import pyarrow as pa
 import pytest
 from builders import Box, Place, make_dataset
-from fleet_tables import Tables, only, tables_of
+from fleet_tables import Tables, only
 from published import load_kaist
 from scenes import draw_scene
 
@@ -18,6 +18,7 @@ from nvcore.comparison import compare
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
 from nvcore.fleet.batch import dataset_of, scan_batch
+from nvcore.fleet.ingest import tables_of
 from nvcore.fleet.opening import FILES, write_recording
 from nvcore.fleet.results import ScanParams, typed
 from nvcore.inputs.load import load
@@ -111,7 +112,9 @@ def assert_opens_as_scanned(tables: Tables, params: ScanParams, folder: Path) ->
 )
 def test_a_recording_opens_with_all_that_the_store_knows_of_it(tmp_path, settings):
     params = ScanParams("x", "y", params=settings, frames=True)
-    tables = tables_of(full_of_facts(), {"x": 0.25})
+    dataset = full_of_facts()
+    own = replace(dataset.settings, params=Params(threshold_x=0.25))
+    tables = tables_of(dataset.with_settings(own))
     opened = assert_opens_as_scanned(tables, params, tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {*FILES}
     [recording] = opened.recordings.to_dict("records")

@@ -56,7 +56,7 @@ def test_the_command_of_the_worst_moment_opens_it_with_the_numbers_of_the_scan(
 def test_top_and_open_show_the_scan_that_was_finished_last(tmp_path: Path):
     store, out = tmp_path / "store", tmp_path / "out"
     nv.ingest(SAMPLE, store=store)
-    first = nv.scan(store, out, x="FIR", y="NIR", frames=True, shard="0/1")
+    first = nv.scan(nv.open_store(store), out, x="FIR", y="NIR", frames=True, shard="0/1")
     assert len(nv.top(out, table="frames", n=3).table) == 3
     params = nv.Params(alpha=0.6)
     swapped = nv.scan(store, out, x="NIR", y="FIR", params=params, shard="0/1")

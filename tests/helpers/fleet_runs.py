@@ -165,7 +165,8 @@ def _stopped_at(
     recording: str, folder: Path, tables: Mapping[str, pa.Table], params: ScanParams, **more: Any
 ) -> Any:
     if recording in named(tables):
-        (folder / "stopped").write_text(str(os.getpid()))
+        (folder / "stops").write_text(str(os.getpid()))
+        (folder / "stops").rename(folder / "stopped")
         until((folder / "on").exists, "the file that lets this worker go on")
     return scan_batch(tables, params, **more)
 
@@ -185,7 +186,7 @@ def _starved_at(
 
 
 def compiled_in(folder: Path) -> Callable[..., Any]:
-    """Its worker leaves word of how many loops it had to compile."""
+    """Its worker leaves word of how many loops it had to compile, and how many it has loaded."""
     return partial(_compiled_in, folder)
 
 
@@ -194,10 +195,12 @@ def _compiled_in(
 ) -> Any:
     results = scan_batch(tables, params, **more)
     loops = [of for of in gc.get_objects() if isinstance(of, Dispatcher)]
-    n = sum(
-        sum(of.stats.cache_misses.values()) for of in loops if "nvcore" in of.py_func.__module__
+    stats = [of.stats for of in loops if "nvcore" in of.py_func.__module__]
+    misses, hits = (
+        sum(sum(getattr(of, name).values()) for of in stats)
+        for name in ("cache_misses", "cache_hits")
     )
-    (folder / f"compiled-{os.getpid()}").write_text(str(n))
+    (folder / f"compiled-{os.getpid()}").write_text(f"{misses} {hits}")
     return results
 
 

@@ -1,27 +1,14 @@
-"""Tables of a store and of results: made of a dataset, divided, joined and compared."""
+"""Tables of a store and of results: divided, joined and compared."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from nvcore.dataset import Dataset
-from nvcore.fleet import ingest
-from nvcore.fleet.tables import SOURCES
-
 Tables = dict[str, pa.Table]
-
-
-def tables_of(dataset: Dataset, thresholds: Mapping[str, float] = {}) -> Tables:
-    """All recordings and sources as ingest has them, with thresholds by the systems' names."""
-    tables = ingest.tables_of(dataset)
-    place = SOURCES.get_field_index("threshold")
-    own = [thresholds.get(name) for name in tables["sources"]["source"].to_pylist()]
-    values = pa.array(own, SOURCES.field(place).type)
-    return tables | {"sources": tables["sources"].set_column(place, SOURCES.field(place), values)}
 
 
 def only(tables: Tables, names: Sequence[str]) -> Tables:
