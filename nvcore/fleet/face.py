@@ -80,6 +80,8 @@ def ingest(
     ------
     InputError
         If a folder holds no session file, or the store is divided in another way.
+    ParameterError
+        If `partition` or `storage` is given with an opened store.
     StoreError
         If the store cannot be read or written; what was appended until then is in it.
 
@@ -91,6 +93,8 @@ def ingest(
     """
     if not isinstance(store, Store):
         store = Store(Location(store, storage), partition=partition)
+    elif partition is not None or storage is not None:
+        raise ParameterError("partition, storage: the store that is given has its own")
     return ingest_all([*_named(inputs)], store, truth_kind=truth_kind, labels=labels)
 
 

@@ -220,7 +220,7 @@ class Store:
             self._broken.difference_update(f"{data}/{action.path}" for action in actions[data])
             lies = ChainMap(dict(zip(order, written, strict=True)), stored.index)
             given = zip(contents, keys_of(rows, _AMENDABLE[name]), strict=True)
-            facts = [_said_anew(own, stored.facts.get(key, own)) for key, own in given]
+            facts = [_said_anew(name, own, stored.facts.get(key, own)) for key, own in given]
             keys = dict(zip(keys_of(rows, _ROW[name]), range(len(rows)), strict=True))
             chosen = sorted(
                 place
@@ -627,8 +627,10 @@ def keys_of(rows: pa.Table, columns: Sequence[str]) -> list[tuple[Any, ...]]:
     return [*zip(*(rows[name].to_pylist() for name in columns), strict=True)]
 
 
-def _said_anew(facts: tuple[Any, ...], before: tuple[Any, ...]) -> tuple[Any, ...]:
+def _said_anew(name: str, facts: tuple[Any, ...], before: tuple[Any, ...]) -> tuple[Any, ...]:
     """Facts of a version, where nothing is said those of before."""
+    if name == "recordings":  # of other pictures another one may be the first
+        return before if facts[0] in _UNSTATED else facts
     pairs = zip(facts, before, strict=True)
     return tuple(was if own in _UNSTATED else own for own, was in pairs)
 

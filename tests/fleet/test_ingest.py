@@ -13,10 +13,11 @@ from store_writers import recordings
 
 import nvcore as nv
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError, SessionError
+from nvcore.errors import InputError, ParameterError, SessionError
 from nvcore.fleet import ingest as ingest_module
 from nvcore.fleet.ingest import tables_of
 from nvcore.fleet.store import Store
+from nvcore.inputs.session import RecordingEntry, Session, Source
 
 
 def session(folder: Path, *lines: str) -> Path:
@@ -106,6 +107,19 @@ def test_versions_do_not_depend_on_what_they_came_with(tmp_path: Path):
     assert Store(tmp_path).snapshot().pick("x")["threshold"].tolist() == [0.5, 0.5]
 
 
+def test_pictures_that_have_moved_are_taken_with_their_first_frame(tmp_path: Path):
+    dataset = recordings("a")
+    for pictures, first, expected in (
+        ("a.mp4", 5, ("a.mp4", 5)), ("b.mp4", None, ("b.mp4", None)), (None, None, ("b.mp4", None)),
+    ):  # fmt: skip
+        entry = RecordingEntry("a", pictures=pictures, first_picture=first)
+        session = Session(tmp_path, Source(("t",)), (), (entry,))
+        nv.ingest(replace(dataset, settings=session), store=tmp_path / "store")
+        [row] = Store(tmp_path / "store").snapshot().recordings.to_dict("records")
+        number = None if np.isnan(row["first_picture"]) else row["first_picture"]
+        assert (Path(row["pictures"]).name, number) == expected
+
+
 def test_many_sessions_are_one_commit_a_batch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     for number in range(6):
         titled(tmp_path / "drives", number)
@@ -178,6 +192,8 @@ def test_what_cannot_be_meant_is_refused(tmp_path: Path):
     for labels in ({"x": "12"}, {"x": " "}, {"x": "a@b"}, {"x": "v" * 101}):
         with pytest.raises(InputError, match="a version of 'x' cannot be called"):
             nv.ingest(data, store=tmp_path, labels=labels)
+    with pytest.raises(ParameterError, match="the store that is given has its own"):
+        nv.ingest(data, store=nv.open_store(tmp_path), partition="month")
     with pytest.raises(InputError, match="expected annotated, automatic and absent, found 'anot'"):
         nv.ingest(data, store=tmp_path, truth_kind="anot")
     with pytest.raises(InputError, match="the ground truth is to be absent, and has 15 boxes"):
