@@ -26,7 +26,8 @@ MAX_RETRIES: Final = 20
 RETRY_TIMEOUT_S: Final = 60
 """Of a request that the server refuses or cuts; the option `max_retries` goes before the number."""
 _MAX_WAIT_S: Final = 5
-_LONGEST_REASON: Final = 400
+LONGEST_REASON: Final = 400
+"""Letters of what a program below says of an error."""
 _NOT_IN_NAMES: Final = re.compile(r"[\[\]\\]|%[0-9a-fA-F]{2}")
 _NOT_IN_URIS: Final = re.compile(rf"[#?]|{_NOT_IN_NAMES.pattern}")
 """What deltalake and obstore misread in the path of a folder, and in a URI."""
@@ -245,4 +246,4 @@ def _reason(error: BaseException) -> str:
     text = str(error).strip().partition("\n\nDebug source")[0]
     if answer := _ANSWER.search(text):
         return f"the server says {answer[1]}"
-    return ": ".join(filter(None, _LINE_STARTS.split(text)))[:_LONGEST_REASON]
+    return ": ".join(filter(None, _LINE_STARTS.split(text)))[:LONGEST_REASON]

@@ -27,7 +27,7 @@ from sqlglot import exp
 from sqlglot.errors import SqlglotError
 
 from nvcore.errors import InputError
-from nvcore.fleet.location import Location
+from nvcore.fleet.location import LONGEST_REASON, Location
 from nvcore.fleet.plan import SUMMARY, tables_in
 from nvcore.tables.columns import report_columns
 from nvcore.wording import aligned, did_you_mean, listed, number, one_line, shortened
@@ -44,7 +44,6 @@ MOMENTS: Final[Mapping[str, tuple[str, str, str, str]]] = {
 whose time is known, and the column of that."""
 
 LONGEST_FILTER: Final = 10_000
-LONGEST_REASON: Final = 400
 MOST_NAMED: Final = 12
 """Columns that an error names."""
 TAG: Final = "tag"

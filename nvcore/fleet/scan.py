@@ -42,7 +42,7 @@ from obstore.exceptions import BaseError
 from nvcore.errors import InputError, NvcoreError, StoreError
 from nvcore.fleet.batch import scan_batch
 from nvcore.fleet.leases import Lease, attempt_of, claim, is_held
-from nvcore.fleet.location import Location
+from nvcore.fleet.location import LONGEST_REASON, Location
 from nvcore.fleet.plan import SUMMARY, Batch, Plan, exists, is_finished, newest_plan
 from nvcore.fleet.results import ScanParams, Summary, gather
 from nvcore.fleet.reuse import Frozen, can_reuse, stage_key
@@ -55,7 +55,6 @@ ATTEMPTS: Final = 2
 """Workers that a single recording may end before it is left out."""
 COMMIT_ATTEMPTS: Final = 30
 """At the version of a table of results, of processes that finish at once."""
-LONGEST_REASON: Final = 400
 _CRC_BYTES: Final = 8  # so that what follows is aligned
 _M_ARENA_MAX: Final = -8
 """Of mallopt(3)."""
