@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -19,6 +20,7 @@ from ui.session.workspace import Workspace
 open_once = cache(open_pictures)
 scan_once = cache(manifest_scanner.scan_component_manifests)
 """Every AppTest reads the metadata of all installed packages, which takes longer than a page."""
+MAIN = sys.modules["__main__"]
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -42,6 +44,7 @@ def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[No
         for kind in [kind for kind in shared._caches if kind == sample._moved(kind.split(",")[0])]:
             del shared._caches[kind]
     yield
+    sys.modules["__main__"] = MAIN  # where AppTest leaves the page, which a new process would run
     # tests without a session of their own share one
     space = st.session_state.pop("workspace", None)
     if space is not None:
