@@ -78,17 +78,16 @@ def scan_batch(
     StoreError
         If tables that are read when they are asked for cannot be.
     """
-    batch = BatchTables(tables)
     refused: dict[str, str] = {}
     key = stage_key(params) if stages is not None and can_reuse(params) else ""
     try:
-        parts = [*_again(batch, params, refused, stages[key])] if stages and key in stages else []
+        parts = [*_again(tables, params, refused, stages[key])] if stages and key in stages else []
     except StoreError:  # no fault of a recording
         raise
     except NvcoreError:  # what is kept does not do for these settings
         parts, refused = [], {}
     if not parts and not refused:
-        results = []
+        batch, results = BatchTables(tables), []
         for result in _compared(batch, params, refused):
             names = result.dataset.recordings["name"].tolist()
             parts.append(result_tables(result, batch.truth_kinds(names, params), params.frames))
@@ -102,15 +101,17 @@ def scan_batch(
 
 
 def _again(
-    batch: BatchTables, params: ScanParams, refused: MutableMapping[str, str], kept: Frozen
+    tables: Mapping[str, pa.Table],
+    params: ScanParams,
+    refused: MutableMapping[str, str],
+    kept: Frozen,
 ) -> Iterator[dict[str, pa.Table]]:
     groups, earlier = thaw(kept)
     refused.update(earlier)
-    if {*batch.recordings.index} != {*earlier, *(name for of in groups for name in of.names)}:
+    names = tables["recordings"]["recording"].to_pylist()
+    if sorted(names) != sorted([*earlier, *(name for of in groups for name in of.names)]):
         raise InputError("what is kept is of other recordings")
-    for of in groups:
-        dataset = batch.dataset(of.names, params, each_alone=True, has_boxes=False)
-        yield tables_again(dataset, of, batch.truth_kinds(of.names, params), params.frames)
+    yield from (tables_again(of, params) for of in groups)
 
 
 def _compared(
@@ -259,12 +260,7 @@ class BatchTables:
         )
 
     def dataset(
-        self,
-        names: Sequence[str],
-        params: ScanParams,
-        *,
-        each_alone: bool = False,
-        has_boxes: bool = True,
+        self, names: Sequence[str], params: ScanParams, *, each_alone: bool = False
     ) -> Dataset:
         """Recordings that are `alike` as a dataset, in this order.
 
@@ -275,10 +271,7 @@ class BatchTables:
         """
         recordings = self.recordings.loc[[*names]]
         frames = [self._column("frames", "frame", (name,)) for name in names]
-        more: dict[str, Any] = {}
-        boxes = pd.DataFrame({"frame_index": [], "source": []}, dtype=np.int64)
-        if has_boxes:
-            boxes, more = self._boxes(names, frames, params)
+        boxes, more = self._boxes(names, frames, params)
         if each_alone:
             more["each_alone"] = True
         versions = [*map(str, recordings["sha256"]), *self._versions(names, params)]

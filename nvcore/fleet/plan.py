@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import asdict, dataclass
+from functools import cache
 from importlib.metadata import version
 from typing import Any, Final
 
@@ -24,6 +25,7 @@ BOXES_A_FRAME: Final = 12
 """Recordings with more boxes a frame than these count as longer."""
 
 
+@cache
 def programs() -> dict[str, str]:
     """Versions of what results, and the bytes of their files, depend on."""
     return {

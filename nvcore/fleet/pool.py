@@ -17,6 +17,7 @@ from typing import Any, Final
 
 from nvcore.errors import InputError, NvcoreError
 from nvcore.fleet.scan import Job, drive, end_on_request, in_process
+from nvcore.metrics.kernels import thread_count
 
 STILLBORN: Final = 3
 """Workers in a row that may die before they begin to work."""
@@ -37,7 +38,7 @@ def in_pool(job: Job, n_workers: int) -> Iterator[str]:
     def start(part: int) -> None:
         ours, theirs = context.Pipe(duplex=False)
         process = context.Process(target=_work, args=(theirs, job, part, n_workers), daemon=True)
-        with _without_main():
+        with _without_main(), _threads(max(thread_count() // n_workers, 1)):
             process.start()
         theirs.close()  # so that ours ends with the process
         workers[ours] = (process, part)
@@ -75,6 +76,19 @@ def in_pool(job: Job, n_workers: int) -> Iterator[str]:
             process.terminate()
         for process, _ in workers.values():
             process.join()
+
+
+@contextmanager
+def _threads(n: int) -> Iterator[None]:
+    """Within it, a process that starts uses so many threads, also within libraries."""
+    before = os.environ.get("OMP_NUM_THREADS")
+    os.environ["OMP_NUM_THREADS"] = str(n)
+    try:
+        yield
+    finally:
+        del os.environ["OMP_NUM_THREADS"]
+        if before is not None:
+            os.environ["OMP_NUM_THREADS"] = before
 
 
 @contextmanager

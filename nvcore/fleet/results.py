@@ -516,4 +516,6 @@ def _worst(
 
 def exact_sum(values: np.ndarray) -> Fraction:
     """Sum of finite numbers without any rounding; float64, shape (n,)."""
-    return sum(map(Fraction, values.tolist()), Fraction())
+    ratios = [value.as_integer_ratio() for value in values.tolist()]
+    over = max((of[1] for of in ratios), default=1)  # all are powers of two
+    return Fraction(sum(value * (over // of) for value, of in ratios), over)

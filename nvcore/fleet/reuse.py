@@ -11,8 +11,10 @@ import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
+from functools import cached_property, partial
 from importlib import import_module
 from typing import Any, Final, TypeAlias
+from zlib import crc32
 
 import numpy as np
 import pandas as pd
@@ -29,9 +31,12 @@ from nvcore.measures.table import MEASURES
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.proximity import in_use, weigh_proximity
 from nvcore.metrics.similarity import Nearest, SetDistances, border_of, measure_sets
+from nvcore.objects import objects_from
 from nvcore.params import SETTINGS, params_from, settings_for
+from nvcore.schema import DATASET_BOX_DTYPES, RECORDING_DTYPES, conform
 from nvcore.scoring import Inputs, Made, Memo, steps_of
 from nvcore.scoring.system import STEPS
+from nvcore.settings import Settings
 from nvcore.stages import LOW, NEAREST, SIMILARITY
 
 _KEPT: Final = (
@@ -40,6 +45,7 @@ _KEPT: Final = (
 )
 """Steps whose results are kept, as far as they are of frames, encounters or boxes of the truth."""
 
+_CODEC: Final = "lz4_raw"
 Frozen: TypeAlias = "pa.Table | pa.ipc.RecordBatchFileReader"
 """What is kept of a batch: as `freeze` returns it, or the file that it was written to."""
 Arrays: TypeAlias = Callable[[int], Any]
@@ -77,11 +83,17 @@ def freeze(
     """
     arrays: list[np.ndarray] = []
     groups = [_kept(*of, arrays) for of in zip(results, tables, strict=True)]
-    buffers = [[None, pa.py_buffer(np.array([0, of.nbytes])), pa.py_buffer(of)] for of in arrays]
-    chunks = [pa.Array.from_buffers(pa.large_binary(), 1, of) for of in buffers]
-    values = pa.chunked_array(chunks, pa.large_binary())
-    about = json.dumps({"refused": dict(refused), "groups": groups})
-    return pa.table({"values": values}).replace_schema_metadata({"about": about})
+    values = [pa.compress(of, _CODEC, asbytes=False) for of in arrays]
+    chunks = [
+        pa.Array.from_buffers(
+            pa.large_binary(), 1, [None, pa.py_buffer(np.array([0, of.size])), of]
+        )
+        for of in values
+    ]
+    table = pa.table({"values": pa.chunked_array(chunks, pa.large_binary())})
+    sizes = [(of.nbytes, crc32(value)) for of, value in zip(arrays, values, strict=True)]
+    about = json.dumps({"refused": dict(refused), "groups": groups, "arrays": sizes})
+    return table.replace_schema_metadata({"about": about, "crc": str(crc32(about.encode()))})
 
 
 class Kept:
@@ -94,6 +106,32 @@ class Kept:
 
     def __getitem__(self, name: str) -> Any:
         return _thawed(self._spec["values"][name], self._arrays)
+
+    @cached_property
+    def tables(self) -> dict[str, pa.Table]:
+        """The result tables, without frames."""
+        tables: dict[str, pa.Table] = self["tables"]
+        return tables
+
+    def dataset(self, params: ScanParams) -> Dataset:
+        """The recordings and frames, without boxes, to be compared as asked."""
+        own, tags = self["recordings"], self.tables["recordings"]["tags"].to_pylist()
+        columns = {**own, "tags": pd.Series([*map(tuple, tags)], dtype=object).array}
+        given, here = params.params, self.params
+        return Dataset(
+            recordings=conform(columns, RECORDING_DTYPES, n_rows=len(tags)),
+            frames=self["frames"],
+            boxes=conform({}, DATASET_BOX_DTYPES, n_rows=0),
+            systems=(params.x, params.y),
+            fingerprint=self["fingerprint"],
+            settings=Settings(
+                x=params.x,
+                y=params.y,
+                params=replace(given, threshold_x=here.threshold_x, threshold_y=here.threshold_y),
+                objects=objects_from(self["objects"]),
+            ),
+            each_alone=True,
+        )
 
     def stages(self, *names: str) -> dict[tuple[Any, ...], Any]:
         """Results of steps of these names, all without a name, as `compare` takes them."""
@@ -110,34 +148,38 @@ def thaw(kept: Frozen) -> tuple[list[Kept], dict[str, str]]:
         If nothing was kept there.
     """
     try:
-        batch = kept.to_batches().__getitem__ if isinstance(kept, pa.Table) else kept.get_batch
-        about = json.loads(kept.schema.metadata[b"about"])
-        groups = [
-            Kept(group, lambda place: batch(place)["values"].buffers()[2] or b"")
-            for group in about["groups"]
-        ]
-        return groups, about["refused"]
+        metadata = kept.schema.metadata
+        if crc32(metadata[b"about"]) != int(metadata[b"crc"]):
+            raise ValueError("it is damaged")
+        about = json.loads(metadata[b"about"])
+        arrays = partial(_array, kept, about["arrays"])
+        return [Kept(group, arrays) for group in about["groups"]], about["refused"]
     except (AttributeError, LookupError, TypeError, ValueError) as error:
         raise InputError(f"what is kept of a batch cannot be read ({error})") from error
 
 
-def tables_again(
-    dataset: Dataset, kept: Kept, truth: Sequence[str], has_frames: bool
-) -> dict[str, pa.Table]:
-    """The result tables of recordings of which this was kept, by the settings of the dataset.
+def _array(kept: Frozen, arrays: Sequence[Sequence[int]], place: int) -> Any:
+    """The bytes of an array; InputError if they are not those that were kept."""
+    size, crc = arrays[place]
+    try:
+        batch = kept.to_batches()[place] if isinstance(kept, pa.Table) else kept.get_batch(place)
+        content = batch["values"].buffers()[2]
+        if crc32(content) != crc:
+            raise ValueError("it is damaged")
+        return pa.decompress(content, size, _CODEC)
+    except (LookupError, OSError, TypeError, ValueError) as error:
+        raise InputError(f"what is kept of a batch cannot be read ({error})") from error
 
-    Parameters
-    ----------
-    dataset
-        The recordings and frames, without boxes.
-    truth, has_frames
-        As of `nvcore.fleet.results.result_tables`.
-    """
-    params = dataset.params_of()
-    changed = [name for name in SETTINGS if getattr(params, name) != getattr(kept.params, name)]
-    if has_frames or not {SETTINGS[name].stage for name in changed} <= {SIMILARITY, LOW}:
+
+def tables_again(kept: Kept, params: ScanParams) -> dict[str, pa.Table]:
+    """The result tables of recordings of which this was kept, by other settings."""
+    dataset = kept.dataset(params)
+    own = dataset.params_of()
+    changed = [name for name in SETTINGS if getattr(own, name) != getattr(kept.params, name)]
+    if params.frames or not {SETTINGS[name].stage for name in changed} <= {SIMILARITY, LOW}:
         result = _compare_again(dataset, kept)
-        tables = result_tables(result, truth, has_frames)
+        truth = kept.tables["recordings"]["truth"].to_pylist()
+        tables = result_tables(result, truth, params.frames)
         result.forget()
         return tables
     # nothing but similarity is another: as of recordings without boxes, whose distances are known
@@ -145,7 +187,7 @@ def tables_again(
     known = kept.stages("distances").items()
     stages = {key: replace(distances, salient_row=nobody) for key, distances in known}
     result = compare(dataset, stages=stages)
-    tables = {**kept["tables"], "intervals": spans_table(result, "intervals")}
+    tables = {**kept.tables, "intervals": spans_table(result, "intervals")}
     units = each_recording(result)
     for measure in MEASURES:
         if not any(SETTINGS[name].moves(measure.stages) for name in changed):
@@ -207,7 +249,12 @@ def _kept(
 ) -> dict[str, Any]:
     dataset, frames = result.dataset, result.dataset.frame_columns
     edge_weight = in_use(result.params, "edge_weight", frames)
+    recordings = dataset.recordings
     values: dict[str, Any] = {
+        "recordings": {name: recordings[name].to_numpy() for name in recordings if name != "tags"},
+        "frames": dataset.frames,
+        "fingerprint": dataset.fingerprint,
+        "objects": (dataset.objects.singular, dataset.objects.plural),
         "boxes": dataset.boxes.iloc[: len(dataset.truth)].assign(file=0, line=0),
         "tracks": result.tracks,
         "encounters": result.encounters,
@@ -281,7 +328,7 @@ def _frozen(value: Any, arrays: list[np.ndarray]) -> Any:
     spec: dict[str, Any] = {"dtype": value.dtype.str, "n": len(value)}
     plain = np.ascontiguousarray(value)
     bits = plain.view(f"u{value.dtype.itemsize}")
-    if len(bits) and (bits == bits[0]).all():
+    if len(bits) and bits[0] == bits[-1] and (bits == bits[0]).all():
         plain = plain[:1]
     elif value.dtype == np.int64 and np.abs(value).max(initial=0) < 2**31:
         plain = plain.astype(np.int32)

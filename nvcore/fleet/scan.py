@@ -24,7 +24,6 @@ import signal
 import sys
 import threading
 import time
-import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -55,7 +54,6 @@ ATTEMPTS: Final = 2
 """Workers that a single recording may end before it is left out."""
 COMMIT_ATTEMPTS: Final = 30
 """At the version of a table of results, of processes that finish at once."""
-_CRC_BYTES: Final = 8  # so that what follows is aligned
 _M_ARENA_MAX: Final = -8
 """Of mallopt(3)."""
 
@@ -200,10 +198,10 @@ def _compared_at_once(
     path = f"stages/{batch.inputs}-{key[:16]}.arrow"
     stages: dict[str, Frozen] | None = {} if options.keep and can_reuse(params) else None
     if stages is not None:
-        with suppress(FileNotFoundError):
-            content = memoryview(out.read(path))
-            if content[:_CRC_BYTES] == _crc(content[_CRC_BYTES:]):  # else it is written anew
-                stages[key] = pa.ipc.open_file(pa.BufferReader(content[_CRC_BYTES:]))
+        with suppress(FileNotFoundError, pa.ArrowInvalid):  # cut off: it is written anew
+            # from far away in one piece: a request takes longer than what it saves
+            file = out.open(path) if out.path else pa.BufferReader(out.read(path))
+            stages[key] = pa.ipc.open_file(file)
     kept = None if stages is None else stages.get(key)
     tables = read(batch.recordings)
     if kept is None:
@@ -212,18 +210,11 @@ def _compared_at_once(
     results = options.run(tables, params, stages=stages)
     if stages and stages.get(key) is not kept:
         sink = pa.BufferOutputStream()
-        how = pa.ipc.IpcWriteOptions(compression="lz4")
         del tables  # the boxes
-        with pa.ipc.new_file(sink, stages[key].schema, options=how) as writer:
+        with pa.ipc.new_file(sink, stages[key].schema) as writer:
             writer.write_table(stages.pop(key))
-        content = memoryview(sink.getvalue())
-        out.write(path, _crc(content) + content)
+        out.write(path, bytes(sink.getvalue()))
     return results
-
-
-def _crc(content: memoryview) -> bytes:
-    """Checksum before what a later scan reuses: Arrow's files have none."""
-    return zlib.crc32(content).to_bytes(_CRC_BYTES)
 
 
 def _use_one_heap() -> None:

@@ -17,7 +17,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from itertools import groupby
 from pathlib import Path
 from typing import Any, Final
@@ -45,6 +45,7 @@ GROUP_ROWS: Final = 1 << 18
 MAX_GROUP_ROWS: Final = 1 << 20
 ROWS_IN: Final = {"recordings": "frames", "sources": "boxes"}
 """Where the rows are that a row of the other table refers to."""
+_REFERS_TO: Final = {rows: name for name, rows in ROWS_IN.items()}
 _CONTENT: Final = {
     "recordings": ["recording", "sha256"],
     "sources": ["recording", "source", "sha256"],
@@ -455,8 +456,8 @@ class Snapshot:
         dict
             recordings and sources, whose first_row and n_rows say where their rows are in the other
             two: frames, by recording and frame; boxes, by recording, source in the order asked for,
-            and frame. The column source has the sources as asked for. Frames and boxes are read
-            when they are first looked up, with these errors, too.
+            and frame. The column source has the sources as asked for. Each is read when it is first
+            looked up, with these errors, too.
 
         Raises
         ------
@@ -470,17 +471,24 @@ class Snapshot:
         if len(chosen) < len(names):
             missing = min({*names}.difference(chosen["recording"]))
             raise InputError(f"there is no recording {missing!r}", file=self.location.uri)
-        picked = [_rows_of(self.pick(of), names).assign(source=of) for of in sources]
-        rows = pd.concat([self.sources[:0], *picked])
-        rows = rows.sort_values("recording", kind="stable")
-        of_rows = {"recordings": chosen, "sources": rows}
-        rows_of = {ROWS_IN[name]: of for name, of in of_rows.items()}
-        found = _WhenAsked(lambda name: self._read_rows(name, rows_of[name]))
-        for name, of in of_rows.items():
-            ends = of["n_rows"].cumsum()
-            own = of.assign(file="", group=0, first_row=ends - of["n_rows"])
-            found[name] = pa.Table.from_pandas(own, SCHEMAS[name], preserve_index=False)
-        return found
+        picked = [(self.pick(of), of) for of in sources]
+
+        @cache
+        def rows_of(name: str) -> pd.DataFrame:
+            if name == "recordings":
+                return chosen
+            rows = [_rows_of(rows, names).assign(source=of) for rows, of in picked]
+            return pd.concat([self.sources[:0], *rows]).sort_values("recording", kind="stable")
+
+        def make(name: str) -> pa.Table:
+            rows = rows_of(_REFERS_TO.get(name, name))
+            if name in _REFERS_TO:
+                return self._read_rows(name, rows)
+            first_row = rows["n_rows"].cumsum() - rows["n_rows"]
+            own = rows.assign(file="", group=0, first_row=first_row)
+            return pa.Table.from_pandas(own, SCHEMAS[name], preserve_index=False)
+
+        return _WhenAsked(make)
 
     def _read_rows(self, name: str, rows: pd.DataFrame) -> pa.Table:
         schema = IN_MEMORY[name]
@@ -540,7 +548,7 @@ def _rows_of(rows: pd.DataFrame, names: Sequence[str]) -> pd.DataFrame:
 
 
 class _WhenAsked(dict[str, pa.Table]):
-    """Tables by name, of which some are read when they are first looked up."""
+    """Tables by name, read when they are first looked up."""
 
     def __init__(self, read: Callable[[str], pa.Table]):
         self._read = read

@@ -29,17 +29,25 @@ MIN_PER_THREAD: Final = 20_000
 """Smallest number of frames that is worth a thread of its own."""
 
 
+def thread_count() -> int:
+    """Threads that this process may use: ``OMP_NUM_THREADS``, or the cores that it may run on."""
+    stated = os.environ.get("OMP_NUM_THREADS", "")
+    if stated.isdecimal():
+        return max(int(stated), 1)
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 def over_ranges(
     kernel: Callable[..., Any], n: int, *arguments: Any, least: int | None = None
 ) -> list[Any]:
-    """Run ``kernel(lo, hi, *arguments)`` over 0..n in as many threads as there are cores.
+    """Run ``kernel(lo, hi, *arguments)`` over 0..n in `thread_count` threads.
 
     Parameters
     ----------
     least
         Smallest part of the range that is worth a thread of its own; None: `MIN_PER_THREAD`.
     """
-    n_threads = min(os.cpu_count() or 1, n // (least or MIN_PER_THREAD))
+    n_threads = min(thread_count(), n // (least or MIN_PER_THREAD))
     if n_threads < 2:
         return [kernel(0, n, *arguments)]
     edges = np.linspace(0, n, n_threads + 1).astype(np.int64)
