@@ -11,10 +11,11 @@ import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from importlib import import_module
-from typing import Any, Final, TypeAlias
-from zlib import crc32
+from io import BytesIO
+from typing import IO, Any, Final, TypeAlias
+from zipfile import BadZipFile, ZipFile, ZipInfo
 
 import numpy as np
 import pandas as pd
@@ -46,7 +47,9 @@ _KEPT: Final = (
 """Steps whose results are kept, as far as they are of frames, encounters or boxes of the truth."""
 
 _CODEC: Final = "lz4_raw"
-Frozen: TypeAlias = "pa.Table | pa.ipc.RecordBatchFileReader"
+_ABOUT: Final = "about.json"
+_DAMAGED: Final = (BadZipFile, EOFError, LookupError, NotImplementedError, OSError, ValueError)
+Frozen: TypeAlias = "bytes | IO[bytes]"
 """What is kept of a batch: as `freeze` returns it, or the file that it was written to."""
 Arrays: TypeAlias = Callable[[int], Any]
 """The bytes of an array by its number."""
@@ -71,8 +74,8 @@ def stage_key(params: ScanParams) -> str:
 
 def freeze(
     results: Sequence[Result], tables: Sequence[Mapping[str, pa.Table]], refused: Mapping[str, str]
-) -> pa.Table:
-    """What is kept of the comparisons of a batch: one row for each array.
+) -> bytes:
+    """What is kept of the comparisons of a batch, as a ZIP file of arrays.
 
     Parameters
     ----------
@@ -83,17 +86,13 @@ def freeze(
     """
     arrays: list[np.ndarray] = []
     groups = [_kept(*of, arrays) for of in zip(results, tables, strict=True)]
-    values = [pa.compress(of, _CODEC, asbytes=False) for of in arrays]
-    chunks = [
-        pa.Array.from_buffers(
-            pa.large_binary(), 1, [None, pa.py_buffer(np.array([0, of.size])), of]
-        )
-        for of in values
-    ]
-    table = pa.table({"values": pa.chunked_array(chunks, pa.large_binary())})
-    sizes = [(of.nbytes, crc32(value)) for of, value in zip(arrays, values, strict=True)]
-    about = json.dumps({"refused": dict(refused), "groups": groups, "arrays": sizes})
-    return table.replace_schema_metadata({"about": about, "crc": str(crc32(about.encode()))})
+    about = {"refused": dict(refused), "groups": groups, "sizes": [of.nbytes for of in arrays]}
+    content = BytesIO()
+    with ZipFile(content, "w") as archive:
+        archive.writestr(ZipInfo(_ABOUT), json.dumps(about))
+        for place, array in enumerate(arrays):
+            archive.writestr(ZipInfo(str(place)), pa.compress(array, _CODEC, asbytes=True))
+    return content.getvalue()
 
 
 class Kept:
@@ -148,27 +147,18 @@ def thaw(kept: Frozen) -> tuple[list[Kept], dict[str, str]]:
         If nothing was kept there.
     """
     try:
-        metadata = kept.schema.metadata
-        if crc32(metadata[b"about"]) != int(metadata[b"crc"]):
-            raise ValueError("it is damaged")
-        about = json.loads(metadata[b"about"])
-        arrays = partial(_array, kept, about["arrays"])
-        return [Kept(group, arrays) for group in about["groups"]], about["refused"]
-    except (AttributeError, LookupError, TypeError, ValueError) as error:
+        archive = ZipFile(BytesIO(kept) if isinstance(kept, bytes) else kept)
+        about = json.loads(archive.read(_ABOUT))
+    except _DAMAGED as error:
         raise InputError(f"what is kept of a batch cannot be read ({error})") from error
 
+    def read(place: int) -> Any:
+        try:  # its checksum is looked at, too
+            return pa.decompress(archive.read(str(place)), about["sizes"][place], _CODEC)
+        except _DAMAGED as error:
+            raise InputError(f"what is kept of a batch cannot be read ({error})") from error
 
-def _array(kept: Frozen, arrays: Sequence[Sequence[int]], place: int) -> Any:
-    """The bytes of an array; InputError if they are not those that were kept."""
-    size, crc = arrays[place]
-    try:
-        batch = kept.to_batches()[place] if isinstance(kept, pa.Table) else kept.get_batch(place)
-        content = batch["values"].buffers()[2]
-        if crc32(content) != crc:
-            raise ValueError("it is damaged")
-        return pa.decompress(content, size, _CODEC)
-    except (LookupError, OSError, TypeError, ValueError) as error:
-        raise InputError(f"what is kept of a batch cannot be read ({error})") from error
+    return [Kept(group, read) for group in about["groups"]], about["refused"]
 
 
 def tables_again(kept: Kept, params: ScanParams) -> dict[str, pa.Table]:

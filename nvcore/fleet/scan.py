@@ -4,7 +4,7 @@ A scan keeps all it knows in the folder of its results, so that any number of pr
 number of machines can work on it, and any of them may die:
 
     plans/<plan>.json              what is compared, by which programs, and in which batches
-    stages/<inputs>-<settings>.arrow   what a later scan with other settings reuses of a batch
+    stages/<inputs>-<settings>.zip what a later scan with other settings reuses of a batch
     leases/<batch>/<attempt>.json  who is at work on a batch, and until when the others wait
     done/<batch>.json              which files a batch has given
     <table>/<batch>-<hash>.parquet its rows of each table of results, listed in a Delta table
@@ -195,25 +195,21 @@ def _compared_at_once(
 ) -> tuple[dict[str, pa.Table], Summary]:
     """Results of a batch, with what an earlier scan has kept of it, or keeping that for others."""
     key = stage_key(params)
-    path = f"stages/{batch.inputs}-{key[:16]}.arrow"
+    path = f"stages/{batch.inputs}-{key[:16]}.zip"
     stages: dict[str, Frozen] | None = {} if options.keep and can_reuse(params) else None
     if stages is not None:
-        with suppress(FileNotFoundError, pa.ArrowInvalid):  # cut off: it is written anew
+        with suppress(FileNotFoundError):
             # from far away in one piece: a request takes longer than what it saves
-            file = out.open(path) if out.path else pa.BufferReader(out.read(path))
-            stages[key] = pa.ipc.open_file(file)
+            stages[key] = out.open(path) if out.path else out.read(path)
     kept = None if stages is None else stages.get(key)
     tables = read(batch.recordings)
     if kept is None:
         tables["boxes"]  # read now: a damaged file is no fault of all of these recordings
         pa.default_memory_pool().release_unused()  # the pieces that they were put together from
     results = options.run(tables, params, stages=stages)
-    if stages and stages.get(key) is not kept:
-        sink = pa.BufferOutputStream()
-        del tables  # the boxes
-        with pa.ipc.new_file(sink, stages[key].schema) as writer:
-            writer.write_table(stages.pop(key))
-        out.write(path, bytes(sink.getvalue()))
+    content = stages.get(key) if stages else None
+    if isinstance(content, bytes) and content is not kept:
+        out.write(path, content)
     return results
 
 

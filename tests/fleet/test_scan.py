@@ -176,7 +176,7 @@ def test_what_a_scan_keeps_changes_nothing_for_the_next(store, tmp_path):
     assert len(stages) == 6
     written = [path.read_bytes() for path in stages]
     times = [path.stat().st_mtime_ns for path in stages[1:]]
-    stages[0].write_bytes(written[0][:-100] + bytes([written[0][-100] ^ 1]) + written[0][-99:])
+    stages[0].write_bytes(written[0][:100] + bytes([written[0][100] ^ 1]) + written[0][101:])
     anew = files_with("anew", params, keep=False)
     assert not (tmp_path / "anew/stages").exists()
     assert files_with("kept", params, keep=True).items() >= anew.items()
