@@ -25,7 +25,7 @@ from nvcore.errors import InputError, NvcoreError, StoreError
 from nvcore.fleet.cutting import can_be_cut, compare_pieces
 from nvcore.fleet.results import ScanParams, Summary, gather, result_tables
 from nvcore.fleet.reuse import Frozen, can_reuse, freeze, stage_key, tables_again, thaw
-from nvcore.fleet.tables import MISSING
+from nvcore.fleet.tables import MISSING, TRUTH_KINDS
 from nvcore.objects import PEDESTRIAN, objects_from
 from nvcore.params import Params
 from nvcore.schema import (
@@ -242,7 +242,7 @@ class BatchTables:
     def truth_kinds(self, names: Sequence[str], params: ScanParams) -> list[str]:
         """Whether the truth of each recording is annotated, automatic or absent."""
         kinds = self._sources["kind"].to_dict()
-        return [kinds.get((name, params.truth)) or "absent" for name in names]
+        return [kinds.get((name, params.truth), "absent") or TRUTH_KINDS[0] for name in names]
 
     def compare(self, names: Sequence[str], params: ScanParams) -> Result:
         """The comparison of recordings that are `alike`; one that is too long is cut."""

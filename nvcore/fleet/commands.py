@@ -83,9 +83,8 @@ STORE: Final = "Store"
     STORE,
     "--truth-kind",
     type=click.Choice(["annotated", "automatic", "absent"]),
-    default="annotated",
-    show_default=True,
-    help="Whether people annotated the ground truth, a program did, or there is none.",
+    help="Whether people annotated the ground truth, a program did, or there is none. Default: as "
+    "the store has it, else annotated.",
 )
 @input_flags
 def ingest(
@@ -93,7 +92,7 @@ def ingest(
     store: str,
     partition: str | None,
     labels: dict[str, str],
-    truth_kind: str,
+    truth_kind: str | None,
     **options: Any,
 ) -> None:
     """Append recordings with truth and systems to a store.
@@ -128,7 +127,7 @@ def ingest(
     done = ingest_all(
         [*every()],
         Store(Location(store), partition=partition),
-        truth_kind=truth_kind,
+        truth_kind=truth_kind or "",
         labels=labels,
         progress=step_lines(),
     )

@@ -33,7 +33,6 @@ from nvcore.fleet.scan import (
     status,
 )
 from nvcore.fleet.store import Store
-from nvcore.fleet.tables import TRUTH_KINDS
 from nvcore.inputs.session import Session
 from nvcore.memory import free_bytes
 from nvcore.params import Params
@@ -48,7 +47,7 @@ def ingest(
     store: PathLike | Store,
     partition: str | None = None,
     labels: Mapping[str, str] | None = None,
-    truth_kind: str = TRUTH_KINDS[0],
+    truth_kind: str = "",
     storage: Mapping[str, str] | None = None,
 ) -> Ingested:
     """Append recordings to a store; what is there already is left out, what changed is a version.
@@ -68,6 +67,7 @@ def ingest(
         What to call these versions, by ``truth`` or the system's name: ``{"FIR": "2026-03"}``.
     truth_kind
         Whether the ground truth is ``"annotated"`` by people, ``"automatic"``, or ``"absent"``.
+        Empty: as the store has it, else annotated.
     storage
         As of `open_store`.
 

@@ -45,7 +45,7 @@ def tables_of(
     dataset: Dataset,
     *,
     origin: str = "",
-    truth_kind: str = "annotated",
+    truth_kind: str = "",
     labels: Mapping[str, str] | None = None,
 ) -> dict[str, pa.Table]:
     """A dataset as tables of a store: recordings, sources, frames and boxes.
@@ -55,7 +55,8 @@ def tables_of(
     origin
         URI of the session that it was loaded from.
     truth_kind
-        Whether the truth is ``annotated`` by people, ``automatic`` or ``absent``.
+        Whether the truth is ``annotated`` by people, ``automatic`` or ``absent``. Empty: as the
+        store has it, else annotated.
     labels
         What the user calls these versions, by ``truth`` or the system's name.
 
@@ -304,7 +305,7 @@ def ingest_all(
     inputs: Iterable[tuple[str, Callable[[], Dataset]]],
     store: Store,
     *,
-    truth_kind: str = "annotated",
+    truth_kind: str = "",
     labels: Mapping[str, str] | None = None,
     progress: Progress = no_progress,
 ) -> Ingested:
@@ -325,7 +326,7 @@ def ingest_all(
         If the store cannot be read or written. What was appended until then is in it.
     """
     labels = labels or {}
-    if truth_kind not in TRUTH_KINDS:
+    if truth_kind not in ("", *TRUTH_KINDS):
         raise InputError(f"truth_kind: expected {listed(TRUTH_KINDS)}, found {truth_kind[:40]!r}")
     for name, label in labels.items():
         if not label.strip() or label.isdecimal() or "@" in label or len(label) > _LABEL_LETTERS:

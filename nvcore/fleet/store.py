@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from functools import cache, cached_property, partial
 from itertools import groupby
 from pathlib import Path
@@ -26,7 +26,7 @@ from urllib.parse import unquote
 import numpy as np
 import pandas as pd
 
-from nvcore.errors import FormatError, InputError
+from nvcore.errors import FormatError, InputError, StoreError
 from nvcore.extras import needs
 from nvcore.fleet.location import Location
 from nvcore.wording import MOST_NAMED, did_you_mean, listed
@@ -51,11 +51,13 @@ _CONTENT: Final = {
     "sources": ["recording", "source", "sha256"],
 }
 """What tells versions apart."""
-_ROW: Final = {**_CONTENT, "sources": [*_CONTENT["sources"], "recording_sha256"]}
-_AMENDABLE: Final = {"recordings": ["pictures", "first_picture"], "sources": ["label", "kind"]}
-"""What may be said anew of a version."""
-_UNSTATED: Final = ("", None, TRUTH_KINDS[0], "system")
-"""Facts that leave those of before as they are."""
+_STATED: Final = {
+    "recordings": ["recording", "sha256", "pictures", "first_picture"],
+    "sources": ["recording", "source", "sha256", "recording_sha256", "label", "kind"],
+}
+"""What a row says; it is written if any of it is not so yet."""
+_AMENDABLE: Final = {"recordings": ["pictures", "first_picture"], "sources": ["kind"]}
+"""Facts of a version that it keeps where a later row does not state them."""
 _INDEX: Final = [column.name for column in INDEX]
 _KEY: Final = re.compile(r"[a-z][a-z0-9_]{0,40}")
 _COMMIT_RETRIES: Final = 100
@@ -66,12 +68,24 @@ _LONGEST_IN_STATS: Final = 200
 
 @dataclass
 class _Learned:
-    """What a writer knows of a table: its files, its rows, of each content facts and place."""
+    """What a writer knows of a table.
+
+    Attributes
+    ----------
+    paths
+        Files of which the rows are known.
+    index
+        Where the rows of a content lie.
+    facts
+        What is so, see `_facts_of`.
+    newest
+        Time of the newest row.
+    """
 
     paths: set[str] = field(default_factory=set)
-    rows: set[tuple[Any, ...]] = field(default_factory=set)
     index: dict[tuple[Any, ...], tuple[Any, ...]] = field(default_factory=dict)
-    facts: dict[tuple[Any, ...], tuple[Any, ...]] = field(default_factory=dict)
+    facts: dict[tuple[Any, ...], Any] = field(default_factory=dict)
+    newest: datetime = datetime.min.replace(tzinfo=UTC)
 
 
 class Store:
@@ -173,9 +187,10 @@ class Store:
     def append(self, batch: Sequence[Mapping[str, pa.Table]]) -> dict[str, pa.Table]:
         """Append recordings and sources by one commit of each table; what is there is left out.
 
-        What is said anew of a version that is there (label, kind of truth, pictures) is written,
-        and so are rows whose file is missing or cut. It is safe beside other writers, and may break
-        off anywhere: then nothing of it is seen.
+        Of content that is there, a row is written without its boxes or frames if it was not the
+        newest of its source, or if something else is said of it (label, kind of truth, pictures).
+        Content whose file is missing or cut is written again. It is safe beside other writers, and
+        may break off anywhere: then nothing of it is seen.
 
         Parameters
         ----------
@@ -185,7 +200,7 @@ class Store:
         Returns
         -------
         dict
-            The rows of recordings and of sources that were not there.
+            The rows of recordings and of sources whose content was not there.
 
         Raises
         ------
@@ -194,7 +209,7 @@ class Store:
         StoreError
             If it cannot be read or written.
         """
-        tables, new, actions = self._tables, {}, {}
+        tables, appended, new, actions = self._tables, {}, {}, {}
         partition = _partition_of(tables["boxes"])
         with self.location.at("", "read"):
             for table in tables.values():
@@ -219,21 +234,25 @@ class Store:
                 data, [pieces[places[key]] for key in order], partition
             )
             self._broken.difference_update(f"{data}/{action.path}" for action in actions[data])
-            lies = ChainMap(dict(zip(order, written, strict=True)), stored.index)
-            given = zip(contents, keys_of(rows, _AMENDABLE[name]), strict=True)
-            facts = [_said_anew(name, own, stored.facts.get(key, own)) for key, own in given]
-            keys = dict(zip(keys_of(rows, _ROW[name]), range(len(rows)), strict=True))
-            chosen = sorted(
-                place
-                for key, place in keys.items()
-                if key not in stored.rows or facts[place] != stored.facts[contents[place]]
-            )
+            index = ChainMap(dict(zip(order, written, strict=True)), stored.index)
+            facts: ChainMap[tuple[Any, ...], Any] = ChainMap({}, stored.facts)
+            chosen, amended = [], []
+            for place, row in enumerate(keys_of(rows, _STATED[name])):
+                own = _facts_of(name, row, facts)
+                if any(key not in facts or facts[key] != of for key, of in own.items()):
+                    facts |= own
+                    chosen.append(place)
+                    amended.append(own[contents[place]])
             taken = rows.take(pa.array(chosen, pa.int64()))
-            taken = _with_columns(taken, _INDEX, [lies[contents[place]] for place in chosen])
-            taken = _with_columns(taken, _AMENDABLE[name], [facts[place] for place in chosen])
-            now = [(datetime.now(UTC),)] * len(chosen)  # the order of versions is that of commits
-            new[name] = _with_columns(taken, ["ingested_at"], now)
-        for name, rows in new.items():
+            taken = _with_columns(taken, _INDEX, [index[contents[place]] for place in chosen])
+            taken = _with_columns(taken, _AMENDABLE[name], amended)
+            # later than all that is there, whatever the clocks of those who wrote it
+            start = max(datetime.now(UTC), stored.newest + timedelta(microseconds=1))
+            times = [(start + timedelta(microseconds=i),) for i in range(len(chosen))]
+            appended[name] = _with_columns(taken, ["ingested_at"], times)
+            is_new = [contents[place] in places for place in chosen]
+            new[name] = appended[name].filter(pa.array(is_new, pa.bool_()))
+        for name, rows in appended.items():
             actions[name] = [self._put(name, [rows.sort_by("recording")], {})] if len(rows) else []
         for name in SCHEMAS:  # in this order: nothing is seen before the last one
             if actions[name]:
@@ -250,10 +269,12 @@ class Store:
             files = [f"{ROWS_IN[name]}/{path}" for path in rows["file"].to_pylist()]
             rows = rows.filter(pa.array([path not in self._broken for path in files], pa.bool_()))
         rows = rows.sort_by("ingested_at")
-        contents = keys_of(rows, _CONTENT[name])
-        learned.index.update(zip(contents, keys_of(rows, _INDEX), strict=True))
-        learned.facts.update(zip(contents, keys_of(rows, _AMENDABLE[name]), strict=True))
-        learned.rows.update(keys_of(rows, _ROW[name]))
+        index = keys_of(rows, _INDEX)
+        learned.index.update(zip(keys_of(rows, _CONTENT[name]), index, strict=True))
+        for row in keys_of(rows, _STATED[name]):
+            learned.facts |= _facts_of(name, row, learned.facts)
+        if len(rows):
+            learned.newest = max(learned.newest, rows["ingested_at"][-1].as_py())
         learned.paths.update(new)
         return learned
 
@@ -358,52 +379,55 @@ class Snapshot:
     def __getstate__(self) -> dict[str, Any]:
         return {"location": self.location, "versions": self.versions, "_known": {}, "_picked": {}}
 
+    def _rows(self, name: str) -> pd.DataFrame:
+        """Rows of recordings or sources, by when they came."""
+        table = _opened(self.location, name, self.versions[name])
+        if table is None:  # where it was when the snapshot was made
+            raise StoreError("cannot be read (it is not there)", file=self.location.uri)
+        files = [*_files(self.location, name, table)]
+        rows: pd.DataFrame = _rows(self.location, name, files, self._known).to_pandas()
+        return rows.sort_values(["ingested_at", *_CONTENT[name]], ignore_index=True)
+
     @cached_property
-    def _tables(self) -> dict[str, pd.DataFrame]:
-        """Recordings and sources, each version once, by when it came."""
-        found = {}
-        for name in ROWS_IN:
-            table = _opened(self.location, name, self.versions[name])
-            if table is None:
-                raise InputError("there is no store here", file=self.location.uri)
-            found[name] = _rows(
-                self.location, name, [*_files(self.location, name, table)], self._known
-            ).to_pandas()
-        # a recording is seen, and is as old, as the sources that came with it
-        came = found["sources"].groupby(["recording", "recording_sha256"])["ingested_at"].min()
-        keys = pd.MultiIndex.from_frame(found["recordings"][_CONTENT["recordings"]])
-        found["recordings"]["since"] = came.reindex(keys).to_numpy()
-        of_content = found["sources"].groupby(_CONTENT["sources"])["ingested_at"]
-        found["sources"]["since"] = of_content.transform("min")
-        for name, rows in found.items():
-            rows = rows.dropna(subset="since").sort_values(["ingested_at", *_ROW[name]])
-            rows = rows.drop_duplicates(_CONTENT[name], keep="last")  # as it was said last
-            rows["ingested_at"] = rows.pop("since")
-            found[name] = rows.sort_values(["ingested_at", *_ROW[name]])
-        return found
+    def _stated(self) -> pd.DataFrame:
+        """Rows of sources, by when they came."""
+        return self._rows("sources")
 
     @cached_property
     def recordings(self) -> pd.DataFrame:
-        """The newest version of every recording."""
-        newest = self._tables["recordings"].drop_duplicates("recording", keep="last")
-        return _by_recording(newest.sort_values("recording"))
+        """The newest version of every recording: that with which a source came last."""
+        came = self._stated.groupby(["recording", "recording_sha256"], sort=False)["ingested_at"]
+        first = came.min()
+        newest = came.max().sort_values().reset_index().drop_duplicates("recording", keep="last")
+        keys = pd.MultiIndex.from_frame(newest[["recording", "recording_sha256"]])
+        rows = self._rows("recordings").drop_duplicates(_CONTENT["recordings"], keep="last")
+        rows = rows.set_index(_CONTENT["recordings"]).loc[keys].reset_index()
+        rows["ingested_at"] = first.loc[keys].to_numpy()
+        return _by_recording(rows.sort_values("recording"))
 
     @cached_property
     def sources(self) -> pd.DataFrame:
         """Every version of every source."""
-        rows = self._tables["sources"]
+        rows = self._stated
+        contents = rows.groupby(_CONTENT["sources"], sort=False)
+        first = contents["ingested_at"].transform("min")
+        label = rows["label"].where(rows["label"] != "")
+        label = label.groupby([rows[name] for name in _CONTENT["sources"]]).transform("last")
+        rows = rows.assign(ingested_at=first, label=label.fillna(""))
+        rows = rows.drop_duplicates(_CONTENT["sources"], keep="last")
+        rows = rows.sort_values(["ingested_at", *_CONTENT["sources"]])
         numbers = rows.groupby(["recording", "source"], sort=False).cumcount() + 1
         rows = rows.assign(version=numbers.astype("int64"))
         return rows.sort_values(["recording", "source", "version"], ignore_index=True)
 
     def pick(self, source: str) -> pd.DataFrame:
-        """One version of a source in each recording that has it.
+        """One version of a source in each recording that has it, in the recording's newest version.
 
         Parameters
         ----------
         source
-            A name, for the newest version of it; with ``@2`` the second, with ``@label`` the newest
-            that is called so.
+            A name, for what came last; with ``@2`` the second version, with ``@label`` the newest
+            that was called so.
 
         Returns
         -------
@@ -413,32 +437,37 @@ class Snapshot:
         Raises
         ------
         InputError
-            If no recording has it.
+            If there is no such source or version.
         """
         if source in self._picked:
             return self._picked[source]
         rows, names = self.sources, self.sources["source"].unique().tolist()
-        name, _, version = source.rpartition("@")
+        name, at, version = source.rpartition("@")
         if source in names:
-            rows = rows[rows["source"] == source]
-        elif name in names:
-            rows = rows[rows["source"] == name]
-            is_it = (rows["label"] == version) & (version != "")
-            if version.isdecimal():
-                is_it |= rows["version"] == int(version)
-            if not is_it.any():
-                labels = sorted({label for label in rows["label"] if label})
-                raise InputError(
-                    f"there is no version {version!r} of {name!r}; there are 1 to "
-                    f"{rows['version'].max()}"
-                    f"{', and ' + listed(labels, most=MOST_NAMED) if labels else ''}",
-                    file=self.location.uri,
-                )
-            rows = rows[is_it]
-        else:
+            name, at = source, ""
+        elif name not in names:
             known = did_you_mean(source, names, f"there are {listed(names, most=MOST_NAMED)}")
             raise InputError(f"there is no source {source!r}; {known}", file=self.location.uri)
-        self._picked[source] = _by_recording(rows.drop_duplicates("recording", keep="last"))
+        rows, stated = rows[rows["source"] == name], self._stated
+        stated = stated[stated["source"] == name]
+        labelled = stated[(stated["label"] == version) & (version != "")]
+        numbered = rows[rows["version"].map(str) == version]
+        if at and labelled.empty and numbered.empty:
+            labels = sorted({label for label in rows["label"] if label})
+            raise InputError(
+                f"there is no version {version!r} of {name!r}; there are 1 to "
+                f"{rows['version'].max()}"
+                f"{', and ' + listed(labels, most=MOST_NAMED) if labels else ''}",
+                file=self.location.uri,
+            )
+        # what came with another version of its recording is of other frames or another picture
+        newest = self.recordings["sha256"].reindex(stated["recording"]).to_numpy()
+        came = stated[stated["recording_sha256"] == newest][["recording", "sha256"]]
+        if at:
+            wanted = pd.concat([numbered, labelled]).drop_duplicates("recording", keep="last")
+            came = came.merge(wanted[["recording", "sha256"]])
+        came = came.drop_duplicates("recording", keep="last")
+        self._picked[source] = _by_recording(rows.merge(came, on=["recording", "sha256"]))
         return self._picked[source]
 
     def read(self, recordings: Sequence[str], sources: Sequence[str]) -> dict[str, pa.Table]:
@@ -635,12 +664,25 @@ def keys_of(rows: pa.Table, columns: Sequence[str]) -> list[tuple[Any, ...]]:
     return [*zip(*(rows[name].to_pylist() for name in columns), strict=True)]
 
 
-def _said_anew(name: str, facts: tuple[Any, ...], before: tuple[Any, ...]) -> tuple[Any, ...]:
-    """Facts of a version, where nothing is said those of before."""
+def _facts_of(
+    name: str, row: tuple[Any, ...], facts: Mapping[tuple[Any, ...], Any]
+) -> dict[tuple[Any, ...], Any]:
+    """What is so once a row with these cells of `_STATED` is written, beside what was before.
+
+    By the content of a version, what is amendable; by a source, its newest content and the version
+    of the recording with which it came; by a source and a label, its content.
+    """
     if name == "recordings":  # of other pictures another one may be the first
-        return before if facts[0] in _UNSTATED else facts
-    pairs = zip(facts, before, strict=True)
-    return tuple(was if own in _UNSTATED else own for own, was in pairs)
+        recording, sha256, pictures, first_picture = row
+        before = facts.get((recording, sha256), ("", None))
+        return {(recording, sha256): (pictures, first_picture) if pictures else before}
+    recording, source, sha256, recording_sha256, label, kind = row
+    content = recording, source, sha256
+    return {
+        content: (kind or facts.get(content, (TRUTH_KINDS[0],))[0],),
+        (recording, source): (sha256, recording_sha256),
+        **({(recording, source, "label", label): sha256} if label else {}),
+    }
 
 
 def _with_columns(
