@@ -7,7 +7,6 @@ import socket
 import tempfile
 import time
 import webbrowser
-from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -102,7 +101,7 @@ def ingest(
     version: nothing is overwritten. How they are compared is said later. Exit code 0: fine, 1: some
     inputs could not be used, the others are in the store, 2: bad input.
     """
-    from nvcore.fleet.ingest import ingest_all, session_files
+    from nvcore.fleet.ingest import ingest_all, sessions_in
     from nvcore.fleet.location import Location
     from nvcore.fleet.store import Store
     from nvcore.inputs.load import load
@@ -117,15 +116,11 @@ def ingest(
         with errors_of(session):
             return load(session)
 
-    def every() -> Iterator[tuple[str, Callable[[], Dataset]]]:
-        for given in inputs:
-            for path in session_files(given):
-                yield str(path), partial(loaded, path)
-        if not inputs:
-            yield options["truth"][0] if options["truth"] else "", partial(loaded, None)
-
+    every = sessions_in(inputs, loaded)
+    if not inputs:
+        every = iter([(options["truth"][0] if options["truth"] else "", partial(loaded, None))])
     done = ingest_all(
-        [*every()],
+        every,
         Store(Location(store), partition=partition),
         truth_kind=truth_kind or "",
         labels=labels,

@@ -14,7 +14,7 @@ from nvcore.arguments import PathLike, called_with
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, ParameterError
 from nvcore.fleet.arguments import FRAMES_PER_BATCH, OpenArguments, ScanArguments, TopArguments
-from nvcore.fleet.ingest import Ingested, ingest_all, session_files
+from nvcore.fleet.ingest import Ingested, ingest_all, sessions_in
 from nvcore.fleet.location import Location
 from nvcore.fleet.opening import recording_of, write_recording
 from nvcore.fleet.plan import begin
@@ -95,7 +95,7 @@ def ingest(
         store = Store(Location(store, storage), partition=partition)
     elif partition is not None or storage is not None:
         raise ParameterError("partition, storage: the store that is given has its own")
-    return ingest_all([*_named(inputs)], store, truth_kind=truth_kind, labels=labels)
+    return ingest_all(_named(inputs), store, truth_kind=truth_kind, labels=labels)
 
 
 def _named(
@@ -105,8 +105,7 @@ def _named(
         if isinstance(of, Session | Dataset):
             yield f"input {place + 1}", partial(load, of)
         else:
-            for path in session_files(Path(of)):
-                yield str(path), partial(load, path)
+            yield from sessions_in([Path(of)], load)
 
 
 def open_store(uri: PathLike, *, storage: Mapping[str, str] | None = None) -> Store:
@@ -202,7 +201,7 @@ def scan(arguments: ScanArguments) -> Scan:
     ------
     InputError
         If the store or `out` cannot be used, no recording has both systems, or a part of the same
-        scan was made with other versions of nvcore, numba, numpy or pyarrow.
+        scan was made with other versions of nvcore, numba, numpy, pandas, pyarrow or scipy.
     StoreError
         If storage fails or is full; what is done by then is kept.
 

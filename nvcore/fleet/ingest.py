@@ -5,8 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 import tomllib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -410,6 +411,23 @@ def _not_stored(dataset: Dataset) -> list[str]:
         **{f"inputs of {name}": of for name, of in dataset.of_subjects.items()},
     }
     return [kind for kind, content in kinds.items() if content]
+
+
+def sessions_in(
+    paths: Iterable[Path], load: Callable[[Path], Dataset]
+) -> Iterator[tuple[str, Callable[[], Dataset]]]:
+    """Session files, also those in folders, as `ingest_all` takes them."""
+    for path in paths:
+        try:
+            files = session_files(path)
+        except InputError as error:  # of this one alone
+            yield str(path), partial(_fail, error)
+        else:
+            yield from ((str(file), partial(load, file)) for file in files)
+
+
+def _fail(error: InputError) -> Dataset:
+    raise error
 
 
 def session_files(folder: Path) -> list[Path]:

@@ -158,6 +158,13 @@ class Location:
                 return (self.path / path).read_bytes()
             return bytes(obstore.get(self._files, path).bytes())
 
+    def find(self, path: str) -> bytes | None:
+        """The bytes of a file; None: there is none, or an empty one of a machine that failed."""
+        try:
+            return self.read(path) or None
+        except FileNotFoundError:
+            return None
+
     def write(self, path: str, content: bytes) -> None:
         """Write a file whole, in place of one that may be there: nobody sees half of it."""
         with self.at(path, "written"):

@@ -21,6 +21,8 @@ from nvcore.wording import count_text, listed
 
 SUMMARY: Final = "summary.json"
 """In a folder of results: which plan they are of, and the version of each table."""
+_NEWEST: Final = "newest.json"
+"""Which plan was begun last."""
 BOXES_A_FRAME: Final = 12
 """Recordings with more boxes a frame than these count as longer."""
 
@@ -208,55 +210,48 @@ def begin(store: Store, out: Location, params: ScanParams, **plan_options: Any) 
         If the same scan was begun with other programs and is not finished.
     """
     made = plan(store.snapshot(), params, store.location.uri, **plan_options)
-    path = f"plans/{made.key}.json"
     newest = newest_plan(out)
     if newest is None or newest.key != made.key:
         is_same = newest is not None and (newest.store, newest.params) == (made.store, params)
         if newest is not None and is_same and not is_finished(out, newest):
             newest.check_programs()
-        out.write(path, made.to_json())  # also if it is there: then it is the newest
+        out.write(_path_of(made.key), made.to_json())
+        out.write(_NEWEST, json.dumps({"plan": made.key}).encode())
     return made
 
 
 def tables_in(out: Location) -> dict[str, Any] | None:
     """What `SUMMARY` says of the tables of results; None: no scan was finished."""
-    try:
-        content: dict[str, Any] = json.loads(out.read(SUMMARY))
-    except FileNotFoundError:
-        return None
-    return content
+    content = out.find(SUMMARY)
+    tables: dict[str, Any] | None = None if content is None else json.loads(content)
+    return tables
 
 
 def plan_shown(out: Location) -> Plan | None:
     """The plan that the tables of results are of; without any the one that was begun last."""
-    content = tables_in(out)
-    if content is None:
-        return newest_plan(out)
-    return Plan.from_json(out.read(f"plans/{content['plan']}.json"))
+    tables = tables_in(out)
+    return newest_plan(out) if tables is None else plan_in(out, tables["plan"])
 
 
 def newest_plan(out: Location) -> Plan | None:
     """The plan that was begun last; None: there is none."""
-    entries = out.list("plans/")
-    if not entries:
-        return None
-    return Plan.from_json(
-        out.read(max(entries, key=lambda entry: (entry.modified, entry.path)).path)
-    )
+    content = out.find(_NEWEST)
+    return None if content is None else plan_in(out, json.loads(content)["plan"])
+
+
+def plan_in(out: Location, key: str) -> Plan | None:
+    """The plan of this key; None: it is not there."""
+    content = out.find(_path_of(key))
+    return None if content is None else Plan.from_json(content)
 
 
 def is_finished(out: Location, its_plan: Plan) -> bool:
     """Whether the tables of results were written."""
-    return exists(out, f"finished/{its_plan.key}.json")
+    return out.find(f"finished/{its_plan.key}.json") is not None
 
 
-def exists(out: Location, path: str) -> bool:
-    """Whether there is such a file."""
-    try:
-        out.read(path)
-    except FileNotFoundError:
-        return False
-    return True
+def _path_of(key: str) -> str:
+    return f"plans/{key}.json"
 
 
 def _hash(text: str | bytes) -> str:

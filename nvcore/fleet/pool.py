@@ -34,6 +34,8 @@ def in_pool(job: Job, n_workers: int) -> Iterator[str]:
     """
     context = multiprocessing.get_context("spawn")
     workers: dict[Connection, tuple[BaseProcess, int]] = {}
+    begun: set[Connection] = set()
+    missing = set(job.missing())
 
     def start(part: int) -> None:
         ours, theirs = context.Pipe(duplex=False)
@@ -44,7 +46,7 @@ def in_pool(job: Job, n_workers: int) -> Iterator[str]:
         workers[ours] = (process, part)
 
     n_stillborn = 0
-    n_workers = min(n_workers, len(job.missing()))
+    n_workers = min(n_workers, len(missing))
     for part in range(n_workers):
         start(part)
     try:
@@ -58,7 +60,7 @@ def in_pool(job: Job, n_workers: int) -> Iterator[str]:
                     del workers[messages]
                     process.join()
                     if process.exitcode != 0:
-                        n_stillborn += 1
+                        n_stillborn += messages not in begun
                         start(part)
                     if n_stillborn == STILLBORN:
                         raise InputError(
@@ -66,11 +68,15 @@ def in_pool(job: Job, n_workers: int) -> Iterator[str]:
                             "there memory for so many workers?"
                         ) from None
                     continue
+                begun.add(messages)
                 n_stillborn = 0
                 if isinstance(message, Exception):
                     raise message
                 if message:
                     yield message
+                    missing.discard(message)
+                    if not missing:  # the others wait in vain
+                        return
     finally:
         for process, _ in workers.values():
             process.terminate()

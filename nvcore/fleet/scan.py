@@ -8,6 +8,7 @@ number of machines can work on it, and any of them may die:
     leases/<batch>/<attempt>.json  who is at work on a batch, and until when the others wait
     done/<batch>.json              which files a batch has given
     <table>/<batch>-<hash>.parquet its rows of each table of results, listed in a Delta table
+    newest.json                    which plan was begun last
     summary.json                   which plan the tables are of, and their versions
     finished/<plan>.json           the same of each plan that was finished
 
@@ -42,7 +43,7 @@ from nvcore.errors import InputError, NvcoreError, StoreError
 from nvcore.fleet.batch import scan_batch
 from nvcore.fleet.leases import Lease, attempt_of, claim, is_held
 from nvcore.fleet.location import LONGEST_REASON, Location
-from nvcore.fleet.plan import SUMMARY, Batch, Plan, exists, is_finished, newest_plan
+from nvcore.fleet.plan import SUMMARY, Batch, Plan, is_finished, newest_plan, plan_in
 from nvcore.fleet.results import ScanParams, Summary, gather
 from nvcore.fleet.reuse import Frozen, can_reuse, stage_key
 from nvcore.fleet.store import Snapshot
@@ -123,13 +124,13 @@ def run_batch(
     out, read, its_plan, batches = _opened(store_uri, out_uri, plan_key, options.storage)
     its_plan.check_programs()
     done = f"done/{batch_key}.json"
-    if exists(out, done):
+    if out.find(done):
         return "done"
     lease = claim(out, batch_key, options.lease_s, options.clock)
     if lease is None:
         return "busy"
     with lease:
-        if not exists(out, done):  # its last worker may just have ended
+        if not out.find(done):  # its last worker may just have ended
             parts = _compared(batches[batch_key], read, its_plan.params, out, lease, options)
             out.create(done, _write(out, batch_key, *parts))
             del parts
@@ -144,7 +145,9 @@ def _opened(
     """Results, reader of the store, plan and its batches: once a process."""
     _use_one_heap()
     out = Location(out_uri, dict(storage))
-    found = Plan.from_json(out.read(f"plans/{plan_key}.json"))
+    found = plan_in(out, plan_key)
+    if found is None:
+        raise StoreError("cannot be read (the plan of the scan is not there)", file=out.uri)
     snapshot = Snapshot(Location(store_uri, dict(storage)), found.versions)
     read = partial(snapshot.read, sources=found.params.sources)
     return out, read, found, {batch.key: batch for batch in found.batches}
@@ -176,7 +179,7 @@ def _compared(
             parts.append(options.run(read([name]), params)[0])
         except Exception as error:
             _give_up_without_storage(error)
-            faults += not isinstance(error, NvcoreError | MemoryError)
+            faults += not isinstance(error, NvcoreError)
             if faults == len(batch.recordings) > 1:  # then it is no fault of theirs
                 raise
             reasons[name] = _reason(error)
@@ -305,9 +308,9 @@ def drive(job: Job, engine: Engine) -> Iterator[str]:
         n_done = 0
         for n_done, batch in enumerate(engine(job), 1):  # noqa: B007  # counted
             yield batch
+        wait_s = job.options.poll_s if n_done else min(2 * wait_s, job.options.lease_s / 4)
         if not n_done:  # others are at work on all of these
             threading.Event().wait(wait_s)
-            wait_s = min(2 * wait_s, job.options.lease_s / 4)
 
 
 def in_process(job: Job, part: int = 0, n_parts: int = 1) -> Iterator[str]:
@@ -352,27 +355,32 @@ def finish(out: Location, its_plan: Plan) -> Summary:
 
 def _list_files(folder: Location, files: Sequence[Mapping[str, Any]]) -> int:
     """Version of a folder's Delta table that holds these files alone."""
-    names = [file["path"].rpartition("/")[2] for file in files]
-    with folder.open(names[0]) as file:
+    wanted = {file["path"].rpartition("/")[2]: file for file in files}
+    with folder.open(next(iter(wanted))) as file:
         schema = pq.read_schema(file)
-    added: list[AddAction | RemoveAction] = [
-        AddAction(name, file["size"], {}, 0, True, json.dumps({"numRecords": file["rows"]}))
-        for name, file in zip(names, files, strict=True)
-    ]
     storage: dict[str, Any] = {"storage_options": folder.delta_options}
     for attempt in range(COMMIT_ATTEMPTS):
-        with folder.at("", "written"):
+        with folder.at("", "written"), suppress(CommitFailedError):  # another was faster
             try:
                 table = DeltaTable(folder.uri, **storage)
             except TableNotFoundError:
                 table = DeltaTable.create(folder.uri, schema, mode="ignore", **storage)
-            if {uri.rpartition("/")[2] for uri in table.file_uris()} == set(names):
+            there = {uri.rpartition("/")[2] for uri in table.file_uris()}
+            if there == wanted.keys():
                 return table.version()
-            try:
-                table.create_write_transaction(added, "overwrite", schema, [])
-            except CommitFailedError:  # another was faster
-                time.sleep(0.1 * attempt)
+            now = int(time.time() * 1000)
+            actions: list[AddAction | RemoveAction] = [
+                *(_added(name, of) for name, of in wanted.items() if name not in there),
+                *(RemoveAction(name, True, now) for name in sorted(there - wanted.keys())),
+            ]
+            table.create_write_transaction(actions, "append", schema)
+            continue
+        time.sleep(0.1 * attempt)
     raise StoreError("cannot be written (other processes are always faster)", file=folder.uri)
+
+
+def _added(name: str, file: Mapping[str, Any]) -> AddAction:
+    return AddAction(name, file["size"], {}, 0, True, json.dumps({"numRecords": file["rows"]}))
 
 
 @dataclass(frozen=True)
@@ -392,7 +400,7 @@ class Status:
     n_quarantined
         Recordings that could not be compared, of the batches that are done.
     is_finished
-        Whether the tables of results are there.
+        Whether all is done and the tables were written.
     reason
         Why one of the recordings could not be compared, after its name.
     """
@@ -420,7 +428,8 @@ class Status:
         if self.n_lost:
             lines += [f"{count_text(self.n_lost, 'attempt')} ended without a word; others go on"]
         lines += [
-            f"{count_text(n, 'recording')} without {source}, left out"
+            f"{count_text(n, 'recording')} without {source}, or with one of an earlier version of "
+            "the recording, left out"
             for source, n in plan.left_out.items()
         ]
         if self.n_quarantined:
@@ -460,7 +469,7 @@ def status(out: Location, its_plan: Plan | None = None, clock: Clock = time.time
         sum(held),
         sum(attempt["ended"] is None for attempt in attempts) - sum(held),
         sum(of["rows"] for of in refused),
-        is_finished(out, its_plan),
+        not left and is_finished(out, its_plan),
         f"{first['recording']}: {first['reason']}" if first else "",
     )
 

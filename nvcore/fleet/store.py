@@ -11,7 +11,7 @@ import hashlib
 import json
 import re
 import time
-from collections import ChainMap
+from collections import ChainMap, Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -248,7 +248,12 @@ class Store:
             taken = _with_columns(taken, _AMENDABLE[name], amended)
             # later than all that is there, whatever the clocks of those who wrote it
             start = max(datetime.now(UTC), stored.newest + timedelta(microseconds=1))
-            times = [(start + timedelta(microseconds=i),) for i in range(len(chosen))]
+            repeats: Counter[tuple[Any, ...]] = Counter()
+            times = []
+            for place in chosen:
+                key = contents[place][:-1]
+                times.append((start + timedelta(microseconds=repeats[key]),))
+                repeats[key] += 1
             appended[name] = _with_columns(taken, ["ingested_at"], times)
             is_new = [contents[place] in places for place in chosen]
             new[name] = appended[name].filter(pa.array(is_new, pa.bool_()))
@@ -609,6 +614,8 @@ def _file_of(location: Location, path: str, texts: Sequence[str] = ()) -> Iterat
             except (pa.ArrowException, KeyError, ValueError) as error:
                 raise FormatError(f"is damaged ({error})", file=uri) from error
     except FileNotFoundError as error:
+        if not location.list("sources/_delta_log/"):  # this machine does not see the store
+            raise StoreError("cannot be read (it is not there)", file=location.uri) from error
         raise InputError("is missing in the store", file=uri) from error
 
 
