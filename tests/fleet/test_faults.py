@@ -9,6 +9,7 @@ import subprocess
 import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -114,6 +115,41 @@ def test_a_worker_that_is_killed_costs_its_batch_alone(store, undisturbed, out, 
     assert finished(out, plan) == undisturbed
     expected = {batch.key: 1 for batch in plan.batches} | {batch_of(plan, "r4"): 2}
     assert attempts_of(out) == expected
+
+
+def test_workers_that_are_killed_together_do_not_end_the_scan(store, undisturbed, out, tmp_path):
+    plan, job = begin_scan(store, out, run=killed_at("", tmp_path, times=4))
+    list(in_pool(job, 4))
+    assert finished(out, plan) == undisturbed
+
+
+def test_a_machine_that_does_not_see_the_store_leaves_its_batches(store, undisturbed, out):
+    plan, job = begin_scan(store, out)
+    elsewhere = Path(store).rename(Path(store).with_name("elsewhere"))
+    try:
+        for _ in ("before it has read it", "afterwards"):
+            with pytest.raises(StoreError, match=r"cannot be read \(it is not there\)"):
+                list(drive(job, in_process))
+            elsewhere.rename(store)
+            batch = batch_of(plan, "r4")
+            assert job.run(batch) == "done"
+            (out / f"done/{batch}.json").unlink()
+            Path(store).rename(elsewhere)
+    finally:
+        elsewhere.rename(store)
+    list(drive(job, in_process))
+    assert finished(out, plan) == undisturbed
+
+
+def test_tasks_that_finish_together_all_succeed(store, undisturbed, out):
+    plan, job = begin_scan(store, out)
+    list(drive(job, in_process))
+    with ThreadPoolExecutor(8) as pool:
+        assert (
+            len({*pool.map(lambda _: json.dumps(finish(Location(out), plan).given()), range(8))})
+            == 1
+        )
+    assert files_of(out) == undisturbed
 
 
 def test_an_error_that_does_not_pickle_ends_the_scan_too(store, out):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
@@ -160,6 +161,12 @@ def test_the_tables_are_those_of_the_scan_that_was_begun_last(store, undisturbed
     finish(out, its_plan)
     assert len(table_of(tmp_path, "intervals")) > n_intervals
     assert files_of(tmp_path).items() >= undisturbed.items()
+    for log in (tmp_path / "intervals/_delta_log").glob("*.json"):  # readers may mind the order
+        actions = [json.loads(line) for line in log.read_text().splitlines()]
+        added, removed = (
+            {of[kind]["path"] for of in actions if kind in of} for kind in ("add", "remove")
+        )
+        assert not added & removed
 
 
 def test_what_a_scan_keeps_changes_nothing_for_the_next(store, tmp_path):
