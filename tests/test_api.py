@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -377,3 +379,15 @@ def test_every_public_name_is_there():
         assert getattr(nv, name) is not None
     with pytest.raises(AttributeError, match="no attribute 'compaer'"):
         _ = nv.compaer
+
+
+def test_every_parameter_of_a_call_with_arguments_is_described_and_no_flag():
+    public = [*(getattr(nv, name) for name in dir(nv)), *vars(Comparison).values()]
+    calls = [call for call in public if "__signature__" in getattr(call, "__dict__", ())]
+    assert len(calls) == 15
+    for call in calls:
+        text = inspect.getdoc(call)
+        for name in {*inspect.signature(call).parameters} - {"self"}:
+            described = re.search(rf"^(\w+, )*{name}(, \w+)*\n    \S", text, re.MULTILINE)
+            assert described, f"{call.__name__}: {name}"
+        assert not re.search(r"(?<![\w-])--[a-z]", text), call.__name__

@@ -17,10 +17,10 @@ from nvcore.cli.options import arguments_of, options_of
 @arguments
 class Wishes:
     place: str
-    many: str = argument("A", "How many.", flag="--how-many")
+    many: str = argument("A", "How many; see {late_s}.", flag="--how-many")
     _: KW_ONLY
     late_s: float = argument("A", "How late.", default=0.5)
-    names: tuple[str, ...] = argument("B", "Whose.", flag="--of", default=(), multiple=True)
+    names: tuple[str, ...] = argument("B", "{again}.", flag="--of", default=(), multiple=True)
     facts: dict[str, str] | None = argument(
         "B", "What.", default=None, multiple=True, callback=pairs_of
     )
@@ -29,7 +29,18 @@ class Wishes:
 
 @called_with(Wishes)
 def call(wishes: Wishes) -> Wishes:
-    """Wish."""
+    """Wish.
+
+    Parameters
+    ----------
+    place, silent
+        Where, and whether quietly.
+
+    Raises
+    ------
+    TypeError
+        If there is no such wish.
+    """
     return wishes
 
 
@@ -50,7 +61,12 @@ def test_a_call_has_the_fields_as_its_parameters():
     assert dict(inspect.signature(call).parameters) == parameters
     assert [*inspect.signature(Owner.call).parameters] == ["self", *parameters]
     assert inspect.signature(call).return_annotation == "Wishes"
-    assert (call.__name__, call.__doc__) == ("call", "Wish.")
+    assert call.__name__ == "call"
+    assert call.__doc__ == (
+        "Wish.\n\nParameters\n----------\nplace, silent\n    Where, and whether quietly.\n"
+        "many\n    How many; see `late_s`.\nlate_s\n    How late.\nnames\n    several may be given."
+        "\nfacts\n    What.\n\nRaises\n------\nTypeError\n    If there is no such wish."
+    )
     assert call("here", "3", late_s=1) == Wishes("here", "3", late_s=1)
     owner = Owner()
     assert owner.call("here", many="3") == (owner, Wishes("here", "3"))
@@ -87,4 +103,6 @@ def test_flags_stand_in_the_order_of_the_call_and_may_be_chosen():
     assert names == ["many", "late_s", "names", "facts"]
     chosen = click.command(options_of(Part, "size", "tags")(lambda **_: None))
     assert [option.name for option in chosen.params] == ["tags", "size"]
-    assert "[default: 0.5]" in CliRunner().invoke(command, "--help").stdout
+    text = CliRunner().invoke(command, "--help").stdout
+    for words in ("[default: 0.5]", "How many; see --late-s.", "may be given again."):
+        assert words in text

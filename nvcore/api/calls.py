@@ -31,12 +31,6 @@ def compare(dataset: Dataset) -> Comparison:
     The thresholds, parameters, protocol and choice of X and Y are those of the session, unless
     they are given here.
 
-    Parameters
-    ----------
-    source, truth, x, y, size, fps, frames, recordings, name_x, name_y, protocol, objects, primary,
-    operating_point, params
-        See `load`.
-
     Raises
     ------
     InputError
@@ -58,11 +52,7 @@ def compare(dataset: Dataset) -> Comparison:
 def audit(dataset: Dataset) -> tuple[Finding, ...]:
     """What is wrong or suspicious in the inputs and pictures, worst first; nothing is scored.
 
-    Parameters
-    ----------
-    source, truth, x, y, size, fps, frames, recordings, name_x, name_y, protocol, objects, primary,
-    operating_point, params
-        See `load`. One system is enough.
+    One system is enough.
 
     Raises
     ------
@@ -154,25 +144,9 @@ def groups(arguments: GroupArguments) -> GroupComparison:
         A CSV file or a table in memory: ``condition`` and ``value``, if known ``participant``; or
         ``condition,n,mean,sd``. A table of drives has
         ``participant,condition,duration_s,violations,kind``.
-    measure
-        The column that is compared; None: ``value``, or the first column of numbers.
-    scale
-        ``times``, ``counts`` or ``numbers``; None: by the column's name and its numbers.
-    kind
-        Of a table with that column: count only rows of this kind; None: of all kinds together.
     rename
         Other names of conditions; those of one name are compared as one, and one without a name is
         left out: ``{"visual": "feedback", "audio": "feedback", "control": ""}``.
-    leave_out
-        Participants to leave out.
-    correlation
-        Of means and SD: what paired comparisons would show in the same persons, if their values in
-        two conditions had this correlation.
-    difference
-        The smallest difference that would matter, in the unit of the measure, for the size of a
-        further study; None: the largest one found.
-    power
-        Share of studies that should show it, 0.5 to 0.99.
 
     Returns
     -------

@@ -205,11 +205,6 @@ class Comparison:
 
         Where X and Y are set to unequally many false alarms, at equally many.
 
-        Parameters
-        ----------
-        measure, difference, margin, candidate, power, n_tests
-            See `nvcore.arguments.PlanArguments`; a share of 3 percentage points is 0.03.
-
         Raises
         ------
         ParameterError
@@ -250,10 +245,8 @@ class Comparison:
 
         Parameters
         ----------
-        stability
-            Whether to map the verdict over the settings; None: for up to 20,000 frames.
-        title, author, question, date
-            What stands on the first page; by itself it has no date.
+        path
+            File to write.
 
         Raises
         ------

@@ -1,14 +1,17 @@
 """The arguments of a command, declared once: its flags, the parameters of its Python call, its job.
 
 They are a dataclass. A field made by `argument` is a flag, too, and holds what click and the help
-have to know of it; other fields are parameters of the Python call alone.
+have to know of it; other fields are parameters of the Python call alone. The docstring of that call
+says only what these fields do not.
 """
 
 from __future__ import annotations
 
 import inspect
+import re
+import textwrap
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import KW_ONLY, MISSING, dataclass, field
+from dataclasses import KW_ONLY, MISSING, dataclass, field, fields, is_dataclass
 from functools import wraps
 from pathlib import Path
 from typing import Any, Concatenate, Final, ParamSpec, TypeVar, dataclass_transform
@@ -42,6 +45,11 @@ Output = TypeVar("Output")
 Owner = TypeVar("Owner")
 Call = TypeVar("Call", bound=Callable[..., Any])
 
+_PARAMETERS: Final = re.compile(
+    r"(?:\n\n(?:Parameters|Attributes)\n-+\n(.*?))?(?=\n\n\w+\n---|\Z)", re.DOTALL
+)
+"""Their section of a docstring, or the place for it; and the entries in it."""
+
 
 def argument(
     group: str, meaning: str, *, flag: str = "", default: Any = MISSING, **known: Any
@@ -53,7 +61,8 @@ def argument(
     group
         Heading of the help that it stands under.
     meaning
-        What the help says of it.
+        What the help and the docstring of the call say of it. ``{again}``: that it may be given
+        several times; ``{name}``: another of these arguments.
     flag
         Empty: by the field's name.
     default
@@ -76,7 +85,8 @@ def called_with(
 ) -> Callable[[Callable[[Arguments], Output]], Callable[P, Output]]:
     """A function of what a class or another function makes, called with the parameters of that.
 
-    So ``help``, type checkers and `inspect.signature` show it.
+    So ``help``, type checkers and `inspect.signature` show it. Of the parameters the function's
+    docstring says only what neither the help of the fields nor the docstring of `kind` does.
     """
 
     def decorate(function: Callable[[Arguments], Output]) -> Callable[P, Output]:
@@ -84,7 +94,7 @@ def called_with(
         def call(*given: P.args, **named: P.kwargs) -> Output:
             return function(kind(*given, **named))
 
-        return _shown(call, inspect.signature(kind).parameters.values())
+        return _shown(call, kind, inspect.signature(kind).parameters.values())
 
     return decorate
 
@@ -103,17 +113,50 @@ def method_with(
 
         owner = inspect.Parameter("self", inspect.Parameter.POSITIONAL_ONLY)
         own = inspect.signature(kind).parameters.values()
-        return _shown(call, [owner, *own])
+        return _shown(call, kind, [owner, *own])
 
     return decorate
 
 
-def _shown(call: Call, parameters: Iterable[inspect.Parameter]) -> Call:
-    """The call, shown with these parameters."""
+def _shown(call: Call, kind: Callable[..., Any], parameters: Iterable[inspect.Parameter]) -> Call:
+    """The call, shown with these parameters, which its docstring describes."""
     output = call.__annotations__["return"]
     signature = inspect.Signature(list(parameters), return_annotation=output)
     call.__signature__ = signature  # type: ignore[attr-defined]
+    if call.__doc__ is not None:  # as without -OO
+        texts = _texts_of(kind) | _texts(call)
+        entries = dict.fromkeys(texts[name] for name in signature.parameters if name in texts)
+        section = "\n".join(["\n\nParameters\n----------", *entries])
+        call.__doc__ = _PARAMETERS.sub(lambda _: section, inspect.cleandoc(call.__doc__), count=1)
     return call
+
+
+def _texts_of(kind: Callable[..., Any]) -> dict[str, str]:
+    """Entries of the parameters that a class, or another function, says something of."""
+    if not is_dataclass(kind):
+        return _texts(kind)
+    texts = {}
+    names = {spec.name: f"`{spec.name}`" for spec in fields(kind)}
+    for spec in fields(kind):
+        if facts := spec.metadata.get("facts"):
+            text = facts["help"].format(again="several may be given", **names)
+            match facts.get("type"):
+                case click.Choice(choices=choices):
+                    text += " One of " + ", ".join(f'"{choice}"' for choice in choices) + "."
+                case click.FloatRange(min=float(low), max=float(high)):
+                    text += f" From {low:g} to {high:g}."
+            text = textwrap.fill(text, 100, initial_indent=" " * 4, subsequent_indent=" " * 4)
+            texts[spec.name] = f"{spec.name}\n{text}"
+    for base in reversed(inspect.getmro(kind)):
+        texts |= _texts(base)
+    return texts
+
+
+def _texts(described: object) -> dict[str, str]:
+    """Entries of a docstring by parameter; several may share one."""
+    told = _PARAMETERS.findall(inspect.cleandoc(described.__doc__ or ""))[0]
+    entries = re.split(r"\n(?=\S)", told)
+    return {name: entry for entry in entries for name in entry.partition("\n")[0].split(", ")}
 
 
 @arguments
@@ -122,23 +165,17 @@ class Part:
 
     Attributes
     ----------
-    only, tags
-        Names of recordings, and tags that they all have; empty: all that the session compares.
-    frames, size, fps
-        See `nvcore.load`.
+    size
+        (width, height) in pixels, or a text such as "640x480". Default: as in the data.
     """
 
     _: KW_ONLY
     only: str | Sequence[str] = argument(
-        INPUTS,
-        "Only this recording; may be given again.",
-        default=(),
-        multiple=True,
-        metavar="RECORDING",
+        INPUTS, "Only this recording; {again}.", default=(), multiple=True, metavar="RECORDING"
     )
     tags: str | Sequence[str] = argument(
         INPUTS,
-        "Only recordings with this tag; may be given again: with all of them.",
+        "Only recordings with this tag; {again}: with all of them.",
         flag="--tag",
         default=(),
         multiple=True,

@@ -47,7 +47,7 @@ class GroupArguments:
     rename: Mapping[str, str] | None = argument(
         INPUTS,
         "Another name for a condition; conditions of one name are compared as one, and one without "
-        "a name (control=) is left out; may be given again.",
+        "a name (control=) is left out; {again}.",
         default=None,
         multiple=True,
         metavar="CONDITION=NAME",
@@ -55,7 +55,7 @@ class GroupArguments:
     )
     leave_out: Sequence[str] = argument(
         INPUTS,
-        "Without this participant; may be given again.",
+        "Without this participant; {again}.",
         default=(),
         multiple=True,
         metavar="PARTICIPANT",

@@ -15,27 +15,7 @@ STUDY: Final = "Study"
 
 @arguments
 class PlanArguments:
-    """What a study is planned for.
-
-    Attributes
-    ----------
-    measure
-        A name of `nvcore.evidence.planning.PLAN_KEYS`, such as ``encounters_detected``; None: the
-        primary measure.
-    difference
-        Size of the difference to be shown, in the unit of the measure, shares from 0 to 1: the
-        smallest one that would matter. None: as in these recordings.
-    margin
-        By how much the candidate may be worse, likewise: asks for non-inferiority instead of a
-        difference.
-    candidate
-        The system of which that is asked.
-    power
-        Share of studies that should show it, 0.5 to 0.99.
-    n_tests
-        Measures that the study is going to test, this one included: it shows a difference where p
-        is at most 0.05 over this number.
-    """
+    """See `nvcore.api.comparison.Comparison.plan`."""
 
     measure: str | None = argument(
         STUDY,
@@ -62,11 +42,13 @@ class PlanArguments:
     )
     candidate: Side = argument(
         STUDY,
-        "The system that --margin is for, such as the one that costs less.",
+        "The system that {margin} is for, such as the one that costs less.",
         default="y",
         type=click.Choice(get_args(Side)),
     )
-    power: float = argument(STUDY, "Share of studies that should show it.", default=0.8)
+    power: float = argument(
+        STUDY, "Share of studies that should show it, 0.5 to 0.99.", default=0.8
+    )
     n_tests: int = argument(
         STUDY,
         "Measures that the study will test, for which its p is corrected.",

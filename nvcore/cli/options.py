@@ -115,10 +115,12 @@ def options_of(kind: type, *names: str) -> Callable[[Callable[..., Any]], Callab
         Of these fields alone; none: of all.
     """
     options = []
+    flags = {spec.name: flag_of(spec.name) for spec in fields(kind)}
     for spec in sorted(fields(kind), key=lambda spec: spec.kw_only is True):
         if "flag" not in spec.metadata or (names and spec.name not in names):
             continue
         facts = dict(spec.metadata["facts"])
+        facts["help"] = facts["help"].format(again="may be given again", **flags)
         if spec.default is MISSING:
             facts["required"] = True
         elif spec.default != ():  # None, too: of a flag with a negation it is a third value

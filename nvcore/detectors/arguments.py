@@ -61,7 +61,7 @@ class DetectArguments(Part):
     _: KW_ONLY
     settings: Mapping[str, Setting | Sequence[Setting]] | None = argument(
         DETECTOR,
-        "A setting of the detector, such as upscale=2; may be given again. nvcore models NAME or "
+        "A setting of the detector, such as upscale=2; {again}. nvcore models NAME or "
         "FILE lists them.",
         flag="--set",
         default=None,
@@ -71,8 +71,8 @@ class DetectArguments(Part):
     )
     trained_on: str | Sequence[str] = argument(
         DETECTOR,
-        "A recording, or frames of it, on which the model was trained, where it does not say so "
-        "itself; may be given again.",
+        "A recording, or frames of it (urban_01=0:399), on which the model was trained, where it "
+        "does not say so itself; {again}.",
         default=(),
         multiple=True,
         metavar="RECORDING[=F:L]",
@@ -91,7 +91,8 @@ class DetectArguments(Part):
     )
     n_threads: int | None = argument(
         DETECTOR,
-        "Pictures at a time. Default: as many as there are cores.",
+        "Pictures at a time, each in one thread; with 1 a picture may take all cores. Default: as "
+        "many as there are cores.",
         flag="--threads",
         default=None,
         type=click.IntRange(1, 256),
@@ -127,16 +128,16 @@ class TrainArguments(Part):
     )
     least_height: float | None = argument(
         INPUTS,
-        "Lower boxes are neither learned nor background. Default: those that the smallest scale "
-        "is too large for.",
+        "Boxes lower than so many px are neither learned nor background. Default: those that the "
+        "smallest scale is too large for.",
         default=None,
         type=click.FloatRange(0),
         metavar="PX",
     )
     crops: PathLike | None = argument(
         FOLDERS,
-        "Pictures with an object in the middle, or with those that boxes.csv in the folder lists "
-        "(file,x,y,w,h, and class if there are several).",
+        "Folder of pictures with an object in the middle, or with those that its boxes.csv lists "
+        "(file,x,y,w,h, and class if there are several: the model then says which a box is).",
         default=None,
         type=_PathTo,
         metavar="DIR",
@@ -148,18 +149,14 @@ class TrainArguments(Part):
         type=float,
     )
     background: PathLike | None = argument(
-        FOLDERS, "Pictures without an object.", default=None, type=_PathTo, metavar="DIR"
+        FOLDERS, "Folder of pictures without an object.", default=None, type=_PathTo, metavar="DIR"
     )
     hold_out: str | Sequence[str] = argument(
-        HELD_OUT,
-        "This recording; may be given again.",
-        default=(),
-        multiple=True,
-        metavar="RECORDING",
+        HELD_OUT, "This recording; {again}.", default=(), multiple=True, metavar="RECORDING"
     )
     split: SplitBy = argument(
         HELD_OUT,
-        "Without --hold-out: by physical object (tracks of the truth), by recording, or the end of "
+        "Without {hold_out}: by physical object (tracks of the truth), by recording, or the end of "
         "each recording (time); auto: the first that is possible.",
         default="auto",
         type=click.Choice(get_args(SplitBy)),
@@ -181,7 +178,7 @@ class TrainArguments(Part):
     )
     settings: Mapping[str, Setting | Sequence[Setting]] | None = argument(
         MODEL,
-        "A setting of the detector, such as stride=6 or scales=1,1.2,1.4; may be given again. "
+        "A setting of the detector, such as stride=6 or scales=1,1.2,1.4; {again}. "
         "nvcore models icf explains them all.",
         flag="--set",
         default=None,

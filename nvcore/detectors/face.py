@@ -38,26 +38,8 @@ def detect(arguments: DetectArguments) -> WrittenRun:
     source
         A session file, a session, or a dataset made by `load`: it names the pictures of each
         recording, and need not name a system.
-    detector
-        ``"hog"``, ``"hog:daimler"``, or a model: one that was trained here, or an ONNX file.
-    out
-        Folder for the boxes (CSV), the record of how they were made, and ``session.toml``.
     settings
         Of the detector, by name; ``nvcore models`` describes them.
-    trained_on
-        Recordings on which the model was trained, where it does not say so itself; of a part of
-        one its frames, too: ``"urban_01=0:399"``.
-    name, threshold
-        Of the new system; None: the detector's.
-    against
-        The system that it is compared with, as X; None: the session's X.
-    only, tags
-        Names of recordings, and tags that they all have; empty: all that the session compares.
-    size, fps, frames
-        See `load`.
-    n_threads
-        Pictures at a time, each in one thread; None: as many as there are cores. 1: a picture may
-        take all cores.
     progress
         Called with the share done, and the time left in words. It may raise `CancelledError`:
         nothing is then written.

@@ -25,6 +25,23 @@ _FILE: Final = click.Path(dir_okay=False, path_type=Path)
 
 @arguments
 class _RunArguments(Part):
+    """What features of pictures, and estimates by them, are made of.
+
+    Attributes
+    ----------
+    source
+        A session file, a session, or a dataset made by `load`. It names the pictures of visible
+        light of each recording, its light meter and where the driver looked, and need not name a
+        system.
+    settings
+        What the paper leaves open, by name (docs/driver-reference.md): ``surround``,
+        ``drop_factor``, ...; ``fixation`` is the assumed point as shares of the picture,
+        (0.5, 0.5) its middle.
+    progress
+        Called with the share done, and the time left in words. It may raise `CancelledError`:
+        nothing is then written.
+    """
+
     source: PathLike | Session | Dataset
     _: KW_ONLY
     settings: Mapping[str, Any] | None = None
@@ -80,7 +97,21 @@ class EstimateArguments(_RunArguments):
 
 @arguments
 class TrialArguments:
-    """What is learned from trials with people; see `nvcore.train_driver`."""
+    """What is learned from trials with people.
+
+    Attributes
+    ----------
+    trials
+        CSV file, a row for each picture shown to a subject (docs/driver-reference.md).
+    features
+        CSV file of ``image,pedestrian`` and the eight features of the pictures.
+    judging
+        Which responses are right; None: a square of 200 px around the touch overlaps the middle
+        half of the pedestrian.
+    progress
+        Called with the share done, and the time left in words. It may raise `CancelledError`:
+        nothing is then written.
+    """
 
     trials: PathLike
     features: PathLike = argument(
@@ -101,7 +132,7 @@ class TrialArguments:
     judging: Judging | None = None
     leave_out: Sequence[str] = argument(
         INPUTS,
-        "Without the responses of this subject; may be given again.",
+        "Without the responses of this subject; {again}.",
         default=(),
         multiple=True,
         metavar="SUBJECT",

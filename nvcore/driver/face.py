@@ -29,25 +29,8 @@ def driver_features(arguments: FeatureArguments) -> WrittenFeatures:
 
     Parameters
     ----------
-    source
-        A session file, a session, or a dataset made by `load`. It names the pictures of visible
-        light of each recording, its light meter and where the driver looked, and need not name a
-        system.
     out
         Folder for ``features.csv`` and ``driver.json``, which says how they were made.
-    settings
-        What the paper leaves open, by name (docs/driver-reference.md): ``surround``,
-        ``drop_factor``, ...; ``fixation`` is the assumed point as shares of the picture,
-        (0.5, 0.5) its middle.
-    only, tags
-        Names of recordings, and tags that they all have; empty: all that the session compares.
-    size, fps, frames
-        See `load`.
-    n_threads
-        Pictures at a time; None: as many as there are cores.
-    progress
-        Called with the share done, and the time left in words. It may raise `CancelledError`:
-        nothing is then written.
 
     Raises
     ------
@@ -158,19 +141,8 @@ def image_features(
 def estimate_driver(arguments: EstimateArguments) -> WrittenEstimates:
     """How likely the driver sees each pedestrian by himself, in every frame.
 
-    Parameters
-    ----------
-    source, settings, only, tags, size, fps, frames, n_threads, progress
-        As of `driver_features`.
-    model
-        An estimator that ``nvcore driver train`` wrote, or ``sample``: that of the sample's
-        simulated observer. The settings of its features are taken where they are not given.
-    out
-        Folder for ``detectability.csv``, ``features.csv``, ``driver.json`` and ``session.toml``:
-        the session with the estimates, which `compare` takes.
-    interpolate
-        Whether to interpolate between the estimators of the periods before and after; else that of
-        the nearest adaptation period is taken.
+    The settings of the model's features are taken where they are not given. ``session.toml`` is the
+    session with the estimates, which `compare` takes.
 
     Raises
     ------

@@ -68,7 +68,7 @@ class ScanArguments:
         metavar="I/N",
     )
     scheduler: str | None = argument(
-        RUN, "By the workers of this Dask scheduler.", default=None, metavar="ADDRESS"
+        RUN, "Address of a Dask scheduler, whose workers do it.", default=None, metavar="ADDRESS"
     )
     keep: bool = argument(
         OUTPUT,
@@ -117,7 +117,7 @@ class TopArguments:
         metavar="CONDITION",
     )
     n: int = argument(
-        SELECTION, "So many.", flag="-n", default=20, type=click.IntRange(min=1), metavar="N"
+        SELECTION, "Number of rows.", flag="-n", default=20, type=click.IntRange(min=1), metavar="N"
     )
     reverse: bool = argument(SELECTION, "The best first.", default=False, is_flag=True)
     storage: Mapping[str, str] = field(default_factory=dict)

@@ -159,34 +159,17 @@ class Scan:
 def scan(arguments: ScanArguments) -> Scan:
     """Compare two systems on all recordings of a store; what was done before is not done again.
 
+    Each run of the same scan goes on where the last one ended, also several at a time; a store that
+    has grown, or another setting, is a new scan, for which the same folder serves.
+
     Parameters
     ----------
     store
         Folder or URI of a store, as ``nvcore ingest`` makes it, or what `open_store` returns.
-    out
-        Folder or URI of the results. Each run of the same scan goes on where the last one ended,
-        also several at a time; a store that has grown, or another setting, is a new scan, for which
-        the same folder serves.
-    x, y, truth
-        Names in the store: the newest version of each recording, or that of a number or label
-        behind ``@``.
     params
         Settings of the comparison; None: by default.
-    frames
-        Whether the table of frames is kept.
-    workers
-        Processes on this machine; None: one for each core and each free GB of memory.
-    shard
-        ``"17/300"``: in this process, beginning with the 17th of 300 parts of the batches.
-    scheduler
-        Address of a Dask scheduler, whose workers then do it.
-    keep
-        Whether a later scan with another alpha, sigmoid or threshold of low similarity can reuse
-        what dear steps made.
     engine
         What runs the batches otherwise: a function of a job (`nvcore.fleet.scan.Engine`).
-    retry
-        Whether recordings in quarantine are tried again.
     storage
         Keys and values for the object store, as object_store has them; else by the environment.
     progress
@@ -297,20 +280,10 @@ def top(arguments: TopArguments) -> Top:
     ----------
     results
         Folder or URI that the scan has written to, or of the store, if one lies below it.
-    table
-        ``"encounters"``, ``"events"``, ``"intervals"``, ``"episodes"``, ``"recordings"``, or
-        ``"frames"`` where the scan has kept them.
-    by
-        A column, with or without its unit and the letter of a system: ``"severity"`` is the larger
-        one of both systems.
     where
         A condition on the columns of the table, on those of the recordings (``unit``, ``fps``, or
         ``recording.n_frames`` where the table has such a column, too) and on tags: ``"tag.night"``,
         ``"tag.road = 'rural' and n_frames > 10"``. Empty: all rows.
-    n
-        Largest number of rows.
-    reverse
-        Whether the best come first.
     storage
         As of `nvcore.scan`.
 
@@ -352,8 +325,6 @@ def export_recording(arguments: OpenArguments) -> Path:
         Its name.
     out
         Folder of the session, which `nvcore.load` reads.
-    x, y, truth
-        Sources of a store, as of `nvcore.scan`. None: the recording's only two systems.
     storage
         As of `nvcore.scan`.
 

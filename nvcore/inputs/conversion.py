@@ -69,15 +69,9 @@ def convert(arguments: ConvertArguments) -> Conversion:
         File to write; of MOTChallenge with several recordings a folder.
     to
         ``csv``, ``parquet``, ``coco`` or ``mot``; None: as the ending of the target's name says.
-    role
-        What the input holds; None: truth, unless it looks like detections, which is an error.
-    truth
-        Ground truth, for results that name pictures by number; like the source.
     frames_out
         Where to write the evaluated frames of the truth: a file, or a folder if the recordings
         differ in them.
-    force
-        Whether files that exist are replaced; never the input.
     size
         Of pictures whose size the files do not say, px.
     objects

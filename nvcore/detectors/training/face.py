@@ -36,35 +36,12 @@ def train(arguments: TrainArguments) -> Training:
     source
         A session file, a session, or a dataset made by `load`: its truth and pictures are learned.
         None: folders alone.
-    out
-        The file of the model, by custom ``.npz``.
-    preset
-        Settings to start from; None: ``signs`` where the objects are speed signs, else
-        ``pedestrians``.
     settings
         Changes of the preset, by name; several values of one as a sequence.
-    name
-        Of the model; None: the file's.
-    only, tags
-        Names of recordings, and tags that they all have; empty: all that the session compares.
-    size, fps
-        See `load`.
-    frames, every
-        Of the evaluated frames only these (see `load`), and only every so many; None: all, thinned
-        out to 5,000 boxes.
     hold_out, split, share, gap
         What is not learned but calibrates the rejection: recordings by name; or this share of the
         physical objects (tracks), of the recordings, or of the end of each recording, after a gap
         of so many frames; ``auto``: the first that is possible.
-    least_height
-        Lower boxes, px, are neither learned nor background; None: those that the smallest scale
-        is too large for.
-    crops, crop_share
-        A folder of pictures with an object in the middle, which takes this share of their height
-        (None: as in the window), or with those that ``boxes.csv`` lists (file, x, y, w, h, and
-        class where there are several: the model then says of each box which it is).
-    background
-        A folder of pictures without an object.
     progress
         Called with the share done, and the time left in words. It may raise `CancelledError`:
         nothing is then written.

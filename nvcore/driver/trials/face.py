@@ -27,30 +27,8 @@ def train_driver(arguments: TrainArguments) -> Training:
 
     Parameters
     ----------
-    trials
-        CSV file, a row for each picture shown to a subject (docs/driver-reference.md).
-    features
-        CSV file of ``image,pedestrian`` and the eight features of the pictures.
-    out
-        The file of the model, by custom ``.npz``.
-    boxes
-        CSV file of ``image,pedestrian,x,y,w,h``; None: `features` has these columns.
-    judging
-        Which responses are right; None: a square of 200 px around the touch overlaps the middle
-        half of the pedestrian.
-    leave_out
-        Subjects whose responses are not used.
-    quick
-        Fewer settings are tried, for a first look.
-    seed
-        Of all that is drawn at random.
     name
         Of the model; None: the file's.
-    n_threads
-        Regressions at a time; None: as many as there are cores.
-    progress
-        Called with the share done, and the time left in words. It may raise `CancelledError`:
-        nothing is then written.
 
     Returns
     -------
@@ -89,16 +67,6 @@ def train_driver(arguments: TrainArguments) -> Training:
 @called_with(EvaluateArguments)
 def evaluate_driver(arguments: EvaluateArguments) -> Evaluation:
     """How well estimators do on pedestrians that they have not seen, leaving out one at a time.
-
-    Parameters
-    ----------
-    out
-        Folder for the tables as CSV files; None: none are written.
-    html
-        File for figures and tables as one HTML page; None: none is written. It needs the extra
-        ``report``.
-    trials, features, boxes, judging, leave_out, quick, seed, n_threads, progress
-        As of `train_driver`.
 
     Returns
     -------
