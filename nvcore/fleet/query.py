@@ -265,7 +265,7 @@ def _columns_by(name: str, own: Mapping[str, pa.DataType]) -> tuple[str, ...]:
 def _is_low_better(table: str, column: str) -> bool:
     """Whether large values are bad; so is of what is neither good nor bad the most."""
     better = {of.name: of.better for of in report_columns().get(f"{table}.csv", ())}
-    return better.get(column) != "high"
+    return better.get(column.removeprefix("sum_")) != "high"
 
 
 def _check_keys(keys: Collection[str], facts: duckdb.DuckDBPyRelation) -> None:
