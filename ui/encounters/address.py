@@ -79,7 +79,8 @@ def from_address(
         return value
 
     def among(name: str, possible: Sequence[str]) -> tuple[str, ...]:
-        asked = [_unescaped(part) for part in query.get(name, "").split(",") if part]
+        parts = query.get(name, "").split(",")
+        asked = [part.replace("%2C", ",").replace("%25", "%") for part in parts if part]
         wrong.extend(f"{name} cannot be {_short(it)}" for it in asked if it not in possible)
         return tuple(it for it in possible if it in asked)
 
@@ -110,10 +111,6 @@ def from_address(
 
 def _joined(names: Sequence[str]) -> str:
     return ",".join(name.replace("%", "%25").replace(",", "%2C") for name in names)
-
-
-def _unescaped(part: str) -> str:
-    return part.replace("%2C", ",").replace("%25", "%")
 
 
 def _range_text(span: tuple[float, float] | None) -> str:
