@@ -9,6 +9,7 @@ from typing import Final, TypeVar
 
 from ui.encounters.filters import CATEGORIES, CLASSES, OF_SUBJECTS, OPEN, Filters
 from ui.encounters.order import Order, order_of
+from ui.session.address import finite_number
 
 ENCOUNTER: Final = "encounter"
 ALL_COLUMNS: Final = "all"
@@ -122,24 +123,16 @@ def _range_text(span: tuple[float, float] | None) -> str:
 
 def _range(text: str) -> tuple[float, float] | None:
     low, _, high = text.partition(":")
-    least = _number(low) if low else OPEN[0]
-    most = _number(high) if high else OPEN[1]
+    least = finite_number(low) if low else OPEN[0]
+    most = finite_number(high) if high else OPEN[1]
     if least is None or most is None or least > most or ":" not in text:
         return None
     return least, most
 
 
 def _least(text: str) -> float | None:
-    value = _number(text)
+    value = finite_number(text)
     return None if value is None or value < 0 else value
-
-
-def _number(text: str) -> float | None:
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
 
 
 def _short(text: str) -> str:
