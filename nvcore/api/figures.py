@@ -194,16 +194,13 @@ class Figures:
             for _, system in result.sides
         ]
         thresholds = [system.threshold for _, system in result.sides]
-        legends = [
-            legend_text(summarise_curve(curve, threshold), kind)
-            for curve, threshold in zip(curves, thresholds, strict=True)
-        ]
+        summaries = map(summarise_curve, curves, thresholds)
         return curve_plot(
             curves,
             thresholds,
             kind,
             theme=self._theme,
-            summaries=legends,
+            summaries=[legend_text(summary, kind) for summary in summaries],
             hint="",
             published=result.dataset.settings.published,
             objects=self._result.objects,

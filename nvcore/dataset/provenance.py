@@ -287,6 +287,3 @@ def _frame(number: object) -> int:
     if not isinstance(number, int) or isinstance(number, bool) or abs(number) > _MAX_FRAME:
         raise ValueError(f"expected a frame number, found {str(number)[:30]!r}")
     return number
-
-
-_WORDS: Final[dict[type, str]] = {dict: "an object", list: "a list", str: "a text"}

@@ -155,6 +155,7 @@ def render_estimator(estimator: Estimator) -> str:
             "own_constant": [quality.constant_error for quality in estimator.qualities],
         }
     )
+    caution = caution_of(estimator)
     lines = [
         f"{one_line(estimator.name)}: estimates what the driver sees by himself "
         "(nvcore driver estimate)",
@@ -170,7 +171,7 @@ def render_estimator(estimator: Estimator) -> str:
         *_errors(errors, last="single"),
         "single: one for all periods, and one constant for all",
         *_choices(estimator),
-        *_caution(estimator),
+        *([f"its estimates are {caution}"] if caution else []),
     ]
     return "\n".join(lines)
 
@@ -180,12 +181,6 @@ def _pictures(origin: Origin) -> str:
         return "of pictures whose size is not known, or not the same in all"
     width, height = origin.picture_px
     return f"of pictures of {width:,} x {height:,} px: estimates are for such ones"
-
-
-def _caution(estimator: Estimator) -> list[str]:
-    """Why its estimates are to be doubted, beside who its subjects were."""
-    caution = caution_of(estimator)
-    return [f"its estimates are {caution}"] if caution else []
 
 
 def render_estimators() -> str:

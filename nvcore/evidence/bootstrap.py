@@ -297,6 +297,12 @@ def studentised_tests(
     References
     ----------
     Efron and Tibshirani (1993), An introduction to the bootstrap, section 12.5.
+
+    Examples
+    --------
+    >>> (test,) = studentised_tests(np.array([[1.0, 2.0, 3.0, 2.0, 1.0, 2.0, 3.0, 2.0]]).T)
+    >>> test.p < 0.05
+    True
     """
     n, n_measures = parts.shape
     is_part = np.ones(parts.shape, dtype=bool) if is_part is None else is_part
@@ -334,18 +340,6 @@ def studentised_tests(
         p = min(1.0, 2 * (n_reached + 1) / (n_resamples + 1))
         tests.append(StudentisedTest(p, of_measure))
     return tests
-
-
-def studentised_p(parts: np.ndarray, *, n_resamples: int = N_RESAMPLES, seed: int = SEED) -> float:
-    """P of one measure by `studentised_tests`; NaN where a part is undefined, or all are the same.
-
-    Examples
-    --------
-    >>> studentised_p(np.array([1.0, 2.0, 3.0, 2.0, 1.0, 2.0, 3.0, 2.0])) < 0.05
-    True
-    """
-    (test,) = studentised_tests(parts[:, np.newaxis], n_resamples=n_resamples, seed=seed)
-    return test.p
 
 
 def count_units(units: np.ndarray, n: int) -> np.ndarray:

@@ -240,11 +240,7 @@ def _counts(result: Result, key: str) -> bool:
 
 
 def judge(
-    result: Result,
-    keys: Sequence[str],
-    *,
-    units: Units | None = None,
-    has_intervals: bool = True,
+    result: Result, keys: Sequence[str], *, units: Units | None = None
 ) -> tuple[Evidence, ...]:
     """The evidence of some measures, each by itself: p is not corrected for the others.
 
@@ -252,12 +248,11 @@ def judge(
     ----------
     keys
         Of `nvcore.measures.EVIDENCE_KEYS`, without the log-average miss rate.
-    units, has_intervals
+    units
         As of `significance_table`.
     """
     units = find_units(result) if units is None else units
-    of_units = unit_measures(result, units)
-    return _judge(result, keys, of_units, units=units, has_intervals=has_intervals)
+    return _judge(result, keys, unit_measures(result, units), units=units, has_intervals=True)
 
 
 def _judge(

@@ -132,12 +132,6 @@ def _doubt(evidence: Evidence, reach_x: float, reach_y: float) -> str:
     )
 
 
-def _levels() -> np.ndarray:
-    """False positives per image at which systems are counted, increasing."""
-    between = np.geomspace(*POINT_RANGE, N_POINTS)
-    return np.union1d(between, FPPI_REFERENCES)
-
-
 def _sums(outcomes: Outcomes, units: Units) -> np.ndarray:
     """Images, pedestrians, and false and true positives at each level, by unit.
 
@@ -154,7 +148,8 @@ def _sums(outcomes: Outcomes, units: Units) -> np.ndarray:
     is_last[:-1] = outcomes.score[1:] != outcomes.score[:-1]
     ends = np.flatnonzero(is_last)
     fppi = fp[ends] / max(truth.n_images, 1)
-    last = np.searchsorted(fppi, _levels(), side="right") - 1
+    levels = np.union1d(np.geomspace(*POINT_RANGE, N_POINTS), FPPI_REFERENCES)
+    last = np.searchsorted(fppi, levels, side="right") - 1
     n_passing = np.where(last < 0, 0, ends[np.maximum(last, 0)] + 1) if len(ends) else 0 * last
     level = np.searchsorted(n_passing, np.arange(len(fp)), side="right")  # first that counts it
     of_unit = unit[outcomes.frame_index]

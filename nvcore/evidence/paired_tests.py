@@ -269,8 +269,8 @@ def swap_test(
     If the systems are exchangeable, the results of a recording could as well have come from the
     other system. That is what p tests, and it is more than equal means: systems of equal means, of
     which one errs a little everywhere and the other gravely in a few recordings, are not
-    exchangeable (`studentised_p` is for that). For a mean this is the sign-flip test; studentising
-    it would change nothing, since the sum of the squared differences is the same in every exchange.
+    exchangeable (`studentised_tests` are for that). For a mean this is the sign-flip test, which
+    studentising would not change: the sum of the squared differences is the same in every exchange.
     All exchanges are tried for up to `EXACT_UNITS` units that differ, else `n_permutations` random
     ones.
 

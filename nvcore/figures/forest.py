@@ -22,7 +22,6 @@ from nvcore.figures.style import (
     which_is_which,
     written,
 )
-from nvcore.measures.entry import AxisScale
 from nvcore.measures.table import inference_of
 from nvcore.palette import Theme
 from nvcore.wording import capitalised, count_text, number
@@ -105,6 +104,8 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
     near = " near enough to count" if unit == "encounters" else ""
     side = "right" if better == "higher" else "left"
     fixed = {"tickvals": place.tolist(), "showgrid": False, "fixedrange": True}
+    axis_unit = "percentage points" if scale.is_share else scale.unit
+    in_unit = f" in {axis_unit}" if axis_unit else ""
     ends = _range(difference, low, high, least=scale.least)
     counts = [
         written(
@@ -128,17 +129,12 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
         height=130 + ROW_PX * len(table),
         showlegend=False,
         margin={"r": LETTER_PX * max(len(count["text"]) for count in counts)},
-        xaxis=axis(theme, f"difference{_in_unit(scale)} ({side}: X is better)", range=ends),
+        xaxis=axis(theme, f"difference{in_unit} ({side}: X is better)", range=ends),
         yaxis=rows_axis(theme, labels, room=0.5, **fixed),
         annotations=counts,
     )
     figure.add_vline(0, line={"color": look.ink, "width": 1})
     return figure
-
-
-def _in_unit(scale: AxisScale) -> str:
-    unit = "percentage points" if scale.is_share else scale.unit
-    return f" in {unit}" if unit else ""
 
 
 def _range(

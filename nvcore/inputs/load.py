@@ -107,7 +107,8 @@ def load(
     progress(len(loaded) / n_steps, "placing boxes in frames")
     session = _with_ways_taken(session, loaded)
     loaded = _named_by_session(session, loaded)
-    chosen = session.choosing_from(_titles(session, loaded))
+    own = [entry.title or entry.name for entry in session.recordings]
+    chosen = session.choosing_from([*loaded[0].reading.recordings["name"], *own])
 
     def is_compared(name: str, tags: Collection[str]) -> bool:
         return {*chosen.only_tags} <= {*tags} and (not chosen.only or name in chosen.only)
@@ -119,12 +120,6 @@ def load(
         dataset = of.join(dataset, session)
     dataset = replace(dataset, findings=(*dataset.findings, *codes_beyond(dataset, session.codes)))
     return dataset.with_settings(session).only(session.only_tags, session.only)
-
-
-def _titles(session: Session, loaded: list[LoadedSource]) -> list[str]:
-    """What all recordings are called that have ground truth or facts."""
-    own = [entry.title or entry.name for entry in session.recordings]
-    return [*loaded[0].reading.recordings["name"], *own]
 
 
 def _refuse_past_pipes(session: Session) -> None:

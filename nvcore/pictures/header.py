@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import struct
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
@@ -101,23 +102,20 @@ def check_size(width: int, height: int, name: str) -> None:
 def is_whole(content: bytes) -> bool:
     """Whether a PNG or JPEG is complete; other formats are trusted."""
     if content.startswith(b"\x89PNG"):
-        return _has_whole_chunks(content)
+        # The decoder takes as much memory as a part states, before it finds that there is less.
+        return any(kind == b"IEND" for kind, _ in _png_parts(content))
     if content.startswith(b"\xff\xd8"):
         return b"\xff\xd9" in content[-(1 << 16) :]
     return True
 
 
-def _has_whole_chunks(content: bytes) -> bool:
-    """Whether the parts of a PNG, each as long as it states, end with its end mark.
-
-    The decoder takes as much memory as a part states, before it finds that there is less.
-    """
+def _png_parts(content: bytes) -> Iterator[tuple[bytes, slice]]:
+    """Kind and content of the parts of a PNG, each as long as it states."""
     position = 8
     while position + 12 <= len(content):  # a step per part
-        if content[position + 4 : position + 8] == b"IEND":
-            return True
-        position += 12 + int.from_bytes(content[position : position + 4], "big")
-    return False
+        n_bytes = int.from_bytes(content[position : position + 4], "big")
+        yield content[position + 4 : position + 8], slice(position + 8, position + 8 + n_bytes)
+        position += 12 + n_bytes
 
 
 def _size(content: bytes) -> tuple[int, int] | None:
@@ -161,13 +159,9 @@ def _png_size(content: bytes) -> tuple[int, int] | None:
     if content[12:16] != b"IHDR":
         return None
     width, height = struct.unpack_from(">2L", content, 16)
-    position = 8
-    while position + 12 <= len(content):  # a step per part
-        n_bytes = int.from_bytes(content[position : position + 4], "big")
-        if content[position + 4 : position + 8] == b"eXIf":
-            exif = content[position + 8 : position + 8 + n_bytes]
-            return (height, width) if _lies_on_its_side(exif) else (width, height)
-        position += 12 + n_bytes
+    for kind, place in _png_parts(content):
+        if kind == b"eXIf":
+            return (height, width) if _lies_on_its_side(content[place]) else (width, height)
     return width, height
 
 

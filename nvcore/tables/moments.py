@@ -143,9 +143,6 @@ def _earliest(n: int, of: np.ndarray, values: np.ndarray) -> np.ndarray:
     return earliest
 
 
-KINDS: Final = ("x", "y", "x_better", "y_better")
-"""Kinds of moments: low similarity of X, of Y; X better than Y, and the other way."""
-
 LEAST_DIFFERENCE: Final = 0.01
 """Least difference of similarities inside an interval; less is noise in the boxes' places."""
 

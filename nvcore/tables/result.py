@@ -10,7 +10,6 @@ import pandas as pd
 
 from nvcore.codes import CodedInterval
 from nvcore.comparison import Result
-from nvcore.dataset import Dataset
 from nvcore.dataset.copies import units_of
 from nvcore.findings import Finding
 from nvcore.measures.entry import is_met
@@ -192,13 +191,16 @@ def _worst(table: pd.DataFrame, letter: str, column: str, n: int) -> pd.DataFram
 def recordings_table(result: Result) -> pd.DataFrame:
     """One row per recording: its size, Venn counts, and the aggregates of both systems."""
     dataset, frames = result.dataset, result.dataset.frame_columns
+    # the mean of its series, else the speed that the recording states
+    by_series = dataset.frames["speed_kmh"].groupby(dataset.frames["recording"]).mean()
+    speed = by_series.reindex(dataset.recordings.index).fillna(dataset.recordings["speed_kmh"])
     columns: dict[str, Any] = {
         "recording": dataset.recordings["name"],
         "width": dataset.recordings["width"],
         "height": dataset.recordings["height"],
         "fps": dataset.recordings["fps"],
         "context": dataset.recordings["context"],
-        "speed_kmh": _mean_speeds(dataset),
+        "speed_kmh": speed,
         "unit": units_of(dataset),
         "n_frames": np.diff(frames.first),
         "duration_s": duration_of_recordings(result),
@@ -222,12 +224,6 @@ def codes_table(codes: Iterable[CodedInterval]) -> pd.DataFrame:
     """One row per coded interval, by recording and time, as `nvcore.inputs.codes` reads them."""
     rows = [of.given() for of in sorted(codes)]
     return pd.DataFrame(rows, columns=column_names("codes.csv"))
-
-
-def _mean_speeds(dataset: Dataset) -> pd.Series[float]:
-    """Speed of each recording, km/h: the mean of its series, else the one it states."""
-    by_series = dataset.frames["speed_kmh"].groupby(dataset.frames["recording"]).mean()
-    return by_series.reindex(dataset.recordings.index).fillna(dataset.recordings["speed_kmh"])
 
 
 def findings_table(findings: tuple[Finding, ...]) -> pd.DataFrame:

@@ -143,7 +143,8 @@ def ablation(of: Examples, scenes: list[SignScene]) -> list[str]:
         start = process_time()
         if row.run is None:
             settings = replace(BASE, **(row.trained or {}))
-            detector = _trained(of, settings, crops=row.crops, seed=row.seed)
+            sample = of if row.crops else replace(of, crops=[])
+            detector = IcfDetector(train_signs(sample, settings, seed=row.seed))
         else:
             assert base is not None
             detector = base.run_with(**row.run)
@@ -153,11 +154,6 @@ def ablation(of: Examples, scenes: list[SignScene]) -> list[str]:
         lines.append(_line(row, measured, None if row.run is not None else seconds))
         print(lines[-1], flush=True)
     return lines
-
-
-def _trained(of: Examples, settings: IcfSettings, *, crops: bool, seed: int) -> IcfDetector:
-    sample = of if crops else replace(of, crops=[])
-    return IcfDetector(train_signs(sample, settings, seed=seed))
 
 
 def _line(row: Row, m: Measured, seconds: float | None) -> str:

@@ -99,7 +99,7 @@ def read_scenes(folder: Path) -> list[SignScene]:
     return [
         SignScene(
             folder / name,
-            _table(boxes.get(name)),
+            np.array(boxes.get(name) or np.empty((0, 4)), float),
             tuple(limits.get(name, ())),
         )
         for name in (folder / "scenes.txt").read_text().split()
@@ -166,7 +166,3 @@ def standardised(picture: np.ndarray, box: np.ndarray) -> np.ndarray:
     patch = cv2.resize(grey, size, interpolation=cv2.INTER_AREA).astype(float).ravel()
     patch -= patch.mean()
     return patch / max(float(np.linalg.norm(patch)), 1e-9)
-
-
-def _table(rows: list[list[float]] | None) -> np.ndarray:
-    return np.array(rows or np.empty((0, 4)), float)

@@ -16,7 +16,7 @@ from nvcore.api.comparison import Comparison
 from nvcore.arguments.plan import PlanArguments
 from nvcore.comparison import Result, compare
 from nvcore.errors import ParameterError
-from nvcore.evidence.bootstrap import ratio, studentised_p
+from nvcore.evidence.bootstrap import ratio, studentised_tests
 from nvcore.evidence.claims import values_of
 from nvcore.evidence.companions import shifts_at_equal_alarms
 from nvcore.evidence.measures import Evidence, unit_measures
@@ -99,8 +99,8 @@ def test_a_simulated_study_rejects_where_the_tests_of_the_table_do():
         parts = pilot.parts_for(0.6)[rng.integers(0, 12, 15)]
         x, y = np.column_stack([parts, np.ones(15)]), np.column_stack([0 * parts, np.ones(15)])
         p = swap_test(x, y, ratio, n_permutations=399).p
-        p_of_skewed = studentised_p(parts, n_resamples=399)
-        n_shown += max(p, p_of_skewed) <= 0.05
+        (skewed,) = studentised_tests(parts[:, np.newaxis], n_resamples=399)
+        n_shown += max(p, skewed.p) <= 0.05
     simulated = count_differences_shown(pilot, 0.6, 15, 1000, level=0.05) / 1000
     assert simulated == pytest.approx(n_shown / 150, abs=3 * math.sqrt(0.25 / 150))
 
@@ -112,7 +112,8 @@ def test_the_expansion_of_the_studentised_bootstrap_is_close_to_it():
     values = (np.sign(mean) * (parts - mean))[np.newaxis]
     drawn = np.ones((1, 60), dtype=int)
     (tail,) = studentised_tail(drawn, values, np.array([abs(mean)]))
-    assert 2 * tail == pytest.approx(studentised_p(parts), abs=0.02)
+    (test,) = studentised_tests(parts[:, np.newaxis])
+    assert 2 * tail == pytest.approx(test.p, abs=0.02)
 
 
 def test_the_expansion_of_the_exchange_is_close_to_it():

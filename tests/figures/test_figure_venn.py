@@ -14,7 +14,7 @@ from builders import at, make_dataset, result_of
 from drives import at_thresholds
 from figure_parts import shape, trace, words
 
-from nvcore.figures.venn import MOST_MARKS, WORDS, overlap_area, place_circles, venn_figure
+from nvcore.figures.venn import MOST_MARKS, WORDS, circles_of, overlap_area, venn_figure
 from nvcore.figures.venn.plan import MIN_SIZE, REGIONS
 from nvcore.metrics.venn import Venn
 from nvcore.objects import PEDESTRIAN
@@ -47,7 +47,7 @@ def test_the_paper_s_figure_1_has_circles_of_7_and_7_with_5_shared() -> None:
     ("both", "x_only", "y_only"), [(22, 8, 5), (1, 200, 300), (997, 1, 2), (1, 1, 1000), (40, 2, 1)]
 )
 def test_the_three_areas_are_the_counts(both: int, x_only: int, y_only: int) -> None:
-    circles = place_circles(Venn(both, x_only, y_only, 0, 0))
+    circles = circles_of(both, x_only, y_only)
     shared = overlap_area(circles.radius_x, circles.radius_y, circles.apart)
     assert shared == pytest.approx(both, abs=1e-6)
     assert pi * circles.radius_x**2 - shared == pytest.approx(x_only, abs=1e-6)
@@ -62,11 +62,11 @@ def test_the_overlap_of_two_circles_is_what_counting_points_gives() -> None:
 
 
 def test_circles_apart_one_inside_the_other_and_one_on_the_other() -> None:
-    circles = place_circles(Venn(0, 20, 5, 1, 0))
+    circles = circles_of(0, 20, 5)
     assert circles.apart > circles.radius_x + circles.radius_y
-    circles = place_circles(Venn(5, 4, 0, 0, 0))
+    circles = circles_of(5, 4, 0)
     assert circles.apart + circles.radius_y == pytest.approx(circles.radius_x)
-    circles = place_circles(Venn(5, 0, 0, 0, 0))
+    circles = circles_of(5, 0, 0)
     assert (circles.apart, circles.radius_x) == (0, circles.radius_y)
 
 
@@ -88,7 +88,7 @@ def test_counts_stand_in_their_regions() -> None:
 
 def test_a_click_in_a_region_gives_its_category() -> None:
     venn = Venn(22, 8, 5, 3, 8)
-    circles = place_circles(venn)
+    circles = circles_of(venn.both, venn.x_only, venn.y_only)
     places = trace(venn_figure(venn, NAMES, theme="light", objects=PEDESTRIAN), "regions")
     for x, y, category in zip(places.x, places.y, places.customdata, strict=True):
         in_x = x**2 + y**2 <= circles.radius_x**2

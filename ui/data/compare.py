@@ -32,8 +32,6 @@ from ui.widgets.text import docs_link, number, plain
 
 EXACT_OPEN: Final = "exact_thresholds"
 """Whether the fields for exact thresholds are unfolded."""
-LOWEST: Final = "threshold_at_lowest"
-"""System and threshold typed just now, if that is its lowest score or less."""
 MOST_KEPT: Final = 32
 """Curves and points that are kept for all sessions."""
 PLOT_PX: Final = 250

@@ -53,10 +53,7 @@ def draw(result: Result, protocol: Protocol) -> None:
     """The curves of X and Y under a protocol, and their measures."""
     curves = [_curve(result, system.name, protocol) for _, system in result.sides]
     thresholds = [system.threshold for _, system in result.sides]
-    summaries = [
-        summarise_curve(curve, threshold)
-        for curve, threshold in zip(curves, thresholds, strict=True)
-    ]
+    summaries = [*map(summarise_curve, curves, thresholds)]
     kind = choose_side_by_side(
         "Curve", KIND_WORDS, "curve_kind", default="miss_rate", label_visibility="collapsed"
     )

@@ -147,14 +147,10 @@ def part_of(recording: int) -> RecordingFeatures | None:
     known = opened_run()
     if known is None:
         return None
-    name = _name_in_data(recording)
+    names = state.recording_names()
+    name = recording_entry(state.opened().session, names, names[recording]).name
     parts = known.run.features.recordings
     return next((part for part in parts if part.name_in_data == name), None)
-
-
-def _name_in_data(recording: int) -> str:
-    names = state.recording_names()
-    return recording_entry(state.opened().session, names, names[recording]).name
 
 
 def _cached_by_meter(recording: int) -> AdaptationClock | str | None:

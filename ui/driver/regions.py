@@ -16,6 +16,7 @@ from nvcore.driver.comparison.figures.over_threshold import driver_threshold_plo
 from nvcore.driver.comparison.figures.venn import driver_venn_plot
 from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
+from nvcore.wording import capitalised
 from ui.session import state, store
 from ui.widgets.charts import clicked_chart, draw_chart
 from ui.widgets.table import TableColumn, draw_table
@@ -58,13 +59,9 @@ def draw(result: Result) -> DriverRegion | None:
         )
         told = USEFUL if chosen is None else (chosen,)
         meanings = table.set_index("region")["meaning"]
-        lines = [f"**{_sentence(REGION_NAMES[region])}**: {meanings[region]}" for region in told]
+        lines = [f"**{capitalised(REGION_NAMES[region])}**: {meanings[region]}" for region in told]
         st.caption("  \n".join(lines))
     return chosen
-
-
-def _sentence(name: str) -> str:
-    return f"{name[0].upper()}{name[1:]}"
 
 
 def draw_over_threshold(result: Result) -> None:

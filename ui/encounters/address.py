@@ -9,6 +9,7 @@ from typing import Final, TypeVar
 
 from ui.encounters.filters import CATEGORIES, CLASSES, OF_SUBJECTS, OPEN, Filters
 from ui.encounters.order import Order, order_of
+from ui.session.address import finite_number
 
 ENCOUNTER: Final = "encounter"
 ALL_COLUMNS: Final = "all"
@@ -79,7 +80,8 @@ def from_address(
         return value
 
     def among(name: str, possible: Sequence[str]) -> tuple[str, ...]:
-        asked = [_unescaped(part) for part in query.get(name, "").split(",") if part]
+        parts = query.get(name, "").split(",")
+        asked = [part.replace("%2C", ",").replace("%25", "%") for part in parts if part]
         wrong.extend(f"{name} cannot be {_short(it)}" for it in asked if it not in possible)
         return tuple(it for it in possible if it in asked)
 
@@ -112,10 +114,6 @@ def _joined(names: Sequence[str]) -> str:
     return ",".join(name.replace("%", "%25").replace(",", "%2C") for name in names)
 
 
-def _unescaped(part: str) -> str:
-    return part.replace("%2C", ",").replace("%25", "%")
-
-
 def _range_text(span: tuple[float, float] | None) -> str:
     """An open end is left out: what it is follows from what is listed."""
     return (
@@ -125,24 +123,16 @@ def _range_text(span: tuple[float, float] | None) -> str:
 
 def _range(text: str) -> tuple[float, float] | None:
     low, _, high = text.partition(":")
-    least = _number(low) if low else OPEN[0]
-    most = _number(high) if high else OPEN[1]
+    least = finite_number(low) if low else OPEN[0]
+    most = finite_number(high) if high else OPEN[1]
     if least is None or most is None or least > most or ":" not in text:
         return None
     return least, most
 
 
 def _least(text: str) -> float | None:
-    value = _number(text)
+    value = finite_number(text)
     return None if value is None or value < 0 else value
-
-
-def _number(text: str) -> float | None:
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
 
 
 def _short(text: str) -> str:

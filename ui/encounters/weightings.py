@@ -51,7 +51,7 @@ def _table(weightings: Weightings) -> pd.DataFrame:
     for kind, facts in _facts(weightings).items():
         heading = f"{HEADINGS[kind]} (in use)" if kind == weightings.in_use else HEADINGS[kind]
         columns[heading] = {
-            "Frames that count": _count(facts),
+            "Frames that count": str(int(facts["n_relevant"])) if facts["is_known"] else UNDEFINED,
             "From – to": _span(facts),
             **{
                 label: text
@@ -69,10 +69,6 @@ def _facts(weightings: Weightings) -> dict[str, dict[str, Any]]:
     """The row of each kind, by its name."""
     rows = weightings.table.to_dict("index")
     return {kind: {str(name): value for name, value in rows[kind].items()} for kind in KINDS}
-
-
-def _count(facts: dict[str, Any]) -> str:
-    return str(int(facts["n_relevant"])) if facts["is_known"] else UNDEFINED
 
 
 def _span(facts: dict[str, Any]) -> str:

@@ -11,7 +11,6 @@ import streamlit as st
 from nvcore.inputs.session import Session
 from nvcore.params import Params
 from ui.session import state
-from ui.session.workspace import Opened
 from ui.widgets.text import plain
 
 PLACES: Final = {"timeline": "Timeline, at the current frame", "": "Overview"}
@@ -42,7 +41,8 @@ def draw() -> None:
     params = state.link_to(state.recording(), state.row()) if place else dict(st.query_params)
     start = state.shared_start().opened
     name = SAMPLE if start.label == state.SAMPLE_LABEL else plain(start.label)
-    is_complete = _is_as_it_starts(start)
+    # corrections of the inputs are in no address
+    is_complete = _inputs(state.opened().session) == _inputs(start.session)
     if not is_complete:
         st.warning(INCOMPLETE.format(name), icon=":material/tab:")
     st.code(link(st.context.url or "", place, params), language=None, wrap_lines=True)
@@ -61,11 +61,6 @@ def link(address: str, page: str, params: dict[str, str]) -> str:
     start = address.rstrip("/").removesuffix(f"/{PAGE}")
     state_params = {name: value for name, value in params.items() if name not in NO_STATE}
     return f"{start}/{page}" + (f"?{urlencode(state_params)}" if state_params else "")
-
-
-def _is_as_it_starts(start: Opened) -> bool:
-    """Whether what the app starts with is open: corrections of the inputs are in no address."""
-    return _inputs(state.opened().session) == _inputs(start.session)
 
 
 def _inputs(session: Session) -> Session:

@@ -58,12 +58,13 @@ def draw(result: Result) -> None:
         else f"Encounters have marks of their own only up to {MOST_MARKS} of them. "
         "Click a region to see its encounters."
     )
-    clicked = clicked_chart(figure, "venn", alt=_in_words(result), help=help_text)
+    counts = result.venn.counts()
+    alt = "Encounters detected: " + ", ".join(f"{WORDS[c]} {counts[c]}" for c in WORDS)
+    clicked = clicked_chart(figure, "venn", alt=alt, help=help_text)
     if isinstance(clicked, str):
         _open(clicked)
     elif clicked is not None:
         open_row(int(clicked))
-    counts = result.venn.counts()
     with st.container(key="venn_open"):
         columns = st.columns(4)
     for column, (category, words) in zip(columns, WORDS.items(), strict=True):
@@ -118,11 +119,6 @@ def draw_worst(result: Result) -> None:
 
 def _ask_for_row(rows: list[int], row: int, _column: str) -> None:
     store.WORST_ROW.set(rows[row])
-
-
-def _in_words(result: Result) -> str:
-    counts = result.venn.counts()
-    return "Encounters detected: " + ", ".join(f"{WORDS[c]} {counts[c]}" for c in WORDS)
 
 
 def _open(category: str) -> None:

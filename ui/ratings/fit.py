@@ -52,7 +52,8 @@ def draw(
         f"({docs_link('how it is judged', 'the-fit', doc='ratings')})."
     )
     start = result.params if fit_in_use is None else fit_in_use.settings_before(result.params)
-    fit: Any = state.workspace().peek("rating_fit", key := _key(result, start, ratings_key))
+    key = ratings_key, result.x.name, result.y.name, start
+    fit: Any = state.workspace().peek("rating_fit", key)
     if fit is None:
         fit = _ask(of_clips, start, clips, key)
     if fit is not None:
@@ -61,10 +62,6 @@ def draw(
             _draw_settings(result, fit, start, rating_source, fit_in_use)
     elif fit_in_use is not None:
         _draw_in_use(fit_in_use)
-
-
-def _key(result: Result, start: Params, ratings_key: object) -> Any:
-    return ratings_key, result.x.name, result.y.name, start
 
 
 def _with(result: Result, settings: Params) -> Result:

@@ -53,6 +53,15 @@ def read_point(text: str | None) -> tuple[OperatingPoint | None, list[str]]:
         return None, ["there is no such operating point"]
 
 
+def finite_number(text: str) -> float | None:
+    """The number that a text is; None where it is none, or not finite."""
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
 def is_whole_number(text: str) -> bool:
     """Whether this is an integer in plain digits, short enough for any table."""
     digits = text.removeprefix("-")

@@ -42,6 +42,7 @@ from nvcore.pictures.stretch import jpeg, stretch
 from ui.access.origins import is_own_origin
 from ui.access.people import is_same, key_of
 from ui.answers import PRIVATE, text_answer
+from ui.session.address import finite_number
 from ui.session.packed_comparison import can_pack, pack_boxes, pack_comparison, version_of
 from ui.session.uploads import SLOTS, UploadError, receive
 from ui.session.workspace import Workspace, workspace_of
@@ -317,10 +318,4 @@ def _percentile(request: Request, name: str, default: float) -> float | None:
 def _number(request: Request, name: str, default: float) -> float | None:
     """A finite query parameter, or the default; None where it is anything else."""
     text = request.query_params.get(name)
-    if text is None:
-        return default
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
+    return default if text is None else finite_number(text)

@@ -22,7 +22,10 @@ def last() -> str:
 def draw(page: str, path: str) -> None:
     """Give the document the title of a page, or of the frame that it shows."""
     what = _frame() if path == TIMELINE else page
-    title = " · ".join(part for part in (what or page, _systems(), NAME) if part)
+    systems = "/".join(
+        shortened(one_line(name), MAX_SYSTEM) for name in state.systems() if name is not None
+    )
+    title = " · ".join(part for part in (what or page, systems, NAME) if part)
     store.TITLE.set(title)
     st.set_page_config(page_title=title)
 
@@ -38,8 +41,3 @@ def _frame() -> str:
         return ""
     time_s = state.opened().dataset.frames["time_s"].iloc[state.row_in_all()]
     return f"{one_line(state.recording_names()[recording])} {time_s:.2f} s"
-
-
-def _systems() -> str:
-    names = [shortened(one_line(name), MAX_SYSTEM) for name in state.systems() if name is not None]
-    return "/".join(names)

@@ -66,7 +66,8 @@ def _choose(result: Result) -> MapKey:
     first_plane, first_criterion = SURVEY_PLANES[0], next(iter(CRITERIA))
     store.STABILITY_PLANE.setdefault(first_plane)
     store.STABILITY_CRITERION.setdefault(first_criterion)
-    if (job := _job()) is not None:
+    job: BackgroundJob[StabilityMap] | None = state.workspace().job(JOB)
+    if job is not None:
         start_as_made(
             job, JOB, stability_plane=job.key.plane, stability_criterion=job.key.criterion
         )
@@ -75,11 +76,6 @@ def _choose(result: Result) -> MapKey:
     criterion = choose_side_by_side("Who is better by", CRITERIA, "stability_criterion")
     version = state.workspace().version
     return MapKey(version, result.params, plane, criterion)
-
-
-def _job() -> BackgroundJob[StabilityMap] | None:
-    job: BackgroundJob[StabilityMap] | None = state.workspace().job(JOB)
-    return job
 
 
 def _stability_map(result: Result, key: MapKey) -> StabilityMap | None:

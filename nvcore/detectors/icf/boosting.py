@@ -153,8 +153,9 @@ def boost(
         eps = float(weights[is_wrong].sum())
         if eps >= 0.5:
             break
-        # a tree without error would get an infinite confidence: half a window is wrong, then
-        alpha = float(0.5 * np.log((1 - eps) / eps)) if eps > 0 else _surest(weights)
+        # without an error its confidence would be infinite: half a window of mean weight is wrong
+        share_wrong = eps if eps > 0 else 0.5 / len(weights)
+        alpha = float(0.5 * np.log((1 - share_wrong) / share_wrong))
         weights = weights * np.exp(np.where(is_wrong, alpha, -alpha))
         weights /= weights.sum()
         total += alpha * side[leaf]
@@ -168,12 +169,6 @@ def boost(
     feature, cut = splits[..., 0], splits[..., 1]
     trees = Trees(feature.astype(np.int32), edges[feature, cut], np.array(leaves).reshape(-1, 4))
     return BoostingRound(trees, np.array(error))
-
-
-def _surest(weights: NDArray[np.float64]) -> float:
-    """Confidence as if half a window of mean weight were wrong."""
-    eps = 0.5 / len(weights)
-    return float(0.5 * np.log((1 - eps) / eps))
 
 
 def _is_at_end(error: Sequence[float], patience: int | None) -> bool:

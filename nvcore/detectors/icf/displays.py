@@ -260,9 +260,9 @@ def truth_paths(model: IcfModel, picture: Picture, boxes: NDArray[np.float64]) -
 
 
 def rejected_paths(
-    model: IcfModel, picture: Picture, boxes: NDArray[np.float64], scale: float, n: int = 6
+    model: IcfModel, picture: Picture, boxes: NDArray[np.float64], scale: float
 ) -> list[WindowPath]:
-    """How some windows of background fare that are rejected, early and ever later.
+    """How six windows of background fare that are rejected, early and ever later.
 
     Of the windows of a scale those that came nearest to a number of trees, the numbers being spread
     evenly on a logarithmic scale.
@@ -280,7 +280,7 @@ def rejected_paths(
     if not len(row):
         return []
     depth = np.log(windows.depth[row, column])
-    wanted = np.linspace(depth.min(), depth.max(), n)
+    wanted = np.linspace(depth.min(), depth.max(), 6)
     nearest = np.unique([np.abs(depth - value).argmin() for value in wanted])
     return [window_path(model, picture, scale, int(row[k]), int(column[k])) for k in nearest]
 

@@ -59,7 +59,9 @@ def training_overlap(dataset: Dataset, trained_on: Sequence[TrainedOn]) -> Train
         rows = frames.rows_of(number)
         places = (_ELSEWHERE, number) if left >= 0 else (number,)
         own = parts[parts["recording"].isin(places)]
-        start, stop = _rows_of(own, frames.frame[rows])
+        frame = frames.frame[rows]
+        start = frame.searchsorted(own["first"].to_numpy())
+        stop = np.maximum(start, frame.searchsorted(own["last"].to_numpy(), side="right"))
         n_frames = (own["last"] - own["first"] + 1).to_numpy()
         is_named = (own["recording"] == number).to_numpy()
         noted = own["fingerprint"].to_numpy()
@@ -97,15 +99,6 @@ def _parts(trained_on: Sequence[TrainedOn], names: Sequence[str]) -> pd.DataFram
 
 def _frame(number: int | None, unstated: int) -> int:
     return unstated if number is None else min(max(number, -_OPEN_END), _OPEN_END)
-
-
-def _rows_of(
-    parts: pd.DataFrame, frame: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """First row of each part among these frame numbers, and the one after its last."""
-    start = frame.searchsorted(parts["first"].to_numpy())
-    stop = frame.searchsorted(parts["last"].to_numpy(), side="right")
-    return start, np.maximum(start, stop)
 
 
 def _fingerprints(

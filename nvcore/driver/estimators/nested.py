@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -28,7 +28,7 @@ from nvcore.driver.features import FEATURE_KEYS
 from nvcore.driver.inputs.picture_boxes import PEDESTRIAN
 from nvcore.driver.trials.table import TrainingTable
 from nvcore.errors import InputError
-from nvcore.progress import Progress, T, run_steps
+from nvcore.progress import Progress, run_steps
 from nvcore.wording import count_text, listed, percent
 
 LEAST_PEDESTRIANS: Final = 8
@@ -317,21 +317,10 @@ def _run(
     jobs = [partial(_regression, samples, part, search, check) for part in parts]
     what = f"{count_text(len(parts), 'search', 'searches')} {how}"
     with ThreadPoolExecutor(n_threads) as executor:
-        return _until_cancelled(jobs, executor, progress, what, is_cancelled)
-
-
-def _until_cancelled(
-    jobs: Sequence[Callable[[], T]],
-    executor: ThreadPoolExecutor,
-    progress: Progress,
-    what: str,
-    is_cancelled: threading.Event,
-) -> list[T]:
-    """Results of all jobs; those that run when `progress` raises learn of it."""
-    try:
-        return run_steps(jobs, executor, progress, what)
-    finally:
-        is_cancelled.set()
+        try:
+            return run_steps(jobs, executor, progress, what)
+        finally:
+            is_cancelled.set()  # those that run when `progress` raises learn of it
 
 
 def _regression(samples: Samples, part: _Part, search: Search, check: Check) -> _Outcome:

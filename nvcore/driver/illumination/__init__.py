@@ -2,7 +2,6 @@
 
 from nvcore.driver.illumination.changes import NO_CHANGES, Changes, changes_of
 from nvcore.driver.illumination.meter import (
-    LIGHT_UNIT,
     Light,
     LightSource,
     picture_level,
@@ -11,7 +10,6 @@ from nvcore.driver.illumination.meter import (
 from nvcore.driver.illumination.settings import LightSettings, light_settings
 
 __all__ = [
-    "LIGHT_UNIT",
     "NO_CHANGES",
     "Changes",
     "Light",

@@ -23,8 +23,8 @@ class AdaptationClock:
         When each frame begins, seconds from the first of them, float64, shape (n,): the times of
         the dataset's frames.
     level
-        Last reading then, in the unit of the source (`LIGHT_UNIT`), float64, shape (n,); NaN:
-        none, or in a gap of the readings (`Light`).
+        Last reading then, lx by a meter, mean luminance (0 to 1) by pictures, float64, shape (n,);
+        NaN: none, or in a gap of the readings (`Light`).
     period_s
         Seconds from the last change from bright to dark to the end of the frame, float64, shape
         (n,). NaN: the eyes are adapted, or it is not known.

@@ -41,12 +41,6 @@ class LightSource(StrEnum):
     PICTURE = "picture"
 
 
-LIGHT_UNIT: Final = {
-    LightSource.METER: "lx",
-    LightSource.PICTURE: "mean luminance, 0 to 1",
-}
-
-
 @dataclass(frozen=True)
 class Light:
     """How bright it was.

@@ -167,7 +167,7 @@ def make_pilot(
             return None, error.message
         measure = log_average_miss_rate_measure(result, units, protocol)
     else:
-        measure = _unit_measure(result, units, key)
+        measure = next(measure for measure in unit_measures(result, units) if measure.key == key)
     if units.kind not in WHOLE or len(units) < MIN_PILOT:
         return None, too_few_for_pilot(units.n_recordings, units.n_independent)
     if measure is None:
@@ -235,10 +235,6 @@ def _pilot_of(measure: UnitMeasure, result: Result, units: Units) -> Pilot:
         duration_s=float(of_all["duration_s"].mean()),
         sign=1 if measure.better == "higher" else -1,
     )
-
-
-def _unit_measure(result: Result, units: Units, key: str) -> UnitMeasure:
-    return next(measure for measure in unit_measures(result, units) if measure.key == key)
 
 
 def _counted_units(result: Result, units: Units, protocol: Protocol) -> Units:

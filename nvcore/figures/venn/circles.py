@@ -9,7 +9,6 @@ from typing import Final, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from nvcore.metrics.venn import Venn
 from nvcore.schema import Category
 
 
@@ -71,16 +70,11 @@ def overlap_area(radius_x: float, radius_y: float, apart: float) -> float:
     return radius_x**2 * half_x + radius_y**2 * half_y - corner / 2
 
 
-def place_circles(venn: Venn) -> Circles:
-    """Circles whose areas are the counts of a Venn diagram.
+def circles_of(both: float, x_only: float, y_only: float) -> Circles:
+    """Circles by the areas of their three regions: the counts of a Venn diagram.
 
     A circle inside the other touches it; circles without overlap stand a little apart.
     """
-    return circles_of(venn.both, venn.x_only, venn.y_only)
-
-
-def circles_of(both: float, x_only: float, y_only: float) -> Circles:
-    """`place_circles` by the areas of the three regions."""
     radius_x, radius_y = sqrt((both + x_only) / pi), sqrt((both + y_only) / pi)
     least, most = abs(radius_x - radius_y), radius_x + radius_y
     if both == 0:

@@ -138,7 +138,7 @@ def _add_axis(
     domain: Sequence[float],
 ) -> None:
     """The interval and the difference of a measure."""
-    look = LOOK[theme]
+    look: Any = LOOK[theme]
     number = sum(trace.mode == "markers" for trace in figure.data) + 1
     key = str(number) if number > 1 else ""
     is_share = form.endswith("%")
@@ -151,7 +151,9 @@ def _add_axis(
     axes = {"xaxis": f"x{key}", "yaxis": f"y{key}"}
     line = {"color": look.muted, "width": 3}
     figure.add_scatter(x=[low, high], y=[0, 0], mode="lines", hoverinfo="skip", **axes, line=line)
-    marker = {"color": _side(sign * middle, theme), "size": 12, "symbol": "circle"}
+    gain = sign * middle
+    better = look.x if gain > 0 else look.y if gain < 0 else look.muted
+    marker = {"color": better, "size": 12, "symbol": "circle"}
     figure.add_scatter(x=[middle], y=[0], mode="markers", hoverinfo="x", **axes, marker=marker)
     x_axis = axis(
         theme,
@@ -173,10 +175,3 @@ def _add_axis(
         "anchor": f"x{key}",
     }
     figure.update_layout({f"xaxis{key}": x_axis, f"yaxis{key}": y_axis})
-
-
-def _side(gain: float, theme: Theme) -> str:
-    """Colour of the better system; grey if they are equal."""
-    look: Any = LOOK[theme]
-    colour: str = look.x if gain > 0 else look.y if gain < 0 else look.muted
-    return colour

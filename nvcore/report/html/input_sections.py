@@ -83,18 +83,14 @@ def inputs_section(result: Result, pictures: pd.DataFrame) -> Section:
     return Section("inputs", "Input files and recordings", words.INPUTS, tuple(blocks))
 
 
-def _role(result: Result, subject: str) -> str:
-    roles = {"truth": "ground truth", result.x.name: "X", result.y.name: "Y"}
-    return roles.get(subject, "not compared")
-
-
 def _files(result: Result) -> list[Block]:
     dataset = result.dataset
     hashes = source_hashes(dataset)
+    roles = {"truth": "ground truth", result.x.name: "X", result.y.name: "Y"}
     sources = [
         (
             row["subject"],
-            _role(result, row["subject"]),
+            roles.get(row["subject"], "not compared"),
             row["format"],
             row["conversion"],
             row["left_out"] or UNDEFINED,

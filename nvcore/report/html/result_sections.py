@@ -47,7 +47,7 @@ def names_of(result: Result) -> tuple[str, str]:
 
 def scorecard_section(result: Result) -> Section:
     """All measures side by side."""
-    rows = scorecard_cells(result, indent=PART, mark=_mark(result))
+    rows = scorecard_cells(result, indent=PART, mark=" *" if result.is_short else "")
     little = f"{SHORT_ROWS}." if result.is_short else ""
     measures = table(
         "Measures of X and Y", MEASURES_HEAD, rows, right=(1, 2, 3), note=little, printed=len(rows)
@@ -59,10 +59,6 @@ def scorecard_section(result: Result) -> Section:
     )
     remarked = [Sentences(notes)] if notes else []
     return Section("scorecard", "Scorecard", words.scorecard(result.params), (*remarked, measures))
-
-
-def _mark(result: Result) -> str:
-    return " *" if result.is_short else ""
 
 
 def similarity_section(result: Result) -> Section:

@@ -53,10 +53,7 @@ def detection_section(result: Result, protocol: Protocol) -> Section:
         why_not = Sentences((f"There are no curves: {error}.",))
         return Section("detection", "Detection curves", words.DETECTION, (why_not,))
     thresholds = [system.threshold for _, system in result.sides]
-    summaries = [
-        summarise_curve(curve, threshold)
-        for curve, threshold in zip(curves, thresholds, strict=True)
-    ]
+    summaries = [*map(summarise_curve, curves, thresholds)]
     rows = score_cells(curve_rows(*summaries), indent=PART)
     notes = [
         f"{letter} has no averages and no areas ({summary.why_undefined})."

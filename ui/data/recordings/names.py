@@ -74,7 +74,10 @@ def use_names(systems: Mapping[str, str], changes: Mapping[str, Mapping[str, Any
     if tags != own["tags"].tolist():
         column = pd.Series(tags, dtype=object).array
         whole = replace(whole, recordings=whole.recordings.assign(tags=column))
-    others = {titles.get(name, name): _untitled(change) for name, change in changes.items()}
+    others = {
+        titles.get(name, name): {key: value for key, value in change.items() if key != "title"}
+        for name, change in changes.items()
+    }
     state.compare_as(_tagged(session, whole, others), whole)
     rename_chosen(titles)
     store.N_NAME_CHANGES.set(store.N_NAME_CHANGES.get() + 1)
@@ -98,7 +101,3 @@ def _tagged(session: Session, whole: Dataset, changes: Mapping[str, Mapping[str,
         only_tags=session.only_tags if is_left else (),
         only=session.only,
     )
-
-
-def _untitled(change: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in change.items() if key != "title"}

@@ -36,9 +36,9 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> list[dict]:
     """The runs that the browser is given; a button in place of each tells that it has ended."""
     drawn: list[dict] = []
 
-    def draw_run(run, title, trials, timing, *, whose, on_end, key="study_screen"):
+    def draw_run(run, title, trials, timing, *, whose, on_end):
         drawn.append({"run": run, "title": title, "trials": trials})
-        participant.st.button("End the run", key=key, on_click=on_end, args=(run,))
+        participant.st.button("End the run", key="study_screen", on_click=on_end, args=(run,))
 
     monkeypatch.setattr(participant, "draw_run", draw_run)
     return drawn
@@ -244,8 +244,10 @@ def test_every_practice_run_has_to_be_seen_to_its_end(store: DetectabilityStore,
 def test_the_end_of_another_run_ends_no_practice(
     store: DetectabilityStore, monkeypatch: pytest.MonkeyPatch
 ):
-    def draw_run(run, title, trials, timing, *, whose, on_end, key="study_screen"):
-        participant.st.button("End another run", key=key, on_click=on_end, args=("3 of it",))
+    def draw_run(run, title, trials, timing, *, whose, on_end):
+        participant.st.button(
+            "End another run", key="study_screen", on_click=on_end, args=("3 of it",)
+        )
 
     monkeypatch.setattr(participant, "draw_run", draw_run)
     study = begun(store)

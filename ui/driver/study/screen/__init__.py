@@ -25,6 +25,7 @@ from ui.session.routes import address
 from ui.widgets.script import read_script
 
 FOLDER: Final = Path(__file__).parent
+KEY: Final = "study_screen"
 
 _COMPONENT = st.components.v2.component(
     "nvcore_study",
@@ -41,7 +42,6 @@ def draw_run(
     *,
     whose: str,
     on_end: Callable[[str], None],
-    key: str = "study_screen",
 ) -> None:
     """Draw the button that begins a run, which then takes the whole window.
 
@@ -62,12 +62,12 @@ def draw_run(
     """
 
     def end() -> None:
-        ended = store.sent(key, "ended")
+        ended = store.sent(KEY, "ended")
         if isinstance(ended, str):
             on_end(ended)
 
     _COMPONENT(
-        key=key,
+        key=KEY,
         data={
             "run": run,
             "title": title,
