@@ -384,7 +384,7 @@ class Snapshot:
     def __getstate__(self) -> dict[str, Any]:
         return {"location": self.location, "versions": self.versions, "_known": {}, "_picked": {}}
 
-    def _rows(self, name: str) -> pd.DataFrame:
+    def _table(self, name: str) -> pd.DataFrame:
         """Rows of recordings or sources, by when they came."""
         table = _opened(self.location, name, self.versions[name])
         if table is None:  # where it was when the snapshot was made
@@ -396,16 +396,15 @@ class Snapshot:
     @cached_property
     def _stated(self) -> pd.DataFrame:
         """Rows of sources, by when they came."""
-        return self._rows("sources")
+        return self._table("sources")
 
     @cached_property
     def recordings(self) -> pd.DataFrame:
         """The newest version of every recording: that with which a source came last."""
-        came = self._stated.groupby(["recording", "recording_sha256"], sort=False)["ingested_at"]
-        first = came.min()
-        newest = came.max().sort_values().reset_index().drop_duplicates("recording", keep="last")
-        keys = pd.MultiIndex.from_frame(newest[["recording", "recording_sha256"]])
-        rows = self._rows("recordings").drop_duplicates(_CONTENT["recordings"], keep="last")
+        key = ["recording", "recording_sha256"]
+        first = self._stated.groupby(key, sort=False)["ingested_at"].min()
+        keys = pd.MultiIndex.from_frame(self._stated[key].drop_duplicates("recording", keep="last"))
+        rows = self._table("recordings").drop_duplicates(_CONTENT["recordings"], keep="last")
         rows = rows.set_index(_CONTENT["recordings"]).loc[keys].reset_index()
         rows["ingested_at"] = first.loc[keys].to_numpy()
         return _by_recording(rows.sort_values("recording"))
@@ -413,11 +412,10 @@ class Snapshot:
     @cached_property
     def sources(self) -> pd.DataFrame:
         """Every version of every source."""
-        rows = self._stated
+        label = self._stated["label"]
+        rows = self._stated.assign(label=label.where(label != ""))
         contents = rows.groupby(_CONTENT["sources"], sort=False)
-        first = contents["ingested_at"].transform("min")
-        label = rows["label"].where(rows["label"] != "")
-        label = label.groupby([rows[name] for name in _CONTENT["sources"]]).transform("last")
+        first, label = contents["ingested_at"].transform("min"), contents["label"].transform("last")
         rows = rows.assign(ingested_at=first, label=label.fillna(""))
         rows = rows.drop_duplicates(_CONTENT["sources"], keep="last")
         rows = rows.sort_values(["ingested_at", *_CONTENT["sources"]])
