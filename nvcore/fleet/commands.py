@@ -136,7 +136,8 @@ def ingest(
         text = str(error) if name in str(error) else f"{name}: {error}"
         click.echo(one_line(f"error: {text}"), err=True)
     recordings, sources = done.recordings, done.sources
-    known = f"; {count_text(done.n_known, 'source was', 'sources were')} there already"
+    noted = " (label or kind of truth noted)" if labels or truth_kind else ""
+    known = f"; {count_text(done.n_known, 'source was', 'sources were')} there already{noted}"
     click.echo(
         one_line(
             f"{count_text(len(recordings), 'recording', 'recordings')} "

@@ -428,8 +428,8 @@ class Status:
         if self.n_lost:
             lines += [f"{count_text(self.n_lost, 'attempt')} ended without a word; others go on"]
         lines += [
-            f"{count_text(n, 'recording')} without {source}, or with one of an earlier version of "
-            "the recording, left out"
+            f"{count_text(n, 'recording')} without {source}, or with one of another version of the "
+            "recording, left out"
             for source, n in plan.left_out.items()
         ]
         if self.n_quarantined:
