@@ -28,6 +28,7 @@ from fleet_runs import (
 
 from nvcore.cli import main
 from nvcore.comparison import compare
+from nvcore.errors import InputError
 from nvcore.fleet.location import Location
 from nvcore.fleet.plan import plan
 from nvcore.fleet.pool import in_pool
@@ -167,6 +168,11 @@ def test_the_tables_are_those_of_the_scan_that_was_begun_last(store, undisturbed
             {of[kind]["path"] for of in actions if kind in of} for kind in ("add", "remove")
         )
         assert not added & removed
+    (tmp_path / "newest.json").write_bytes(b"")  # of a machine that failed
+    with pytest.raises(InputError, match="there is no scan"):
+        status(out)
+    begin_scan(store, tmp_path)
+    assert status(out).is_finished
 
 
 def test_what_a_scan_keeps_changes_nothing_for_the_next(store, tmp_path):
