@@ -213,11 +213,11 @@ async def boxes(request: Request, space: Workspace | None) -> Response:
 @for_owner()
 async def comparison(request: Request, space: Workspace | None) -> Response:
     """The columns of `pack_comparison`, with which the browser follows a slider."""
-    compared = None if space is None else space.compared
-    if compared is None or not can_pack(compared.result):
-        return not_found("the session has ended, or nothing is compared yet")
-    if request.query_params.get("v") != version_of(compared.result):
-        # another comparison is open by now, of which the page will tell
+    if space is None:
+        return not_found("the session has ended; load the page again")
+    compared, version = space.compared, request.query_params.get("v")
+    if compared is None or not can_pack(compared.result) or version != version_of(compared.result):
+        # another comparison is open by now, or is being opened, of which the page will tell
         return Response(status_code=HTTPStatus.NO_CONTENT, headers=NOT_CACHED)
     content = await run_in_threadpool(pack_comparison, compared.result)
     return Response(content, media_type="application/octet-stream", headers=CACHED)

@@ -19,7 +19,7 @@ from starlette.concurrency import run_in_threadpool
 
 from nvcore.errors import MediaError
 from nvcore.pictures.recordings import RecordingPictures
-from ui.session.packed_comparison import pack_boxes
+from ui.session.packed_comparison import pack_boxes, version_of
 from ui.session.routes import PLOTLY, ROWS_PER_CHUNK, address, routes_below
 from ui.session.workspace import Compared, Workspace
 from ui.settings.start import base_path
@@ -90,6 +90,15 @@ def test_pictures_that_take_long_keep_no_thread_from_other_visitors(space: Works
         return [(await answer).status for answer in many]
 
     assert asyncio.run(visit()) == [200] * 60
+
+
+def test_a_comparison_that_is_no_longer_open_is_no_error(space: Workspace):
+    assert space.compared is not None
+    here = f"{address(space)}/comparison?v="
+    version = version_of(space.compared.result)
+    assert [ask(here + of).status for of in (version, "another")] == [200, 204]
+    space.compared = None  # while another one is being opened
+    assert ask(here + version).status == 204
 
 
 @pytest.mark.parametrize(
