@@ -171,40 +171,47 @@ def scan(store: str, out: str, workers: int, alpha: float | None) -> dict[str, A
     }
 
 
-def metadata(folder: str, recordings: int) -> dict[str, Any]:
-    """What recordings take before the first is compared: a store with nothing but names."""
+def names(folder: str, recordings: int) -> dict[str, Any]:
+    """A store with nothing but names of recordings."""
     import numpy as np
     import pandas as pd
 
     from nvcore.dataset.tables import dataset_from_tables
     from nvcore.fleet.ingest import ingest_all
+    from nvcore.fleet.store import Store
+
+    every = [f"r{number:08}" for number in range(recordings)]
+    facts = pd.DataFrame({"name": every, "width": 640, "height": 480, "fps": 20.0, "unit": "car"})
+    boxes = pd.DataFrame({name: [] for name in ("frame_index", "source", "x", "y", "w", "h")})
+    frames = [np.arange(2)] * recordings
+    dataset = dataset_from_tables(facts, frames, boxes, ["FIR", "NIR"], fingerprint="")
+    _, seconds, used = clocked(lambda: ingest_all([("all", lambda: dataset)], Store(folder)))
+    return {"s": seconds, "cpu_s": used}
+
+
+def metadata(folder: str) -> dict[str, Any]:
+    """What recordings take before the first is compared."""
     from nvcore.fleet.location import Location
     from nvcore.fleet.plan import begin
     from nvcore.fleet.results import ScanParams
     from nvcore.fleet.scan import Job
     from nvcore.fleet.store import Snapshot, Store
 
-    names = [f"r{number:08}" for number in range(recordings)]
-    facts = pd.DataFrame({"name": names, "width": 640, "height": 480, "fps": 20.0, "unit": "car"})
-    boxes = pd.DataFrame({name: [] for name in ("frame_index", "source", "x", "y", "w", "h")})
-    frames = [np.arange(2)] * recordings
-    dataset = dataset_from_tables(facts, frames, boxes, ["FIR", "NIR"], fingerprint="")
-    store, out = f"{folder}/store", Location(f"{folder}/out")
-    params = ScanParams("FIR", "NIR")
-    ingest_all([("all", lambda: dataset)], Store(store))
+    out, params = Location(f"{folder}/results"), ScanParams("FIR", "NIR")
 
     def read() -> tuple[Any, ...]:
-        plan, begin_s, _ = clocked(lambda: begin(Store(store), out, params))
+        plan, begin_s, _ = clocked(lambda: begin(Store(folder), out, params))
 
         def open_as_worker() -> None:
             Job(plan.store, out.uri, plan.key).missing()
-            Snapshot(Location(store), plan.versions).read(names[:1], params.sources)
+            first = plan.batches[0].recordings[:1]
+            Snapshot(Location(folder), plan.versions).read(first, params.sources)
 
         return plan, begin_s, clocked(open_as_worker)[1]
 
     (plan, begin_s, open_s), peak_mb = peak_beyond(read)
     return {
-        "recordings": recordings,
+        "recordings": sum(len(batch.recordings) for batch in plan.batches),
         "s": begin_s + open_s,
         "begin_s": begin_s,
         "open_s": open_s,
@@ -229,6 +236,7 @@ def _bytes(folder: str) -> int:
 STEPS: Final[dict[str, Callable[..., dict[str, Any]]]] = {
     "ingest": ingest,
     "from_csv": from_csv,
+    "names": names,
     "metadata": metadata,
     "scan": scan,
     "top": top,
@@ -245,6 +253,15 @@ def measured(step: str, **arguments: Any) -> dict[str, Any]:
         sys.exit(f"{step} failed: {figures['failed']}")
     print(f"  {figures['s']:.2f} s", file=sys.stderr)
     return figures
+
+
+def measure_names(folder: str) -> dict[str, Any]:
+    """What names take: the memory is that of more of them, without what every process takes."""
+    few, many = 5_000, 20_000
+    for n in (few, many):
+        measured("names", folder=f"{folder}/{n}", recordings=n)
+    less, more = (measured("metadata", folder=f"{folder}/{n}") for n in (few, many))
+    return more | {"memory": (more["memory"] - less["memory"]) * many / (many - few)}
 
 
 def measure_size(n_frames: int, folder: Path) -> dict[str, Any]:
@@ -277,7 +294,7 @@ def main() -> None:
     try:
         with tempfile.TemporaryDirectory() as files:
             known["csv"] = measured("from_csv", folder=files, n_frames=100_000)
-            known["metadata"] = measured("metadata", folder=f"{files}/names", recordings=10_000)
+            known["metadata"] = measure_names(files)
         for n in map(int, options.frames):
             of_size = folder / f"{n}"
             shutil.rmtree(of_size, ignore_errors=True)

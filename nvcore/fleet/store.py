@@ -323,7 +323,7 @@ class Store:
             store_schema=False,
         ) as writer:
             for rows in groups:
-                writer.write_table(rows.unify_dictionaries(), row_group_size=MAX_GROUP_ROWS)
+                writer.write_table(rows.combine_chunks(), row_group_size=MAX_GROUP_ROWS)
                 n_rows += len(rows)
                 names += [rows["recording"][place].as_py() for place in (0, -1)]
         content = sink.getvalue().to_pybytes()
