@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import hashlib
 import json
+import struct
+import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
 from functools import cached_property
@@ -48,7 +50,11 @@ _KEPT: Final = (
 
 _CODEC: Final = "lz4_raw"
 _ABOUT: Final = "about.json"
-_DAMAGED: Final = (BadZipFile, EOFError, LookupError, NotImplementedError, OSError, ValueError)
+_DAMAGED: Final = (
+    *(BadZipFile, EOFError, LookupError, OSError, RuntimeError, ValueError),
+    *(struct.error, zlib.error),
+)
+"""What reading a ZIP file raises of which a byte is another."""
 Frozen: TypeAlias = "bytes | IO[bytes]"
 """What is kept of a batch: as `freeze` returns it, or the file that it was written to."""
 Arrays: TypeAlias = Callable[[int], Any]
