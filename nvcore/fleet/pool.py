@@ -139,3 +139,5 @@ def _work(messages: Connection, job: Job, part: int, n_parts: int) -> None:
         messages.send(error)
     except Exception as error:  # noqa: BLE001  # which need not pickle
         messages.send(RuntimeError("".join(traceback.format_exception(error))))
+    finally:  # to be ended at the end is no error
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
