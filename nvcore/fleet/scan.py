@@ -370,17 +370,17 @@ def _list_files(folder: Location, files: Sequence[Mapping[str, Any]]) -> int:
                 return table.version()
             now = int(time.time() * 1000)
             actions: list[AddAction | RemoveAction] = [
-                *(_added(name, of) for name, of in wanted.items() if name not in there),
+                *(
+                    AddAction(name, of["size"], {}, 0, True, json.dumps({"numRecords": of["rows"]}))
+                    for name, of in wanted.items()
+                    if name not in there
+                ),
                 *(RemoveAction(name, True, now) for name in sorted(there - wanted.keys())),
             ]
             table.create_write_transaction(actions, "append", schema)
             continue
         time.sleep(0.1 * attempt)
     raise StoreError("cannot be written (other processes are always faster)", file=folder.uri)
-
-
-def _added(name: str, file: Mapping[str, Any]) -> AddAction:
-    return AddAction(name, file["size"], {}, 0, True, json.dumps({"numRecords": file["rows"]}))
 
 
 @dataclass(frozen=True)

@@ -239,7 +239,7 @@ class Store:
             chosen, amended = [], []
             for place, row in enumerate(keys_of(rows, _STATED[name])):
                 own = _facts_of(name, row, facts)
-                if any(key not in facts or facts[key] != of for key, of in own.items()):
+                if any(facts.get(key) != of for key, of in own.items()):
                     facts |= own
                     chosen.append(place)
                     amended.append(own[contents[place]])
@@ -453,21 +453,21 @@ class Snapshot:
             raise InputError(f"there is no source {source!r}; {known}", file=self.location.uri)
         rows, stated = rows[rows["source"] == name], self._stated
         stated = stated[stated["source"] == name]
-        labelled = stated[(stated["label"] == version) & (version != "")]
-        numbered = rows[rows["version"].map(str) == version]
-        if at and labelled.empty and numbered.empty:
-            labels = sorted({label for label in rows["label"] if label})
-            raise InputError(
-                f"there is no version {version!r} of {name!r}; there are 1 to "
-                f"{rows['version'].max()}"
-                f"{', and ' + listed(labels, most=MOST_NAMED) if labels else ''}",
-                file=self.location.uri,
-            )
         # what came with another version of its recording is of other frames or another picture
         newest = self.recordings["sha256"].reindex(stated["recording"]).to_numpy()
         came = stated[stated["recording_sha256"] == newest][["recording", "sha256"]]
         if at:
-            wanted = pd.concat([numbered, labelled]).drop_duplicates("recording", keep="last")
+            labelled = stated[(stated["label"] == version) & (version != "")]
+            wanted = pd.concat([rows[rows["version"].map(str) == version], labelled])
+            if wanted.empty:
+                labels = sorted({label for label in rows["label"] if label})
+                raise InputError(
+                    f"there is no version {version!r} of {name!r}; there are 1 to "
+                    f"{rows['version'].max()}"
+                    f"{', and ' + listed(labels, most=MOST_NAMED) if labels else ''}",
+                    file=self.location.uri,
+                )
+            wanted = wanted.drop_duplicates("recording", keep="last")
             came = came.merge(wanted[["recording", "sha256"]])
         came = came.drop_duplicates("recording", keep="last")
         self._picked[source] = _by_recording(rows.merge(came, on=["recording", "sha256"]))
