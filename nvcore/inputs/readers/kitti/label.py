@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 
@@ -19,11 +21,13 @@ from nvcore.schema import NO_TRACK
 FIELDS = "type truncated occluded alpha left top right bottom h w l X Y Z ry [score]"
 RULE = ClassRule(
     counted=("Pedestrian",),
-    ignored=("Person", "Person_sitting", "DontCare"),
+    ignored=("Person_sitting", "DontCare"),
     left_out=("Cyclist", "Car", "Van", "Truck", "Tram", "Misc"),
     is_benchmark=True,
 )
 """As in KITTI's own pedestrian evaluation: a detection on a cyclist is a false alarm there."""
+TRACKING_RULE = replace(RULE, ignored=("Person", *RULE.ignored))
+"""KITTI's tracking labels call those who sit `Person`; in files of other tools all are `person`."""
 CORNERS = "inclusive 0-based corners to x, y, w, h (w = right - left + 1)"
 DISTANCE = "camera Z to distance_m (not in front of the camera: unknown)"
 
@@ -57,7 +61,9 @@ def label_boxes(
     """
     assert table.label is not None
     _, occluded, _, left, top, right, bottom, _, _, _, _, _, z, _, score = table.columns[-15:]
-    choice = choose_classes(table.label, rule_for(RULE, table.label, options), options, table.lines)
+    is_kitti = not {"Pedestrian", "DontCare"}.isdisjoint(table.label)
+    rule = TRACKING_RULE if is_kitti and "Person" in table.label else RULE
+    choice = choose_classes(table.label, rule_for(rule, table.label, options), options, table.lines)
     facts = [CORNERS, DISTANCE, "occluded 0, 1, 2 kept, 3 = unknown", choice.fact]
     has_score = options.role == "detections"
     if has_score and len(table) and np.isnan(score).all():

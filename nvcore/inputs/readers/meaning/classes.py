@@ -80,7 +80,7 @@ def rule_of(classes: Iterable[str], objects: Objects) -> ClassRule:
 
 
 def rule_for(rule: ClassRule, label: np.ndarray, options: ReadOptions) -> ClassRule:
-    """What a format with classes of its own does with them, where they are for pedestrians.
+    """Extend a format's rule by the classes that its files have beside those of the format.
 
     Parameters
     ----------
@@ -91,9 +91,13 @@ def rule_for(rule: ClassRule, label: np.ndarray, options: ReadOptions) -> ClassR
     options
         `classes` and `objects` are used.
     """
+    known = {name.casefold() for name in rule.known}
+    others = sorted(name for name in {*map(str, label)} if name.casefold() not in known)
     if options.objects.are_pedestrians:
-        return rule
-    others = sorted({*map(str, pd.unique(label))} - {*rule.known})
+        named = rule_of(others, options.objects)
+        return replace(
+            rule, counted=rule.counted + named.counted, ignored=rule.ignored + named.ignored
+        )
     by_name = rule_of([*rule.known, *others], options.objects)
     if options.classes is not None:
         return replace(by_name, counted=(), ignored=by_name.counted + by_name.ignored)

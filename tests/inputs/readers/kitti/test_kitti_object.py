@@ -45,3 +45,31 @@ def test_a_fault_is_named_by_file_and_line(tmp_path):
 def test_a_file_name_without_a_number_is_an_error(tmp_path):
     with pytest.raises(InputError, match=r"label_2/readme\.txt: expected one file per frame"):
         read([source(tmp_path, ROW, "label_2/readme.txt")], ReadOptions())
+
+
+@pytest.mark.parametrize(
+    ("classes", "counted", "ignored", "left_out"),
+    [
+        ("person", "person", "", ""),
+        ("PERSON car roadsign", "PERSON", "", "car roadsign"),
+        ("person pedestrian rider", "person pedestrian", "rider", ""),
+        ("Person", "Person", "", ""),
+        ("Pedestrian Person DontCare", "Pedestrian", "Person DontCare", ""),
+        ("Pedestrian person", "Pedestrian person", "", ""),
+    ],
+)
+@pytest.mark.parametrize("role", ["truth", "detections"])
+def test_a_person_is_a_pedestrian_unless_kitti_s_own_labels_mean_one_who_sits(
+    tmp_path, role, classes, counted, ignored, left_out
+):
+    # DeepStream, TAO and Datumaro write KITTI text with the class names of the data set
+    text = "".join(f"{ROW.replace('Pedestrian', name)}\n" for name in classes.split())
+    reading = read([source(tmp_path, text, NAME)], ReadOptions(role=role))
+    names = classes.split()
+    fates = {names[line - 1]: ignore for line, ignore in rows(reading.boxes, "line ignore")}
+    neutral = ignored.split() if role == "truth" else []
+    assert fates == dict.fromkeys(counted.split(), False) | dict.fromkeys(neutral, True)
+    assert {item.name for item in reading.left_out} == {*names} - {*fates}
+    assert {*left_out.split()} <= {*names} - {*fates}
+    for name in counted.split():
+        assert name.casefold() in reading.conversion.partition(" counted")[0].casefold()
