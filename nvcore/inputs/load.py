@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from contextvars import copy_context
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeVar
+from typing import Final, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -18,7 +18,7 @@ from nvcore.dataset import Dataset, refuse_doubles
 from nvcore.dataset.provenance import read_provenance
 from nvcore.dataset.tables import tables_fingerprint
 from nvcore.errors import InputError, UnnamedClassesError
-from nvcore.findings import Remedy, Step
+from nvcore.findings import Finding, Remedy, Severity, Step
 from nvcore.inputs.added import Input
 from nvcore.inputs.codes import codes_beyond, with_codes
 from nvcore.inputs.files import digest, find_files, located, system_names
@@ -44,10 +44,16 @@ from nvcore.inputs.speed import SPEEDS
 from nvcore.inputs.subsets import renamed_reading, with_subsets_joined
 from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.progress import Progress, no_progress
+from nvcore.schema import NO_TRACK
 from nvcore.subjects import contributed
 from nvcore.wording import count_text
 
 S = TypeVar("S", bound=Source)
+
+ONCE_SHARE: Final = 0.98
+"""Share of ids with a single box from which on ids number the boxes. (Our choice.)"""
+LEAST_IDS: Final = 10
+"""Fewer ids than this may occur once each by chance. (Our choice.)"""
 
 
 def load(
@@ -214,6 +220,7 @@ def _read(
         reading = _with_named(reading, options)
         reading = laid_out(reading, source, sizes_given(session), truth)
         check_names(reading)
+        reading = _without_row_numbers(reading, options)
     if truth is not None:
         reading = _same_single_recording(reading, truth)
     reading = replace(
@@ -241,6 +248,48 @@ def _with_named(reading: Reading, options: ReadOptions) -> Reading:
         reading,
         conversion="; ".join(filter(None, facts)),
         recordings=table.assign(fps=table["fps"].fillna(by_times)),
+    )
+
+
+def _without_row_numbers(reading: Reading, options: ReadOptions) -> Reading:
+    """Drop track ids that number the boxes: nearly all of a recording occur once.
+
+    The ids of a recording are judged by themselves if they are at least `LEAST_IDS`, and by those
+    of the whole reading. A recording with boxes in a single frame proves nothing.
+    """
+    ids = reading.boxes.loc[reading.boxes["track"] != NO_TRACK, ["recording", "track", "frame"]]
+    once = ~ids.duplicated(["recording", "track"], keep=False)
+    if np.count_nonzero(once) < ONCE_SHARE * LEAST_IDS:
+        return reading
+    first = ~ids.duplicated(["recording", "track"])
+    by_recording = ids.assign(ids=first, once=once).groupby("recording", observed=True)
+    table = by_recording[["ids", "once"]].sum()
+    table = table[by_recording["frame"].min() < by_recording["frame"].max()]
+    n_ids, n_once = table.sum()
+    if n_ids < LEAST_IDS or n_once < ONCE_SHARE * n_ids:
+        is_numbered = (table["ids"] >= LEAST_IDS) & (table["once"] >= ONCE_SHARE * table["ids"])
+        table = table[is_numbered]
+    if table.empty:
+        return reading
+    n_ids, n_once = table.sum()
+    is_truth, objects = options.role == "truth", options.objects
+    finding = Finding(
+        Severity.WARNING if is_truth else Severity.NOTE,
+        "row-number-ids",
+        options.role,
+        int(n_ids),
+        f"{n_once:,} of {n_ids:,} track ids occur once only, as row numbers do: they are no track "
+        "ids, and boxes are linked by their overlap from frame to frame instead.",
+        objects.say("Give all boxes of {a_one} the same id, if it is known.")
+        if is_truth
+        else "Nothing to do: only alerts depend on the tracks of a system.",
+        example=f"recording {table.index[0]}",
+    )
+    track = reading.boxes["track"].mask(reading.boxes["recording"].isin(table.index), NO_TRACK)
+    return replace(
+        reading,
+        boxes=reading.boxes.assign(track=track),
+        findings=(*reading.findings, finding),
     )
 
 

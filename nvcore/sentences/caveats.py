@@ -38,6 +38,8 @@ CAVEATS: Final = Caveats(
         "outside-picture": "boxes lie outside the picture",
         "boxes-in-fractions": "boxes seem to be in fractions of the picture rather than in pixels",
         "duplicate-box": "boxes are repeated",
+        "row-number-ids": "ids of the ground truth number its boxes, so that {many} were linked by "
+        "overlap",
         "duplicate-track": "{many} of one frame share a track id",
         "box-disputed-by-both": "both systems agree on other boxes than the ground truth's",
         "loose-boxes": "many false alarms of a system lie on {many} {whom} it thereby misses",
