@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from builders import Place, at, make_dataset, result_of
 from drives import by_figure, drives, quiet_drives
-from scipy.stats import nct, t
+from scipy.stats import nct, norm, t
 
 from nvcore.api.comparison import Comparison
 from nvcore.arguments.plan import PlanArguments
@@ -159,6 +159,20 @@ def test_what_no_study_shows_has_no_size():
     assert length.points[-1].n_recordings == MOST_RECORDINGS
     easy = find_length(lambda _, n_studies: n_studies, guess=100, least=6, target=0.8)
     assert easy.n_recordings == 6
+
+
+@pytest.mark.parametrize(("lucky", "n_recordings"), [(200, 205), (MOST_RECORDINGS, None)])
+def test_a_size_that_reached_the_target_by_luck_alone_is_passed_by(
+    lucky: int, n_recordings: int | None
+):
+    def count(n: int, n_studies: int) -> int:
+        """Power that reaches 80 % at `lucky`, but with more studies there, only behind it."""
+        power = float(norm.cdf(norm.ppf(0.8) + 0.2 * (math.sqrt(n) - math.sqrt(lucky - 0.5))))
+        return round((0.79 if n == lucky and n_studies > 300 else power) * n_studies)
+
+    length = find_length(count, guess=lucky / 2, least=6, target=0.8)
+    assert {point.n_recordings: point.power for point in length.points}[lucky] == 0.79
+    assert length.n_recordings == n_recordings
 
 
 def test_noninferiority_of_equal_systems_takes_what_a_one_sided_t_test_does():

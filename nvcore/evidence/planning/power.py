@@ -389,14 +389,17 @@ def find_length(
     middle = min(max(guess, least), MOST_RECORDINGS / GRID[-1])
     for size in sorted({max(least, round(share * middle)) for share in GRID}):
         simulate(size)
-    while points[max(points)].power < target and max(points) < MOST_RECORDINGS:
-        simulate(min(2 * max(points), MOST_RECORDINGS))
     while points[min(points)].power >= target and min(points) > least:
         simulate(max(min(points) // 2, least))
-    if points[max(points)].power < target:
-        return StudyLength(None, _in_order(points))
-    n_recordings = _length_at(points, target, least)
-    simulate(n_recordings, N_STUDIES_LAST)
+    n_recordings = 0
+    # with more studies, the only size that reached the target may fall below it: go on then
+    while not n_recordings or all(point.power < target for point in points.values()):
+        while points[max(points)].power < target and max(points) < MOST_RECORDINGS:
+            simulate(min(2 * max(points), MOST_RECORDINGS))
+        if points[max(points)].power < target:
+            return StudyLength(None, _in_order(points))
+        n_recordings = _length_at(points, target, least)
+        simulate(n_recordings, N_STUDIES_LAST)
     better = _length_at(points, target, least)
     if abs(better - n_recordings) > ROUGHLY * n_recordings:
         n_recordings = better
@@ -439,7 +442,7 @@ def _length_at(points: dict[int, PowerPoint], target: float, least: int) -> int:
         return int(above)
     root = (scipy.special.ndtri(target) - start) / slope
     size = int(np.ceil(max(root, 0.0) ** 2))
-    return int(np.clip(size, least, 2 * above))
+    return int(np.clip(size, least, min(2 * above, MOST_RECORDINGS)))
 
 
 def guess_length(pilot: Pilot, distance: float, *, level: float, target: float) -> float:
