@@ -413,14 +413,15 @@ class Filter:
             return _Term(TEXT, Constant(node.this), shown)
         sign, number = (-1, node.this) if isinstance(node, exp.Neg) else (1, node)
         _check(number)
-        if isinstance(number, exp.Literal) and not number.is_string:
+        is_number = isinstance(number, exp.Literal) and re.fullmatch(_NUMBER, number.this)
+        if is_number and not number.is_string:
             value = float(number.this)
             is_exact = value.is_integer() and abs(value) < 2**53
             return _Term(NUMBER, Constant(sign * (int(value) if is_exact else value)), shown)
-        if not isinstance(node, exp.Column):
+        is_named = all(isinstance(part, exp.Identifier) for part in node.args.values() if part)
+        if not (isinstance(node, exp.Column) and is_named):
             raise _fault(f"expected a column, a number or a text, found {shown}")
-        _check(node.this)
-        return self._column(node.this.this, node.table, is_quoted=bool(node.this.args["quoted"]))
+        return self._column(node.name, node.table, is_quoted=node.this.quoted)
 
     def _column(self, name: str, table: str, *, is_quoted: bool) -> _Term:
         shown = one_line(shortened(f"{table}.{name}" if table else name, 60))
