@@ -60,6 +60,14 @@ def test_the_overlap_and_the_distance_are_those_of_the_pair():
     assert cells(table, "x", "iou_x", "nearest_px_x", "cost") == [[iou, pytest.approx(2), None]]
 
 
+def test_distance_and_occlusion_are_those_of_the_inputs():
+    truth = [at(0, 30, distance_m=25.5, occlusion=1), at(1, 30)]
+    x = [at(0, 30, distance_m=24.0)]
+    table = matches_table(result_of(make_dataset(truth, x=x, y=[])))
+    assert cells(table, "truth", "distance_m", "occlusion") == [[25.5, 1], [None, None]]
+    assert cells(table, "x", "distance_m", "occlusion") == [[24.0, None]]
+
+
 def test_boxes_that_stand_in_no_file_have_no_line(table: pd.DataFrame):
     assert table[["file", "line"]].isna().all(axis=None)
 

@@ -17,6 +17,7 @@ from nvcore.metrics.similarity import border_of, miss_terms
 from nvcore.output.parquet import to_parquet_bytes
 from nvcore.schema import (
     NO_TRACK,
+    UNKNOWN_OCCLUSION,
     DetectionState,
     TruthState,
     categories_of,
@@ -30,6 +31,8 @@ MATCHES: Final = "matches.parquet"
 
 FRAMES_AT_ONCE: Final = 50_000
 SOURCES: Final = ("truth", "x", "y")
+OF_INPUTS: Final = ("distance_m", "occlusion", "file", "line")
+"""Columns that stand as the inputs have them."""
 
 _NONE = "detection of the other system"
 _OF_BOTH = (
@@ -90,6 +93,14 @@ MATCH_COLUMNS: Final[tuple[Column, ...]] = (
         "",
         "Track: of {a_one} as in `encounters.csv`, of a detection as in its file.",
         empty="it has none",
+    ),
+    Column("distance_m", CellKind.NUMBER, "m", "Distance from the camera.", empty="not stated"),
+    Column(
+        "occlusion",
+        CellKind.INTEGER,
+        "",
+        "How much of the {one} is hidden: 0 nothing, 1 a part, 2 most.",
+        empty="not stated",
     ),
     Column(
         "counts",
@@ -163,6 +174,7 @@ def _finished(result: Result, columns: dict[str, np.ndarray]) -> pd.DataFrame:
         "source": categories_of(columns["source"], SOURCES),
         "recording": _texts(columns["recording"], names),
         "track": integers_of(columns["track"], columns["track"] != NO_TRACK),
+        "occlusion": integers_of(columns["occlusion"], columns["occlusion"] != UNKNOWN_OCCLUSION),
         "file": _texts(file, inputs),
         "line": integers_of(columns["line"], has_line),
     }
@@ -193,7 +205,7 @@ def _common(result: Result, boxes: BoxColumns, source: int, first: int) -> dict[
         **{name: getattr(boxes, name) for name in (*"xywh", "score", "track")},
         "border_px": border_of(boxes, frames, _edge_weight(result)),
         "cost": np.full(n, np.nan),
-        **{name: result.dataset.boxes[name].to_numpy()[rows] for name in ("file", "line")},
+        **{name: result.dataset.boxes[name].to_numpy()[rows] for name in OF_INPUTS},
     }
     for side in "xy":
         columns |= {
