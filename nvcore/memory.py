@@ -15,16 +15,18 @@ BYTES_OF_FRAME: Final = 500
 """What a comparison takes for each evaluated frame, few boxes assumed."""
 MANY_FRAMES: Final = 1_000_000
 """So many are taken without a question."""
+SPARSE: Final = 1000
+"""Frames for each one with a box from which on frame numbers are taken for wrong ones."""
 _UNLIMITED: Final = 1 << 60
 
 
-def check_room(n_frames: int) -> None:
-    """Refuse more frames than there is memory for.
+def check_room(n_frames: int, n_boxes: int) -> None:
+    """Refuse more frames than there is memory for, or many without a box.
 
     Raises
     ------
     InputError
-        If they would take more than is free.
+        If they would take more than is free, or nearly all are empty and take memory for nothing.
     """
     if n_frames <= MANY_FRAMES:
         return
@@ -34,6 +36,11 @@ def check_room(n_frames: int) -> None:
             f"there are {n_frames:,} evaluated frames, which take about {needed / 1e9:.1f} GB of "
             f"memory; {max(free, 0) / 1e9:.1f} GB are free. Correct the frame numbers, compare "
             "fewer recordings at a time, or use a larger machine"
+        )
+    if n_frames > SPARSE * n_boxes:
+        raise InputError(
+            f"there are {n_frames:,} evaluated frames, but only {n_boxes:,} boxes; expected a box "
+            f"in {SPARSE:,} of so many. Correct the frame numbers"
         )
 
 

@@ -39,11 +39,20 @@ def test_more_frames_than_there_is_room_for_are_refused(
         load(session)
 
 
+def test_many_frames_without_boxes_are_refused_however_much_memory_is_free(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    session = session_of(drive(tmp_path), frames="1:9999999")
+    monkeypatch.setattr(memory, "free_bytes", lambda: 10**12)
+    with pytest.raises(InputError, match=r"19,999,998 evaluated frames, but only \d+ boxes"):
+        load(session)
+
+
 def test_an_hour_of_frames_and_what_is_not_known_are_let_through(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(memory, "free_bytes", lambda: 0)
-    check_room(108_000)
+    check_room(108_000, 0)
     monkeypatch.setattr(memory, "free_bytes", lambda: None)
-    check_room(10**9)
+    check_room(10**9, 10**6)
 
 
 def test_the_least_of_all_limits_holds(machine: Path):

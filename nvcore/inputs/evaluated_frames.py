@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -15,14 +15,13 @@ from nvcore.errors import InputError, MissingFactError
 from nvcore.inputs.facts import FRAME_RANGE, frame_range, is_frame_range
 from nvcore.inputs.readers.base import Reading, SourceFile
 from nvcore.inputs.readers.meaning.seqinfo import MAX_FRAMES
+from nvcore.memory import SPARSE
 from nvcore.wording import MOST_NAMED, listed, one_line
 
 MIN_SAMPLED: Final = 8
 """Annotated frames from which a common step between them is taken for regular sampling."""
-SPARSE: Final = 1000
-"""Frames for each annotated one from which on frame numbers are taken for wrong ..."""
 LONG: Final = 100_000
-"""... in a recording of more frames than these: an hour at 28 Hz."""
+"""Frames of a recording, an hour at 28 Hz, from which on `SPARSE` holds."""
 _LINE_ENDS: Final = tuple(end.encode() for end in "\n\r\v\f\x1c\x1d\x1e\x85\u2028\u2029")
 """Where `str.splitlines` splits."""
 
@@ -141,18 +140,12 @@ def infer_frames(annotated: np.ndarray) -> tuple[np.ndarray, str]:
     """
     first, last = int(annotated[0]), int(annotated[-1])
     step = int(np.gcd.reduce(np.diff(annotated))) if len(annotated) >= MIN_SAMPLED else 1
-    if (last - first) // step >= MAX_FRAMES:
-        raise MissingFactError(
-            f"the truth reaches from frame {first} to {last}, more than {MAX_FRAMES} frames; "
-            "correct the frame numbers, or say which frames are evaluated",
-            facts=("frames",),
-        )
     n_frames = (last - first) // step + 1
-    if n_frames > max(LONG, SPARSE * len(annotated)):
+    if n_frames > max(LONG, SPARSE * len(annotated)) or n_frames > MAX_FRAMES:
         raise MissingFactError(
-            f"the truth has boxes in {len(annotated)} frames between frame {first} and {last}; "
-            f"expected at least one in {SPARSE} of so many. Correct the frame numbers (are they "
-            "times?), or say which frames are evaluated",
+            f"the truth reaches from frame {first} to {last}, and has boxes in {len(annotated)} "
+            f"frames; expected boxes in at least one of {SPARSE}, and at most {MAX_FRAMES} frames. "
+            "Correct the frame numbers (are they times?), or say which frames are evaluated",
             facts=("frames",),
         )
     if step > 1:
@@ -165,7 +158,9 @@ def infer_frames(annotated: np.ndarray) -> tuple[np.ndarray, str]:
     ), f"every frame from the first to the last annotated, {first} to {last}"
 
 
-def own_frames(truth: Reading, names: Iterable[str]) -> dict[str, tuple[np.ndarray, str]]:
+def own_frames(
+    truth: Reading, names: Iterable[str], files: Sequence[SourceFile] = ()
+) -> dict[str, tuple[np.ndarray, str]]:
     """Evaluated frames of recordings by the ground truth, and the reason in words.
 
     Parameters
@@ -174,6 +169,8 @@ def own_frames(truth: Reading, names: Iterable[str]) -> dict[str, tuple[np.ndarr
         The ground truth.
     names
         The recordings that are needed.
+    files
+        The truth's, for the error.
 
     Returns
     -------
@@ -183,7 +180,7 @@ def own_frames(truth: Reading, names: Iterable[str]) -> dict[str, tuple[np.ndarr
     Raises
     ------
     MissingFactError
-        If that would be more frames than any recording has.
+        If that would be more frames than any recording has; with the line of the largest number.
     """
     names = list(names)
     if not names:
@@ -195,7 +192,20 @@ def own_frames(truth: Reading, names: Iterable[str]) -> dict[str, tuple[np.ndarr
         if name in imaged:
             listed[name] = imaged[name], "those that the ground truth lists"
         elif name in annotated:
-            listed[name] = infer_frames(annotated[name])
+            try:
+                listed[name] = infer_frames(annotated[name])
+            except MissingFactError as error:
+                boxes, last = truth.boxes, annotated[name][-1]
+                is_last = (boxes["recording"] == name) & (boxes["frame"] == last)
+                row = int(np.argmax(is_last))
+                if not files or not is_last.any():
+                    raise
+                raise MissingFactError(
+                    error.message,
+                    file=files[boxes["file"].iloc[row]].name,
+                    line=int(boxes["line"].iloc[row]),
+                    facts=error.facts,
+                ) from None
         else:
             listed[name] = np.empty(0, np.int64), "no frame is known; recording left out"
     return listed

@@ -25,9 +25,11 @@ from nvcore.inputs.files import digest, find_files, located, system_names
 from nvcore.inputs.laying_out import laid_out, sizes_given
 from nvcore.inputs.placing import LoadedSource, place_sources
 from nvcore.inputs.readers.base import (
+    Lines,
     Reading,
     ReadOptions,
     Role,
+    SourceFile,
     joined_findings,
     select_boxes,
     warning,
@@ -157,7 +159,7 @@ def read_source(
     """
     files, file_format = find_files(source, folder or Path.cwd(), role)
     options = read_options(source, role, size, truth, objects)
-    reading = _with_named(file_format.read(files, options), options)
+    reading = _with_named(file_format.read(files, options), options, files)
     reading = laid_out(reading, source, {} if size is None else {"": size}, truth)
     check_names(reading)
     return replace(reading, findings=joined_findings(reading.findings))
@@ -217,7 +219,7 @@ def _read(
             files, file_format = [table_as_file(source.path[0])], TABLE
             reading = read_table(table, files[0], options)
             digests = [tables_fingerprint([table], list(map(str, table.columns)))]
-        reading = _with_named(reading, options)
+        reading = _with_named(reading, options, files)
         reading = laid_out(reading, source, sizes_given(session), truth)
         check_names(reading)
         reading = _without_row_numbers(reading, options)
@@ -233,10 +235,10 @@ def _read(
     return LoadedSource(subject, files, digests, file_format, reading)
 
 
-def _with_named(reading: Reading, options: ReadOptions) -> Reading:
+def _with_named(reading: Reading, options: ReadOptions, files: Sequence[SourceFile]) -> Reading:
     """The reading with what the names of its pictures tell: how they were understood, rates."""
     if reading.named is None and reading.images is None:
-        reading = _with_times_numbered(reading, options)
+        reading = _with_times_numbered(reading, options, files)
     reading = with_subsets_joined(reading, options)
     named = reading.named
     if named is None:
@@ -293,16 +295,23 @@ def _without_row_numbers(reading: Reading, options: ReadOptions) -> Reading:
     )
 
 
-def _with_times_numbered(reading: Reading, options: ReadOptions) -> Reading:
+def _with_times_numbered(
+    reading: Reading, options: ReadOptions, files: Sequence[SourceFile]
+) -> Reading:
     """The reading with frames in place of times, where its format has frame numbers alone."""
     tables = [reading.boxes] if reading.annotated is None else [reading.boxes, reading.annotated]
     is_stated = options.frame_names == "times"
     if not len(tables[-1]) or (tables[-1]["frame"].iloc[0] < LEAST_TIME and not is_stated):
         return reading
+    columns = ["recording", "frame", "file", "line"]  # line 0: it is not known
     rows = pd.concat(
-        [table[["recording", "frame"]].astype({"recording": object}) for table in tables]
+        [
+            table.reindex(columns=columns, fill_value=0).astype({"recording": object})
+            for table in tables
+        ]
     )
-    times = times_as_frames(rows["frame"].to_numpy(), rows["recording"].to_numpy(), options)
+    recording, frame, file, line = (rows[name].to_numpy() for name in columns)
+    times = times_as_frames(frame, recording, options, Lines(files, file, line))
     if times is None:
         return reading
     recording, frame, named = times

@@ -149,14 +149,14 @@ def place_sources(
     truth = loaded[0].reading
     check_listed(session, truth)
     recordings = describe_recordings(session, truth, is_compared)
-    frames, notes = _frames(session, truth, recordings, is_compared)
+    frames, notes = _frames(session, loaded[0], recordings, is_compared)
     n_frames = sum(map(len, frames))
     if max_frames is not None and n_frames > max_frames:
         raise InputError(
             f"there are {n_frames:,} evaluated frames; expected at most {max_frames:,}. Open fewer "
             "recordings at a time, or give the frames to evaluate"
         )
-    check_room(n_frames)
+    check_room(n_frames, sum(len(source.reading.boxes) for source in loaded))
     keep = [i for i, numbers in enumerate(frames) if len(numbers)]
     recordings = recordings.iloc[keep].reset_index(drop=True)
     frames = [frames[i] for i in keep]
@@ -281,7 +281,7 @@ def _input_rows(source: LoadedSource) -> pd.DataFrame:
 
 def _frames(
     session: Session,
-    truth: Reading,
+    truth: LoadedSource,
     recordings: pd.DataFrame,
     is_compared: Callable[[str, Collection[str]], bool],
 ) -> tuple[list[np.ndarray], list[str]]:
@@ -291,7 +291,8 @@ def _frames(
     given = {name: texts.get(name, session.frames) for name in recordings["name"]}
     asked = dict.fromkeys(text for text in (session.frames, *texts.values()) if text is not None)
     lists = {text: parse_frames(text, session.folder) for text in asked if not is_open_range(text)}
-    own = own_frames(truth, [name for name, text in given.items() if text not in lists])
+    without_list = [name for name, text in given.items() if text not in lists]
+    own = own_frames(truth.reading, without_list, truth.files)
     frames: list[np.ndarray] = []
     reasons: dict[str, list[str]] = {}
     for name, text in given.items():

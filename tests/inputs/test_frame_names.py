@@ -152,6 +152,25 @@ def test_times_in_a_column_of_frame_numbers_are_numbered(tmp_path):
     assert dataset.recordings["fps"].tolist() == [10]
 
 
+@pytest.mark.parametrize("side", ["truth", "x"])
+def test_a_number_too_large_for_a_frame_is_refused_with_file_and_line(tmp_path, side):
+    """In the second of two files: either file alone could be guessed."""
+    names = as_tables(tmp_path, dict.fromkeys(("truth", "x", "y"), int))
+    wrong = [f"other,{frame},1,1,10,20,.5" for frame in (7777777777, 99999999999999999)]
+    (tmp_path / "more.csv").write_text("\n".join(["recording,frame,x,y,w,h,score", *wrong]))
+    with pytest.raises(InputError, match=r"more\.csv, line 2: .* too large .* found 7777777777"):
+        compared(tmp_path, names | {side: (names[side], "more.csv")})
+
+
+def test_the_truth_s_last_frame_is_reported_with_file_and_line_where_it_is_too_large(tmp_path):
+    names = as_tables(tmp_path, dict.fromkeys(("truth", "x", "y"), int))
+    with (tmp_path / names["truth"]).open("a") as file:
+        file.write("99999999999,1,1,1,10,20\n")
+    n_lines = len((tmp_path / names["truth"]).read_text().splitlines())
+    with pytest.raises(InputError, match=rf"truth\.csv, line {n_lines}: .* to 99999999999"):
+        compared(tmp_path, names)
+
+
 @pytest.mark.parametrize(
     "of_frame",
     [

@@ -78,7 +78,7 @@ class SourceFile:
         self, message: str, line: int | None = None, steps: tuple[Step, ...] = ()
     ) -> FormatError:
         """The error that refuses the content, as a whole or at a 1-based line; to be raised."""
-        line = None if line is None else int(line)
+        line = int(line) if line else None
         return FormatError(message, file=self.name, line=line, steps=steps)
 
 
@@ -109,10 +109,10 @@ class Lines:
     def __getitem__(self, rows: np.ndarray) -> Lines:
         return Lines(self.files, self.file[rows], self.line[rows])
 
-    def fault(self, row: int | np.intp, message: str) -> FormatError:
+    def fault(self, row: int | np.intp, message: str, steps: tuple[Step, ...] = ()) -> FormatError:
         """The error that refuses a row; to be raised."""
         file: SourceFile = self.files[self.file[row]]
-        return file.fault(message, self.line[row])
+        return file.fault(message, self.line[row], steps)
 
     def boxes(
         self, box: Iterable[object], *, keep: np.ndarray | None = None, **columns: object

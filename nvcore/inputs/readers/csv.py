@@ -234,7 +234,7 @@ def _read_one(
     recording: Any
     if "frame" in columns:
         recording = _named(columns["recording"], lines) if own is None else own
-        times = times_as_frames(columns["frame"].to_numpy(), recording, options)
+        times = times_as_frames(columns["frame"].to_numpy(), recording, options, lines)
         if times is None:
             frame, frame_fact = _frames(columns["frame"].to_numpy(), lines, options.frame_base)
             named = None

@@ -236,10 +236,10 @@ def _places(
     if numbers is not None and len(numbers) and not np.isnan(numbers).any():
         if videos is None and _is_scattered(recording):
             recording, source = folders
-        times = times_as_frames(numbers, recording, options)
+        lines = Lines.of(images.file, np.arange(1, len(numbers) + 1))
+        times = times_as_frames(numbers, recording, options, lines)
         if times is not None:
             return recording, times[1], f"{source}, times from the images' fields", [], times[2]
-        lines = Lines.of(images.file, np.arange(1, len(numbers) + 1))
         frame = whole_numbers(numbers, lines, "frame number")
         text = f"{source}, frame numbers from the images' fields"
         return recording, frame, text, [], replace(named, how="fields", facts=(), rates={})

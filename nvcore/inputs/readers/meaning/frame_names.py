@@ -15,6 +15,7 @@ from nvcore.errors import FormatError, InputError
 from nvcore.findings import Remedy, Step
 from nvcore.inputs.readers.base import (
     NO_FRAME,
+    Lines,
     NamedPictures,
     ReadOptions,
     SourceFile,
@@ -144,7 +145,7 @@ def places_of_pictures(
 
 
 def times_as_frames(
-    values: np.ndarray, recording: object, options: ReadOptions
+    values: np.ndarray, recording: object, options: ReadOptions, lines: Lines
 ) -> tuple[np.ndarray, np.ndarray, NamedPictures] | None:
     """Recording and frame of rows whose frame numbers are times; None where they are not.
 
@@ -154,11 +155,13 @@ def times_as_frames(
         float64 or int64, shape (n,).
     recording
         Of all rows, or of each.
+    lines
+        Where the rows stand.
 
     Raises
     ------
     InputError
-        If they are too large for frame numbers and no times of a camera.
+        If they are too large for frame numbers and no times of a camera; with the line.
     """
     least = 0 if options.frame_names == "times" else LEAST_TIME
     if options.frame_names == "numbers" or not len(values) or not values.min() >= least:
@@ -173,7 +176,8 @@ def times_as_frames(
     if times is None and options.frame_names == "times":
         return None
     if times is None:
-        raise _unclear(names[0], "in the column of frame numbers")
+        unclear = _unclear(names[0], "in the column of frame numbers")
+        raise lines.fault(0, unclear.message, unclear.steps)
     # a column holds frames with boxes: where nobody is, there is no pause
     named = _by_times(recordings, names, times, options, divide=False)
     if options.named is not None and options.role == "detections":
