@@ -22,6 +22,7 @@ _MAGIC: Final[tuple[tuple[int, bytes, str], ...]] = (
     (4, b"ftyp", "an MP4 video"),
     (0, b"\x1aE\xdf\xa3", "a Matroska or WebM video"),
     (0, b"#ROSBAG", "a ROS bag"),
+    (0, b"\x89MCAP0", "an MCAP recording: export its boxes as CSV"),
     (0, b"PK\x03\x04", "a ZIP archive (or a spreadsheet): unpack it, or save it as CSV"),
     (0, b"\x1f\x8b", "a file packed by gzip: unpack it"),
     (0, b"\xfd7zXZ\x00", "a file packed by xz: unpack it"),

@@ -210,7 +210,7 @@ def _recognised(file: SourceFile, content: bytes, head: str, role: Role) -> str:
         return f"expected {_HOLDS[role]}, found {kind}"
     known = foreign_format(head)
     if known is not None:
-        return f"no reader recognises this as {role}: it is {known}, which is not read"
+        return f"no reader recognises this as {role}: it is {known}"
     other: Role = "detections" if role == "truth" else "truth"
     for candidate in FORMATS:
         if role not in candidate.roles and candidate.recognise(file.name, head, other):

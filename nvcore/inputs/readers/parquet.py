@@ -28,6 +28,7 @@ from nvcore.inputs.readers.csv import NamedColumns, missing_columns, read_named_
 from nvcore.inputs.readers.csv_columns import Header, header_of
 from nvcore.inputs.readers.parquet_decoder import is_text
 from nvcore.inputs.readers.parse.text import read_bytes
+from nvcore.inputs.readers.parse.unknown import foreign_format
 from nvcore.inputs.readers.table import parse_columns, with_row
 from nvcore.wording import shortened
 
@@ -102,7 +103,8 @@ class _Decoder:
             header = header_of([name.strip() for name in self._ask(file, content, None, None)])
             problem = missing_columns(header)
             if problem is not None:
-                raise file.fault(f"expected {problem}")
+                known = foreign_format(",".join(header.names))
+                raise file.fault(f"it is {known}" if known else f"expected {problem}")
             places = sorted(header.place.values())
             return header, self._ask(file, None, places, limits)
 

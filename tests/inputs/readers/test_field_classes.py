@@ -455,6 +455,21 @@ FOREIGN = {
     "Open Images' tree": '{"LabelName": "/m/0bl9f", "Subcategory": []}',
     "LabelMe's XML": "<annotation><filename>a.png</filename><imagesize></imagesize></annotation>",
     "Pascal VOC's results": "000012 0.687 60.04 181.35 108.97 312.7",
+    "labelme's JSON": '{"imageHeight": 480, "imagePath": "a.png", "shapes": []}',
+    "labelme.s": '{"flags": {}, "imageData": "' + "A" * 70_000 + '", "shapes": []}',
+    "DeepStream": f"person 7 0.0 0 0.0 60.04 181.35 108.97 312.7{' 0.0' * 7} 0.6",
+    "DeepStream's tracker": f"person 1 0.0 0 0.0 60.04 181.35 108.97 312.7{' 0.0' * 7}",
+    "MegaDetector": '{"images": [{"file": "a.jpg", "detections": [{"category": "2", "conf": 0.9, '
+    '"bbox": [0.1, 0.4, 0.1, 0.3]}]}], "detection_categories": {"2": "person"}}',
+    "SageMaker": '{"source-ref": "s3://a/a.png", "boxes": {"image_size": [{"width": 640}], '
+    '"annotations": [{"class_id": 0, "top": 1, "left": 2, "width": 3, "height": 4}]}}',
+    "V7 Darwin": '{"version": "2.0", "item": {"name": "a.png"}, "annotations": '
+    '[{"bounding_box": {"h": 130, "w": 50, "x": 60, "y": 180}, "name": "person"}]}',
+    "DIVE's JSON": '{"tracks": {"0": {"id": 0, "confidencePairs": [["person", 1]]}}}',
+    "VIAME": "# 1: Detection or Track-id,2: Video or Image Identifier\n0,a.png,0,6,8,10,30,1,-1",
+    "VIAME's CSV": "0,a.png,0,60,180,110,310,1,-1,person,0.9",
+    "Waymo": "key.segment_context_name,[CameraBoxComponent].box.center.x\na,85",
+    "WIDER FACE": "0--Parade/0_a_1_849.jpg\n1\n449 330 122 149 0 0 0 0 0 0 \n",
 }
 
 

@@ -37,7 +37,6 @@ from nvcore.inputs.readers.coco.images import (
     rows_by_id,
 )
 from nvcore.inputs.readers.coco.result_columns import ResultColumns, read_columns
-from nvcore.inputs.readers.coco.truth import OTHERS
 from nvcore.inputs.readers.meaning.categories import (
     CategoryChoice,
     ClassNames,
@@ -54,6 +53,7 @@ from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.names import recording_of
 from nvcore.inputs.readers.meaning.plain_names import plain_name, plain_names
 from nvcore.inputs.readers.meaning.tracks import TEXT_IDS, track_numbers
+from nvcore.inputs.readers.parse.unknown import foreign_format
 
 _FIELDS = re.compile(r'"bbox"\s*:')
 _IMAGE = re.compile(rf'"(?:image_id|{"|".join(NAME_KEYS)})"\s*:')
@@ -69,7 +69,7 @@ def recognise(name: str, head: str, role: Role) -> bool:
     if role != "detections":
         return False
     if text.startswith("{"):
-        return _WRAPPED.search(text) is not None and OTHERS.search(text) is None
+        return _WRAPPED.search(text) is not None and foreign_format(text) is None
     if re.match(r"\[\s*\]\s*$", text):
         return True
     has_fields = _FIELDS.search(text) is not None and _IMAGE.search(text) is not None

@@ -58,12 +58,11 @@ from nvcore.inputs.readers.meaning.values import (
     odd_levels,
 )
 from nvcore.inputs.readers.parse.json import Records, read_json, short_json
+from nvcore.inputs.readers.parse.unknown import foreign_format
 from nvcore.schema import UNKNOWN_OCCLUSION
 
 TRACK_KEYS = ("track_id", "target_id", "instance_id", "tracking_id")
 _LIST = re.compile(r'"(?:images|annotations|categories)"\s*:\s*\[')
-OTHERS = re.compile(r'"categories"\s*:\s*\{|"(?:openlabel|_cls)"\s*:')
-"""Marks of other formats that have such lists, too: Datumaro, OpenLABEL, FiftyOne."""
 _VISIBLE_IF_OCCLUDED = 0.5  # NightOwls' own reading of its yes-or-no field
 
 
@@ -71,8 +70,8 @@ def recognise(name: str, head: str, role: Role) -> bool:
     """Whether the text is a JSON object with COCO's lists."""
     del name
     text = head.lstrip("\ufeff \t\r\n")
-    is_coco = _LIST.search(text) is not None and OTHERS.search(text) is None
-    return role == "truth" and text.startswith("{") and is_coco
+    has_lists = text.startswith("{") and _LIST.search(text) is not None
+    return role == "truth" and has_lists and foreign_format(text) is None
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:

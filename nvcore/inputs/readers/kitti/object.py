@@ -17,14 +17,15 @@ from nvcore.inputs.readers.base import (
 from nvcore.inputs.readers.kitti.label import FIELDS, label_boxes
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.parse.text import TextLayout, read_numbers, stacked
+from nvcore.inputs.readers.parse.unknown import foreign_format
 
 LAYOUT = TextLayout((15, 16), FIELDS, delimiter=" ", label_at=0)
 
 
 def recognise(name: str, head: str, role: Role) -> bool:
-    """Whether the rows have 15 or 16 fields: a type and numbers."""
+    """Whether the rows have 15 or 16 fields: a type and numbers, and no id as DeepStream's have."""
     del name, role
-    return LAYOUT.fits(head)
+    return LAYOUT.fits(head) and foreign_format(head) is None
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:

@@ -1,4 +1,4 @@
-"""What kind of file it is that no reader recognises, by its first bytes: for helpful errors."""
+"""Name the kind of a file that no reader recognises, by its beginning, for helpful errors."""
 
 from __future__ import annotations
 
@@ -28,56 +28,113 @@ _EXPECTED: Final[dict[Role, tuple[str, str]]] = {
 """By role: what JSON and what XML is expected to be."""
 
 
-_MARKS: Final = (
-    ("CrowdHuman's .odgt", '"gtboxes"'),
-    ("Label Studio's JSON", '"(?:rectanglelabels|from_name)"'),
-    ("labelme's JSON", '"shapes".*"image(?:Path|Data|Height)"'),
-    ("BDD100K's or Scalabel's JSON", '"box2d"'),
-    ("EuroCity Persons' JSON", '"imagename".*"children"|"children".*"imagename"'),
-    ("OpenLABEL or VCD", r'\A.{0,5}"(?:openlabel|vcd)"'),
-    ("FiftyOne's JSON", '"_cls"|"samples".*"filepath"'),
-    ("Supervisely's JSON", '"(?:geometryType|classTitle)"'),
-    ("Datumaro's JSON", r'"categories"\s*:\s*\{'),
-    ("VGG Image Annotator's (VIA) JSON", '"shape_attributes"|"_via_'),
-    ("Cityscapes' or CityPersons' JSON", '"imgHeight"'),
-    ("a table of nuScenes", '"(?:sample|instance)_token"'),
-    ("Labelbox's JSON", '"(?:data_row|Labeled Data)"'),
-    ("Create ML's JSON", r'"coordinates"\s*:\s*\{'),
-    ("Darknet's JSON", '"relative_coordinates"'),
-    ("supervision's JSON (JSONSink)", r'\A\[\s*\{\s*"x_min"'),
-    ("Ultralytics' JSON of one picture", r'\A\[\s*\{\s*"name".*"box"\s*:\s*\{'),
-    ("Open Images' tree of classes", r'"LabelName".*"Subcategory"'),
-    ("LabelMe's XML", r"<imagesize>|<polygon>(?!.*<bndbox>)"),
-    ("COCO results with masks and without boxes", r'\A\s*\[(?!.*"bbox").*"segmentation"'),
-    ("CVML's XML (PETS)", r"<dataset\b.*<objectlist"),
-    ("UA-DETRAC's XML", r"<target_list"),
-    ("ViPER's XML", r"<viper\b"),
-    ("VATIC's text", r'\A(?:-?[\d.]+ ){9}"'),
-    ("keras-retinanet's CSV", r"\A[^,\n]*\.(?:jpe?g|png|bmp|tiff?),(?:-?[\d.]*,){4}"),
-    ("VGG Image Annotator's (VIA) CSV", r"\A#?\s*filename,file_size,file_attributes"),
-    ("Label Studio's CSV", r"\A(?=.*annotation_id).*lead_time"),
-    ("Ultralytics' CSV without names of pictures", r"\Aname,class,confidence,box"),
-    ("Open Images' CSV", r"\AImageID,Source,LabelName,"),
-    ("Oxford Town Centre's CSV", r"\A(?:-?[\d.]+,){2}[01],[01],(?:-?[\d.]+,){7}-?[\d.]+\s*$"),
+_COCO: Final = "export COCO instead"
+_FOREIGN: Final[tuple[tuple[str, str, str], ...]] = (
+    ('"gtboxes"', "CrowdHuman's .odgt", "convert it to COCO"),
+    ('"(?:rectanglelabels|from_name)"', "Label Studio's JSON", _COCO),
+    ('"imageData"|"shape_type"', "labelme's JSON", "convert it to COCO"),
+    ('"shapes".*"imagePath"|"imagePath".*"shapes"', "labelme's JSON", "convert it to COCO"),
+    ('"box2d"', "BDD100K's or Scalabel's JSON", "let Scalabel convert it to COCO"),
+    ('"imagename".*"children"|"children".*"imagename"', "EuroCity Persons' JSON", ""),
+    (r'\A.{0,5}"(?:openlabel|vcd)"', "OpenLABEL or VCD", ""),
+    ('"_cls"|"samples".*"filepath"', "FiftyOne's JSON", "export a COCODetectionDataset instead"),
+    ('"(?:geometryType|classTitle)"', "Supervisely's JSON", _COCO),
+    (r'"categories"\s*:\s*\{', "Datumaro's JSON", _COCO),
+    ('"shape_attributes"|"_via_', "VGG Image Annotator's (VIA) JSON", _COCO),
+    ('"imgHeight".*"objects"', "Cityscapes' or CityPersons' JSON", ""),
+    (r'\A\[.*"(?:sample|instance)_token"', "a table of nuScenes", ""),
+    ('"(?:data_row|Labeled Data)"', "Labelbox's JSON", "convert it to COCO"),
+    (r'\A\[.*"coordinates"\s*:\s*\{', "Create ML's JSON", _COCO),
+    ('"relative_coordinates"', "Darknet's JSON", ""),
+    ('"workview_url"|"schema_ref"', "V7 Darwin's JSON", _COCO),
+    (r'"bounding_box"\s*:\s*\{\s*"h"', "V7 Darwin's JSON", _COCO),
     (
-        "text of a class and corners for each picture (Cartucho's mAP)",
-        r"\A(?=.*[A-Za-z])[^\s<{\[,;]+(?: [01]?\.\d+(?:[eE]-\d+)?)?(?: -?\d+(?:\.\d+)?){4}\s*$",
+        r'"detection_categories"|"max_detection_conf"|"detections"\s*:\s*\[[^]]*"conf"',
+        "MegaDetector's JSON",
+        "convert it to COCO: its boxes are shares of the picture",
+    ),
+    ('"source-ref"', "a manifest of SageMaker Ground Truth", "convert it to COCO"),
+    ('"confidencePairs"', "DIVE's JSON", "export COCO or plain CSV instead"),
+    ('"(?:objectHash|featureHash)"', "Encord's JSON", _COCO),
+    ('"pointLabels"', "SuperAnnotate's JSON", _COCO),
+    ('"imageGcsUri"', "Vertex AI's JSON lines", "convert them to COCO"),
+    (r'\A\[\s*\{\s*"x_min"', "supervision's JSON (JSONSink)", "write its CSVSink instead"),
+    (
+        r'\A\[\s*\{\s*"name".*"box"\s*:\s*\{',
+        "Ultralytics' JSON of one picture",
+        "write YOLO text (save_txt with save_conf) instead",
+    ),
+    (r'"LabelName".*"Subcategory"', "Open Images' tree of classes", ""),
+    (r"<imagesize>|<polygon>(?!.*<bndbox>)", "LabelMe's XML", "convert it to COCO"),
+    (
+        r'\A\s*\[(?!.*"bbox").*"segmentation"',
+        "COCO results with masks and without boxes",
+        "add the box around each mask",
+    ),
+    (r"<dataset\b.*<objectlist", "CVML's XML (PETS)", ""),
+    (r"<target_list", "UA-DETRAC's XML", ""),
+    (r"<viper\b", "ViPER's XML", ""),
+    (r"<tracklets\b", "KITTI's tracklets of laser scans", "take its tracking labels instead"),
+    (r'\A(?:-?[\d.]+ ){9}"', "VATIC's text", ""),
+    (r"\A[^,\n]*\.(?:jpe?g|png|bmp|tiff?),(?:-?[\d.]*,){4}", "keras-retinanet's CSV", ""),
+    (r"\A#?\s*filename,file_size,file_attributes", "VGG Image Annotator's (VIA) CSV", _COCO),
+    (r"\A(?=.*annotation_id).*lead_time", "Label Studio's CSV", _COCO),
+    (
+        r"\Aname,class,confidence,box",
+        "Ultralytics' CSV without names of pictures",
+        "write YOLO text (save_txt with save_conf) instead",
+    ),
+    (r"\AImageID,Source,LabelName,", "Open Images' CSV", ""),
+    (
+        r"\A(?:-?[\d.]+,){2}[01],[01],(?:-?[\d.]+,){7}-?[\d.]+\s*$",
+        "Oxford Town Centre's CSV",
+        "",
     ),
     (
-        "Pascal VOC's results: picture, score, corners",
+        r"\A# ?1: Detection or Track|\A(?:#.*\n)*\d+,[^,\n]*,\d+(?:,-?[\d.]+){6},[A-Za-z]",
+        "VIAME's CSV (DIVE)",
+        "export COCO or plain CSV instead",
+    ),
+    (
+        r"\A.*\[(?:Camera|LiDAR)\w*BoxComponent\]",
+        "a table of the Waymo Open Dataset",
+        "keep the rows of one camera and call the columns frame, cx, cy, w, h, class",
+    ),
+    (
+        r"\A\S+\.jpg\n\d+\n(?:-?\d+ ){9}-?\d+ ?$",
+        "WIDER FACE's text (wider_face_split)",
+        "convert it to COCO",
+    ),
+    (
+        r"\A\S+ \d+ 0\.0 0 0\.0(?: -?[\d.]+){4}(?: 0\.0){7}(?: \S+)?$",
+        "text of DeepStream's tracker (kitti-track-output-dir), with an id behind the class",
+        "take its detections (gie-kitti-output-dir) instead",
+    ),
+    (
+        r"\A(?=.*[A-Za-z])[^\s<{\[,;]+(?: [01]?\.\d+(?:[eE]-\d+)?)?(?: -?\d+(?:\.\d+)?){4}\s*$",
+        "text of a class and corners for each picture (Cartucho's mAP)",
+        "",
+    ),
+    (
         r"\A[^\s<{\[,;]+ (?:[01]|[01]?\.\d+(?:[eE]-\d+)?)(?: -?\d+(?:\.\d+)?){4}\s*$",
+        "Pascal VOC's results: picture, score, corners",
+        "",
     ),
 )
-"""Formats that are not read, and what marks the beginning of their files."""
-_KNOWN: Final = tuple((name, re.compile(mark, re.DOTALL | re.MULTILINE)) for name, mark in _MARKS)
+"""Formats that are not read: mark of the beginning of a file, name, what to do instead.
+
+In JSON and XML a dot of a mark stands for a line end, too; in other text it does not.
+"""
 
 
 def foreign_format(head: str) -> str | None:
-    """Name of the format that a file is of and that no reader reads; None where it is unknown."""
+    """Name the format of a file that no reader reads, and what to do; None if it is unknown."""
     text = head.lstrip("\ufeff \t\r\n").replace("\r\n", "\n")
-    is_structured = text.startswith(("{", "[", "<"))
-    first = text if is_structured else text.partition("\n")[0]
-    return next((name for name, mark in _KNOWN if mark.search(first)), None)
+    flags = re.DOTALL if text.startswith(("{", "[", "<")) else re.MULTILINE
+    for mark, name, instead in _FOREIGN:
+        if re.search(mark, text, flags):
+            return f"{name}, which is not read" + (f": {instead}" if instead else "")
+    return None
 
 
 def describe_foreign(file: SourceFile, head: str, role: Role) -> str | None:

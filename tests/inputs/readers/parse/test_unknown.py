@@ -32,6 +32,7 @@ def refusal(folder: Path, content: bytes | str, role: Role = "truth") -> str:
         (b"RIFF\x10\x00\x00\x00AVI LIST", "an AVI video"),
         (b"PK\x03\x04\x14\x00", "a ZIP archive (or a spreadsheet): unpack it, or save it as CSV"),
         ("frame,x,y,w,h\n".encode("utf-16"), "UTF-16 text: save it as UTF-8"),
+        (b"\x89MCAP0\r\n\x01\x00", "an MCAP recording: export its boxes as CSV"),
         (b"\x01\x02\x00\x03", "a binary file"),
     ],
 )
