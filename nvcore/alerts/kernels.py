@@ -41,7 +41,8 @@ def switch_alerts(
         is_new = i == 0 or key[i] != key[i - 1]
         if on >= 0:
             last = last_frame(on, held, final_row[on], time_s, off_s, least_s)
-            if not is_new and row <= max(last, held + step):
+            # a box in the frame after the last one: the alert was on in every frame
+            if not is_new and row <= max(last + 1, held + step):
                 held = row
                 continue
             end[n], n, on, free_s = last, n + 1, -1, end_s[last]

@@ -45,7 +45,9 @@ def test_it_begins_once_a_run_is_long_enough(frames, expected):
     ("frames", "expected"),
     [
         ([0, 1, 2, 4], [(0, 6)]),  # on for two frames more
-        ([0, 1, 2, 5], [(0, 4), (5, 7)]),  # off in frame 5, but for its own box
+        ([0, 1, 2, 5], [(0, 7)]),  # on in frame 4, and in frame 5 by its own box
+        ([0, 1, 2, 6], [(0, 4), (6, 8)]),  # off in frame 5
+        ([*range(12, 18), 20, 21], [(12, 23)]),  # a detector that misses two frames
         ([38], [(38, 39)]),  # the recording ends
     ],
 )
@@ -57,6 +59,8 @@ def test_it_lasts_at_least_so_long_and_what_comes_meanwhile_is_part_of_it():
     assert spans(seen(3), alert_least_s=1.0) == [(3, 12)]
     assert spans(seen(3, 10), alert_least_s=1.0) == [(3, 12)]
     assert spans(seen(3, 12, 13, 14), alert_least_s=1.0) == [(3, 14)]
+    assert spans(seen(3, 13, 14), alert_least_s=1.0) == [(3, 14)]
+    assert spans(seen(3, 14), alert_least_s=1.0) == [(3, 12), (14, 23)]
 
 
 def test_after_it_the_track_pauses_and_no_other():
@@ -66,6 +70,14 @@ def test_after_it_the_track_pauses_and_no_other():
     assert spans(seen(0, *range(9, 14)), alert_pause_s=1.0) == [(0, 0), (11, 13)]
     both = [*seen(0, 5), *seen(6, track=8)]
     assert spans(both, alert_pause_s=1.0) == [(0, 0), (6, 6)]
+
+
+def test_a_track_that_is_back_before_its_alert_was_off_needs_no_pause():
+    policy = {"alert_off_s": 0.2, "alert_pause_s": 2.0}
+    assert spans(seen(0, 3, 6, 9), **policy) == [(0, 11)]
+    assert spans(seen(0, 3, 7), **policy) == [(0, 5)]
+    # nor does it have to meet the policy for so long again
+    assert spans(seen(0, 1, 4), alert_on_s=0.1, **policy) == [(1, 6)]
 
 
 def test_boxes_without_a_track_are_linked_over_two_missing_frames():
