@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -10,18 +11,19 @@ import pandas as pd
 
 from nvcore.alerts.policy import Policy, read_policy
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError
+from nvcore.errors import FormatError, InputError
+from nvcore.findings import Finding
 from nvcore.inputs.added import Input, with_files
 from nvcore.inputs.files import digest, find_files
-from nvcore.inputs.readers.base import SourceFile
+from nvcore.inputs.readers.base import SourceFile, warning
 from nvcore.inputs.readers.csv_columns import (
+    ALERTED,
     NUMBERS,
-    Header,
     csv_content,
     read_columns,
     read_header,
 )
-from nvcore.inputs.readers.parse.table import TextTable, parse_table
+from nvcore.inputs.readers.parse.table import LONGEST_S, TextTable, parse_table
 from nvcore.inputs.session import Session, SystemSource
 from nvcore.metrics.linking import track_truth
 from nvcore.schema import NO_TRACK
@@ -29,11 +31,14 @@ from nvcore.wording import one_line
 
 ALERTS_INPUT: Final = "alerts"
 """Subject of these files among truth and systems."""
-ALERTED: Final = "alerted"
 LOG_COLUMNS: Final = ("start_s", "end_s", "kind")
 """Of a log; track and recording may follow, and recording must where there are several."""
+ROUNDING_S: Final = 5e-4
+"""By so much a time may lie beyond a recording: tables are rounded."""
 _LINES: Final = 1 << 32
 """More than the lines of any file."""
+_HEAD_BYTES: Final = 1 << 14
+"""Within these a header ends."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +75,7 @@ def places_of(boxes: pd.DataFrame) -> np.ndarray:
 
 
 def with_alerts(dataset: Dataset, session: Session) -> Dataset:
-    """The dataset with the logs and policies that its session names.
+    """The dataset with the logs and policies that its session names, or its systems' files hold.
 
     Raises
     ------
@@ -80,15 +85,24 @@ def with_alerts(dataset: Dataset, session: Session) -> Dataset:
     logs: dict[int, AlertLog] = {}
     policies: dict[int, Policy] = {}
     files: dict[str, SourceFile] = {}
+    findings: list[Finding] = []
     for number, (name, source) in enumerate(zip(dataset.systems, session.systems, strict=True)):
+        own = _own_files(dataset, session, source, name)
         if source.alerts is not None:
             file = SourceFile(session.folder / source.alerts, source.alerts)
-            logs[number] = _read_log(file, dataset, session, source, name)
+            logs[number] = _read_log(file, dataset, session, own, name)
             files[f"log of {name}"] = file
+        elif any(map(_may_have_flags, own.values())):
+            try:
+                logs[number] = AlertLog(places=_flagged(own))
+            except FormatError as error:
+                findings.append(_unusable(error, name))
         if source.alert_policy is not None:
             file = SourceFile(session.folder / source.alert_policy, source.alert_policy)
             policies[number] = read_policy(file)
             files[f"policy of {name}"] = file
+    if not (logs or policies or findings):
+        return dataset
     names, digests = [file.name for file in files.values()], digest([*files.values()])
     return with_files(
         dataset,
@@ -99,77 +113,176 @@ def with_alerts(dataset: Dataset, session: Session) -> Dataset:
         says="\n".join([*files, *digests]).encode(),
         form=["toml" if what.startswith("policy") else "csv" for what in files],
         conversion=[*files],
+        findings=findings,
         of_subjects={**dataset.of_subjects, "alerts": AlertInputs(logs, policies)},
     )
 
 
+def _own_files(
+    dataset: Dataset, session: Session, source: SystemSource, system: str
+) -> dict[int, SourceFile]:
+    """The plain CSV files of a system, by their rows in `Dataset.inputs`."""
+    inputs = dataset.inputs
+    rows = np.flatnonzero((inputs["subject"] == system) & (inputs["format"] == "csv"))
+    if not len(rows):
+        return {}
+    known = {file.name: file for file in find_files(source, session.folder, "detections")[0]}
+    return {int(row): known[inputs["file"].iloc[row]] for row in rows}
+
+
+def _may_have_flags(file: SourceFile) -> bool:
+    with file.open() as stream:
+        return ALERTED.encode() in stream.read(_HEAD_BYTES).lower()
+
+
+def _flagged(files: Mapping[int, SourceFile]) -> np.ndarray:
+    """`places_of` the boxes that the files of a system flag as alerts; FormatError without flags.
+
+    Parameters
+    ----------
+    files
+        By their rows in `Dataset.inputs`.
+    """
+    places = []
+    for row, file in files.items():
+        content = csv_content(file, role="detections")
+        header = read_header(content.partition(b"\n")[0].decode())
+        columns = [column.lower() for column in header.names]
+        if ALERTED in columns:
+            place = header.place | {ALERTED: columns.index(ALERTED)}
+            number = next(column for column in header.place if column in NUMBERS)
+            known = replace(header, place=place)
+            values, line, _ = read_columns(file, known, content, [number, ALERTED])
+            flagged = line[values[ALERTED].to_numpy(dtype=bool)].astype(np.int64)
+            places.append(row * _LINES + flagged)
+        elif content.partition(b"\n")[2].strip():  # a file without boxes has no alerts
+            raise file.fault(f"expected a column {ALERTED}", 1)
+    return np.concatenate(places)
+
+
+def _unusable(error: FormatError, system: str) -> Finding:
+    return warning(
+        "alerted-unused",
+        1,
+        f"The column {ALERTED} is no log of alerts, and is left unused: {error.message}.",
+        "Write 1 where a detection was an alert and 0 elsewhere, in all files of the system.",
+        role=system,
+        file=str(error.file),
+        example="" if error.line is None else f"line {error.line}",
+    )
+
+
 def _read_log(
-    file: SourceFile, dataset: Dataset, session: Session, source: SystemSource, name: str
+    file: SourceFile,
+    dataset: Dataset,
+    session: Session,
+    own: Mapping[int, SourceFile],
+    system: str,
 ) -> AlertLog:
+    """The log that a session names: a table of alerts, or a file of the system with flags."""
     content = csv_content(file, role="detections")
     header = read_header(content.partition(b"\n")[0].decode())
-    columns = [column.lower() for column in header.names]
-    if ALERTED not in columns:
-        log = parse_table(content, name=file.name, what="alerts", required=LOG_COLUMNS)
-        title_of = {entry.name: entry.title for entry in session.recordings if entry.title}
-        return AlertLog(table=_log_table(log, dataset, title_of, name))
-    of_system = find_files(source, session.folder, "detections")[0]
-    same = [known.name for known in of_system if known.path.resolve() == file.path.resolve()]
-    inputs = dataset.inputs
-    rows = np.flatnonzero((inputs["subject"] == name) & inputs["file"].isin(same))
-    if not len(rows):
-        problem = f"has a column {ALERTED}, and is no file of the detections of {one_line(name)}"
-        raise InputError(f"{problem}; name that file, or a table of alerts", file=file.name)
-    place = header.place | {ALERTED: columns.index(ALERTED)}
-    number = next(column for column in header.place if column in NUMBERS)
-    known = Header(header.names, header.delimiter, place)
-    values, line, _ = read_columns(file, known, content, [number, ALERTED])
-    alerted = line[values[ALERTED].to_numpy(dtype=bool)].astype(np.int64)
-    return AlertLog(places=int(rows[0]) * _LINES + alerted)
+    if ALERTED in map(str.lower, header.names):
+        path = file.path.resolve()
+        same = {row: known for row, known in own.items() if known.path.resolve() == path}
+        if not same:
+            problem = f"has a column {ALERTED}, and is no file of the detections of"
+            text = f"{problem} {one_line(system)}; name that file, or a table of alerts"
+            raise InputError(text, file=file.name)
+        return AlertLog(places=_flagged(same))
+    log = parse_table(content, name=file.name, what="alerts", required=LOG_COLUMNS)
+    title_of = {entry.name: entry.title for entry in session.recordings if entry.title}
+    return AlertLog(table=_log_table(log, dataset, title_of, system))
 
 
 def _log_table(
-    log: TextTable, dataset: Dataset, title_of: dict[str, str], system: str
+    log: TextTable, dataset: Dataset, title_of: Mapping[str, str], system: str
 ) -> pd.DataFrame:
-    start_s, end_s = (log.numbers(name, low=0.0) for name in ("start_s", "end_s"))
-    if (is_before := end_s < start_s).any():
-        raise log.fault(int(np.argmax(is_before)), "end_s: expected start_s or more")
+    """Rows of `AlertLog.table`; rows of one begin, end and track are one alert."""
+    spans = read_spans(log, dataset, title_of=title_of)
     track = np.full(len(log), NO_TRACK)
     if "track" in log:
         track = log.whole_numbers("track", if_empty=NO_TRACK)
-    names = dataset.recordings["name"].tolist()
-    if "recording" in log:
-        recording = [title_of.get(name, name) for name in log.texts("recording")]
-    elif len(names) == 1:
-        recording = names * len(log)
-    else:
-        raise log.fault(0, "expected a column recording, as there are several recordings")
-    row_of = {name: row for row, name in enumerate(names)}
-    frames, time_s = dataset.frame_columns, dataset.frames["time_s"].to_numpy()
+    # of sampled frames, a track may have boxes in the others
+    is_sampled = dataset.frame_columns.sampling_step[spans["recording"]] > 1
     known = _tracks_of(dataset, system) if (track >= 0).any() else set()
-    for row, name in enumerate(recording):  # small tables: every row may be wrong by itself
-        if name not in row_of:
-            raise log.fault(row, f"recording: there is no {one_line(name)!r}")
-        number = row_of[name]
-        own_s = time_s[frames.rows_of(number)]
-        if not len(own_s) or start_s[row] > own_s[-1]:
-            ends = f"ends at {own_s[-1]:g} s" if len(own_s) else "has no frames"
-            raise log.fault(row, f"start_s: {start_s[row]:g} s, but {one_line(name)} {ends}")
-        # of sampled frames, a track may have boxes in the others
-        is_checked = track[row] != NO_TRACK and frames.sampling_step[number] == 1
-        if is_checked and (number, int(track[row])) not in known:
-            text = f"track: {one_line(system)} has no track {track[row]} in {one_line(name)}"
-            raise log.fault(row, text)
+    for row in np.flatnonzero((track >= 0) & ~is_sampled):
+        number = int(spans["recording"].iloc[row])
+        if (number, int(track[row])) not in known:
+            where = one_line(dataset.recordings["name"].iloc[number])
+            text = f"track: {one_line(system)} has no track {track[row]} in {where}"
+            raise log.fault(int(row), text)
     name_of = {title: name for name, title in title_of.items()}
-    return pd.DataFrame(
-        {
-            "recording": pd.Series([name_of.get(name, name) for name in recording], dtype=object),
-            "start_s": start_s,
-            "end_s": end_s,
-            "track": track,
-            "log_kind": pd.Series(log.texts("kind", may_be_empty=True), dtype=object),
-        }
+    names = [name_of.get(name, name) for name in dataset.recordings["name"]]
+    table = spans.assign(
+        recording=pd.Series(names, dtype=object).iloc[spans["recording"]].to_numpy(),
+        track=track,
+        log_kind=pd.Series(log.texts("kind", may_be_empty=True), dtype=object),
     )
+    # one warning by several channels reaches the driver as one
+    by_span = table.groupby(["recording", "start_s", "end_s", "track"], sort=False)
+    kinds = by_span["log_kind"].agg(lambda kinds: ", ".join(dict.fromkeys(filter(None, kinds))))
+    return kinds.reset_index()
+
+
+def read_spans(
+    table: TextTable,
+    dataset: Dataset,
+    *,
+    title_of: Mapping[str, str] | None = None,
+    end: str = "end_s",
+) -> pd.DataFrame:
+    """When the rows of a table begin and end, within the recordings of a dataset.
+
+    Parameters
+    ----------
+    table
+        With start_s and `end`, and with recording where the dataset has several.
+    title_of
+        What recordings are called in the dataset, by other names that the table may use.
+    end
+        Column of the end, or ``duration_s``.
+
+    Returns
+    -------
+    One row per row of the table: recording (row of the recordings), start_s and end_s (seconds
+    since its first listed frame).
+
+    Raises
+    ------
+    FormatError
+        With the line where there is no such recording, or a time is not within it.
+    """
+    names = dataset.recordings["name"].tolist()
+    if "recording" in table:
+        called = [(title_of or {}).get(name, name) for name in table.texts("recording")]
+    elif len(names) > 1 and len(table):
+        raise table.fault(0, "expected a column recording, as there are several recordings")
+    else:
+        called = names[:1] * len(table)
+    recording = pd.Index(names, dtype=object).get_indexer(pd.Index(called, dtype=object))
+    if len(unknown := np.flatnonzero(recording < 0)):
+        text = f"recording: there is no {one_line(called[unknown[0]])!r}"
+        raise table.fault(int(unknown[0]), text)
+    start_s, end_s = (table.numbers(name, low=0, high=LONGEST_S) for name in ("start_s", end))
+    if end == "duration_s":
+        end_s = (start_s + end_s).round(6)
+    frames, time_s = dataset.frame_columns, dataset.frames["time_s"].to_numpy()
+    first, stop = frames.first[recording], frames.first[recording + 1]
+    last = np.where(stop > first, stop - 1, -1)
+    last_s, stop_s = (np.append(of, -np.inf)[last] for of in (time_s, time_s + frames.step_s))
+    for column, is_right, words in (
+        ("start_s", start_s <= last_s + ROUNDING_S, "{start:g} s, but {name} ends at {last:g} s"),
+        (end, end_s >= start_s, "expected start_s or more"),
+        (end, end_s <= stop_s + ROUNDING_S, "{end:g} s, but {name} ends at {stop:g} s"),
+    ):
+        if not is_right.all():
+            row = int(np.argmin(is_right))
+            values = {"start": start_s[row], "end": end_s[row], "last": last_s[row]}
+            name = one_line(called[row])
+            text = words.format(**values, stop=stop_s[row], name=name)
+            raise table.fault(row, f"{column}: {text}")
+    return pd.DataFrame({"recording": recording, "start_s": start_s, "end_s": end_s})
 
 
 def _tracks_of(dataset: Dataset, system: str) -> set[tuple[int, int]]:
@@ -185,4 +298,5 @@ INPUT: Final = Input(
         system.alerts is not None or system.alert_policy is not None for system in session.systems
     ),
     join=with_alerts,
+    may_be_found=True,
 )

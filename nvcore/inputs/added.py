@@ -29,6 +29,8 @@ class Input:
         Whether a session names them.
     join
         The dataset with what they say of it, where the session names them.
+    may_be_found
+        Whether the systems' own files may hold it, too: `join` looks there.
 
     Raises
     ------
@@ -39,6 +41,7 @@ class Input:
     name: str
     is_named: Callable[[Session], bool]
     join: Callable[[Dataset, Session], Dataset]
+    may_be_found: bool = False
 
 
 def with_files(

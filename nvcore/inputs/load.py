@@ -101,8 +101,7 @@ def load(
     names = truth.reading.recordings["name"].tolist()
     loaded = [truth]
     inputs: tuple[Input, ...] = (SPEEDS, *contributed("inputs"))
-    added = [of for of in inputs if of.is_named(session)]
-    reserved = [of.name for of in added]
+    reserved = [of.name for of in inputs if of.is_named(session)]
     path_names = system_names(session.systems, names)
     for source, by_path in zip(session.systems, path_names, strict=True):
         name = source.name or by_path
@@ -124,8 +123,9 @@ def load(
     dataset = place_sources(session.of_all.as_titled, loaded, max_frames, is_compared)
     names = dataset.recordings["name"].tolist()
     session = with_codes(session.choosing_from(names), names)
-    for of in added:
-        dataset = of.join(dataset, session)
+    for of in inputs:
+        if of.name in reserved or of.may_be_found:
+            dataset = of.join(dataset, session)
     dataset = replace(dataset, findings=(*dataset.findings, *codes_beyond(dataset, session.codes)))
     return dataset.with_settings(session).only(session.only_tags, session.only)
 

@@ -7,13 +7,13 @@ from typing import Final, NamedTuple
 import numpy as np
 import pandas as pd
 
+from nvcore.alerts.inputs import read_spans
 from nvcore.alerts.kinds import UNWANTED, AlertKind
 from nvcore.comparison import Result
 from nvcore.errors import FormatError
 from nvcore.evidence.bootstrap import MIN_UNITS, SEED, count_units, expanded_tail
 from nvcore.inputs.readers.parse.table import parse_table
 from nvcore.output.csv_text import to_csv_bytes
-from nvcore.ratings.clips import ROUNDING_S
 
 ANSWERS: Final = {"yes": "Yes", "no": "No", "unsure": "Cannot say"}
 """Answers to "Was this alert worth it?", in words."""
@@ -62,33 +62,22 @@ def read_alerts(table: pd.DataFrame | bytes, result: Result, *, name: str = "tab
         raise FormatError("a table of alerts needs end_s or duration_s", file=name, line=1)
     letters = {letter: system.name for letter, system in result.sides}
     names = {system: system for system in letters.values()}
-    start_s, end_s = text.numbers("start_s", low=0), text.numbers(last, low=0)
-    alerts = pd.DataFrame(
-        {
-            "recording": text.texts("recording"),
-            "system": pd.Series(text.texts("system"), dtype=object).map(
-                letters | names if last == "end_s" else names | letters
-            ),
-            "start_s": start_s,
-            "end_s": end_s if last == "end_s" else (start_s + end_s).round(6),
-            "kind": text.texts("kind"),
-        }
-    )
-    frames, time_s = result.dataset.frame_columns, result.dataset.frames["time_s"].to_numpy()
-    row = pd.Index(result.dataset.recordings["name"]).get_indexer(alerts["recording"])
-    first, stop = frames.first[row], frames.first[row + 1]
-    is_there = (row >= 0) & (stop > first)
-    is_there[is_there] = start_s[is_there] <= time_s[stop[is_there] - 1] + ROUNDING_S
-    for is_right, expected in (
-        (alerts["kind"].isin([*AlertKind]), f"kind: expected {', '.join(AlertKind)}"),
-        (alerts["system"].notna(), f"system: expected x, y, {' or '.join(names)}"),
-        (row >= 0, "recording: expected one of this comparison"),
-        (is_there, "start_s: expected a time within the recording"),
-        (alerts["end_s"] >= start_s, "end_s: expected start_s or more"),
+    spans = read_spans(text, result.dataset, end=last)
+    alerts = spans.assign(
+        recording=text.texts("recording"),
+        system=pd.Series(text.texts("system"), dtype=object).map(
+            letters | names if last == "end_s" else names | letters
+        ),
+        kind=text.texts("kind"),
+    )[[*Alert._fields]]
+    for is_right, column, expected in (
+        (alerts["kind"].isin([*AlertKind]), "kind", ", ".join(AlertKind)),
+        (alerts["system"].notna(), "system", f"x, y, {' or '.join(names)}"),
     ):
-        if not np.all(is_right):
-            at, column = int(np.argmin(is_right)), expected.partition(":")[0]
-            raise text.fault(at, f"{expected}; found {text.fields[column][at]!r}")
+        if not is_right.all():
+            at = int(np.argmin(is_right))
+            found = f"expected {expected}; found {text.fields[column][at]!r}"
+            raise text.fault(at, f"{column}: {found}")
     alerts = alerts[alerts["kind"] != AlertKind.IGNORED]
     by_kind = alerts["kind"].map([*EXPECTED].index).sort_values(kind="stable").index
     alerts = alerts.loc[by_kind].drop_duplicates([*Alert._fields[:-1]], keep="last").sort_index()

@@ -102,6 +102,8 @@ def test_a_log_without_tracks_is_about_whom_the_system_finds_meanwhile(night: Pa
         (["start_s,end_s", "0,1"], "kind is missing"),
         (["start_s,end_s,kind", "2,1,a"], "line 2.*end_s: expected start_s or more"),
         (["start_s,end_s,kind", "0,1,a", "9,10,a"], r"line 3.*9 s, but .* ends at 3.9 s"),
+        (["start_s,end_s,kind", "0,1,a", "1,99,a"], r"line 3: end_s: 99 s, but .* ends at 4 s"),
+        (["start_s,end_s,kind", "0,1e308,a"], "line 2: end_s: expected 0 to"),
         (["start_s,end_s,kind,recording", "0,1,a,there"], "line 2.*there is no 'there'"),
         (["start_s,end_s,kind,track", "0,1,a,", "1,2,a,9.5"], "line 3: track: .*whole number"),
         (["start_s,end_s,kind,track", "0,1,a,-1"], "line 2: track: expected 0 to"),
@@ -113,6 +115,72 @@ def test_a_log_that_cannot_be_used_is_refused_with_its_line(night: Path, lines, 
     write(night.parent / "log.csv", *lines)
     with pytest.raises(InputError, match=words):
         nv.judge_alerts(session(night.parent, 'alerts = "log.csv"'))
+
+
+def test_rows_of_one_begin_and_end_are_one_alert_whatever_their_kinds(night: Path):
+    rows = ("0,1,sign", "0,1,tone", "0,1,tone", "0,1.5,sign", "0.5,1,tone")
+    write(night.parent / "log.csv", "start_s,end_s,kind", *rows)
+    view = nv.judge_alerts(session(night.parent, 'alerts = "log.csv"'))
+    own = view.table[view.table["system"] == "x"]
+    assert own["end_frame"].tolist() == [10, 15, 10]
+    assert own["log_kind"].tolist() == ["sign, tone", "sign", "tone"]
+    # of two tracks, as a policy gives them, they are about two pedestrians
+    write(night.parent / "log.csv", "start_s,end_s,kind,track", "1,1,a,1", "1,1,a,9", "1,1,b,1")
+    own = of_x(nv.judge_alerts(session(night.parent, 'alerts = "log.csv"')))
+    assert own[["track", "kind"]].values.tolist() == [[1, "wanted"], [9, "false"]]
+
+
+def test_an_alert_may_last_to_the_end_of_the_last_frame(night: Path):
+    write(night.parent / "log.csv", "start_s,end_s,kind", "3,4,a")
+    own = of_x(nv.judge_alerts(session(night.parent, 'alerts = "log.csv"')))
+    assert own["end_frame"].tolist() == [39]
+
+
+@pytest.mark.parametrize("n_recordings", [1, 2])
+def test_a_log_without_rows_is_a_system_without_alerts(night: Path, n_recordings: int):
+    folder = night.parent
+    of = [f"{name},{line}" for name in ("a", "b")[:n_recordings] for line in rows(approach(ALL, 5))]
+    write(folder / "x.csv", f"recording,{HEAD}", *of)
+    write(folder / "y.csv", f"recording,{HEAD}", *of)
+    write(folder / "truth.csv", f"recording,{HEAD}", *of)
+    write(folder / "log.csv", "start_s,end_s,kind")
+    view = nv.judge_alerts(session(folder, 'alerts = "log.csv"'))
+    assert of_x(view).empty
+    assert len(view.table) == n_recordings  # of Y, by the policy
+    assert view.is_logged(view.result.x)
+    write(folder / "log.csv", "start_s,end_s,kind", "0,1,a")
+    if n_recordings > 1:
+        with pytest.raises(InputError, match="line 2.*expected a column recording"):
+            nv.load(session(folder, 'alerts = "log.csv"'))
+
+
+def flagged(lines: list[str], *flags: object) -> list[str]:
+    return [f"{HEAD},alerted", *(f"{line},{flag}" for line, flag in zip(lines, flags, strict=True))]
+
+
+def test_the_column_is_found_without_being_named_and_is_not_called_unused(night: Path):
+    lines = rows(only(approach(ALL, 5), range(4, 10)))
+    write(night.parent / "x.csv", *flagged(lines, 0, 1, 1, 0, 0, 0))
+    dataset = nv.load(night)
+    of_system = dataset.inputs[dataset.inputs["subject"] == "X"]["conversion"].item()
+    assert "unused" not in of_system
+    assert "column alerted: a log of alerts" in of_system
+    view = nv.judge_alerts(night)
+    assert of_x(view)[["start_frame", "end_frame"]].values.tolist() == [[5, 6]]
+    assert "X gave 1 alert by its own log" in run("alerts", night).output
+    # a log that the session names goes before it
+    write(night.parent / "log.csv", "start_s,end_s,kind")
+    assert of_x(nv.judge_alerts(session(night.parent, 'alerts = "log.csv"'))).empty
+
+
+def test_a_column_that_is_no_log_is_left_unused_with_a_warning(night: Path):
+    lines = rows(only(approach(ALL, 5), range(4, 6)))
+    write(night.parent / "x.csv", *flagged(lines, 0, "loud"))
+    (finding,) = [of for of in nv.load(night).findings if of.code == "alerted-unused"]
+    assert finding.example == "line 3"
+    assert not nv.judge_alerts(night).table["log_kind"].any()
+    with pytest.raises(InputError, match=r"x\.csv, line 3"):
+        nv.load(session(night.parent, 'alerts = "x.csv"'))
 
 
 def test_a_policy_is_a_file_that_begins_from_a_named_one(night: Path):

@@ -94,17 +94,26 @@ def test_alerts_that_come_together_are_one_of_the_kind_that_says_most_for_them(j
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("rural_road,FIR,3,1.5,false", "line 2: end_s: expected start_s or more; found '1.5'"),
+        ("rural_road,FIR,3,1.5,false", "line 2: end_s: expected start_s or more"),
         ("rural_road,FIR,1,2,wrong", "line 2: kind: expected ignored, false, nuisance, .*'wrong'"),
         ("rural_road,FIR,soon,2,false", "line 2: start_s: expected a number"),
         ("rural_road,FIR,1,2,false\nrural_road,RGB,1,2,false", "line 3: system: .* FIR or NIR"),
-        ("x,FIR,1,2,false", "line 2: recording: expected one of this comparison; found 'x'"),
-        ("rural_road,FIR,900,901,false", "line 2: start_s: expected a time within the recording"),
+        ("x,FIR,1,2,false", "line 2: recording: there is no 'x'"),
+        ("rural_road,FIR,900,901,false", "line 2: start_s: 900 s, but rural_road ends at"),
+        ("rural_road,FIR,1,99,false", "line 2: end_s: 99 s, but rural_road ends at"),
     ],
 )
 def test_alerts_that_cannot_be_are_refused_by_line(judged, line, words):
     with pytest.raises(FormatError, match=words):
         read_alerts(f"{HEAD}{line}\n".encode(), judged.result, name="alerts.csv")
+
+
+def test_a_duration_beyond_all_recordings_is_refused(judged):
+    line = "rural_road,x,1,{},false"
+    for duration in ("1e308", "900"):
+        text = HEAD.replace("end_s", "duration_s") + line.format(duration)
+        with pytest.raises(FormatError, match="line 2: duration_s"):
+            read_alerts(text.encode(), judged.result)
 
 
 def test_a_table_of_alerts_without_an_end_is_refused(judged):

@@ -30,6 +30,7 @@ from nvcore.inputs.readers.base import (
     warning,
 )
 from nvcore.inputs.readers.csv_columns import (
+    ALERTED,
     EXCEL,
     MISSING,
     Header,
@@ -75,6 +76,8 @@ class NamedColumns:
     file: SourceFile
     header: Header
     parse: ParseColumns
+    read_later: tuple[str, ...] = ()
+    """Columns that are read once the boxes are in their frames."""
 
 
 EXPECTED = (
@@ -124,7 +127,9 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         problem = missing_columns(header)
         if problem is not None:
             raise file.fault(f"expected a header line with {problem}", 1)
-        tables.append(NamedColumns(file, header, partial(read_columns, file, header, content)))
+        parse = partial(read_columns, file, header, content)
+        later = (ALERTED,) if options.role == "detections" else ()
+        tables.append(NamedColumns(file, header, parse, read_later=later))
     return read_named_columns(tables, options)
 
 
@@ -228,8 +233,10 @@ def _read_one(
     columns, line, has_decimal_comma = source.parse(to_read)
     lines = Lines.of(source.file, line)
     used = {header.place[name] for name in to_read}
-    unused = [name for i, name in enumerate(header.names) if name and i not in used]
+    other = [name for i, name in enumerate(header.names) if name and i not in used]
+    unused = [name for name in other if name.lower() not in source.read_later]
     facts = [f"columns left unused: {', '.join(unused)}"] if unused else []
+    facts += [f"column {name}: a log of alerts" for name in other if name not in unused]
     facts += ["decimal commas"] if has_decimal_comma else []
     recording: Any
     if "frame" in columns:

@@ -83,7 +83,9 @@ NUMBERS = (
 )
 EXCEL: Final = re.compile(rb"sep=.\n", re.IGNORECASE)
 """A first line of Excel's, which says what separates the fields."""
-CLAIMS = ("ignore", "is_outside", "alerted")
+ALERTED: Final = "alerted"
+"""Whether a detection was an alert: a system's own log (`nvcore.alerts.inputs`)."""
+CLAIMS = ("ignore", "is_outside", ALERTED)
 _TEXT = pa.dictionary(pa.int32(), pa.string())
 MISSING = ["", "nan", "NaN", "NA", "N/A", "null", "None"]
 TRUE = ["1", "true", "True", "TRUE", "1.0"]
