@@ -25,5 +25,8 @@ class SystemAlerts:
         TOML file of its policy (`nvcore.alerts.policy`).
     """
 
-    alerts: str | None = path_field()
+    alerts: str | None = path_field(
+        "CSV of the alerts that {system} itself gave, for alerts by its own log: start_s,end_s,kind"
+        "[,track][,recording]. Default: the session's, or a column alerted of its detections."
+    )
     alert_policy: str | None = path_field()

@@ -26,6 +26,7 @@ from nvcore.params import AUDIT_SETTINGS, SETTINGS
 from nvcore.primary import DEFAULT
 from nvcore.protocols import PROTOCOLS
 from nvcore.settings import POINTS
+from nvcore.subjects import contributed
 from nvcore.wording import listed, one_line
 
 # Nothing here imports numpy, pandas or numba: `nvcore --help` need not wait for them.
@@ -399,6 +400,17 @@ def input_flags(command: Callable[..., Any]) -> Callable[..., Any]:
     ]
     for letter in "xy":
         system = letter.upper()
+        options += [
+            grouped_option(
+                INPUTS,
+                f"{flag_of(spec.name)}-{letter}",
+                metavar="FILE",
+                help=spec.metadata["meaning"].format(system=system),
+            )
+            for kind in contributed("system_keys")
+            for spec in fields(kind)
+            if spec.metadata["meaning"]
+        ]
         options += [
             grouped_option(
                 CORRECTIONS,

@@ -13,6 +13,7 @@ from nvcore.errors import SessionError
 from nvcore.inputs.changes import override_recordings
 from nvcore.inputs.facts import is_frame_range, parse_size
 from nvcore.inputs.session import (
+    SYSTEM_KEYS_OF_SUBJECTS,
     RecordingsFile,
     Session,
     Source,
@@ -218,11 +219,13 @@ def _corrected(session: Session, options: dict[str, Any]) -> tuple[SystemSource,
 
 
 def _corrections(options: dict[str, Any], letter: str) -> dict[str, Any]:
-    names = ("frame_step", "offset_frames", "offset_px", "scale")
+    """What the flags of a system say of it alone: corrections, and files of subjects."""
+    names = ("frame_step", "offset_frames", "offset_px", "scale", *SYSTEM_KEYS_OF_SUBJECTS)
+    given = {name: options.get(f"{name}_{letter}") for name in names}
     return {
-        name: options[f"{name}_{letter}"]
-        for name in names
-        if options[f"{name}_{letter}"] is not None
+        name: str(Path.cwd() / value) if name in SYSTEM_KEYS_OF_SUBJECTS else value
+        for name, value in given.items()
+        if value is not None
     }
 
 

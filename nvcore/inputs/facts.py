@@ -44,9 +44,15 @@ def check_path(name: str, text: str | None) -> None:
         raise SessionError(f"{name}: expected a path, found one with a NUL: {text!r}")
 
 
-def path_field() -> Any:
-    """A field with the path of a file; None: there is none."""
-    return field(default=None, metadata={"is_path": True})
+def path_field(meaning: str = "") -> Any:
+    """A field with the path of a file; None: there is none.
+
+    Parameters
+    ----------
+    meaning
+        Of a key of a system that has a flag for X and one for Y: their help, with ``{system}``.
+    """
+    return field(default=None, metadata={"is_path": True, "meaning": meaning})
 
 
 @cache

@@ -127,7 +127,7 @@ def test_rows_of_one_begin_and_end_are_one_alert_whatever_their_kinds(night: Pat
     # of two tracks, as a policy gives them, they are about two pedestrians
     write(night.parent / "log.csv", "start_s,end_s,kind,track", "1,1,a,1", "1,1,a,9", "1,1,b,1")
     own = of_x(nv.judge_alerts(session(night.parent, 'alerts = "log.csv"')))
-    assert own[["track", "kind"]].values.tolist() == [[1, "wanted"], [9, "false"]]
+    assert own[["track", "kind"]].to_numpy().tolist() == [[1, "wanted"], [9, "false"]]
 
 
 def test_an_alert_may_last_to_the_end_of_the_last_frame(night: Path):
@@ -150,7 +150,7 @@ def test_a_log_without_rows_is_a_system_without_alerts(night: Path, n_recordings
     assert view.is_logged(view.result.x)
     write(folder / "log.csv", "start_s,end_s,kind", "0,1,a")
     if n_recordings > 1:
-        with pytest.raises(InputError, match="line 2.*expected a column recording"):
+        with pytest.raises(InputError, match=r"line 2.*expected a column recording"):
             nv.load(session(folder, 'alerts = "log.csv"'))
 
 
@@ -166,11 +166,25 @@ def test_the_column_is_found_without_being_named_and_is_not_called_unused(night:
     assert "unused" not in of_system
     assert "column alerted: a log of alerts" in of_system
     view = nv.judge_alerts(night)
-    assert of_x(view)[["start_frame", "end_frame"]].values.tolist() == [[5, 6]]
+    assert of_x(view)[["start_frame", "end_frame"]].to_numpy().tolist() == [[5, 6]]
     assert "X gave 1 alert by its own log" in run("alerts", night).output
     # a log that the session names goes before it
     write(night.parent / "log.csv", "start_s,end_s,kind")
     assert of_x(nv.judge_alerts(session(night.parent, 'alerts = "log.csv"'))).empty
+
+
+def test_logs_are_named_by_flags_with_and_without_a_session(night: Path, monkeypatch):
+    monkeypatch.chdir(night.parent)
+    (night.parent / "elsewhere").mkdir()
+    by_session = ["elsewhere/../night.toml"]
+    by_flags = ["--truth", "truth.csv", "--x", "x.csv", "--y", "y.csv"]
+    by_flags += ["--size", "100x100", "--fps", "10", "--frames", "0:39"]
+    write(night.parent / "x.log", "start_s,end_s,kind", "0,1,a", "2,3,a")
+    write(night.parent / "y.log", "start_s,end_s,kind")
+    for inputs in (by_session, by_flags):
+        result = run("alerts", *inputs, "--alerts-x", "x.log", "--alerts-y", "y.log")
+        assert "X gave 2 alerts by its own log" in result.output, result.output
+        assert "Y gave no alert" in result.output.replace("gives", "gave")
 
 
 def test_a_column_that_is_no_log_is_left_unused_with_a_warning(night: Path):
