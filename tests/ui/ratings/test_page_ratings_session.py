@@ -387,7 +387,7 @@ def test_where_alerts_are_off_the_page_leads_to_their_policy(store: RatingStore)
 
 def test_it_is_asked_of_every_alert_whether_it_was_worth_it(store: RatingStore):
     page = sent_alerts(conducting(), "x,FIR,1,2,false")
-    assert "recording: expected one of this comparison; found 'x'" in words(page)
+    assert "recording: there is no 'x'" in words(page)
     assert "rating_start" not in keys(page)
     sent_alerts(page, "odd_pose,FIR,3,4,needed", "odd_pose,y,6,7,false")
     study = begun(store, "odd_pose", page=page)
