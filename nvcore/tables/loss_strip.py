@@ -54,7 +54,7 @@ def loss_strip(result: Result, *, n_bins: int = N_BINS, most: int = MOST_RECORDI
     Parameters
     ----------
     n_bins
-        Bins of the longest recording.
+        Most bins of the longest recording; no bin is shorter than the shortest evaluated frame.
     most
         Most strips; those that lose most are kept.
     """
@@ -66,7 +66,10 @@ def loss_strip(result: Result, *, n_bins: int = N_BINS, most: int = MOST_RECORDI
     time_s, last = result.dataset.frames["time_s"].to_numpy(), frames.first[with_frames + 1] - 1
     end_s = time_s[last] + frames.step_s[last]
     order = np.argsort(-lost, kind="stable")[:most]
-    bin_s = float(end_s[order].max(initial=0) / n_bins) or 1.0
+    longest_s = float(end_s[order].max(initial=0))
+    frame_s = float(frames.step_s.min(initial=longest_s))
+    n_bins = min(n_bins, int(longest_s / frame_s + 1e-9)) if frame_s else n_bins
+    bin_s = longest_s / n_bins or 1.0
     loss = np.full((len(order), n_bins), np.nan)
     worst_rows = np.full((len(order), n_bins), -1, dtype=np.int64)
     for place, index in enumerate(order.tolist()):

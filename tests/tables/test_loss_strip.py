@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 from builders import Place, at, make_dataset, result_of
@@ -49,11 +51,21 @@ def test_a_single_bad_frame_of_hours_is_found():
 
 
 def test_a_frame_of_a_sampled_recording_lasts_until_the_next():
+    places = [Place([0, 10, 20]), Place(range(30))]
     truth = [at(0, 50)]
-    result = result_of(make_dataset(truth, [], truth, places=[Place([0, 10, 20])]))
-    strip = loss_strip(result, n_bins=6)
+    strip = loss_strip(result_of(make_dataset(truth, [], truth, places=places)), n_bins=6)
     assert strip.loss[0] == pytest.approx([0.9, 0.9, 0, 0, 0, 0])
     assert strip.row[0].tolist() == [0, 0, 1, 1, 2, 2]
+
+
+@pytest.mark.parametrize(("fps", "listed", "bin_s"), [(20.0, range(30), 0.05), (1, [0, 9, 18], 9)])
+def test_no_bin_is_shorter_than_a_frame(fps: float, listed: Sequence[int], bin_s: float):
+    truth = [at(listed[1], 50)]
+    dataset = make_dataset(truth, [], truth, places=[Place(listed, fps=fps)])
+    strip = loss_strip(result_of(dataset))
+    assert strip.bin_s == pytest.approx(bin_s)
+    assert strip.row[0].tolist() == [*range(len(listed))]
+    assert strip.loss[0, :3] == pytest.approx([0, 0.9, 0])
 
 
 def test_without_frames_there_is_no_strip():
