@@ -34,7 +34,7 @@ from nvcore.progress import Progress, no_progress
 from nvcore.settings import Settings
 from nvcore.tables.boxes.matches import MATCHES, matches_parquet
 from nvcore.tables.classes import classes_table, has_classes
-from nvcore.tables.columns import report_columns
+from nvcore.tables.columns import table_contents
 from nvcore.tables.inputs import finding_entries, horizons_table
 from nvcore.tables.result import (
     codes_table,
@@ -53,15 +53,16 @@ ZIP_TIME: Final = (1980, 1, 1, 0, 0, 0)
 TableFormat = Literal["csv", "parquet"]
 TABLE_FORMATS: Final = get_args(TableFormat)
 SESSION_FILE: Final = "session.toml"
+REPORT_CONTENTS: Final = {
+    **table_contents(),
+    MATCHES: "boxes of truth, X and Y: {what} each matches, whether it counts, what it weighs",
+    "summary.json": "all aggregates over all recordings, parameters and version",
+    SESSION_FILE: "the session: what to run to get the same report again",
+}
+"""What each file that a report may have holds, its tables as CSV; templates."""
 REPORT_FILES: Final = (
-    *(
-        str(PurePath(name).with_suffix(f".{kind}"))
-        for kind in TABLE_FORMATS
-        for name in report_columns()
-    ),
-    MATCHES,
-    "summary.json",
-    SESSION_FILE,
+    *REPORT_CONTENTS,
+    *(str(PurePath(name).with_suffix(".parquet")) for name in table_contents()),
 )
 """The files that a report may have, and `nvcore.output.files.MANIFEST`."""
 

@@ -13,7 +13,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.findings import Finding
 from nvcore.inputs.session import Session
-from nvcore.report.files import export_files, report_zip
+from nvcore.report.files import REPORT_CONTENTS, export_files, report_zip
 from nvcore.tables.boxes.matches import MATCH_COLUMNS, MATCHES, matches_parquet
 from nvcore.tables.column import Column
 from nvcore.tables.columns import report_columns
@@ -32,21 +32,6 @@ from ui.shell.messages import path_remover, shown_root
 from ui.subjects import MadeFile, contributed
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
-CONTENTS: Final = {
-    "frames.csv": "evaluated frames: counts, distances and similarity of each",
-    "encounters.csv": "encounters: who detected the {one}, how each system failed, when",
-    "events.csv": "saliency events of X and Y",
-    "intervals.csv": "low-similarity intervals of X and Y",
-    "recordings.csv": "recordings, with all aggregates",
-    "significance.csv": "measures with interval and p of their difference",
-    "subgroups.csv": "groups of encounters, such as near and far",
-    "findings.csv": "findings of the audit of the inputs",
-    "finding_entries.csv": "All boxes, frames and rows that the findings concern",
-    "classes.csv": "matches by the class of the truth and the one that was read",
-    MATCHES: "boxes of truth, X and Y: {what} each matches, whether it counts, what it weighs",
-    "summary.json": "All aggregates over all recordings, parameters and version",
-    "session.toml": "The session: what to run to get the same report again",
-}
 TERMS: Final = (
     "{similarity} (0 to 1, 1 is best) says how near what a system shows is to what is there. An "
     "{encounter} is one {one}, from the first to the last annotated frame. In a {event} one missed "
@@ -149,6 +134,7 @@ def _draw_files(result: Result, report: _Report, public: Callable[[], Result]) -
         "intervals.csv": len(result.x.intervals) + len(result.y.intervals),
         "recordings.csv": len(result.dataset.recordings),
         "findings.csv": len(report.findings),
+        "codes.csv": len(report.session.codes),
         MATCHES: len(result.dataset.boxes),
     }
 
@@ -164,7 +150,7 @@ def _draw_files(result: Result, report: _Report, public: Callable[[], Result]) -
     if counts[MATCHES] <= MOST_BOXES:
         makers[MATCHES] = lambda: matches_parquet(public())
     makers |= report.inputs
-    contents = CONTENTS | {name: file.meaning for name, file in report.made.items()}
+    contents = REPORT_CONTENTS | {name: file.meaning for name, file in report.made.items()}
     for name, make in makers.items():
         button, text = st.columns([1, 4], vertical_alignment="center")
         button.download_button(
@@ -178,7 +164,7 @@ def _draw_files(result: Result, report: _Report, public: Callable[[], Result]) -
             key=f"export_{name}",
         )
         what = state.say(contents[name])
-        text.markdown(f"{counts[name]:,} {what}" if name in counts else what)
+        text.markdown(f"{counts[name]:,} {what}" if name in counts else what[:1].upper() + what[1:])
 
 
 def _draw_columns() -> None:

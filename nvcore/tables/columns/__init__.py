@@ -243,22 +243,43 @@ _FINDING_ENTRIES = (
     Column("line", _INTEGER, "", "Line of that file; JSON counts records.", empty=_NO_LINE),
 )
 
-_OWN: Final[dict[str, tuple[Column, ...]]] = {
-    "frames.csv": _FRAMES,
-    "encounters.csv": ENCOUNTER_COLUMNS,
-    "events.csv": _EVENTS,
-    "intervals.csv": _INTERVALS,
-    "recordings.csv": _RECORDINGS,
-    "significance.csv": SIGNIFICANCE_COLUMNS,
-    "subgroups.csv": SUBGROUP_COLUMNS,
-    "findings.csv": _FINDINGS,
-    "finding_entries.csv": _FINDING_ENTRIES,
-    "classes.csv": CLASS_COLUMNS,
-    "codes.csv": _CODES,
+_TABLES: Final[dict[str, tuple[str, tuple[Column, ...]]]] = {
+    "frames.csv": (
+        "evaluated frames: counts, distances and similarity of each",
+        _FRAMES,
+    ),
+    "encounters.csv": (
+        "encounters: who detected the {one}, how each system failed, when",
+        ENCOUNTER_COLUMNS,
+    ),
+    "events.csv": ("saliency events of X and Y", _EVENTS),
+    "intervals.csv": ("low-similarity intervals of X and Y", _INTERVALS),
+    "recordings.csv": ("recordings, with all aggregates", _RECORDINGS),
+    "significance.csv": (
+        "measures with interval and p of their difference",
+        SIGNIFICANCE_COLUMNS,
+    ),
+    "subgroups.csv": ("groups of encounters, such as near and far", SUBGROUP_COLUMNS),
+    "findings.csv": ("findings of the audit of the inputs", _FINDINGS),
+    "finding_entries.csv": (
+        "boxes, frames and rows that the findings concern",
+        _FINDING_ENTRIES,
+    ),
+    "classes.csv": (
+        "matches by the class of the truth and the one that was read",
+        CLASS_COLUMNS,
+    ),
+    "codes.csv": ("stretches of recordings with a code", _CODES),
 }
+"""Rows and columns of the core's own tables."""
 
 
 @cache
 def report_columns() -> dict[str, tuple[Column, ...]]:
     """Columns of every CSV file of a report, in order: the core's own, then those of subjects."""
-    return {file: own + added_columns(file) for file, own in _OWN.items()}
+    return {file: own + added_columns(file) for file, (_, own) in _TABLES.items()}
+
+
+def table_contents() -> dict[str, str]:
+    """What the rows of every CSV file of a report are; templates."""
+    return {file: rows for file, (rows, _) in _TABLES.items()}

@@ -20,6 +20,7 @@ import streamlit as st
 from export_page import downloads, job_of, opened, uploaded_drive, uploads
 from held_estimate import Held
 from inputs import drive
+from limits import write_limits
 from places import ROOT
 from streamlit.testing.v1 import AppTest
 
@@ -31,6 +32,7 @@ from nvcore.overlay.annotate import annotate
 from nvcore.overlay.brush import Canvas
 from nvcore.pictures.recordings import RecordingPictures
 from nvcore.progress import Progress
+from nvcore.report.files import REPORT_CONTENTS
 from pages import TIMEOUT_S, begin_with, checked, press, texts
 from ui.export.frame import file_stem
 from ui.export.link import link
@@ -60,6 +62,20 @@ def test_the_reports_files_are_told_and_can_be_downloaded():
     assert "boxes of truth, X and Y: whom each matches" in texts(page)
     checked(page.button_group(key="export_columns").set_value("matches.parquet").run())
     assert "`iou_x`, `iou_y` | 0 to 1" in texts(page)
+
+
+def test_every_file_that_a_report_may_have_is_offered_with_what_it_holds(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    session = write_limits(tmp_path)  # signs have classes
+    code = '[[code]]\nrecording = "drive"\nstart_s = 0\nend_s = 0.1\ncode = "glare"\n'
+    session.write_text(session.read_text() + code)
+    begin_with(session, monkeypatch)
+    page = opened("report")
+    assert {*REPORT_CONTENTS} == {*downloads(page)} - {"All files (ZIP)"}
+    assert "1 stretches of recordings with a code" in texts(page)
+    for file in page.button_group(key="export_columns").options:
+        checked(page.button_group(key="export_columns").set_value(file).run())
 
 
 def test_files_are_named_without_folders_when_they_are_made_and_not_in_each_run(
