@@ -76,6 +76,43 @@ def test_no_painted_number_is_of_another_setting_than_stands_beside_it(visit, th
     assert len({frame["basis"] for frame in frames}) == 1  # the same comparison all the time
 
 
+# At each change of the page, which parts are missing; at each painted frame, its height and scroll
+# position. The browser's own scroll anchoring would hide a jump.
+WATCH = """() => {
+  const main = document.querySelector("[data-testid=stMain]");
+  main.style.overflowAnchor = "none";
+  window.seen = { missing: [], heights: [], tops: [] };
+  const parts = [".nv-tiles", ".nv-scorecard"];
+  const look = () => seen.missing.push(...parts.filter((part) => !main.querySelector(part)));
+  new MutationObserver(look).observe(main, { childList: true, subtree: true });
+  (function measure() {
+    seen.heights.push(main.scrollHeight);
+    seen.tops.push(main.scrollTop);
+    requestAnimationFrame(measure);
+  })();
+  return main.querySelector(".nv-scorecard").getBoundingClientRect().height;
+}"""
+
+
+@pytest.mark.parametrize("part", ["", "all measures"])
+def test_the_scorecard_stays_in_its_place_while_alpha_is_dragged(visit, part):
+    one = visit("")
+    if part:
+        one.keyed("all_measures").locator("summary").click()
+        one.wait_until_drawn()
+    one.page.locator(".nv-scorecard").last.scroll_into_view_if_needed()
+    height = one.page.evaluate(WATCH)
+    for share in (-0.4, 0.4):
+        drag(one, share)
+        one.page.mouse.up()
+        expect(one.page.locator("[data-nv-late]")).to_have_count(0)
+        one.wait_until_drawn()
+    seen = one.page.evaluate("seen")
+    assert seen["missing"] == []
+    for values in (seen["heights"], seen["tops"]):
+        assert max(values) - min(values) < height / 4  # a sentence may take another line
+
+
 def test_six_presses_are_six_steps(visit):
     one = visit("time_left")
     speed = one.slider("Assumed speed")

@@ -30,17 +30,21 @@ LEADING: Final = tuple(
 
 
 class Scorecard:
-    """Its place, and the table, which may be drawn again when the intervals are known."""
+    """The scorecard, which may be drawn again when the intervals are known.
+
+    Until it is drawn, its place shows what it did in the last run: a run that ends early leaves
+    the page as it is.
+    """
 
     def __init__(self, result: Result) -> None:
         self._result = result
         st.header("Scorecard", help=_help(result))
-        self._place = st.empty()
+        self._place = st.container()
         self._rows = score_rows(result)
         every = st.expander(
             f"All {len(self._rows)} measures", key="all_measures", on_change="rerun"
         )
-        self._whole = every.empty() if every.open else None
+        self._whole = every.container() if every.open else None
         if every.open:
             with every:
                 _draw_classes(result)
@@ -48,9 +52,9 @@ class Scorecard:
     def draw(self, evidence: pd.DataFrame | None) -> None:
         """The table; with evidence, without the decimals that the intervals do not leave."""
         leading = pick_rows(self._result, self._rows, LEADING)
-        self._place.html(self._table(evidence, leading, "scorecard"))
+        self._place = self._place.html(self._table(evidence, leading, "scorecard"))
         if self._whole is not None:
-            self._whole.html(self._table(evidence, self._rows, "all_measures"))
+            self._whole = self._whole.html(self._table(evidence, self._rows, "all_measures"))
 
     def _table(self, evidence: pd.DataFrame | None, of: Sequence[ScoreRow], key: str) -> str:
         widths = {} if evidence is None else _widths(evidence)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
 
 import pandas as pd
 import streamlit as st
@@ -32,10 +31,10 @@ class VerdictBox:
         self._result = result
         with st.container(border=True, key="verdict"):
             self.headline: DeltaGenerator = st.container(key="verdict_headline")
-            # emptied when first drawn in: until then they show what they did in the last run
-            self._words = cache(self.headline.container().empty)
-            self._tiles = cache(st.container(key="verdict_tiles").empty)
-            self._basis = cache(st.container(key="verdict_basis").empty)
+            # until they are drawn they show what they did in the last run
+            self._words = self.headline.container()
+            self._tiles = st.container(key="verdict_tiles")
+            self._basis = st.container(key="verdict_basis")
             self._rest = st.expander("What this rests on")
 
     def _opening(self) -> tuple[object, ...]:
@@ -48,10 +47,10 @@ class VerdictBox:
 
     def draw_known(self, evidence: pd.DataFrame | None) -> None:
         """The tiles with what is known so far."""
-        self._words().markdown("## :gray[The differences are being tested.]")
-        self._basis().caption(_short_extent(self._result))
+        self._words = self._words.markdown("## :gray[The differences are being tested.]")
+        self._basis = self._basis.caption(_short_extent(self._result))
         four = tiles(self._result, evidence, None, is_being_tested=True)
-        self._tiles().html(tiles_html(four, self._result.objects))
+        self._tiles = self._tiles.html(tiles_html(four, self._result.objects))
 
     def draw(
         self,
@@ -65,12 +64,12 @@ class VerdictBox:
         conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
         reasons = " ".join([conclusion.reason, lead_text(result), other_leads_text(result)])
         words = plain(conclusion.in_short), plain(reasons)
-        self._words().markdown("## {}\n\n{}".format(*words))
+        self._words = self._words.markdown("## {}\n\n{}".format(*words))
         store.SHOWN_VERDICT.set(state.opened().dataset.fingerprint)
         store.LAST_VERDICT.set(self._opening())
         four = tiles(result, evidence, companions, is_being_tested=True)
-        self._tiles().html(tiles_html(four, self._result.objects))
-        with self._basis().container():
+        self._tiles = self._tiles.html(tiles_html(four, self._result.objects))
+        with self._basis.container():
             st.caption(_short_extent(result))
             for point in conclusion.points:
                 if point.is_warning:
