@@ -20,7 +20,6 @@ from ui.data.opening import WAYS, draw_trouble, has_trouble, try_to_open
 from ui.session import state, store
 from ui.session.opening import uploaded_session
 from ui.session.uploads import new_upload, store_annotations
-from ui.session.workspace import PICTURES
 from ui.settings.start import start_file
 from ui.widgets.buttons import button
 from ui.widgets.text import plain
@@ -119,4 +118,4 @@ def _session(
     folder = new_upload(space)
     paths = store_annotations(space, folder, "files", others)
     content = bytes(file.getbuffer())
-    return facts.added_to(uploaded_session(content, folder, paths, space.folder / PICTURES))
+    return facts.added_to(uploaded_session(content, folder, paths, space.sent))

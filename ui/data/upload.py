@@ -42,7 +42,7 @@ from ui.session.uploads import (
     remove_pictures,
     store_annotations,
 )
-from ui.session.workspace import PICTURES, Workspace
+from ui.session.workspace import Workspace
 from ui.shell.messages import error_text
 from ui.streamlit_inside.types import DeltaGenerator
 from ui.widgets.buttons import button
@@ -246,7 +246,7 @@ def _check_table(
     if table.slot in stored.troubles:
         return draw_recordings(RecordingsTable(trouble=stored.troubles[table.slot]))
     (path,) = stored.paths[table.slot]
-    sent = [file.place.relative_to(PICTURES).parts[0] for file in space.stored.values()]
+    sent = [path.name for path in space.sent]
     return draw_recordings(check_recordings(path, stored.folder), recordings, sent)
 
 
@@ -301,7 +301,8 @@ def _draw_pictures(space: Workspace, recordings: Sequence[str]) -> ChosenPicture
 
 
 def _remove_all(space: Workspace) -> None:
-    remove_pictures(space, [file.name for file in space.stored.values() if file.form == space.form])
+    of_form = [place for place, file in space.stored.items() if file.form == space.form]
+    remove_pictures(space, of_form)
 
 
 def _store(space: Workspace, fields: Sequence[_Field]) -> StoredForm:
@@ -371,7 +372,7 @@ def _session(
         for system, name in sent
     )
     session = form.session(stored.folder, stored.source(truth), sources)
-    session = with_uploaded_recordings(session, state.workspace().folder / PICTURES)
+    session = with_uploaded_recordings(session, state.workspace().sent)
     pictures = form.pictures.usable.items()
     return form.with_pictures(
         session, {label: relative_path(path, stored.folder) for label, path in pictures}

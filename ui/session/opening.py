@@ -101,11 +101,13 @@ def load_for(space: Workspace, session: Session) -> Dataset:
     return dataset
 
 
-def uploaded_session(content: bytes, folder: Path, files: Sequence[str], pictures: Path) -> Session:
+def uploaded_session(
+    content: bytes, folder: Path, files: Sequence[str], pictures: Sequence[Path]
+) -> Session:
     """The session that an uploaded session file describes, with the files that came with it.
 
-    The paths of these are relative to `folder`. A recording whose pictures are not in the folder
-    `pictures` has none.
+    The paths of these are relative to `folder`. A recording whose pictures are not among those
+    that were sent has none; see `with_uploaded_recordings`.
 
     Raises
     ------
@@ -146,7 +148,7 @@ def uploaded_session(content: bytes, folder: Path, files: Sequence[str], picture
     )
 
 
-def with_uploaded_recordings(session: Session, pictures: Path) -> Session:
+def with_uploaded_recordings(session: Session, pictures: Sequence[Path]) -> Session:
     """The session with its table of recordings read, naming only pictures that were uploaded.
 
     All other files that it names for recordings are left out: nobody has sent them.
@@ -154,7 +156,7 @@ def with_uploaded_recordings(session: Session, pictures: Path) -> Session:
     Parameters
     ----------
     pictures
-        The folder of the pictures that were sent.
+        Those that were sent; of several with one name the first is taken.
 
     Raises
     ------
@@ -225,14 +227,10 @@ def _shared_end(sent: PurePosixPath, path: PurePosixPath) -> int:
     return n_parts
 
 
-def _uploaded_pictures(text: str | None, pictures: Path, folder: Path) -> str | None:
-    name = None if text is None else PurePosixPath(text.replace("\\", "/")).name
-    if not name or name == "..":
-        return None
-    for stored in (name, safe_name(name)):
-        if os.path.exists(pictures / stored):  # noqa: PTH110  # any name
-            return relative_path(pictures / stored, folder)
-    return None
+def _uploaded_pictures(text: str | None, pictures: Sequence[Path], folder: Path) -> str | None:
+    name = "" if text is None else PurePosixPath(text.replace("\\", "/")).name
+    sent = (path for path in pictures if name and path.name == safe_name(name))
+    return next((relative_path(path, folder) for path in sent), None)
 
 
 def relative_path(path: Path, folder: Path) -> str:

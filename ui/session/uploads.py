@@ -1,14 +1,14 @@
 """Uploads: stored in the session's folder under safe names, within limits.
 
-    FOLDER/pictures/                  videos and archives of pictures, by the upload route
-    FOLDER/pictures/images/           single pictures; of the N-th form after the first images-N
+    FOLDER/pictures/N/                videos and archives of pictures of form N, by the upload route
+    FOLDER/pictures/N/images/         its single pictures
     FOLDER/upload-N/SLOT/annotations/data/
                                       ground truth and detections of the N-th form sent
     FOLDER/model-KIND-N/model/annotations/data/
                                       a model
 
 Names from a browser are never joined as they come. A safe base name is kept, since recordings
-are named after their files.
+are named after their files; a file that is sent again in another form has the same name there.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import AsyncIterable, Callable, Iterable, Sequence
+from dataclasses import replace
+from filecmp import cmp
 from http import HTTPStatus
 from pathlib import Path, PurePosixPath
 from typing import IO, Final
@@ -158,18 +160,23 @@ class _PartialFile:
         assert self._file is not None
         assert self.kind is not None
         self._file.close()
+        stored = Stored(name, self.kind, self.n_bytes, self.space.form)
+        if self.space.stored.get(stored.place) == stored and cmp(
+            self._path, self.space.folder / stored.place, shallow=False
+        ):
+            return stored  # sent twice
         with self.space.lock:
             if len(self.space.stored) >= MAX_FILES:
                 raise UploadError(
                     f"A session takes {MAX_FILES} files; send pictures as a ZIP archive.",
                     HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
                 )
-            name = free_name(name, self.space.stored)
-            stored = Stored(name, self.kind, self.n_bytes, self.space.form)
+            in_form = (o.name for o in self.space.stored.values() if o.form == stored.form)
+            stored = replace(stored, name=free_name(name, in_form))
             place = self.space.folder / stored.place
-            place.parent.mkdir(exist_ok=True)
+            place.parent.mkdir(parents=True, exist_ok=True)
             self._path.rename(place)
-            self.space.stored[stored.name] = stored
+            self.space.stored[stored.place] = stored
         self._file = None
         return stored
 
@@ -182,10 +189,10 @@ class _PartialFile:
             self.space.used_bytes -= self.n_bytes
 
 
-def remove_pictures(space: Workspace, names: Iterable[str]) -> None:
+def remove_pictures(space: Workspace, places: Iterable[PurePosixPath]) -> None:
     """Remove uploaded pictures from the session's folder."""
     with space.lock:
-        files = [space.stored.pop(name) for name in list(names) if name in space.stored]
+        files = [space.stored.pop(place) for place in list(places) if place in space.stored]
         space.used_bytes -= sum(stored.n_bytes for stored in files)
     for stored in files:
         (space.folder / stored.place).unlink(missing_ok=True)
@@ -198,7 +205,7 @@ def begin_form(space: Workspace) -> None:
         session = space.opened.session
         in_use = {Path(os.path.normpath(session.folder / path)) for path in session.paths()}
     idle = [
-        file.name
+        file.place
         for file in space.stored.values()
         if not in_use & {(place := space.folder / file.place), place.parent}
     ]

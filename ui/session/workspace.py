@@ -87,9 +87,10 @@ class Caching:
 
 @dataclass(frozen=True)
 class Stored:
-    """A picture file in the session's folder: its safe, unique name and its kind.
+    """A picture file in the session's folder: its safe name and its kind.
 
-    `form` is the number of the form it was sent in: what was sent in an earlier one is open.
+    `form` is the number of the form it was sent in, of whose files no other has its name. What was
+    sent in an earlier form is open.
     """
 
     name: str
@@ -100,8 +101,8 @@ class Stored:
     @property
     def place(self) -> PurePosixPath:
         """Path within the session's folder."""
-        images = [f"images-{self.form}" if self.form else "images"] if self.kind == "image" else []
-        return PurePosixPath(PICTURES, *images, self.name)
+        images = ["images"] if self.kind == "image" else []
+        return PurePosixPath(PICTURES, str(self.form), *images, self.name)
 
 
 @dataclass(frozen=True)
@@ -202,7 +203,7 @@ class Workspace(Caching):
     visible
         Pictures of visible light that some recordings have beside these.
     stored
-        Uploaded pictures, by name; written by `ui.session.uploads`.
+        Uploaded pictures, by place; written by `ui.session.uploads`.
     form
         Number of the form that is being filled in, see `Stored`.
     used_bytes, n_received
@@ -238,7 +239,7 @@ class Workspace(Caching):
         self.picture_process = PictureProcess()
         self.model_process = SteadyProcess(MODELS)
         self.picture_turns = CapacityLimiter(MOST_AT_ONCE)
-        self.stored: dict[str, Stored] = {}
+        self.stored: dict[PurePosixPath, Stored] = {}
         self.form = 0
         self.used_bytes = 0
         self.upload_bytes: dict[Path, int] = {}
@@ -249,6 +250,13 @@ class Workspace(Caching):
         self._remove = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
         _workspaces[self.token] = self
         end_with_session(self)
+
+    @property
+    def sent(self) -> list[Path]:
+        """Videos, archives and folders of single pictures that were sent, the newest first."""
+        files = reversed(list(self.stored.values()))
+        places = (file.place.parent if file.kind == "image" else file.place for file in files)
+        return [self.folder / place for place in dict.fromkeys(places)]
 
     @property
     def result(self) -> Result | None:

@@ -298,7 +298,24 @@ def test_a_second_upload_starts_without_the_pictures_of_the_first(tmp_path: Path
     assert "Here: drive.mp4" not in texts(page)
     send_video(page, "other.mp4")
     assert "Here: other.mp4" in texts(page)
-    assert {*space.stored} == {"drive.mp4", "other.mp4"}  # the open comparison keeps its own
+    # the open comparison keeps its own
+    assert [path.name for path in space.sent] == ["other.mp4", "drive.mp4"]
+
+
+def test_the_same_files_opened_again_have_the_same_recording(tmp_path: Path):
+    truth, late = late_drive(tmp_path)
+    page = opened()
+    for form in ("", "_1"):
+        send(page, f"upload_truth{form}", ("gt.csv", truth))
+        send(page, f"upload_system_0{form}", ("late.csv", late))
+        send_video(page, "drive.mp4")
+        assert "Here: drive.mp4" in texts(page)
+        open_files(page)
+        assert recordings_of(page)[["name", "pictures"]].to_numpy().tolist() == [
+            ["drive", "drive.mp4"]
+        ]
+        press(page, "empty_upload")
+    assert len(space_of(page).sent) == 1  # the first one is open no more
 
 
 def test_a_form_can_be_emptied_while_its_comparison_stays_open(tmp_path: Path):
@@ -307,7 +324,7 @@ def test_a_form_can_be_emptied_while_its_comparison_stays_open(tmp_path: Path):
     assert not page.file_uploader(key="upload_truth_1").value
     assert "Here: drive.mp4" not in texts(page)
     assert "Open now: Uploaded files" in texts(page)
-    assert [*space_of(page).stored] == ["drive.mp4"]
+    assert [path.name for path in space_of(page).sent] == ["drive.mp4"]
 
 
 def test_a_video_that_cannot_be_opened_stops_until_one_goes_on_without(tmp_path: Path):

@@ -100,7 +100,7 @@ def test_the_session_file_opens_again_as_an_upload(space, tmp_path: Path):
     ]
     paths = store_annotations(space, again, "files", files)
     content = (folder / "session.toml").read_bytes()
-    opened = uploaded_session(content, again, paths, space.folder / "pictures")
+    opened = uploaded_session(content, again, paths, space.sent)
     assert load(opened).fingerprint == fingerprint
     assert load(opened).findings == ()
 

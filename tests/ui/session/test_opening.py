@@ -168,7 +168,9 @@ def uploaded(folder: Path, text: str = TOML, names: Sequence[str] = NAMES) -> Se
     for name in NAMES:
         write(folder / "upload-1" / name, "1")
     write(folder / "pictures" / "A.mp4", "video")
-    return uploaded_session(text.encode(), folder / "upload-1", names, folder / "pictures")
+    return uploaded_session(
+        text.encode(), folder / "upload-1", names, [*(folder / "pictures").iterdir()]
+    )
 
 
 def test_a_session_file_finds_its_files_by_the_ends_of_their_paths(tmp_path: Path):
@@ -233,7 +235,7 @@ def test_a_session_file_that_would_be_read_for_hours_is_refused(
     monkeypatch.setattr(reading, "SMALL", Allowance(memory_mb=1000, seconds=0.01))
     from_form = session(tmp_path / "upload-1", recordings_file=RecordingsFile("recordings.csv"))
     with pytest.raises(InputError, match="reading the table of recordings took more than"):
-        with_uploaded_recordings(from_form, tmp_path / "pictures")
+        with_uploaded_recordings(from_form, [])
 
 
 def test_names_with_signs_that_are_replaced_when_sent_are_found(tmp_path: Path):

@@ -189,7 +189,7 @@ def upload(space: Workspace, content: bytes = PNG, **more: str):
 def test_a_sent_picture_is_stored_and_the_answer_holds_no_path_of_the_machine(space: Workspace):
     answer = put(f"{address(space)}/upload/pictures?name=..%2Fnight%2001.png", PNG)
     assert answer.status == 201
-    assert (space.folder / "pictures" / "images" / "night 01.png").read_bytes() == PNG
+    assert (space.folder / "pictures" / "0" / "images" / "night 01.png").read_bytes() == PNG
     assert answer.headers["cache-control"] == "no-store"
     assert str(space.folder) not in answer.text
 

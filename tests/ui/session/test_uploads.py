@@ -7,7 +7,7 @@ import io
 import zipfile
 from collections.abc import AsyncIterator
 from http import HTTPStatus
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import pytest
 from builders import at, make_dataset
@@ -128,10 +128,10 @@ def test_a_session_has_a_quota_in_which_removed_pictures_make_room(
     send(space, "a.png", PNG)
     with pytest.raises(UploadError, match="in all; remove uploads"):
         send(space, "b.png", PNG)
-    assert files_in(space.folder) == ["pictures/images/a.png"]
-    remove_pictures(space, ["a.png", "unknown.png"])
+    assert files_in(space.folder) == ["pictures/0/images/a.png"]
+    remove_pictures(space, [*space.stored, PurePosixPath("unknown.png")])
     send(space, "b.png", PNG)
-    assert files_in(space.folder) == ["pictures/images/b.png"]
+    assert files_in(space.folder) == ["pictures/0/images/b.png"]
 
 
 def test_all_sessions_together_have_a_quota(space: Workspace, monkeypatch: pytest.MonkeyPatch):
@@ -155,8 +155,24 @@ def test_an_upload_that_is_shorter_than_stated_is_dropped(space: Workspace):
 
 
 def test_two_pictures_of_one_name_are_both_kept(space: Workspace):
-    first, second = send(space, "a.png", PNG), send(space, "a.png", PNG)
+    first, second = send(space, "a.png", PNG), send(space, "a.png", PNG[:-1] + b"1")
     assert (first.name, second.name) == ("a.png", "a-2.png")
+
+
+def test_a_picture_that_is_sent_twice_is_kept_once(space: Workspace):
+    assert send(space, "a.png", PNG) == send(space, "a.png", PNG)
+    assert files_in(space.folder) == ["pictures/0/images/a.png"]
+    assert space.used_bytes == len(PNG)
+
+
+def test_a_file_has_its_name_in_every_form_that_it_is_sent_in(space: Workspace):
+    for number, end in enumerate((b"1", b"2")):
+        assert send(space, "a.png", PNG, end).name == "a.png"
+        assert space.sent[0] == space.folder / "pictures" / str(number) / "images"
+        assert (space.sent[0] / "a.png").read_bytes() == PNG + end
+        space.form += 1
+    remove_pictures(space, [*space.stored])
+    assert files_in(space.folder) == []
 
 
 def stored_paths(space: Workspace, *files: Sent) -> tuple[str, ...]:
