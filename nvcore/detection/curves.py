@@ -11,7 +11,7 @@ import pandas as pd
 from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
 from nvcore.detection.filtered_truth import FilteredTruth, filter_detections, filter_truth
-from nvcore.detection.operating_point import MIXED_POINTS, thinned
+from nvcore.detection.operating_point import MIXED_POINTS, has_one_score, thinned
 from nvcore.errors import ParameterError
 from nvcore.metrics.matching import Matches, match_boxes, match_system
 from nvcore.params import Params
@@ -81,8 +81,8 @@ class DetectionCurve:
     n_truth, n_images
         Pedestrian boxes and frames that count; the same for every system.
     is_ranked
-        Every detection has a score. If not, there are points (a single one where no detection
-        has a score) but no areas under them.
+        Every detection has a score, and they differ. If not, there are points (a single one where
+        none has a score, or all have the same) but no areas under them.
     absorbed_score
         Scores of the detections that ignored boxes absorb, NaN without one; float64,
         (n_absorbed,). They are neither right nor wrong.
@@ -184,9 +184,11 @@ class DetectionCurve:
         """Why areas and averages of the curve are undefined; None where they are defined."""
         if not self.n_truth:
             return "no box of the truth counts under this protocol"
-        if not self.is_ranked:
+        if self.is_ranked:
+            return None
+        if np.isinf(self.threshold).any():
             return "detections have no score: there are points, but no curve"
-        return None
+        return "no scores differ: there is a point, but no curve"
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,7 +282,7 @@ def detection_curve(
         fp=fp.astype(np.int64),
         n_truth=truth.n_truth,
         n_images=truth.n_images,
-        is_ranked=bool(is_scored.all()),
+        is_ranked=bool(is_scored.all()) and not has_one_score(dataset, system),
         absorbed_score=outcomes.absorbed_score,
     )
 

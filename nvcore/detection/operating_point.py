@@ -130,7 +130,7 @@ def false_alarm_curve(
     Returns
     -------
     Columns `CURVE_COLUMNS`, at most `n_points` rows, thresholds increasing. A system without
-    scores, or without detections: no rows, as no threshold changes anything.
+    scores that differ has no rows: a threshold keeps all of its detections or none.
 
     Notes
     -----
@@ -147,6 +147,7 @@ def false_alarm_curve(
     score = dataset.system(system).score
     is_scored = ~np.isnan(score)
     thresholds = np.unique(score[is_scored])
+    thresholds = thresholds if len(thresholds) > 1 else thresholds[:0]
     thresholds = thinned(thresholds, n_points if is_scored.all() else min(n_points, MIXED_POINTS))
     if is_scored.all():
         matches = match_system(dataset, system, None, params)
@@ -220,18 +221,18 @@ def threshold_with_alarms(
 ) -> float | None:
     """Threshold that gives the number of false alarms closest to `n_target`; None: all.
 
-    The thresholds of `params` are not used.
+    The thresholds of `params` are not used. At least one detection that counts is left: a
+    threshold that switches the system off is no operating point.
 
     Parameters
     ----------
     end
-        Which of these thresholds: the lowest of few decimals, the lowest, or the highest, which is
-        infinite for no false alarm.
+        Which of these thresholds: the lowest of few decimals, the lowest, or the highest.
     """
     score = dataset.system(system).score
     matches = match_system(dataset, system, None, params)
     is_scored = ~np.isnan(score)
-    if not is_scored.any() or not matches.is_false_alarm.any():
+    if span_of_scores(dataset, system) is None or not matches.is_false_alarm.any():
         return None
     if not is_scored.all():
         curve = false_alarm_curve(dataset, system, params)
@@ -242,19 +243,19 @@ def threshold_with_alarms(
     alarms = np.sort(score[matches.is_false_alarm])[::-1]
     # equal scores stay or go together
     possible = np.concatenate([[0], np.flatnonzero(np.diff(alarms)) + 1, [len(alarms)]])
+    highest = float(score[matches.is_counted].max())
+    possible = possible[int(highest == alarms[0]) :]  # no false alarm would be no detection
     n_left = int(possible[np.argmin(np.abs(possible - n_target))])
+    score_in = float(alarms[n_left - 1]) if n_left else highest
     if end == "highest":
-        return float(alarms[n_left - 1]) if n_left else np.inf
+        return score_in
     if n_left == len(alarms):
         return None
     score_out = float(alarms[n_left])
-    score_in = float(alarms[n_left - 1]) if n_left else np.inf
     if end == "lowest":
         return float(np.nextafter(score_out, np.inf))
     threshold = round_between(score_out, score_in)
-    if threshold is None:
-        threshold = score_in if n_left else float(np.nextafter(score_out, np.inf))
-    return threshold
+    return score_in if threshold is None else threshold
 
 
 def threshold_for(scores: np.ndarray, n_scores: int) -> float | None:
@@ -321,8 +322,14 @@ def _rates(dataset: Dataset, n_alarms: np.ndarray) -> tuple[np.ndarray, np.ndarr
     )
 
 
+def has_one_score(dataset: Dataset, system: str) -> bool:
+    """Whether several detections all have the same score, which puts them in no order."""
+    score = dataset.system(system).score
+    return len(score) > 1 and bool(score.min() == score.max())
+
+
 def span_of_scores(dataset: Dataset, system: str) -> tuple[float, float] | None:
-    """Lowest and highest score of a system; None without scores or with a single one."""
+    """Lowest and highest score of a system; None if no two finite scores differ."""
     score = dataset.system(system).score
     score = score[np.isfinite(score)]
     if not len(score) or score.min() == score.max():

@@ -11,6 +11,7 @@ from nvcore.comparison import Result
 from nvcore.detection.curves import Outcomes, detection_outcomes
 from nvcore.detection.filtered_truth import filter_truth
 from nvcore.detection.miss_rate import FPPI_REFERENCES, explain_few, explain_zero
+from nvcore.detection.operating_point import has_one_score
 from nvcore.errors import InputError
 from nvcore.evidence.measures import Evidence, Judged, UnitMeasure, judge_measure, run_together
 from nvcore.evidence.units import WHOLE, Units, has_any_of, units_within
@@ -35,7 +36,8 @@ def log_average_miss_rate_measure(
 
     Returns
     -------
-    None if a system has detections without a score, or no pedestrian counts.
+    None if a system has detections without a score or with a single one for all, or no pedestrian
+    counts.
 
     References
     ----------
@@ -44,7 +46,8 @@ def log_average_miss_rate_measure(
     sums = []
     for _, system in result.sides:
         outcomes = detection_outcomes(result.dataset, system.name, result.params, protocol)
-        if np.isnan(outcomes.score).any() or not outcomes.truth.n_truth:
+        is_unranked = np.isnan(outcomes.score).any() or has_one_score(result.dataset, system.name)
+        if is_unranked or not outcomes.truth.n_truth:
             return None
         sums.append(_sums(outcomes, units))
     better = measure_of(KEY).better
@@ -52,7 +55,9 @@ def log_average_miss_rate_measure(
     return UnitMeasure(KEY, _label(protocol), better, x, y, statistic=_log_average)
 
 
-NEEDED: Final = "the log-average miss rate needs {many} that count, and detections with scores"
+NEEDED: Final = (
+    "the log-average miss rate needs {many} that count, and detections with scores that differ"
+)
 
 
 def judge_miss_rate(

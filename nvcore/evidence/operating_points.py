@@ -11,12 +11,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Literal
 
-import numpy as np
-
 from nvcore.comparison import Result, compare
 from nvcore.detection.operating_point import (
     are_unequal_alarms,
     choose_moved,
+    span_of_scores,
     threshold_with_alarms,
 )
 from nvcore.measures.table import inference_of
@@ -58,8 +57,8 @@ def is_undecided(result: Result, key: str) -> bool:
 
 
 def has_scores(result: Result, letter: str) -> bool:
-    """Whether a threshold could move this system."""
-    return bool(np.isfinite(result.dataset.system(result.system(letter).name).score).any())
+    """Whether a threshold could move this system: its scores differ."""
+    return span_of_scores(result.dataset, result.system(letter).name) is not None
 
 
 def find_equal_alarms(result: Result, previous: Result | None = None) -> Result | None:

@@ -48,7 +48,7 @@ HEADLINES: Final = {
     "pending": f"{UNEQUAL_POINTS}: nothing is claimed before they are compared at equal false "
     "alarms.",
     "threshold": f"{UNEQUAL_POINTS} and no threshold sets them alike, {_NO_CLAIM}.",
-    "scores": f"{UNEQUAL_POINTS} and cannot be set alike without scores, {_NO_CLAIM}.",
+    "scores": f"{UNEQUAL_POINTS} and cannot be set alike without scores that differ, {_NO_CLAIM}.",
     "same boxes": "two of the inputs have the same boxes: this is no comparison of two systems.",
     "wrong inputs": "nothing is claimed: the audit found errors in the inputs, and until they "
     "are mended the numbers are wrong.",
@@ -146,10 +146,10 @@ TEXTS: Final[Texts] = {
         "strict": "the other way round if paired strictly",
         "alarms": "{winner!u} also has more false alarms, and no threshold sets them alike",
         "matches": "{winner!u} also matches fewer {many}, and no threshold sets them alike",
-        "unscored alarms": "{winner!u} also has more false alarms, and without scores nothing sets "
-        "them alike",
-        "unscored matches": "{winner!u} also matches fewer {many}, and without scores nothing sets "
-        "them alike",
+        "unscored alarms": "{winner!u} also has more false alarms, and without scores that "
+        "differ nothing sets them alike",
+        "unscored matches": "{winner!u} also matches fewer {many}, and without scores that "
+        "differ nothing sets them alike",
         "doubt": "{doubt}",
     },
     facts.Unclaimed: "not claimed: {measures} ({reason}).",

@@ -125,6 +125,15 @@ def test_a_system_with_and_without_scores_is_matched_anew_at_each_point():
         assert fp == at_it.n_false_alarms
 
 
+def test_a_constant_score_is_one_point_and_no_curve():
+    boxes = [at(f, 50, score=1) for f in range(3)]
+    curve = detection_curve(make_dataset([at(f, 50) for f in range(4)], boxes), "x", Params())
+    assert (curve.threshold.tolist(), curve.tp.tolist()) == ([1], [3])
+    assert curve.why_undefined == "no scores differ: there is a point, but no curve"
+    alone = detection_curve(make_dataset([at(0, 50)], boxes[:1]), "x", Params())
+    assert alone.why_undefined is None  # one detection is in order
+
+
 def test_few_mixed_scores_are_all_points():
     boxes = [at(0, 50, score=0.9), at(1, 50), at(2, 50, score=0.3)]
     curve = detection_curve(make_dataset([at(f, 50) for f in range(3)], boxes), "x", Params())

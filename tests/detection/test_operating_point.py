@@ -91,14 +91,15 @@ def test_a_system_without_scores_has_no_curve(x: list[Box]):
     ("x", "y", "threshold", "n_alarms"),
     [
         ([0.9, 0.8], [0.6, 0.5, 0.41, 0.2], 0.42, 2),
-        ([], [0.9, 0.5], 0.91, 0),  # just above Y's highest
+        ([], [0.9, 0.5], 0.51, 1),  # none would be left above Y's highest
         ([0.9, 0.8], [0.9], None, 1),  # fewer than X: every detection counts
         # equal scores stay or go together, whichever is closer, or the lower number
         ([0.9, 0.8], [0.9, 0.5, 0.5, 0.5, 0.1], 0.51, 1),
         ([0.9, 0.8, 0.7], [0.9, 0.5, 0.5, 0.5, 0.1], 0.11, 4),
         ([0.9, 0.8], [0.9, 0.5, 0.5, 0.1], 0.51, 1),
         ([0.9], [0.5 + 2e-9, 0.5 + 1e-9], 0.5 + 2e-9, 1),  # too close for a round threshold
-        ([], [1e300], np.nextafter(1e300, np.inf), 0),
+        ([], [1e300], None, 1),
+        ([], [0.7, 0.7], None, 2),  # a constant score is no score
         ([0.9], [NAN, NAN], None, 2),
         ([0.9, 0.8], [NAN, 0.7, 0.5, 0.3], 0.7, 2),  # the closest of its curve
     ],

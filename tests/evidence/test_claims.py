@@ -157,6 +157,23 @@ def test_the_system_with_more_false_alarms_is_moved_or_the_only_one_with_scores(
     plain = [box._replace(score=NAN) for box in many]
     assert which_moves(scene(few, plain)) == "x"
     assert which_moves(scene(plain, plain)) == ""
+    constant = [box._replace(score=1) for box in many]
+    assert which_moves(scene(few, constant)) == "x"
+    assert which_moves(scene(constant, constant)) == ""
+
+
+@pytest.mark.parametrize("score", [1.0, 0.8])
+def test_a_threshold_that_leaves_no_detection_sets_nothing_alike(score: float):
+    """Y scores its alarms 1, and its matches alike or lower; X has no alarm."""
+    x = [at(frame, 20, score=frame / 20) for frame in range(20)]
+    y = [*(box._replace(score=score) for box in x), *(at(f, 5, score=1) for f in range(9))]
+    result = scene(x, y, n=1)
+    assert (find_equal_alarms(result), at_operating_point(result, "equal-alarms")) == (None, result)
+    kind = "scores" if score == 1 else "threshold"
+    x_bare = [box._replace(score=NAN) for box in x]
+    result = scene(x_bare, y, n=1)
+    companions = find_companions(result, evidence_table(result, has_intervals=False))
+    assert verdict(result, companions=companions).headline.kind == kind
 
 
 def test_the_system_that_moves_has_as_many_false_alarms_as_the_other():

@@ -96,6 +96,9 @@ def test_at_references_that_no_level_reaches_everybody_is_missed():
 
 def test_without_scores_there_is_no_measure_and_the_reason_stands_in_its_place():
     truth, x, places = random_boxes(3)
+    constant = [box._replace(score=1) for box in x]
+    result = result_of(make_dataset(truth, x, constant, places=places))
+    assert log_average_miss_rate_measure(result, find_units(result)) is None
     unscored = [x[0], *(box._replace(score=float("nan")) for box in x[1:])]
     result = result_of(make_dataset(truth, unscored, x, places=places))
     nobody = result_of(make_dataset([], x, x[::2], places=places))
@@ -103,7 +106,9 @@ def test_without_scores_there_is_no_measure_and_the_reason_stands_in_its_place()
     assert log_average_miss_rate_measure(result, find_units(result)) is None
     row = judge_row(result)
     assert np.isnan([row["x"], row["y"], row["difference"], row["p"], row["p_corrected"]]).all()
-    assert row["note"].endswith("needs pedestrians that count, and detections with scores")
+    assert row["note"].endswith(
+        "needs pedestrians that count, and detections with scores that differ"
+    )
 
 
 def test_a_protocol_without_recordings_is_told_in_the_row():
@@ -118,7 +123,7 @@ def test_a_protocol_without_recordings_is_told_in_the_row():
 
 def test_a_log_average_of_0_and_few_pedestrians_are_told():
     truth = [Box(frame, 10, 10, 20, 50) for frame in range(20)]
-    x = [box._replace(score=0.9) for box in truth]
+    x = [box._replace(score=0.9 - 0.01 * box.frame) for box in truth]
     # Y finds all, but not before a false positive in one of twenty images
     y = [box._replace(score=0.8 if box.frame else 0.1) for box in truth]
     y.append(Box(3, 70, 10, 20, 50, score=0.5))

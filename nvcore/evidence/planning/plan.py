@@ -295,8 +295,8 @@ def _difference_size(
     if pilot.is_withheld(difference):
         return replace(
             size,
-            reason="the better system also has more false alarms, and without scores nothing sets "
-            "them alike: more recordings do not change that",
+            reason="the better system also has more false alarms, and without scores that "
+            "differ nothing sets them alike: more recordings do not change that",
         )
     return _sized(
         pilot,
