@@ -159,8 +159,9 @@ class Finding:
     example
         The first case: line, recording, frame.
     suggestion
-        Corrections, each with its key in the session file, such as ``(("offset_frames", -2.0),)``,
-        for a medium that has flags for them or offers to apply them; empty: none.
+        Corrections, each with its key in the session file and the value that belongs there, such
+        as ``(("offset_frames", -2.0),)``, for a medium that has flags for them or offers to apply
+        them; empty: none.
     cases
         All places that it concerns; None: an input as a whole, or not known.
     """

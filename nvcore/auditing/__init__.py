@@ -26,13 +26,8 @@ from nvcore.auditing.comparability import (
     audit_weighting,
 )
 from nvcore.auditing.copies import audit_copies, audit_pieces
-from nvcore.auditing.coverage import PART_CODE, audit_system_coverage, audit_truth_coverage
-from nvcore.auditing.layouts import audit_layouts, find_layouts
-from nvcore.auditing.no_match import audit_no_match
-from nvcore.auditing.offsets import find_offsets
-from nvcore.auditing.overlaps import above_threshold
+from nvcore.auditing.coverage import audit_system_coverage, audit_truth_coverage
 from nvcore.auditing.perspective import audit_foot_spread
-from nvcore.auditing.rates import RATE_CODE, find_rate
 from nvcore.auditing.recordings import (
     audit_fps,
     audit_frame_list,
@@ -42,11 +37,17 @@ from nvcore.auditing.recordings import (
 )
 from nvcore.auditing.rows import audit_left_out
 from nvcore.auditing.scores import audit_scores, audit_threshold
+from nvcore.auditing.transform_findings import (
+    EXPLAINED,
+    audit_no_match,
+    audit_transform,
+    audit_truth_layout,
+)
+from nvcore.auditing.transforms import above_threshold
 from nvcore.dataset import Dataset
 from nvcore.errors import MissingExtraError
 from nvcore.findings import (
     OF_PICTURES,
-    TRUTH_NAME,
     Finding,
     Severity,
     accepted,
@@ -132,11 +133,19 @@ def audit(
 def ranked(dataset: Dataset, findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """All findings of the parts of `audit`, worst first, as the user accepts them.
 
-    Frame numbers at another rate end early: that detections are in a part only says nothing more.
+    An error about a system's frame numbers explains that its rows have no place.
     """
     findings = accepted(findings, dataset.settings.accept)
-    explained = {(PART_CODE, finding.subject) for finding in findings if finding.code == RATE_CODE}
-    return worst_first(f for f in findings if (f.code, f.subject) not in explained)
+    misnumbered = {
+        finding.subject
+        for finding in findings
+        if finding.severity is Severity.ERROR and finding.code in ("frame-rate", "time-offset")
+    }
+    return worst_first(
+        finding
+        for finding in findings
+        if finding.subject not in misnumbered or finding.code not in EXPLAINED
+    )
 
 
 def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
@@ -145,7 +154,11 @@ def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
     findings = [*audit_left_out(dataset)]
     findings += [*audit_truth_coverage(dataset), *_audit_boxes(truth), *audit_tracks(truth)]
     findings += [*audit_size(dataset), *audit_kitti_size(dataset), *audit_fps(dataset)]
-    findings += [*audit_frame_list(dataset), *audit_frame_steps(dataset), *audit_layouts(dataset)]
+    findings += [
+        *audit_frame_list(dataset),
+        *audit_frame_steps(dataset),
+        *audit_truth_layout(dataset),
+    ]
     findings += [*audit_copies(dataset), *audit_pieces(dataset)]
     for system in (system_source(dataset, name) for name in dataset.systems):
         findings += [*audit_system_coverage(system), *_audit_boxes(system), *audit_scores(system)]
@@ -156,7 +169,7 @@ def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
 
 
 def audit_system(dataset: Dataset, name: str, threshold: float | None) -> tuple[Finding, ...]:
-    """The part of `audit` that depends on one system's threshold: what it leaves, and offsets.
+    """The part of `audit` that depends on one system's threshold: what it leaves, and how it fits.
 
     Parameters
     ----------
@@ -166,12 +179,7 @@ def audit_system(dataset: Dataset, name: str, threshold: float | None) -> tuple[
         Lowest score that counts; None: every detection counts.
     """
     system = system_source(dataset, name)
-    findings = [*audit_threshold(system, threshold)]
-    if not {name, TRUTH_NAME} & find_layouts(dataset).keys():  # else all of them would be wrong
-        counting = above_threshold(system.boxes, threshold)
-        # an offset would fit a few frames only, and hide the rate
-        findings += find_rate(system, counting) or find_offsets(system, counting)
-    return tuple(findings)
+    return *audit_threshold(system, threshold), *audit_transform(system, threshold)
 
 
 def audit_pair(
@@ -190,16 +198,19 @@ def audit_pair(
         match_system(dataset, system.name, threshold, params)
         for system, threshold in zip(systems, thresholds, strict=True)
     ]
-    nobody = audit_no_match(dataset, systems, counting, of_each)
-    findings += nobody
+    misread = audit_no_match(dataset, systems, counting, of_each, thresholds)
+    findings += misread
     if len(systems) < 2:
         return tuple(findings)
     system_x, system_y = systems
     matches = of_each[0], of_each[1]
     findings += audit_same_systems(system_x, system_y, counting)
     findings += audit_weighting(truth_source(dataset), system_x, system_y, matches, params)
-    # where nobody is matched, all boxes would seem to be drawn elsewhere
-    if np.any(~dataset.truth.ignore) and not nobody:
+    misread += audit_truth_layout(dataset)
+    misread += chain(*map(audit_transform, systems, thresholds))
+    # where boxes are misread, all would seem to be drawn elsewhere
+    is_misread = any(finding.severity is Severity.ERROR for finding in misread)
+    if np.any(~dataset.truth.ignore) and not is_misread:
         for system, matched in zip((system_x, system_y), matches, strict=True):
             findings += find_loose(system, matched, params)
         findings += find_disagreement(dataset, system_x, system_y, matches)

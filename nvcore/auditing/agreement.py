@@ -9,7 +9,7 @@ import numpy as np
 
 from nvcore.auditing.boxes import repeated_rows
 from nvcore.auditing.cases import BoxSource, place_of_frame, truth_source
-from nvcore.auditing.overlaps import rows_in_ranges
+from nvcore.auditing.transforms import rows_in_ranges
 from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
 from nvcore.findings import TRUTH_NAME, Cases, Finding, Remedy, Severity, Step

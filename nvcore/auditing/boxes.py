@@ -11,7 +11,7 @@ import pandas as pd
 from nvcore.auditing.cases import BLOCK, BoxSource
 from nvcore.dataset.sources import ReadAs
 from nvcore.findings import Finding, Remedy, Severity, Step
-from nvcore.inputs.layouts import parse_layout
+from nvcore.inputs.box_layouts import parse_layout
 from nvcore.metrics.encounters import encounters_of
 from nvcore.schema import NO_TRACK
 from nvcore.wording import count_text

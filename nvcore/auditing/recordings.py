@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.auditing.cases import all_sources, recording_findings
-from nvcore.auditing.scales import SIZES
+from nvcore.auditing.transform_search import SIZES
 from nvcore.dataset import Dataset
 from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
 from nvcore.inputs.proposals import KITTI_SIZES

@@ -209,5 +209,5 @@ def findings_shown(
             advice=f"{finding.advice} {ways}".strip(),
         )
         for finding in findings
-        for ways in [ways_text(finding.steps, marks) or suggestion_text(finding, marks)]
+        for ways in [f"{ways_text(finding.steps, marks)} {suggestion_text(finding, marks)}".strip()]
     )

@@ -36,7 +36,7 @@ class ReadAs:
     Attributes
     ----------
     boxes
-        What the four numbers of a box were taken for (`nvcore.inputs.layouts`).
+        What the four numbers of a box were taken for (`nvcore.inputs.box_layouts`).
     has_score_beside
         Whether the score may stand before the four numbers as well as behind them.
     left_out

@@ -20,9 +20,9 @@ from nvcore.dataset.tables import tables_fingerprint
 from nvcore.errors import InputError, UnnamedClassesError
 from nvcore.findings import Finding, Remedy, Severity, Step
 from nvcore.inputs.added import Input
+from nvcore.inputs.box_layouts import sizes_given, with_layout
 from nvcore.inputs.codes import codes_beyond, with_codes
 from nvcore.inputs.files import digest, find_files, located, system_names
-from nvcore.inputs.laying_out import laid_out, sizes_given
 from nvcore.inputs.placing import LoadedSource, place_sources
 from nvcore.inputs.readers.base import (
     Lines,
@@ -160,7 +160,7 @@ def read_source(
     files, file_format = find_files(source, folder or Path.cwd(), role)
     options = read_options(source, role, size, truth, objects)
     reading = _with_named(file_format.read(files, options), options, files)
-    reading = laid_out(reading, source, {} if size is None else {"": size}, truth)
+    reading = with_layout(reading, source, {} if size is None else {"": size}, truth)
     check_names(reading)
     return replace(reading, findings=joined_findings(reading.findings))
 
@@ -220,7 +220,7 @@ def _read(
             reading = read_table(table, files[0], options)
             digests = [tables_fingerprint([table], list(map(str, table.columns)))]
         reading = _with_named(reading, options, files)
-        reading = laid_out(reading, source, sizes_given(session), truth)
+        reading = with_layout(reading, source, sizes_given(session), truth)
         check_names(reading)
         reading = _without_row_numbers(reading, options)
     if truth is not None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, get_type_hints
 
 from nvcore.errors import SessionError
 from nvcore.file_kinds import composed
+from nvcore.inputs.box_layouts import parse_layout
 from nvcore.inputs.facts import (
     FRAME_NAMES,
     check_finite,
@@ -22,7 +23,6 @@ from nvcore.inputs.facts import (
     paths_in,
     with_paths_in,
 )
-from nvcore.inputs.layouts import parse_layout
 from nvcore.params.traffic import parse_context
 from nvcore.settings import Settings, as_names, new_names
 from nvcore.subjects import contributed
@@ -168,7 +168,7 @@ class Source:
         See `nvcore.inputs.readers.base.ReadOptions`.
     boxes
         What the four numbers of a box are, such as ``corners`` or ``centres-yx-shares``
-        (`nvcore.inputs.layouts`); None: as the format has it.
+        (`nvcore.inputs.box_layouts`); None: as the format has it.
     """
 
     path: tuple[str, ...] | str

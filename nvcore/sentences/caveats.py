@@ -25,6 +25,7 @@ CAVEATS: Final = Caveats(
         "no-match": "a system matches not a single {one}",
         "agreed-by-both-alone": "both systems match hardly {anybody} and agree with one another",
         "lying-pedestrians": "nearly all {many} are wider than tall",
+        "frame-rate": "a system's frames seem to be numbered at another rate",
         "time-offset": "a system seems to be off in time",
         "pixel-offset": "a system's boxes seem to be displaced",
         "scale-mismatch": "a system's boxes seem to be of another resolution",

@@ -15,8 +15,8 @@ from field_scene import PERSON, RIGHT, SIZE, detections, found, truth
 from nvcore.auditing import audit
 from nvcore.comparison import compare
 from nvcore.findings import Finding, Severity
+from nvcore.inputs.box_layouts import BoxLayout
 from nvcore.inputs.changes import applied
-from nvcore.inputs.layouts import BoxLayout
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session, Source, SystemSource
 

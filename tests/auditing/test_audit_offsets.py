@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from builders import Box, make_dataset
 
-from nvcore.auditing import audit, overlaps
-from nvcore.auditing.overlaps import Correction, above_threshold, take_sample
+from nvcore.auditing import audit, transforms
+from nvcore.auditing.transforms import above_threshold
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.load import load
@@ -69,7 +69,13 @@ def test_is_not_suspicious(x: list[Box], truth: list[Box]) -> None:
 
 @pytest.mark.parametrize(
     ("frames", "severity"),
-    [(-5, Severity.ERROR), (-2, Severity.ERROR), (1, Severity.WARNING), (4, Severity.ERROR)],
+    [
+        (9, Severity.ERROR),
+        (-5, Severity.ERROR),
+        (-2, Severity.ERROR),
+        (1, Severity.WARNING),
+        (4, Severity.ERROR),
+    ],
 )
 def test_a_time_offset_is_found_with_its_value_and_an_error_where_it_halves_the_overlap(
     frames: int, severity: Severity
@@ -77,7 +83,6 @@ def test_a_time_offset_is_found_with_its_value_and_an_error_where_it_halves_the_
     (finding,) = suspicions(compare(moved(WALKS, frames=frames)))
     assert (finding.code, finding.severity) == ("time-offset", severity)
     assert finding.suggestion == (("offset_frames", -frames),)
-    assert ("No larger offset was tried" in finding.advice) == (frames == -5)
 
 
 def test_a_time_offset_says_what_it_gains_and_how_to_mend_it() -> None:
@@ -120,18 +125,18 @@ def test_scattered_boxes_have_no_constant_offset() -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "suggestion"),
+    ("change", "code", "suggestion"),
     [
-        ({"y": 25}, (("offset_x_px", 0.0), ("offset_y_px", -25.0))),
-        ({"scale": 0.5}, (("scale", 2.0),)),
+        ({"y": 25}, "time-offset", (("offset_x_px", 0.0), ("offset_y_px", -25.0))),
+        ({"scale": 0.5}, "scale-mismatch", (("scale", 2.0),)),
     ],
 )
-def test_a_time_offset_is_found_beside_another_fault(
-    change: dict[str, float], suggestion: tuple
+def test_a_time_offset_is_found_together_with_another_fault(
+    change: dict[str, float], code: str, suggestion: tuple
 ) -> None:
-    findings = suspicions(compare(moved(WALKS, frames=2, **change)))
-    assert {finding.suggestion for finding in findings} == {(("offset_frames", -2.0),), suggestion}
-    assert findings[0].code == ("scale-mismatch" if "scale" in change else "time-offset")
+    (finding,) = suspicions(compare(moved(WALKS, frames=2, **change)))
+    assert finding.code == code
+    assert {*finding.suggestion} == {("offset_frames", -2.0), *suggestion}
 
 
 @pytest.mark.parametrize(("scale", "back"), [(0.5, 2.0), (2.0, 0.5), (0.8, 1.25), (0.4, 2.5)])
@@ -180,21 +185,13 @@ def test_a_third_system_is_looked_at_without_naming_a_flag() -> None:
 
 def test_a_large_dataset_is_judged_by_a_sample(monkeypatch: pytest.MonkeyPatch) -> None:
     # 20 pedestrians and detections in each of 80 frames: 32,000 pairs
-    monkeypatch.setattr(overlaps, "MAX_PAIRS", 10_000)
+    monkeypatch.setattr(transforms, "MAX_PAIRS", 10_000)
     truth = [
         Box(f, 30 * i + 6 * (f % 5), 200, 24, 60, track=i) for f in range(80) for i in range(20)
     ]
     (finding,) = suspicions(compare(moved(truth, y=12), truth=truth))
     assert "judged by every 4th frame" in finding.message
     assert finding.suggestion == (("offset_x_px", 0.0), ("offset_y_px", -12.0))
-
-
-def test_overlaps_at_the_ends_of_recordings_are_not_known() -> None:
-    made = compare(moved(WALKS))
-    sample = take_sample(made, made.system("x")).overlaps(Correction(offset_frames=15))
-    # truth of frame f is held against detections of frame f - 15; frames 10..14 have none
-    assert np.count_nonzero(~sample.has_frame) == 5
-    assert sample.iou[~sample.has_frame].tolist() == [0] * 5
 
 
 def test_a_threshold_keeps_detections_without_a_score() -> None:
@@ -232,9 +229,11 @@ def test_real_detections_are_not_suspicious(realdata: Path, names: tuple[str, ..
 @pytest.mark.realdata
 def test_real_detections_moved_in_time_and_picture_are_found(realdata: Path) -> None:
     change = {"offset_frames": 2, "offset_px": (12.0, 0.0)}
-    time, pixel = suspicions_of_mot15(realdata, RECORDINGS, **change)
-    assert time.suggestion == (("offset_frames", -2.0),)
-    assert dict(pixel.suggestion)["offset_x_px"] == pytest.approx(-12, abs=1)
+    (finding,) = suspicions_of_mot15(realdata, RECORDINGS, **change)
+    # what the session has to say in the end: the offsets that were given are wrong
+    suggestion = {"offset_frames": 2.0, "offset_x_px": 12.0, **dict(finding.suggestion)}
+    assert suggestion["offset_frames"] == 0
+    assert suggestion["offset_x_px"] == pytest.approx(0, abs=1)
 
 
 def test_two_offsets_that_cancel_are_not_found_where_the_boxes_fit_well() -> None:

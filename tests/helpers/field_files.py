@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from field_scene import FPS, PERSON, SIZE, detections, truth
 
-from nvcore.inputs.layouts import parse_layout
+from nvcore.inputs.box_layouts import parse_layout
 from nvcore.inputs.session import Session, Source, SystemSource
 
 

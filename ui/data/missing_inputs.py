@@ -11,9 +11,9 @@ from typing import Any, Final
 import streamlit as st
 
 from nvcore.errors import MediaError
+from nvcore.inputs.box_layouts import KINDS, UNITS, BoxLayout
 from nvcore.inputs.facts import FRAME_NAMES as WAYS
 from nvcore.inputs.facts import FRAME_RANGE
-from nvcore.inputs.layouts import KINDS, UNITS, BoxLayout
 from nvcore.inputs.proposals import USUAL_INPUTS, UsualInputs
 from nvcore.inputs.readers import FORMATS
 from nvcore.inputs.readers.base import Role

@@ -296,42 +296,21 @@ def recording_entry(session: Session, names: Sequence[str], name: str) -> Record
     return session.entries(names).get(name, RecordingEntry(name))
 
 
-def corrections_up_to(findings: Iterable[Finding], finding: Finding) -> list[Finding]:
-    """Corrections of a system up to this one; each builds on those before it."""
-    corrections = []
-    for other in findings:
-        is_correction = "threshold" not in dict(other.suggestion)
-        if other.subject == finding.subject and other.suggestion and is_correction:
-            corrections.append(other)
-        if other is finding:
-            break
-    return corrections
-
-
-def corrected(session: Session, dataset: Dataset, findings: Iterable[Finding]) -> Session:
-    """The session with the corrections suggested by findings added to its own."""
-    systems = list(session.systems)
-    for finding in findings:
-        index = dataset.systems.index(finding.subject)
-        systems[index] = _corrected(systems[index], dict(finding.suggestion))
-    return replace(session, systems=tuple(systems))
-
-
-def _corrected(system: SystemSource, values: Mapping[str, float]) -> SystemSource:
-    both = values.get("scale", 1.0)
-    sx, sy = values.get("scale_x", both), values.get("scale_y", both)
-    dx, dy = values.get("offset_x_px", 0.0), values.get("offset_y_px", 0.0)
-    (scale_x, scale_y), (x, y) = system.scale, system.offset_px
-    step = values.get("frame_step", 1.0)
-    return replace(
+def corrected(session: Session, dataset: Dataset, finding: Finding) -> Session:
+    """Return the session with the corrections that a finding about a system suggests."""
+    systems, values = list(session.systems), dict(finding.suggestion)
+    index = dataset.systems.index(finding.subject)
+    system = systems[index]
+    scale_x, scale_y = system.scale if "scale" not in values else (values["scale"],) * 2
+    x, y = system.offset_px
+    systems[index] = replace(
         system,
-        frame_step=system.frame_step * step,
-        # numbers are multiplied before they are moved
-        offset_frames=round(system.offset_frames * step + values.get("offset_frames", 0)),
-        scale=(scale_x * sx, scale_y * sy),
-        # boxes are scaled before they are moved
-        offset_px=(x * sx + dx, y * sy + dy),
+        frame_step=values.get("frame_step", system.frame_step),
+        offset_frames=round(values.get("offset_frames", system.offset_frames)),
+        scale=(values.get("scale_x", scale_x), values.get("scale_y", scale_y)),
+        offset_px=(values.get("offset_x_px", x), values.get("offset_y_px", y)),
     )
+    return replace(session, systems=tuple(systems))
 
 
 def with_systems(

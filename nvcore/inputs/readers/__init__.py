@@ -192,6 +192,18 @@ def detect_format(files: Sequence[SourceFile], role: Role) -> Format:
     )
 
 
+def formats_like(file: SourceFile, role: Role) -> list[Format]:
+    """All formats that the content of a file may be in.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be opened.
+    """
+    head = _head(file).decode("utf-8-sig", errors="replace")
+    return [of for of in FORMATS if role in of.roles and of.recognise(file.name, head, role)]
+
+
 def holds_nothing(files: Sequence[SourceFile]) -> bool:
     """Whether all files are empty, but for white space; False where there is no file.
 

@@ -302,7 +302,8 @@ class Reading:
     left_out
         What of the files is not used, the most first; `conversion` says it in words.
     layout
-        What the four numbers of a box were taken for, as `nvcore.inputs.layouts.BoxLayout` says it.
+        What the four numbers of a box were taken for: the text of a
+        `nvcore.inputs.box_layouts.BoxLayout`.
     is_laid_out
         Whether that was given and differs from what the format has.
     has_score_beside

@@ -2,75 +2,20 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from nvcore.metrics.kernels import compiled
 
 
 @compiled
-def frame_at(f, number, frame, lo, hi):
-    """Row of a frame number among rows lo..hi of a recording, -1 if it has no such frame.
+def best_overlaps(frame, gx, gy, gw, gh, lo, hi, x, y, w, h, sx, sy, ox, oy, best, which):
+    """Best IoU of any detection with each box of the truth, and its row; 0 and -1 without any.
 
-    Looked for from row f on, since most often all frame numbers are listed.
+    Box g stands in frame ``frame[g]``, whose detections are the rows ``lo`` to ``hi`` of that
+    frame; they are scaled by sx and sy, then moved by ox and oy. Of equal overlaps the last counts.
     """
-    row = f + (number - frame[f])
-    if lo <= row < hi and frame[row] == number:
-        return row
-    stop = hi
-    while lo < stop:
-        row = (lo + stop) // 2
-        if frame[row] < number:
-            lo = row + 1
-        else:
-            stop = row
-    return lo if lo < hi and frame[lo] == number else -1
-
-
-@compiled
-def best_overlaps(
-    frame_index,
-    gx,
-    gy,
-    gw,
-    gh,
-    recording,
-    frame,
-    first,
-    offsets,
-    x,
-    y,
-    w,
-    h,
-    sx,
-    sy,
-    ox,
-    oy,
-    later,
-    best,
-    dx,
-    dy,
-    ratio_w,
-    ratio_h,
-    has_frame,
-):
-    """Best detection of each of some pedestrians after a correction of the detections.
-
-    Writes the columns of `nvcore.auditing.overlaps.Overlaps`. The detections are scaled by sx and
-    sy, then moved by ox and oy; they are taken from the frame `later` frame numbers after the
-    pedestrian's own. Of equal overlaps the last one counts.
-    """
-    for g in range(frame_index.size):
-        f = frame_index[g]
-        if later != 0:
-            r = recording[f]
-            f = frame_at(f, frame[f] + later, frame, first[r], first[r + 1])
-        best[g] = 0.0
-        dx[g] = dy[g] = ratio_w[g] = ratio_h[g] = np.nan
-        has_frame[g] = f >= 0
-        if f < 0:
-            continue
+    for g in range(frame.size):
+        best[g], which[g] = 0.0, -1
         g_right, g_bottom = gx[g] + gw[g], gy[g] + gh[g]
-        for d in range(offsets[f], offsets[f + 1]):
+        for d in range(lo[frame[g]], hi[frame[g]]):
             left = x[d] * sx + ox
             if left >= g_right:
                 continue
@@ -85,8 +30,4 @@ def best_overlaps(
             shared = across * down
             iou = shared / (gw[g] * gh[g] + width * height - shared)
             if iou > 0.0 and iou >= best[g]:
-                best[g] = iou
-                dx[g] = gx[g] + gw[g] / 2 - left - width / 2
-                dy[g] = gy[g] + gh[g] / 2 - top - height / 2
-                ratio_w[g] = gw[g] / width
-                ratio_h[g] = gh[g] / height
+                best[g], which[g] = iou, d

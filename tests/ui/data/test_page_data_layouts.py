@@ -27,10 +27,10 @@ def button_labelled(page: AppTest, label: str) -> str:
 
 def test_corners_taken_for_sizes_are_put_right_with_one_click(tmp_path):
     page = open_files(of_scene(tmp_path, x="corners"))
-    assert "They seem to be left, top, right, bottom" in texts(page)
+    assert "The boxes seem to be left, top, right, bottom" in texts(page)
     press(page, button_labelled(page, "Read boxes as corners"))
     assert space_of(page).opened.session.systems[0].boxes == "corners"
-    assert "They seem to be" not in texts(page)
+    assert "The boxes seem to be" not in texts(page)
 
 
 def test_how_boxes_are_written_is_chosen_at_the_field(tmp_path):
@@ -38,7 +38,7 @@ def test_how_boxes_are_written_is_chosen_at_the_field(tmp_path):
     page.selectbox(key="boxes_upload_system_0").set_value("corners")
     open_files(page)
     assert [s.boxes for s in space_of(page).opened.session.systems] == ["corners", None]
-    assert "They seem to be" not in texts(page)
+    assert "The boxes seem to be" not in texts(page)
 
 
 def test_an_error_that_is_meant_becomes_a_warning_with_one_click(tmp_path):

@@ -20,7 +20,6 @@ from ui.confined.process import Allowance
 from ui.session.opening import (
     checked_frames,
     corrected,
-    corrections_up_to,
     guess_pictures,
     public_text,
     recording_entry,
@@ -46,33 +45,20 @@ def dataset():
     return make_dataset(truth=[at(0, 50)], n_frames=2)
 
 
-def test_an_offset_is_added_to_the_one_that_is_there(dataset):
+def test_a_correction_takes_the_place_of_what_the_session_says(dataset):
     x, y = session().systems
-    start = replace(session(), systems=(replace(x, offset_frames=-1), y))
-    changed = corrected(start, dataset, [finding(offset_frames=-2.0)])
-    assert [system.offset_frames for system in changed.systems] == [-3, 0]
-
-
-def test_a_factor_of_frame_numbers_multiplies_the_offset_that_is_there(dataset):
-    x, y = session().systems
-    start = replace(session(), systems=(replace(x, frame_step=2, offset_frames=5), y))
-    changed = corrected(start, dataset, [finding(frame_step=1.5, offset_frames=-7)])
-    assert (changed.systems[0].frame_step, changed.systems[0].offset_frames) == (3, 0)
-
-
-def test_a_scale_found_later_multiplies_scale_and_offset(dataset):
-    first = corrected(
-        session(), dataset, [finding(scale=2.0), finding(offset_x_px=3, offset_y_px=4)]
+    start = replace(session(), systems=(replace(x, offset_frames=-1, offset_px=(1, 2)), y))
+    changed = corrected(start, dataset, finding(offset_frames=-3.0, frame_step=2, scale=1.5))
+    assert changed.systems[0] == replace(
+        x, offset_frames=-3, offset_px=(1, 2), frame_step=2, scale=(1.5, 1.5)
     )
-    both = corrected(first, dataset, [finding(scale_x=1.5, scale_y=1.0)])
-    assert both.systems[0].scale == (3.0, 2.0)
-    assert both.systems[0].offset_px == (4.5, 4.0)
+    assert changed.systems[1] == y
 
 
-def test_a_correction_takes_those_before_it_for_the_same_system_along():
-    scale, other, pixel = finding(scale=2), finding("y", scale=3), finding(offset_x_px=1)
-    later = finding(offset_frames=1)
-    assert corrections_up_to([scale, other, pixel, later], pixel) == [scale, pixel]
+def test_factors_of_width_and_height_may_differ(dataset):
+    suggested = finding(scale_x=1.5, scale_y=2, offset_x_px=3, offset_y_px=-4)
+    system = corrected(session(), dataset, suggested).systems[0]
+    assert (system.scale, system.offset_px) == ((1.5, 2), (3, -4))
 
 
 def test_a_threshold_stays_with_its_system(dataset):

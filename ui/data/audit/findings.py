@@ -18,7 +18,7 @@ from nvcore.inputs.changes import applied
 from ui.data.audit import entries
 from ui.data.opening import try_to_open
 from ui.session import state
-from ui.session.opening import corrected, corrections_up_to
+from ui.session.opening import corrected
 from ui.session.results import input_findings
 from ui.shell.messages import without_paths
 from ui.shell.recordings_filter import filter_text
@@ -58,12 +58,12 @@ def draw() -> None:
         st.caption(_counts(findings))
     n_shown = min(n_urgent, MOST_SHOWN) or 1
     for number, finding in enumerate(findings[:n_shown]):
-        _draw_one(findings, finding, number)
+        _draw_one(finding, number)
     if further := findings[n_shown:]:
         has_open_list = any(entries.is_open(finding) for finding in further)
         with st.expander(f"And {_counts(further)}", expanded=has_open_list):
             for number, finding in enumerate(further, start=n_shown):
-                _draw_one(findings, finding, number)
+                _draw_one(finding, number)
 
 
 def _counts(findings: Sequence[Finding]) -> str:
@@ -79,7 +79,7 @@ def _counts(findings: Sequence[Finding]) -> str:
     return ", ".join(words)
 
 
-def _draw_one(findings: Sequence[Finding], finding: Finding, number: int) -> None:
+def _draw_one(finding: Finding, number: int) -> None:
     with st.container(border=True):
         st.markdown(
             f"{BADGES[finding.severity]} **{plain(subject_text(finding))}:** "
@@ -95,7 +95,7 @@ def _draw_one(findings: Sequence[Finding], finding: Finding, number: int) -> Non
             if "threshold" in dict(finding.suggestion):
                 _draw_threshold(finding, number)
             else:
-                _draw_correction(findings, finding, number)
+                _draw_correction(finding, number)
         entries.draw(finding, number)
 
 
@@ -155,11 +155,9 @@ def _draw_threshold(finding: Finding, number: int) -> None:
         )
 
 
-def _draw_correction(findings: Sequence[Finding], finding: Finding, number: int) -> None:
-    chain = corrections_up_to(findings, finding)
-    words = ", ".join(
-        f"{name} {value:g}" for finding in chain for name, value in finding.suggestion
-    )
+def _draw_correction(finding: Finding, number: int) -> None:
+    """The button that corrects the boxes of a system."""
+    words = ", ".join(f"{name} {value:g}" for name, value in finding.suggestion)
     is_wanted = button(
         "Apply to the session",
         key=f"apply_{number}_{hash((finding.subject, finding.suggestion))}",
@@ -169,5 +167,5 @@ def _draw_correction(findings: Sequence[Finding], finding: Finding, number: int)
     )
     if is_wanted:
         opened = state.opened()
-        session = corrected(opened.session, opened.dataset, chain)
+        session = corrected(opened.session, opened.dataset, finding)
         try_to_open(replace(session, params=state.params()), label=opened.label)

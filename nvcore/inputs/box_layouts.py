@@ -1,21 +1,29 @@
-"""What the four numbers of a box mean, and boxes whose numbers mean something else.
+"""Meanings of the four numbers of a box, and readings corrected to another meaning.
 
 A reader knows the meaning from its format, and a file may mean another: corners where width and
 height belong, the vertical axis first, shares of the picture. A box that was read by the wrong
-meaning still holds its four numbers, so it is read again without the file.
+meaning still holds its four numbers, so it is corrected without the file.
 """
 
 from __future__ import annotations
 
+import math
 import re
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from itertools import product
 from typing import TYPE_CHECKING, Final
 
-from nvcore.errors import SessionError
+from nvcore.errors import MissingFactError, SessionError
 
 if TYPE_CHECKING:
     import numpy as np
 
+    from nvcore.inputs.readers.base import Reading
+    from nvcore.inputs.session import Session, Source
+
+Sizes = Mapping[str, tuple[float, float]]
+"""Width and height (px) of pictures, by recording; ``""``: of all others."""
 Box = tuple["np.ndarray", "np.ndarray", "np.ndarray", "np.ndarray"]
 """Four numbers of each box, or its x, y, w, h in pixels; each of shape (n,)."""
 
@@ -135,3 +143,90 @@ def parse_layout(text: str) -> BoxLayout:
         )
     score, kind, yx, unit = match.groups(default="")
     return BoxLayout(kind, bool(yx), unit, bool(score))
+
+
+def layouts(units: Iterable[str], orders: Iterable[bool]) -> list[BoxLayout]:
+    """All layouts with these units, and the score behind the box (False) or before it (True)."""
+    sides = product(units, KINDS, (False, True), orders)
+    return [BoxLayout(kind, is_yx, unit, is_first) for unit, kind, is_yx, is_first in sides]
+
+
+def sizes_given(session: Session) -> Sizes:
+    """Return the picture sizes that a session gives."""
+    sizes: dict[str, tuple[float, float]] = {
+        entry.name: (entry.width, entry.height)
+        for entry in session.recordings
+        if entry.width is not None and entry.height is not None
+    }
+    common = session.common_size
+    return sizes if common is None else {**sizes, "": common}
+
+
+def with_layout(reading: Reading, source: Source, given: Sizes, truth: Reading | None) -> Reading:
+    """Return the reading with its boxes as `Source.boxes` says that they are written.
+
+    Parameters
+    ----------
+    given
+        Sizes that go before those of the readings.
+    truth
+        Whose sizes help where the reading has none; None: it is the truth.
+
+    Raises
+    ------
+    MissingFactError
+        If the numbers are shares of pictures whose size nobody says.
+    SessionError
+        If the score should stand first in files that name their fields.
+    """
+    if source.boxes is None or source.boxes == reading.layout:
+        return reading
+    import numpy as np  # not at the top: a session file is read without it
+
+    was, wanted = parse_layout(reading.layout), parse_layout(source.boxes)
+    if wanted.is_score_first and not reading.has_score_beside:
+        raise SessionError(
+            f"boxes: {SCORE_FIRST}- is for rows in which the score may stand before the box; the "
+            f"format of {source.path[0]} leaves no choice"
+        )
+    boxes = reading.boxes
+    size = None
+    is_same_order = was.is_score_first == wanted.is_score_first
+    if was.unit == wanted.unit and is_same_order:  # the size makes no difference
+        was, wanted = replace(was, unit=""), replace(wanted, unit="")
+    else:
+        names = boxes["recording"].array
+        of_names = _sizes(names.categories, given, reading, truth)
+        width, height = np.array(of_names, float).reshape(-1, 2)[names.codes].T
+        if np.isnan(width).any():
+            raise MissingFactError(
+                f"each box is {wanted.text}: the size of the pictures is needed",
+                file=source.path[0],
+                facts=("size",),
+            )
+        size = width, height, width, height
+    x, y, w, h, score = (boxes[name].to_numpy() for name in (*"xywh", "score"))
+    box, score = wanted.boxes(was.numbers((x, y, w, h), score, size), size)
+    facts = reading.conversion, f"each box read as {parse_layout(source.boxes).text}"
+    return replace(
+        reading,
+        boxes=boxes.assign(**dict(zip("xywh", box, strict=True)), score=score),
+        conversion="; ".join(filter(None, facts)),
+        layout=source.boxes,
+        is_laid_out=True,
+    )
+
+
+def _sizes(
+    names: Iterable[str], given: Sizes, reading: Reading, truth: Reading | None
+) -> list[tuple[float, float]]:
+    """Width and height (px) of the pictures of recordings, NaN unknown."""
+    known = dict(given)
+    if "" not in given:
+        for table in (reading.recordings, *([] if truth is None else [truth.recordings])):
+            columns = table[["name", "width", "height"]].dropna()
+            for name, width, height in columns.itertuples(index=False):
+                known.setdefault(name, (width, height))
+    alike = {*known.values()}
+    others = given.get("", alike.pop() if len(alike) == 1 else (math.nan, math.nan))
+    return [known.get(name, others) for name in names]

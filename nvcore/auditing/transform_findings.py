@@ -1,0 +1,431 @@
+"""Findings on boxes that overlap the truth only under a transform, or under none that was tried."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from nvcore.auditing.cases import BoxSource, all_sources, truth_source
+from nvcore.auditing.coverage import PART_CODE, frames_with
+from nvcore.auditing.rows import listed_ranges
+from nvcore.auditing.transform_search import POOR, Search, is_better, search, trial_of
+from nvcore.auditing.transforms import FIT_IOU, LARGE, NOT_LISTED, Transform
+from nvcore.columns import BoxColumns
+from nvcore.dataset import Dataset
+from nvcore.dataset.sources import ReadAs, left_out_text
+from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
+from nvcore.inputs.box_layouts import BoxLayout, parse_layout
+from nvcore.inputs.evaluated_frames import nth
+from nvcore.inputs.readers import format_named
+from nvcore.inputs.session import Session, SystemSource
+from nvcore.metrics.matching import Matches
+from nvcore.wording import count_text
+
+CODES: Final = {
+    "another format": "box-layout",
+    "another meaning of a box's numbers": "box-layout",
+    "another frame rate": "frame-rate",
+    "pictures of another size": "scale-mismatch",
+    "another frame number": "time-offset",
+    "another place in the picture": "pixel-offset",
+}
+"""Codes of findings by the first of `Transform.kinds`."""
+ADVICE: Final = {
+    "box-layout": "All numbers are wrong until the boxes are read as they were written.",
+    "frame-rate": "Correct the frame numbers as they are read. Frames that the system did not see "
+    "stay misses: evaluate both systems on those that it saw.",
+    "scale-mismatch": "Scale them as they are read, or in the files.",
+    "time-offset": "Check the frame numbers, or move them as they are read.",
+    "pixel-offset": "Check the picture's origin and cropping, or move the boxes as they are read.",
+}
+EXPLAINED: Final = (PART_CODE, "frame-not-listed", "no-detections")
+"""Codes of findings that say nothing more beside an error about a system's frame numbers."""
+WRONG_GAIN: Final = 2
+"""Times the pedestrians with a box that fits from which on a transform is an error ..."""
+WRONG_SHARE: Final = 0.4
+"""... if this share of the boxes then fits: without it half of the overlap is lost and more."""
+SURE: Final = 0.7
+"""Share of the boxes that fit from which on another frame rate is an error in any case."""
+UNCLEAR: Final = 0.05
+"""Differences that do not tell whether truth or systems were misread."""
+NO_MATCH: Final = "no-match"
+MIN_MATCHABLE: Final = 5
+"""Fewer pedestrians may be missed by anybody."""
+MOST_FRAMES: Final = 0.5
+"""Share of the frames with pedestrians in which a system that matches nobody detects something."""
+MIN_CORNERS: Final = 20
+"""Fewer boxes may look like corners by chance ..."""
+MANY_STICKING_OUT: Final = 0.2
+"""... or if a smaller share of them sticks out of the picture as they were read."""
+NEARLY_ALL: Final = 0.9
+"""Share of the pedestrians that are wider than tall from which on they are none."""
+
+
+@dataclass(frozen=True)
+class TruthLayout:
+    """A meaning of the numbers of the truth's boxes that makes all systems fit.
+
+    `is_certain` is False if a system's boxes may be misread as well.
+    """
+
+    layout: BoxLayout
+    n: int
+    n_fitting: int
+    n_as_is: int
+    is_certain: bool
+
+
+def find_truth_layout(dataset: Dataset) -> TruthLayout | None:
+    """Find out whether the truth was misread rather than the systems; kept with the dataset.
+
+    The better fit decides. Where both fit alike, systems whose files may be in another format were
+    misread; else the side whose boxes are less often upright and in the picture; else the truth if
+    several systems agree.
+    """
+    if "truth layout" not in dataset.derived:
+        dataset.derived["truth layout"] = _find_truth_layout(dataset)
+    found: TruthLayout | None = dataset.derived["truth layout"]
+    return found
+
+
+def _find_truth_layout(dataset: Dataset) -> TruthLayout | None:
+    names = [name for name in dataset.systems if len(dataset.system(name))]
+    trials = [trial_of(dataset, name) for name in names]
+    if not trials or any(trial.fit(Transform()).share > POOR for trial in trials):
+        return None
+    trials = [trial.with_left_out() for trial in trials]
+    if not all(len(trial.truth.score) for trial in trials):
+        return None
+    searches = [search(dataset, name) for name in names]
+    as_they_are = [trial.fit(Transform()) for trial in trials]
+    best, best_rank = None, 0.0
+    for layout in trials[0].other_layouts(TRUTH_NAME):
+        under = [trial.with_truth_as(layout) for trial in trials]
+        fits = [trial.fit(Transform()) for trial in under]
+        rank = float(np.mean([fit.rank for fit in fits]))
+        if rank > best_rank and all(
+            is_better(*of_one, is_of_layout=True)
+            for of_one in zip(under, fits, as_they_are, strict=True)
+        ):
+            best_rank = rank
+            best = TruthLayout(layout, fits[0].n, fits[0].n_fitting, as_they_are[0].n_fitting, True)
+    if best is None:
+        return None
+    of_systems = [found.best for found in searches]
+    rank = float(np.mean([(found.best or found.as_is).rank for found in searches]))
+    if best_rank > rank + UNCLEAR or None in of_systems:
+        return best
+    if best_rank < rank - UNCLEAR or any(fit.transform.format for fit in of_systems if fit):
+        return None
+    believable = [[of.believable(dataset) for of in (t.truth, t.system)] for t in trials]
+    truth_share, system_share = np.mean(believable, axis=0)
+    if system_share < truth_share - UNCLEAR:
+        return None
+    return replace(best, is_certain=len(trials) > 1 or system_share > truth_share + UNCLEAR)
+
+
+def audit_truth_layout(dataset: Dataset) -> list[Finding]:
+    """An error where the boxes of the truth, and perhaps of all sources, mean something else."""
+    found = find_truth_layout(dataset)
+    if found is None or not found.is_certain:
+        return _corners_of_all(dataset) or _lying(dataset)
+    people = count_text(found.n, dataset.objects.singular, dataset.objects.plural)
+    message = (
+        f"The boxes seem to be {found.layout.text} (taken for {_read_as(dataset).text}): "
+        f"corrected, {found.n_fitting:,} of {people} overlap a box by an IoU of {FIT_IOU:g} or "
+        f"more, {found.n_as_is:,} as they are."
+    )
+    advice = f"{ADVICE['box-layout']} It is the ground truth that needs it: the systems agree."
+    return [_about_truth(dataset, message, [TRUTH_NAME], str(found.layout), advice)]
+
+
+def audit_transform(source: BoxSource, threshold: float | None) -> list[Finding]:
+    """The transform under which a system's boxes fit the truth best, if they do not as they are."""
+    dataset, name = source.dataset, source.name
+    of_truth = find_truth_layout(dataset)
+    found = search(dataset, name, threshold)
+    if found.best is None or (of_truth is not None and of_truth.is_certain):
+        return []
+    best, as_is, transform = found.best, found.as_is, found.best.transform
+    code = CODES[transform.kinds[0]]
+    is_wrong = (
+        code == "box-layout"
+        or (best.n_fitting >= WRONG_GAIN * as_is.n_fitting and best.share >= WRONG_SHARE)
+        or _explains_rows(source, transform)
+    )
+    steps = []
+    if transform.format:
+        steps.append(Step(Remedy.FORMAT, transform.format, name))
+    if transform.boxes is not None:
+        steps.append(Step(Remedy.BOXES, str(transform.boxes), name))
+        if of_truth is not None:
+            steps.append(Step(Remedy.BOXES, str(of_truth.layout), TRUTH_NAME))
+    people = count_text(best.n, dataset.objects.singular, dataset.objects.plural)
+    looked_at = "" if found.every == 1 else f", judged by every {nth(found.every)} frame"
+    files = dataset.inputs["file"][dataset.inputs["subject"] == name]
+    return [
+        Finding(
+            Severity.ERROR if is_wrong else Severity.WARNING,
+            code,
+            name,
+            len(source.boxes),
+            f"The boxes seem to be {_in_words(dataset, name, transform)}: corrected, "
+            f"{best.n_fitting:,} of {people} overlap one by an IoU of {FIT_IOU:g} or more, "
+            f"{as_is.n_fitting:,} as they are (mean IoU {best.mean:.2f} instead of "
+            f"{as_is.mean:.2f}{looked_at}).",
+            ADVICE[code],
+            file=files.iloc[0] if len(files) else "",
+            suggestion=_suggestion(dataset, name, transform),
+            steps=tuple(steps),
+        )
+    ]
+
+
+def _explains_rows(source: BoxSource, transform: Transform) -> bool:
+    """Whether rows are left out beside the evaluated frames, and a time offset places them all.
+
+    Then two things say that the file counts frames from another number; a system that lags behind
+    has no such rows.
+    """
+    lost = source.dataset.left_out
+    lost = lost[(lost["subject"] == source.name) & (lost["reason"] == NOT_LISTED)]
+    if not transform.offset_frames or lost.empty:
+        return False
+    first, last, _ = listed_ranges(source.dataset, lost["recording"])
+    frame = lost["frame"].to_numpy()
+    moved = transform.frame_step * frame + transform.offset_frames
+    is_beside = (frame < first) | (frame > last)
+    return bool(np.all(is_beside & (first <= moved) & (moved <= last)))
+
+
+def _read_as(dataset: Dataset, name: str = TRUTH_NAME) -> BoxLayout:
+    return parse_layout(dataset.read_as.get(name, ReadAs()).boxes)
+
+
+def _source(dataset: Dataset, name: str) -> SystemSource:
+    """What the session says of a system; without a session nothing."""
+    settings = dataset.settings
+    if not isinstance(settings, Session):
+        return SystemSource(name)
+    return settings.systems[dataset.systems.index(name)]
+
+
+def _in_words(dataset: Dataset, name: str, transform: Transform) -> str:
+    """What the boxes seem to be."""
+    parts, frames, (sx, sy) = [], transform.offset_frames, transform.scale
+    if transform.format:
+        title, taken = format_named(transform.format).title, dataset.read_as[name].format
+        parts.append(f"{title} (read as {taken})")
+    if transform.boxes is not None:
+        parts.append(f"{transform.boxes.text} (taken for {_read_as(dataset, name).text})")
+    if transform.frame_step != 1:
+        values = dict(_suggestion(dataset, name, transform))
+        offset = round(values.get("offset_frames", 0))
+        behind = f" {'+' if offset > 0 else '-'} {abs(offset)}" if offset else ""
+        formula = f"frame = {values['frame_step']:g} x number{behind}"
+        parts.append(f"numbered at another frame rate ({formula})")
+    elif frames:
+        when = "late" if frames < 0 else "early"
+        parts.append(f"{count_text(abs(frames), 'frame')} too {when}")
+    if transform.scale != (1.0, 1.0):
+        factors = f"{sx:.4g}" if sx == sy else f"{sx:.4g} across and {sy:.4g} down"
+        parts.append(f"made at another resolution (to be multiplied by {factors})")
+    sides = zip(transform.offset_px, (("left", "right"), ("up", "down")), strict=True)
+    parts += [f"{abs(px):.1f} px too far {words[px < 0]}" for px, words in sides if abs(px) >= 0.5]
+    return " and ".join(parts)
+
+
+def _suggestion(dataset: Dataset, name: str, transform: Transform) -> tuple[tuple[str, float], ...]:
+    """What the session has to say of the system, whatever corrections it says already."""
+    own, step = _source(dataset, name), transform.frame_step
+    values: dict[str, float] = {}
+    if step != 1:
+        values["frame_step"] = float(f"{step * own.frame_step:.6g}")
+    offset = round(own.offset_frames * step) + transform.offset_frames
+    if offset != own.offset_frames:
+        values["offset_frames"] = float(offset)
+    (sx, sy), (dx, dy) = transform.scale, transform.offset_px
+    across, down = sx * own.scale[0], sy * own.scale[1]
+    if transform.scale != (1.0, 1.0):
+        values |= {"scale": across} if across == down else {"scale_x": across, "scale_y": down}
+    moved = round(sx * own.offset_px[0] + dx, 3), round(sy * own.offset_px[1] + dy, 3)
+    if moved != own.offset_px:
+        values |= {"offset_x_px": moved[0], "offset_y_px": moved[1]}
+    return tuple(values.items())
+
+
+def audit_no_match(
+    dataset: Dataset,
+    systems: Sequence[BoxSource],
+    counting: Sequence[BoxColumns],
+    matches: Sequence[Matches],
+    thresholds: Sequence[float | None],
+) -> list[Finding]:
+    """An error if no system matches anybody for no reason found, a warning if one of two does not.
+
+    Parameters
+    ----------
+    systems
+        Those compared; one if there is no other.
+    counting, thresholds
+        Their detections that pass the thresholds, and these.
+
+    Notes
+    -----
+    Only systems that detect something in half of the frames with pedestrians: one that is silent
+    has other findings. One system alone that matches nobody is an error, too: nothing else tells
+    that the files were read as they were meant. Where boxes overlap as they are, and the setting of
+    matching asks for more, it is a warning.
+    """
+    of_truth = frames_with(dataset.truth, ~dataset.truth.ignore)
+    n = int(np.count_nonzero(~dataset.truth.ignore))
+    if n < MIN_MATCHABLE or find_truth_layout(dataset) is not None:
+        return []
+    blind: dict[str, Search] = {}
+    for system, boxes, matched, threshold in zip(
+        systems, counting, matches, thresholds, strict=True
+    ):
+        if not matched.is_matched.any() and np.mean(frames_with(boxes)[of_truth]) >= MOST_FRAMES:
+            found = search(dataset, system.name, threshold)
+            if found.best is None:
+                blind[system.name] = found
+    if not blind:
+        return []
+    names, are_all, objects = [*blind], len(blind) == len(systems), dataset.objects
+    if are_all and len(systems) == 2:
+        subject, who = TRUTH_NAME, f"Neither system matches a single {objects.singular}"
+        message = f"{who}, although both detect something in most frames."
+    else:
+        subject, who = names[0], f"{names[0]} matches not a single {objects.singular}"
+        message = f"{who}, although it detects something in most frames."
+    left_out = _classes_left_out(dataset, [TRUTH_NAME, *names])
+    if left_out:
+        message += f" Left out as other classes: {'; '.join(left_out.values())}."
+    are_read = any(found.as_is.n_fitting for found in blind.values())
+    if are_read:
+        advice = "The setting of matching asks for more: see match, iou and the classes."
+    else:
+        advice = (
+            f"Look at a frame with {objects.plural}: are these the classes, frames and boxes that "
+            "were meant, and the same recording?"
+        )
+    tried = {"as they are": [found.as_is.n_fitting for found in blind.values()]}
+    if not are_read:
+        kinds = [kind for kind in CODES if any(kind in found.tried for found in blind.values())]
+        tried |= {kind: [found.tried.get(kind, 0) for found in blind.values()] for kind in kinds}
+    n_seen = max(found.as_is.n for found in blind.values())
+    message += (
+        f" Tried, with how many of {count_text(n_seen, objects.singular, objects.plural)} then "
+        f"overlap a box of {' and '.join(names)} by an IoU of {FIT_IOU:g} or more: "
+        + "; ".join(f"{what} {' and '.join(map(str, values))}" for what, values in tried.items())
+        + "."
+    )
+    is_error = are_all and not are_read
+    steps = [] if are_read else [Step(Remedy.CLASSES, "", name) for name in left_out]
+    if is_error:
+        steps.append(Step(Remedy.ACCEPT, NO_MATCH))
+    return [
+        Finding(
+            severity=Severity.ERROR if is_error else Severity.WARNING,
+            code=NO_MATCH,
+            subject=subject,
+            count=n,
+            message=message,
+            advice=advice,
+            steps=tuple(steps),
+        )
+    ]
+
+
+def _classes_left_out(dataset: Dataset, subjects: Sequence[str]) -> dict[str, str]:
+    """What each source has of other classes, in words; none that has nothing else."""
+    texts = {}
+    for subject in subjects:
+        classes = [
+            part for part in dataset.read_as.get(subject, ReadAs()).left_out if part.kind == "class"
+        ]
+        if classes:
+            texts[subject] = f"{subject} {left_out_text(classes)}"
+    return texts
+
+
+def _about_truth(
+    dataset: Dataset, message: str, names: Sequence[str], layout: str, advice: str
+) -> Finding:
+    files = dataset.inputs["file"][dataset.inputs["subject"] == TRUTH_NAME]
+    return Finding(
+        Severity.ERROR,
+        "box-layout",
+        TRUTH_NAME,
+        len(dataset.truth),
+        message,
+        advice,
+        file=files.iloc[0] if len(files) else "",
+        steps=tuple(Step(Remedy.BOXES, layout, name) for name in names),
+    )
+
+
+def _corners_of_all(dataset: Dataset) -> list[Finding]:
+    """An error where the truth, and so perhaps every source, has corners where sizes belong.
+
+    Then boxes fit one another, and only the picture tells: many stick out of it, though none of
+    their corners does.
+    """
+    having = [source for source in all_sources(dataset) if _are_corners(source)]
+    if not having or not having[0].is_truth:
+        return []
+    names = [""] if len(having) > len(dataset.systems) else [source.name for source in having]
+    boxes = _read_as(dataset)
+    message = (
+        f"The numbers of each box were taken for {boxes.text}, and many boxes then stick out of "
+        "the picture. The third is always larger than the first and the fourth than the second, "
+        "and all lie in the picture: they seem to be corners."
+    )
+    layout = str(replace(boxes, kind="corners"))
+    return [_about_truth(dataset, message, names, layout, ADVICE["box-layout"])]
+
+
+def _are_corners(source: BoxSource) -> bool:
+    boxes, frames = source.boxes, source.dataset.frame_columns
+    if _read_as(source.dataset, source.name).kind != "sizes" or len(boxes) < MIN_CORNERS:
+        return False
+    x, y, w, h = boxes.xywh
+    if not ((w > x) & (h > y)).all():  # as nearly always: the rest takes long
+        return False
+    recording = frames.recording[boxes.frame_index]
+    width, height = frames.width[recording], frames.height[recording]
+    are_inside = (w <= width + 1) & (h <= height + 1)
+    sticking_out = np.mean((x + w > width + 1) | (y + h > height + 1))
+    spread = np.ptp(np.percentile(x / width, [5, 95]))
+    return bool(are_inside.all() and sticking_out > MANY_STICKING_OUT and spread > LARGE)
+
+
+def _lying(dataset: Dataset) -> list[Finding]:
+    """An error where nearly all pedestrians are wider than tall: another class, or swapped axes.
+
+    All sources may have that in common, so that their boxes fit one another.
+    """
+    rows = np.flatnonzero(~dataset.truth.ignore)
+    are_wide = dataset.truth.w[rows] > dataset.truth.h[rows]
+    if len(rows) < MIN_CORNERS or not dataset.objects.are_pedestrians:
+        return []
+    if np.mean(are_wide) < NEARLY_ALL:
+        return []
+    was = _read_as(dataset)
+    n_wide = np.count_nonzero(are_wide)
+    return truth_source(dataset).findings(
+        Severity.ERROR,
+        "lying-pedestrians",
+        rows[are_wide],
+        f"{n_wide:,} of {count_text(len(rows), 'pedestrian')} are wider than tall: they are "
+        "objects of another class, or the vertical number of each pair comes first.",
+        "Look at one of them in its picture.",
+        steps=(
+            Step(Remedy.CLASSES),
+            Step(Remedy.BOXES, str(replace(was, is_yx=not was.is_yx))),
+            Step(Remedy.ACCEPT, "lying-pedestrians"),
+        ),
+    )
