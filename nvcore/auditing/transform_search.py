@@ -31,7 +31,9 @@ from nvcore.inputs.readers import formats_like
 from nvcore.inputs.session import Session
 
 MAX_SHIFT: Final = 5
-"""Largest time offset that is tried at a time, in listed frames."""
+"""Largest time offset that is tried beside another transform, in listed frames ..."""
+FARTHEST_SHIFT: Final = 30
+"""... and alone where the boxes fit badly."""
 RATES: Final = tuple(
     sorted(
         {Fraction(p, q) for p in range(1, 7) for q in range(1, 7)}
@@ -156,7 +158,8 @@ def _search(trial: Trial, threshold: float | None) -> Search:
         as_is = trial.fit(Transform())
     if min(as_is.n, len(trial.system.score)) < MIN_FITTING:
         return Search(as_is, None, {}, trial.every)
-    transforms = [*_shifted(trial, Transform()), *_placed(trial, Transform(), not fits_well)]
+    most = MAX_SHIFT if fits_well else FARTHEST_SHIFT
+    transforms = [*_shifted(trial, Transform(), most), *_placed(trial, Transform(), not fits_well)]
     fits = [as_is]
     if not fits_well:
         fits += [] if as_is.share > POOR else _of_other_formats(trial, threshold)
@@ -262,9 +265,9 @@ def _gap(trial: Trial) -> int:
     return max(1, round(float(trial.dataset.frame_columns.sampling_step.min())))
 
 
-def _shifted(trial: Trial, transform: Transform) -> Iterator[Transform]:
-    """Small offsets in time beside a transform, the smallest first."""
-    for k in sorted(range(-MAX_SHIFT, MAX_SHIFT + 1), key=abs)[1:]:
+def _shifted(trial: Trial, transform: Transform, most: int = MAX_SHIFT) -> Iterator[Transform]:
+    """Offsets in time beside a transform, the smallest first."""
+    for k in sorted(range(-most, most + 1), key=abs)[1:]:
         yield replace(transform, offset_frames=transform.offset_frames + k * _gap(trial))
 
 
