@@ -459,6 +459,23 @@ def select_boxes(boxes: pd.DataFrame, keep: np.ndarray) -> pd.DataFrame:
     return boxes if keep.all() else boxes[keep].reset_index(drop=True)
 
 
+def best_overlaps(
+    boxes: pd.DataFrame, others: pd.DataFrame, on: Sequence[str] = ("recording", "frame")
+) -> np.ndarray:
+    """Best IoU of each box with the others that are equal in these columns, 0 to 1; shape (n,)."""
+    here, there = (part[[*on, *"xywh"]].astype({"recording": object}) for part in (boxes, others))
+    pairs = here.assign(row=np.arange(len(here))).merge(there, on=[*on], suffixes=("", "_other"))
+    across, down = (
+        np.minimum(pairs[at] + pairs[size], pairs[f"{at}_other"] + pairs[f"{size}_other"])
+        - np.maximum(pairs[at], pairs[f"{at}_other"])
+        for at, size in (("x", "w"), ("y", "h"))
+    )
+    common = np.maximum(across, 0) * np.maximum(down, 0)
+    iou = common / (pairs["w"] * pairs["h"] + pairs["w_other"] * pairs["h_other"] - common)
+    best = iou.groupby(pairs["row"]).max()
+    return np.asarray(best.reindex(range(len(boxes)), fill_value=0.0))
+
+
 def object_array(texts: Iterable[str]) -> np.ndarray:
     """Texts as an array of object, shape (n,); numpy would make a wide array of text of them."""
     return np.array([*texts, None], dtype=object)[:-1]

@@ -22,6 +22,7 @@ from nvcore.inputs.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
+    best_overlaps,
     concat_boxes,
     conversion_text,
     reading_boxes,
@@ -361,20 +362,8 @@ def _fit(box: np.ndarray, places: _Places, rows: np.ndarray, truth: pd.DataFrame
     rows = np.flatnonzero(rows & places.is_known)
     rows = rows[:: max(1, len(rows) // MOST_COMPARED)]
     here = pd.DataFrame(box[rows], columns=["x", "y", "w", "h"])
-    here = here.assign(recording=places.recording[rows], frame=places.frame[rows], row=rows)
-    there = truth[["recording", "frame", *"xywh"]].astype({"recording": object})
-    pairs = here.merge(there, on=["recording", "frame"], suffixes=("", "_truth"))
-    if pairs.empty:
-        return 0.0
-    across, down = (
-        np.minimum(pairs[at] + pairs[size], pairs[f"{at}_truth"] + pairs[f"{size}_truth"])
-        - np.maximum(pairs[at], pairs[f"{at}_truth"])
-        for at, size in (("x", "w"), ("y", "h"))
-    )
-    common = np.maximum(across, 0) * np.maximum(down, 0)
-    union = pairs["w"] * pairs["h"] + pairs["w_truth"] * pairs["h_truth"] - common
-    best = (common / union).groupby(pairs["row"]).max()
-    return float(best.sum() / max(1, len(rows)))
+    here = here.assign(recording=places.recording[rows], frame=places.frame[rows])
+    return float(best_overlaps(here, truth).sum() / max(1, len(rows)))
 
 
 def _places_by_name(

@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import replace
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
 
-from nvcore.findings import Finding, Severity
+from nvcore.findings import Finding, Remedy, Severity, Step
 from nvcore.inputs.readers.base import (
     Format,
     Lines,
@@ -60,10 +61,17 @@ from nvcore.inputs.readers.meaning.values import (
 from nvcore.inputs.readers.parse.json import Records, read_json, short_json
 from nvcore.inputs.readers.parse.unknown import foreign_format
 from nvcore.schema import UNKNOWN_OCCLUSION
+from nvcore.wording import count_text
 
 TRACK_KEYS = ("track_id", "target_id", "instance_id", "tracking_id")
 _LIST = re.compile(r'"(?:images|annotations|categories)"\s*:\s*\[')
 _VISIBLE_IF_OCCLUDED = 0.5  # NightOwls' own reading of its yes-or-no field
+CROWD: Final = "iscrowd"
+"""Field of regions with several objects; among the classes that count it lets these count, too."""
+_LEAST_MASKS: Final = 10
+"""Masks of a file from which on their shapes tell that each is of one object. (Our choice.)"""
+_HIGH_SHARE: Final = 0.8
+"""Share of masks in such a file that are not wider than high; crowds are wide. (Our choice.)"""
 
 
 def recognise(name: str, head: str, role: Role) -> bool:
@@ -157,17 +165,20 @@ def _read_annotations(
     Boxes of classes that are left out are added to the counts of `left_out`.
     """
     records = Records(document.get("annotations"), file, "annotation", "annotations")
-    choice, keys = _classes(names, records, file, options)
+    choice, keys = _classes(names, records, file, _without_crowd(options))
     facts = [choice.conversion]
     if not len(records):
         return reading_boxes(0), facts, [], None, np.empty(0, dtype=object)
     box = records.boxes()
     row = rows_by_id(image_ids(records, "image_id"), listed.table["image_id"])
     recording, frame, is_known = places_of_rows(listed.table, row)
-    ignore = records.flags("ignore", "iscrowd")
-    facts.append("ignore and iscrowd = ignore")
     kind = keys.map({key: names.get(key, "") for key in choice.counted}).fillna("").to_numpy()
-    ignore |= keys.isin(choice.ignored).to_numpy()
+    ignore = records.flags("ignore") | keys.isin(choice.ignored).to_numpy()
+    is_open = keys.isin(choice.counted).to_numpy() & ~ignore
+    counted = [names.get(key, key) for key in choice.counted]
+    is_crowd, fact, crowds = _crowds(records, box, is_open, counted, options)
+    ignore |= is_crowd
+    facts.append(fact)
     is_left_out = keys.isin(choice.others).to_numpy()
     left_out.update({item.name: item.count for item in choice.left_out})
     columns: dict[str, object] = {}
@@ -185,7 +196,7 @@ def _read_annotations(
     detectability = records.numbers("detectability")
     if detectability is not None:
         columns["detectability"] = checked_detectability(detectability, lines)
-    findings += choice.findings
+    findings += [*choice.findings, *crowds]
     keep = is_known & ~is_left_out
     boxes = lines.boxes(
         box.T,
@@ -211,6 +222,69 @@ def _read_annotations(
     attributes = attributes_of_boxes(boxes, _attribute_texts(records)[keep])
     facts += ["attributes as classes of encounters"] if attributes is not None else []
     return boxes, facts, findings, attributes, kind[keep]
+
+
+def _without_crowd(options: ReadOptions) -> ReadOptions:
+    """The options with nothing but classes among the classes that count."""
+    classes = tuple(name for name in options.classes or () if name != CROWD)
+    return replace(options, classes=classes or None)
+
+
+def _crowds(
+    records: Records,
+    box: np.ndarray,
+    is_open: np.ndarray,
+    counted: Sequence[str],
+    options: ReadOptions,
+) -> tuple[np.ndarray, str, list[Finding]]:
+    """Return which annotations are regions of crowds, the conversion in words, and what is odd.
+
+    COCO's crowds are large regions. CVAT sets iscrowd for whatever was drawn as a mask, also for
+    single pedestrians: these count, and where the file leaves doubt, a finding asks.
+
+    Parameters
+    ----------
+    box
+        x, y, w, h of each annotation, px, shape (n, 4).
+    is_open
+        Whether an annotation counts but for iscrowd; bool, shape (n,).
+    counted
+        Names of the classes that count.
+    """
+    is_crowd = records.flags(CROWD)
+    usual = is_crowd, "ignore and iscrowd = ignore"
+    n_crowds = int(np.count_nonzero(is_crowd & is_open))
+    if not n_crowds:
+        return *usual, []
+    say = options.objects.say
+    kept = np.zeros(len(records), dtype=bool), f"ignore = ignore; {n_crowds} with iscrowd counted"
+    if CROWD in (options.classes or ()):
+        return *kept, []
+    shapes = records.values("segmentation") or [None] * len(records)
+    is_mask = np.array([isinstance(shape, dict) for shape in shapes])
+    are_all = bool(is_crowd[is_open].all())
+    are_masks = bool((is_mask == is_crowd)[is_open].all())
+    share_high = np.mean((box[:, 3] >= box[:, 2])[is_crowd & is_open])
+    is_export = share_high >= _HIGH_SHARE and (are_all or (are_masks and n_crowds >= _LEAST_MASKS))
+    if not (is_export or are_all or (are_masks and share_high >= _HIGH_SHARE / 2)):
+        return *usual, []
+    counts = is_export and options.classes is None
+    finding = Finding(
+        Severity.NOTE if counts else Severity.WARNING,
+        "iscrowd",
+        "truth",
+        n_crowds,
+        f"iscrowd is set for {count_text(n_crowds, 'annotation', 'annotations')} "
+        + say("of {many}, as CVAT does for every mask: ")
+        + ("each has the shape of one, so they count." if counts else "they are ignore regions."),
+        say("If they are crowds, name the classes that count, without iscrowd.")
+        if counts
+        else say("If each is a single one, let iscrowd count as if it were a class."),
+        file=records.file.name,
+        example=f"annotation {int(np.argmax(is_crowd & is_open)) + 1}",
+        steps=(Step(Remedy.CLASSES, ",".join([*counted, *([] if counts else [CROWD])])),),
+    )
+    return *(kept if counts else usual), [finding]
 
 
 def _attribute_texts(records: Records) -> np.ndarray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from typing import Final
 
 import numpy as np
 import pandas as pd
@@ -15,7 +15,9 @@ from nvcore.inputs.readers.base import (
     Reading,
     ReadOptions,
     SourceFile,
+    best_overlaps,
     conversion_text,
+    joined_findings,
     warning,
 )
 from nvcore.inputs.readers.cvat.xml import CvatContent
@@ -26,6 +28,8 @@ from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.values import levels_of_numbers
 
 CORNERS = ["x0", "y0", "x1", "y1"]
+_SAME_OBJECT: Final = 0.7
+"""IoU from which on an outline is taken for the object of a box of its label. (Our choice.)"""
 
 
 def boxes_reading(
@@ -60,10 +64,15 @@ def boxes_reading(
     choice = choose_classes(label, free_labels({*label, *declared}, options), options, lines)
     codes, labels = labelled(label, choice.keep & ~choice.ignore, options.objects)
     is_truth = options.role == "truth"
-    n_rotated = int((choice.keep & (np.nan_to_num(column["rotation"]) != 0)).sum())
+    sides = _upright(boxes[CORNERS].to_numpy(), column["rotation"])
+    is_double = _is_double(boxes.assign(**dict(zip("xywh", sides, strict=True))))
+    keep = choice.keep & ~is_double
+    n_rotated = int((keep & (np.nan_to_num(column["rotation"]) != 0)).sum())
+    n_outlines = int((keep & column["is_outline"]).sum())
+    n_doubles = int((choice.keep & is_double).sum())
     upright = lines.boxes(
-        _upright(boxes[CORNERS].to_numpy(), column["rotation"]),
-        keep=choice.keep,
+        sides,
+        keep=keep,
         recording=column["recording"],
         frame=column["frame"],
         score=column["score"],
@@ -72,7 +81,7 @@ def boxes_reading(
         occlusion=levels_of_numbers(column["occluded"]),
         label=codes,
     )
-    texts, ambiguous = _attributes(column["attributes"][choice.keep], lines[choice.keep], is_truth)
+    texts, ambiguous = _attributes(column["attributes"][keep], lines[keep], is_truth)
     attributes = attributes_of_boxes(upright, texts)
     ignoring = "attributes such as ignore or iscrowd = ignore; occluded = partial occlusion"
     steps = [
@@ -82,18 +91,33 @@ def boxes_reading(
         ignoring if is_truth else "",
         "other attributes as classes of encounters" if attributes is not None else "",
         f"{n_rotated} rotated boxes replaced by the upright box around them" if n_rotated else "",
+        f"{n_outlines} polygons, ellipses or masks replaced by the box around them"
+        if n_outlines
+        else "",
+        f"{n_doubles} polygons, ellipses or masks on a box of the same label left out"
+        if n_doubles
+        else "",
     ]
     return Reading(
         boxes=upright,
         recordings=recordings,
         conversion=conversion_text(steps),
         images=images,
-        findings=(*merged(findings), *choice.findings, *ambiguous),
+        findings=(*joined_findings(findings), *choice.findings, *ambiguous),
         attributes=attributes,
         labels=labels,
         left_out=choice.left_out,
         layout="corners",
     )
+
+
+def _is_double(boxes: pd.DataFrame) -> np.ndarray:
+    """Whether each row is the outline of an object that has a box, too; bool, shape (n,)."""
+    is_outline = boxes["is_outline"].to_numpy(copy=True)
+    drawn, outlines = boxes[~is_outline], boxes[is_outline]
+    overlap = best_overlaps(outlines, drawn, on=("recording", "frame", "label"))
+    is_outline[is_outline] = overlap >= _SAME_OBJECT
+    return is_outline
 
 
 def _attributes(
@@ -133,7 +157,7 @@ def _upright(corners: np.ndarray, rotation: np.ndarray) -> np.ndarray:
 
 
 def other_shapes(content: CvatContent, file: SourceFile, options: ReadOptions) -> list[Finding]:
-    """Pedestrians that were drawn as anything but a box."""
+    """Return a warning of pedestrians drawn as lines, points and other shapes without a box."""
     shapes = [shape for shape in content.other_shapes if concerns_objects(shape[1], options)]
     if not shapes:
         return []
@@ -144,23 +168,10 @@ def other_shapes(content: CvatContent, file: SourceFile, options: ReadOptions) -
         warning(
             "no-box",
             len(shapes),
-            options.objects.say("{Many} drawn as ") + f"{listed} are not boxes and were left out.",
-            "Convert them to boxes in CVAT and export again.",
+            options.objects.say("{Many} drawn as ") + f"{listed} were left out.",
+            "Draw boxes, polygons, ellipses or masks in CVAT and export again.",
             role=options.role,
             file=file.name,
             example=f"line {line}: {kind} of {label}",
         )
     ]
-
-
-def merged(findings: Sequence[Finding]) -> list[Finding]:
-    """Findings of several files, those that say the same in one, with the sum of their counts."""
-    joined: dict[tuple[str, str], Finding] = {}
-    for finding in findings:
-        key = (finding.code, finding.message)
-        first = joined.get(key)
-        if first is None:
-            joined[key] = finding
-        else:
-            joined[key] = replace(first, count=first.count + finding.count)
-    return list(joined.values())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from array import array
 from dataclasses import dataclass, field, fields
@@ -28,13 +29,14 @@ IGNORE_ATTRIBUTES: Final = frozenset(
 )
 """Attributes of the annotator that make a box an ignore region where they are true."""
 SCORE_ATTRIBUTES: Final = frozenset({"score", "confidence", "conf"})
-_NO_SHAPES = frozenset({"box", "tag"})
+_OUTLINES: Final = frozenset({"polygon", "ellipse", "mask"})
+"""Shapes that the box around them stands for, as in COCO and YOLO."""
 _COLUMNS = (
-    *("owner", "frame", "x0", "y0", "x1", "y1", "rotation"),
+    *("owner", "frame", "x0", "y0", "x1", "y1", "rotation", "is_outline"),
     *("outside", "occluded", "keyframe", "ignore", "score", "line"),
 )
 _TYPES = dict.fromkeys(("owner", "frame", "line"), np.int64) | dict.fromkeys(
-    ("outside", "keyframe", "ignore"), np.bool_
+    ("is_outline", "outside", "keyframe", "ignore"), np.bool_
 )
 _TEXT_FACTS = {"id": "key", "name": "name", "source": "source"}
 _FRAME_FACTS = {"size": "size", "start_frame": "start", "stop_frame": "stop"}
@@ -140,10 +142,10 @@ class CvatContent:
     boxes
         One row per box: owner (its position in `owners`), frame and line, int64; x0, y0, x1, y1
         (before it is rotated, px), rotation (clockwise about its middle, degrees), occluded (NaN:
-        unknown) and score, float64; outside, keyframe and ignore, bool; label; attributes, the
-        classes that its annotator named, as text.
+        unknown) and score, float64; is_outline (the box around another shape), outside, keyframe
+        and ignore, bool; label; attributes, the classes that its annotator named, as text.
     other_shapes
-        (kind, label, line) of each shape that is no box.
+        (kind, label, line) of each shape that no box stands for.
     declared
         Labels that the file declares.
     """
@@ -168,6 +170,7 @@ class _Parser:
     def __init__(self, file: SourceFile, kind: str):
         self.file = file
         self.kind = kind
+        self.shapes = {f"annotations/{kind}/{tag}" for tag in ("box", *_OUTLINES)}
         self.content = CvatContent()
         self.values = array("d")
         self.labels: list[str] = []
@@ -184,11 +187,11 @@ class _Parser:
 
     def take(self, element: Element) -> None:
         """One element that has ended."""
-        path = element.path
-        parent = element.parent
-        if path == f"annotations/{self.kind}/box":
-            self.take_box(element)
-        elif path == f"annotations/{self.kind}/box/attribute":
+        path, parent = element.path, element.parent
+        outer, _, tag = path.rpartition("/")
+        if path in self.shapes:
+            self.take_shape(element)
+        elif tag == "attribute" and outer in self.shapes:
             self.take_attribute(element)
         elif path.startswith("annotations/meta/"):
             self.take_meta(element)
@@ -204,12 +207,12 @@ class _Parser:
                 self.add_owner(element)
         elif (
             parent is not None
-            and parent.path == f"annotations/{self.kind}"
-            and element.tag not in _NO_SHAPES
+            and outer == f"annotations/{self.kind}"
+            and tag != "tag"
             and element.attributes.get("outside") != "1"
         ):
             label = element.attributes.get("label", parent.attributes.get("label", ""))
-            self.content.other_shapes.append((element.tag, label.strip(), element.line))
+            self.content.other_shapes.append((tag, label.strip(), element.line))
 
     def take_attribute(self, element: Element) -> None:
         """What an attribute says of the shape around it."""
@@ -236,8 +239,31 @@ class _Parser:
         self.score = float("nan")
         self.classes = []
 
-    def take_box(self, element: Element) -> None:
-        """A box of the track or picture around it."""
+    def corners_of(self, element: Element) -> tuple[float, float, float, float]:
+        """Edges x0, y0, x1, y1 of a box, or of the upright box around another shape, px."""
+
+        def value(name: str) -> float:
+            return number(element.attributes.get(name), name, self.file, element.line)
+
+        if element.tag == "box":
+            return value("xtl"), value("ytl"), value("xbr"), value("ybr")
+        if element.tag == "mask":
+            left, top = value("left"), value("top")
+            return left, top, left + value("width"), top + value("height")
+        if element.tag == "ellipse":
+            x, y, across, down = map(value, ("cx", "cy", "rx", "ry"))
+            turn = math.radians(value("rotation") if "rotation" in element.attributes else 0)
+            wide = math.hypot(across * math.cos(turn), down * math.sin(turn))
+            high = math.hypot(across * math.sin(turn), down * math.cos(turn))
+            return x - wide, y - high, x + wide, y + high
+        points = re.split("[,;]", self.text_of(element, "points"))
+        edges = [number(text, "points", self.file, element.line) for text in points]
+        if len(edges) % 2:
+            raise self.file.fault("expected points x,y;x,y;..., found an odd number", element.line)
+        return min(edges[::2]), min(edges[1::2]), max(edges[::2]), max(edges[1::2])
+
+    def take_shape(self, element: Element) -> None:
+        """A shape of the track or picture around it."""
         if element is not self.shape:
             self.begin_shape(element)
         assert element.parent is not None
@@ -256,8 +282,9 @@ class _Parser:
             (
                 len(self.content.owners) - 1,
                 frame,
-                *(number(get(edge), edge, file, line) for edge in ("xtl", "ytl", "xbr", "ybr")),
-                number(get("rotation", "0"), "rotation", file, line),
+                *self.corners_of(element),
+                number(get("rotation", "0"), "rotation", file, line) if element.tag == "box" else 0,
+                element.tag != "box",
                 is_true(get("outside")),
                 occluded,
                 is_true(get("keyframe", "1")),
@@ -273,9 +300,8 @@ class _Parser:
         """A track or a picture, at its end or at the first box in it."""
         self.owner = element
         get, file, line = element.attributes.get, self.file, element.line
-        task = get("task_id", "")
+        task, n_known = get("task_id", ""), len(self.content.owners)
         if self.kind == "track":
-            n_known = len(self.content.owners)
             track = whole_number(get("id", str(n_known)), "track id", file, line)
             owner = Owner(line, task, track=max(track, -1), label=self.text_of(element, "label"))
         else:
@@ -283,7 +309,7 @@ class _Parser:
                 line,
                 task,
                 name=self.text_of(element, "name"),
-                number=whole_number(get("id"), "image id", file, line),
+                number=whole_number(get("id", str(n_known)), "image id", file, line),
                 width=number(get("width", ""), "width", file, line),
                 height=number(get("height", ""), "height", file, line),
             )

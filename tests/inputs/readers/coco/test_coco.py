@@ -91,6 +91,66 @@ def test_fields_of_annotations_become_columns(read_document, fields, column, exp
     assert rows(boxes, column) == [[value] for value in expected]
 
 
+MASK = {"counts": [100, 20], "size": [480, 640]}
+POLYGON = [[1, 2, 4, 2, 4, 6]]
+SINGLE, WIDE = [1, 2, 3, 9], [1, 2, 30, 9]
+
+
+def drawn(number: int, **fields: object) -> list[dict[str, object]]:
+    """Annotations of one kind; all are masks with iscrowd of one pedestrian each unless stated."""
+    usual = {"bbox": SINGLE, "iscrowd": 1, "segmentation": MASK}
+    return [annotation(**{**usual, **fields})] * number
+
+
+BOXES = drawn(4, iscrowd=0, segmentation=None)
+UNSEEN = "ignore and iscrowd = ignore"
+
+
+@pytest.mark.parametrize(
+    ("annotations", "classes", "n_ignored", "severity"),
+    [
+        # CVAT: everything drawn with the brush has iscrowd, boxes and polygons have not
+        (BOXES + drawn(10), None, 0, "note"),
+        (
+            drawn(4, iscrowd=0, segmentation=POLYGON) + drawn(8) + drawn(2, bbox=WIDE),
+            None,
+            0,
+            "note",
+        ),
+        (drawn(3), None, 0, "note"),
+        (drawn(3, segmentation=None), None, 0, "note"),
+        # regions of COCO: wide, few, or without a mask
+        (BOXES + drawn(10, bbox=WIDE), None, 10, None),
+        (BOXES + drawn(10, segmentation=None), None, 10, None),
+        (BOXES + drawn(10) + drawn(1, iscrowd=0), None, 10, None),
+        # in doubt: too few, half of them wide, or nothing else to detect
+        (BOXES + drawn(9), None, 9, "warning"),
+        (BOXES + drawn(10) + drawn(10, bbox=WIDE), None, 20, "warning"),
+        (drawn(3, bbox=WIDE), None, 3, "warning"),
+        # the user decides
+        (BOXES + drawn(10), ("person",), 10, "warning"),
+        (BOXES + drawn(10, bbox=WIDE), ("person", "iscrowd"), 0, None),
+        (BOXES + drawn(9), ("iscrowd",), 0, None),
+        (BOXES + drawn(10, ignore=1), None, 10, None),
+    ],
+)
+def test_iscrowd_of_a_mask_of_one_pedestrian_ignores_nobody(
+    read_document, annotations, classes, n_ignored, severity
+):
+    reading = read_document(document(annotations=annotations), classes=classes)
+    assert reading.boxes["ignore"].sum() == n_ignored
+    assert (UNSEEN in reading.conversion) == (n_ignored > 0 or (not severity and classes is None))
+    assert [finding.severity for finding in reading.findings] == [severity] * bool(severity)
+    for finding in reading.findings:
+        n_crowds = sum(given["iscrowd"] for given in annotations)
+        assert f"iscrowd is set for {n_crowds} annotations of pedestrians" in finding.message
+        # one step further, and the reader does the opposite
+        (step,) = finding.steps
+        named = tuple(step.value.split(","))
+        other = read_document(document(annotations=annotations), classes=named)
+        assert other.boxes["ignore"].sum() == n_crowds - n_ignored
+
+
 @pytest.mark.parametrize(
     ("classes", "ignored"),
     [(("cyclist",), [True, True, False]), (("1", "2"), [False, True, False])],

@@ -29,11 +29,12 @@ BOX = '<box label="person" occluded="0" xtl="1" ytl="2" xbr="4" ybr="6"/>'
 
 
 def test_pictures_become_frames_and_their_boxes_width_and_height() -> None:
-    # people are an ignore region, a dog is left out, a polygon of a person is reported
+    # people are an ignore region, a dog is left out, a polygon of a person is the box around it
     reading = read_golden()
     assert rows(reading.boxes, "recording frame line track x y w h ignore occlusion") == [
         ["drive1", 5, 12, -1, 100, 50, 20, 40, False, 0],
         ["drive1", 5, 14, -1, 10.25, 20, 20, 20, True, 1],
+        ["drive2", 5, 23, -1, 1, 1, 2, 1, False, 0],
     ]
     assert rows(reading.images, "recording frame image_id") == [
         ["drive1", 5, 0],
@@ -45,8 +46,54 @@ def test_pictures_become_frames_and_their_boxes_width_and_height() -> None:
         ["drive2", 320, 240],
     ]
     assert "left out: dog (1)" in reading.conversion
-    finding = only_finding(reading, "no-box")
-    assert (finding.count, finding.example) == (1, "line 23: polygon of person")
+    assert "1 polygons, ellipses or masks replaced by the box around them" in reading.conversion
+    assert reading.findings == ()
+
+
+@pytest.mark.parametrize(
+    ("shape", "box"),
+    [
+        ('polygon points="320,190;360.5,200;330,300"', [320, 190, 40.5, 110]),
+        ('ellipse cx="30" cy="20" rx="10" ry="5"', [20, 15, 20, 10]),
+        ('ellipse cx="30" cy="20" rx="10" ry="5" rotation="90"', [25, 10, 10, 20]),
+        ('ellipse cx="30" cy="20" rx="10" ry="10" rotation="30"', [20, 10, 20, 20]),
+        ('mask rle="3, 4" left="7" top="8" width="4" height="9"', [7, 8, 4, 9]),
+    ],
+)
+def test_a_shape_is_read_as_the_box_around_it(tmp_path: Path, shape: str, box: list[float]) -> None:
+    inner = '<attribute name="age">child</attribute><attribute name="ignore">true</attribute>'
+    tag = shape.partition(" ")[0]
+    body = f'<{shape} label="person" occluded="1">{inner}</{tag}>'
+    reading = read_xml(tmp_path, image("a/1.png", 0, body))
+    assert reading.boxes[[*"xywh"]].iloc[0].tolist() == pytest.approx(box)
+    assert rows(reading.boxes, "ignore occlusion") == [[True, 1]]
+    assert reading.attributes is not None
+    assert reading.attributes["attributes"].tolist() == ["child"]
+
+
+def test_an_outline_on_a_box_of_its_label_is_the_same_object(tmp_path: Path) -> None:
+    box = '<box label="person" xtl="60" ytl="100" xbr="100" ybr="200"/>'
+    points = 'points="61,101;99,101;98,198"'
+    outlines = [f'<polygon label="{label}" {points}/>' for label in ("person", "people")]
+    beside = '<polygon label="person" points="70,101;109,101;98,198"/>'  # IoU below 0.7
+    reading = read_xml(tmp_path, image("a/1.png", 0, "".join([box, *outlines, beside])))
+    assert rows(reading.boxes, "x ignore") == [[60, False], [61, True], [70, False]]
+    assert "1 polygons, ellipses or masks on a box of the same label left out" in reading.conversion
+
+
+@pytest.mark.parametrize("points", ["", 'points="1,1;2"', 'points="1,x"'])
+def test_a_polygon_without_pairs_of_numbers_is_an_error(tmp_path: Path, points: str) -> None:
+    body = image("a/1.png", 0, f'<polygon label="person" {points}/>')
+    with pytest.raises(FormatError, match=r"line 2: expected .*points"):
+        read_xml(tmp_path, body)
+
+
+def test_pictures_without_id_are_numbered_in_their_order(tmp_path: Path) -> None:
+    """So globox writes CVAT."""
+    body = "".join(image(f"a/{n}.png", n, BOX).replace(f'id="{n}" ', "") for n in (4, 9))
+    reading = read_xml(tmp_path, body)
+    assert rows(reading.images, "recording frame image_id") == [["a", 4, 0], ["a", 9, 1]]
+    assert reading.boxes["frame"].tolist() == [4, 9]
 
 
 def test_bare_frame_names_take_the_file_or_a_known_recording_in_its_path(tmp_path: Path) -> None:
@@ -105,7 +152,7 @@ def test_no_pictures_give_empty_tables(tmp_path: Path) -> None:
 
 
 def test_findings_of_several_files_are_counted_together(tmp_path: Path) -> None:
-    inner = '<ellipse label="person" cx="1" cy="1" rx="1" ry="1"/>'
+    inner = '<polyline label="person" points="1,1;2,2"/>'
     files = [
         source(tmp_path, f"<annotations>{image(f'{n}/1.png', 0, inner)}</annotations>", f"{n}.xml")
         for n in ("a", "b")

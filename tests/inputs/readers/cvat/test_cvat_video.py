@@ -228,9 +228,26 @@ def test_rotation_is_interpolated_the_shorter_way(tmp_path: Path) -> None:
     assert middle[["x", "y", "w", "h"]].tolist() == pytest.approx([0, 0, 10, 20])
 
 
-def test_pedestrians_drawn_as_polygons_are_reported(tmp_path: Path) -> None:
+def polygon(frame: int, x: int, more: str = "") -> str:
+    return f'<polygon frame="{frame}" {more} points="{x},1;{x + 2},9;{x + 4},1"/>'
+
+
+def test_polygons_are_boxes_and_between_keyframes_the_box_moves(tmp_path: Path) -> None:
+    body = track(polygon(0, 0), polygon(2, 6), polygon(3, 6, OUTSIDE))
+    reading = read_xml(tmp_path, body)
+    assert rows(reading.boxes, "track frame x y w h") == [
+        [0, 0, 0, 1, 4, 8],
+        [0, 1, 3, 1, 4, 8],
+        [0, 2, 6, 1, 4, 8],
+    ]
+    assert "1 boxes filled in between keyframes (linear)" in reading.conversion
+    assert "3 polygons, ellipses or masks replaced by the box around them" in reading.conversion
+    assert reading.findings == ()
+
+
+def test_pedestrians_drawn_as_lines_and_points_are_reported(tmp_path: Path) -> None:
     shapes = "".join(
-        f'<polygon frame="{f}" outside="{o}" points="1,1;2,2;3,1"/>' for f, o in ((0, 0), (1, 1))
+        f'<polyline frame="{f}" outside="{o}" points="1,1;2,2"/>' for f, o in ((0, 0), (1, 1))
     )
     skeleton = '<skeleton frame="0"><points label="head" outside="0" points="1,1"/></skeleton>'
     body = track(shapes) + track(skeleton, number=1) + track(shapes, number=2, label="road")
@@ -238,7 +255,7 @@ def test_pedestrians_drawn_as_polygons_are_reported(tmp_path: Path) -> None:
     assert len(reading.boxes) == 0
     finding = only_finding(reading, "no-box")
     assert finding.count == 2
-    assert "polygon, skeleton" in finding.message
+    assert "polyline, skeleton were left out" in finding.message
 
 
 def test_two_tracks_of_one_id_are_reported(tmp_path: Path) -> None:
