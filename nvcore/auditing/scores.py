@@ -44,8 +44,8 @@ def audit_scores(source: BoxSource) -> list[Finding]:
             Severity.NOTE,
             "constant-score",
             np.flatnonzero(~is_missing) if is_constant else without[:0],
-            f"Every score is {low:g}.",
-            "Nothing to do if the system decides by itself; a threshold keeps all or nothing.",
+            f"Every score is {low:g}: there are no curves, and no threshold to move.",
+            "Nothing to do if the system decides by itself.",
             is_of_all=True,
         ),
         *source.findings(

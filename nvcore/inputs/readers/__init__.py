@@ -32,6 +32,7 @@ from nvcore.inputs.readers.kitti.detections import FORMAT as KITTI_DETECTIONS
 from nvcore.inputs.readers.kitti.object import FORMAT as KITTI_OBJECT
 from nvcore.inputs.readers.kitti.tracking import FORMAT as KITTI_TRACKING
 from nvcore.inputs.readers.meaning.class_files import is_class_file
+from nvcore.inputs.readers.mot import BOXMOT
 from nvcore.inputs.readers.mot import FORMAT as MOT
 from nvcore.inputs.readers.parquet import FORMAT as PARQUET
 from nvcore.inputs.readers.parse.unknown import describe_foreign, foreign_format
@@ -55,6 +56,7 @@ FORMATS: Final[tuple[Format, ...]] = (
     KAIST_RESULTS,
     VISDRONE,
     MOT,
+    BOXMOT,
     YOLO,
 )
 """All formats, in the order in which they are tried on a content."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Final
 
@@ -33,6 +33,7 @@ from nvcore.inputs.readers.csv_columns import (
     ALERTED,
     EXCEL,
     MISSING,
+    OTHER_SCORE,
     Header,
     csv_content,
     misspelt_columns,
@@ -90,7 +91,7 @@ _LAYOUTS: Final = {"right": "corners", "xc": "centres"}
 MAX_SHARE: Final = 2.0
 """Largest coordinate of centres that are shares of the picture, not pixels."""
 _OF_OTHERS: Final[dict[Role, tuple[str, ...]]] = {
-    "truth": ("score",),
+    "truth": ("score", OTHER_SCORE),
     "detections": ("ignore", "attributes", "detectability"),
 }
 """Columns that are not read in a file of this role."""
@@ -232,7 +233,8 @@ def _read_one(
     to_read = _columns_to_read(header, options.role)
     columns, line, has_decimal_comma = source.parse(to_read)
     lines = Lines.of(source.file, line)
-    used = {header.place[name] for name in to_read}
+    header, findings = _with_varying_score(columns, source, options.role)
+    used = {header.place[name] for name in columns}
     other = [name for i, name in enumerate(header.names) if name and i not in used]
     unused = [name for name in other if name.lower() not in source.read_later]
     facts = [f"columns left unused: {', '.join(unused)}"] if unused else []
@@ -270,7 +272,6 @@ def _read_one(
         for name in ("score", "distance_m", "ignore", "detectability")
         if name in columns
     }
-    findings: list[Finding] = []
     if "detectability" in values:
         checked_detectability(values["detectability"], lines)
     if "distance_m" in values:
@@ -330,6 +331,32 @@ def _boxes(
     middle, size = numbers[:, :2], numbers[:, 2:]
     with np.errstate(invalid="ignore"):
         return (*(middle - size / 2).T, *size.T), fact
+
+
+def _with_varying_score(
+    columns: pd.DataFrame, source: NamedColumns, role: Role
+) -> tuple[Header, list[Finding]]:
+    """Take the second column of scores if only that one varies, and drop it otherwise."""
+    header = source.header
+    if OTHER_SCORE not in columns:
+        return header, []
+    second = pd.to_numeric(columns.pop(OTHER_SCORE).astype(object), errors="coerce")
+    score = columns["score"]
+    if score.min() < score.max() or not second.min() < second.max():
+        return header, []
+    columns["score"] = second.astype(float)
+    constant, varying = (header.names[header.place[name]] for name in ("score", OTHER_SCORE))
+    finding = warning(
+        "constant-score-column",
+        len(columns),
+        f"The column {constant} is the same throughout, while {varying} varies: {varying} is "
+        "taken for the score.",
+        f"If {constant} is meant, leave out the column {varying}.",
+        role=role,
+        file=source.file.name,
+        example="line 1",
+    )
+    return replace(header, place={**header.place, "score": header.place[OTHER_SCORE]}), [finding]
 
 
 def _misspelt(source: NamedColumns, role: Role) -> list[Finding]:

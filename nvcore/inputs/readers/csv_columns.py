@@ -72,6 +72,8 @@ SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
 }
 """Names that a column may have, the plainest first; case and punctuation do not matter."""
 
+OTHER_SCORE: Final = "other_score"
+"""A second column with a name of the score, in `Header.place`; its values are text."""
 CLOSE: Final = 0.85
 """How alike two names are, from 0 to 1 as `difflib` has it, from which on one may be the other."""
 LEAST_LETTERS: Final = 5
@@ -146,6 +148,8 @@ def header_of(names: Sequence[str], delimiter: str = ",") -> Header:
         places = [plain.index(name) for name in synonyms if name in plain]
         if places:
             place[column] = places[0]
+        if column == "score" and len(places) > 1:
+            place[OTHER_SCORE] = places[1]
     if place.get("class_name") in (None, place.get("class")) or "class" not in place:
         place.pop("class_name", None)  # of a class, beside its number
     return Header(tuple(names), delimiter, place)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 import pandas as pd
 
 from nvcore.dataset.sources import left_out_text
 from nvcore.errors import InputError
-from nvcore.findings import Finding
+from nvcore.findings import Finding, Remedy, Severity, Step
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
     Format,
@@ -60,9 +61,12 @@ CLASSES = {
     12: "reflection",
     13: "crowd",
 }
+COLUMN_NAMES = {7: "the eighth column", 8: "the ninth column", 9: "the tenth column"}
+"""In words, by their places from 0."""
 LABELS = "labels.txt"
 HEAD_BYTES = 4096
 """Bytes that are read to see what separates the numbers."""
+LATE_SCORE = "constant-score-column"
 DISTRACTORS = frozenset({2, 7, 8, 12, 13})
 """Classes that look like pedestrians: detecting them is neither right nor wrong."""
 
@@ -73,13 +77,16 @@ def recognise(name: str, head: str, role: Role) -> bool:
     return LAYOUT.fits(head) or BLANKS.fits(head)
 
 
-def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
+def read(
+    files: Sequence[SourceFile], options: ReadOptions, *, has_late_score: bool = False
+) -> Reading:
     """Read MOTChallenge files, one per recording.
 
     Frames, ids and pixels are 1-based in the files; frames keep their numbers, pixels become
     0-based (VisDrone's are, and so are those of results on it). In truth, column 7 = 0 and
     distractor classes become ignore regions, other classes are left out. In results, a score
-    column of nothing but -1 means that there are no scores.
+    column of nothing but -1 means that there are no scores. A constant score beside a later column
+    that varies between 0 and 1 is an error to be accepted; `has_late_score` takes the later column.
 
     Classes are those of MOTChallenge, of a ``labels.txt`` beside the file (CVAT), or VisDrone's;
     of results those of the truth.
@@ -99,7 +106,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         stated=[info.name for info in infos],
     )
     contents = [
-        _read_one(file, number, name, options)
+        _read_one(file, number, name, options, has_late_score=has_late_score)
         for number, (file, name) in enumerate(zip(files, names, strict=True))
     ]
     facts = ["frame numbers kept (1-based)"]
@@ -158,7 +165,9 @@ class _Content:
     findings: list[Finding]
 
 
-def _read_one(file: SourceFile, number: int, name: str, options: ReadOptions) -> _Content:
+def _read_one(
+    file: SourceFile, number: int, name: str, options: ReadOptions, *, has_late_score: bool
+) -> _Content:
     """The content of a file."""
     with file.open() as stream:
         first = stream.read(HEAD_BYTES).lstrip(b"\xef\xbb\xbf \t\r\n").partition(b"\n")[0]
@@ -187,6 +196,24 @@ def _read_one(file: SourceFile, number: int, name: str, options: ReadOptions) ->
     else:
         is_visdrone = options.names_for("mot") == VISDRONE
         rows = _rows_of_results(table, options)
+        late = _late_score(table)
+        if has_late_score:
+            # a file with few rows says no more than which column is its last
+            filled = [i for i in COLUMN_NAMES if np.isfinite(table.columns[i]).any()]
+            late = ([6, *filled])[-1] if late is None else late
+            conf = table.columns[late]
+            rows.facts.append(f"score from column {late + 1}")
+        elif late is not None:
+            findings += table.lines.finding(
+                np.ones(len(table), dtype=bool),
+                LATE_SCORE,
+                f"The score in the seventh column is {conf[0]:g} throughout, while "
+                f"{COLUMN_NAMES[late]} varies between 0 and 1: it may be the score.",
+                "Say which column is the score.",
+                role="detections",
+                severity=Severity.ERROR,
+                steps=(Step(Remedy.FORMAT, BOXMOT.name), Step(Remedy.ACCEPT, LATE_SCORE)),
+            )
         if not np.all((conf == -1) | np.isnan(conf)):
             columns["score"] = conf
         elif len(table):
@@ -262,6 +289,20 @@ def _rows_of_truth(
     return _Rows(keep, ignore | ~is_wanted, facts, findings, names, left_out=left_out)
 
 
+def _late_score(table: NumberTable) -> int | None:
+    """Column behind a constant seventh one that varies between 0 and 1; None if there is none."""
+    if len(np.unique(table.columns[6])) > 1:
+        return None
+    return next(
+        (
+            place
+            for place, column in zip(COLUMN_NAMES, table.columns[7:], strict=True)
+            if np.all((column >= 0) & (column <= 1)) and len(np.unique(column % 1)) > 1
+        ),
+        None,
+    )
+
+
 def _rows_of_results(table: NumberTable, options: ReadOptions) -> _Rows:
     """What becomes of rows of results, which have a class if column 8 can be none else."""
     kind, second, third = table.columns[7:]
@@ -334,3 +375,12 @@ def _class_numbers(options: ReadOptions, file: SourceFile) -> list[int]:
 
 
 FORMAT = Format("mot", "MOTChallenge", BOTH_ROLES, (".txt", ".csv"), recognise, read)
+BOXMOT = Format(
+    "boxmot",
+    "MOTChallenge with the score behind the seventh column",
+    ("detections",),
+    (".txt", ".csv"),
+    lambda _name, _head, _role: False,
+    partial(read, has_late_score=True),
+)
+"""As BoxMOT writes it, where column 7 is always 1. It is never recognised: it has to be named."""

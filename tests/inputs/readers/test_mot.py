@@ -8,6 +8,7 @@ import pytest
 from reader_files import golden, only_finding, rows, source
 
 from nvcore.errors import FormatError, InputError
+from nvcore.inputs.readers import format_named
 from nvcore.inputs.readers.base import Reading, ReadOptions
 from nvcore.inputs.readers.mot import read
 from nvcore.schema import READING_DTYPES, UNKNOWN_OCCLUSION
@@ -53,6 +54,49 @@ def test_the_classes_that_count_can_be_named_or_numbered(classes):
 def test_an_unknown_class_is_answered_with_the_known_ones(name):
     with pytest.raises(InputError, match=f"no class '{name}'; it has pedestrian, person_on"):
         read_golden(TRUTH, classes=(name,))
+
+
+BOXMOT_ROWS = "1,1,10,20,30,60,1,0,0.75\n2,1,11,20,30,60,1,0,0.5\n"
+
+
+def test_a_constant_score_beside_a_column_that_varies_is_asked_about(tmp_path: Path):
+    reading = read_text(tmp_path, BOXMOT_ROWS, DETECTIONS)
+    finding = only_finding(reading, "constant-score-column")
+    assert (finding.severity, finding.count) == ("error", 2)
+    assert "seventh column is 1 throughout, while the ninth column varies" in finding.message
+    steps = [(step.remedy, step.value) for step in finding.steps]
+    assert steps == [("format", "boxmot"), ("accept", "constant-score-column")]
+    assert reading.boxes["score"].tolist() == [1, 1]
+
+
+@pytest.mark.parametrize(
+    ("text", "scores"),
+    [
+        (BOXMOT_ROWS, [0.75, 0.5]),
+        ("1,1,1,1,9,9,-1,0.7,-1,-1\n2,1,1,1,9,9,-1,0.9,-1,-1\n", [0.7, 0.9]),
+        ("1,1,1,1,9,9,1,0,0.7\n", [0.7]),
+        ("1,1,1,1,9,9,0.4\n", [0.4]),
+    ],
+    ids=["ninth", "eighth", "a single row", "none behind"],
+)
+def test_boxmot_s_score_is_behind_the_seventh_column(tmp_path: Path, text: str, scores):
+    reading = format_named("boxmot").read([source(tmp_path, text, NAME)], DETECTIONS)
+    assert reading.boxes["score"].tolist() == scores
+    assert reading.findings == ()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        BOXMOT_ROWS.replace("60,1,0,0.5", "60,0.9,0,0.5"),  # scores that vary
+        BOXMOT_ROWS.replace("0.5", "0.75"),
+        BOXMOT_ROWS.replace("0.5", "1.5"),  # a coordinate
+        BOXMOT_ROWS.replace("0.75", "1").replace("0.5", "0"),  # flags
+    ],
+)
+def test_other_columns_behind_the_score_are_not_asked_about(tmp_path: Path, text: str):
+    assert read_text(tmp_path, text, DETECTIONS).findings == ()
+    assert read_text(tmp_path, BOXMOT_ROWS).findings == ()  # visibility of a truth
 
 
 def test_detections_have_scores_and_no_tracks():

@@ -75,6 +75,33 @@ def test_score_synonym_is_read_for_detections(read_text):
     assert boxes["score"].tolist() == [0.25]
 
 
+@pytest.mark.parametrize(
+    ("columns", "values", "scores", "n_findings"),
+    [
+        ("score,conf", ["1,0.5", "1,0.75"], [0.5, 0.75], 1),
+        ("conf,score", ["0.5,1", "0.75,1"], [0.5, 0.75], 1),
+        ("score,prob", [",0.5", ",0.75"], [0.5, 0.75], 1),
+        ("score,conf", ["0.25,1", "0.5,1"], [0.25, 0.5], 0),
+        ("score,conf", ["0.25,0.5", "0.5,0.75"], [0.25, 0.5], 0),
+        ("score,conf", ["1,high", "1,low"], [1, 1], 0),
+    ],
+)
+def test_of_two_columns_of_scores_the_one_that_varies_is_taken(
+    read_text, columns, values, scores, n_findings
+):
+    lines = [f"frame,x,y,w,h,{columns}", *(f"{i},2,3,4,5,{text}" for i, text in enumerate(values))]
+    reading = read_text("\n".join(lines), role="detections")
+    assert reading.boxes["score"].tolist() == scores
+    assert len(reading.findings) == n_findings
+    unused = {*columns.split(",")} - {"score"} if not n_findings else {"score"}
+    assert f"columns left unused: {unused.pop()}" in reading.conversion
+    if n_findings:
+        finding = only_finding(reading, "constant-score-column")
+        assert finding.message.startswith("The column score is the same throughout, while ")
+    truth = read_text("\n".join(lines))
+    assert [finding.code for finding in truth.findings] == ["truth-with-scores"]
+
+
 def test_pictures_name_tells_recording_and_frame_and_corners_become_sizes():
     reading = read_golden("corners.csv")
     assert rows(reading.boxes, "recording frame x y w h ignore") == [
