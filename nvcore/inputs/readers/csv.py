@@ -234,7 +234,7 @@ def _read_one(
     columns, line, has_decimal_comma = source.parse(to_read)
     lines = Lines.of(source.file, line)
     header, findings = _with_varying_score(columns, source, options.role)
-    used = {header.place[name] for name in columns}
+    used = {header.place[str(name)] for name in columns}
     other = [name for i, name in enumerate(header.names) if name and i not in used]
     unused = [name for name in other if name.lower() not in source.read_later]
     facts = [f"columns left unused: {', '.join(unused)}"] if unused else []

@@ -200,7 +200,7 @@ def _read_one(
         if has_late_score:
             # a file with few rows says no more than which column is its last
             filled = [i for i in COLUMN_NAMES if np.isfinite(table.columns[i]).any()]
-            late = ([6, *filled])[-1] if late is None else late
+            late = [6, *filled][-1] if late is None else late
             conf = table.columns[late]
             rows.facts.append(f"score from column {late + 1}")
         elif late is not None:
