@@ -165,7 +165,8 @@ def _read_annotations(
     Boxes of classes that are left out are added to the counts of `left_out`.
     """
     records = Records(document.get("annotations"), file, "annotation", "annotations")
-    choice, keys = _classes(names, records, file, _without_crowd(options))
+    classes = tuple(name for name in options.classes or () if name != CROWD)
+    choice, keys = _classes(names, records, file, replace(options, classes=classes or None))
     facts = [choice.conversion]
     if not len(records):
         return reading_boxes(0), facts, [], None, np.empty(0, dtype=object)
@@ -222,12 +223,6 @@ def _read_annotations(
     attributes = attributes_of_boxes(boxes, _attribute_texts(records)[keep])
     facts += ["attributes as classes of encounters"] if attributes is not None else []
     return boxes, facts, findings, attributes, kind[keep]
-
-
-def _without_crowd(options: ReadOptions) -> ReadOptions:
-    """The options with nothing but classes among the classes that count."""
-    classes = tuple(name for name in options.classes or () if name != CROWD)
-    return replace(options, classes=classes or None)
 
 
 def _crowds(

@@ -10,7 +10,7 @@ from reader_files import golden, rows, source
 
 from nvcore.errors import FormatError, MissingFactError
 from nvcore.inputs.readers.base import LeftOut, Reading, ReadOptions
-from nvcore.inputs.readers.coco import result_columns, results
+from nvcore.inputs.readers.coco import results
 from nvcore.inputs.readers.coco.truth import read as read_truth
 
 IMAGES = pd.DataFrame({"recording": ["a", "a", "b"], "frame": [5, 25, 5], "image_id": [0, 1, 2]})
@@ -197,9 +197,9 @@ def test_fast_and_careful_parser_agree(tmp_path, monkeypatch):
     ]
     options = ReadOptions(role="detections", images=IMAGES)
     file = source(tmp_path, json.dumps(random_results), "results.json")
-    assert result_columns._fast(file) is not None
+    assert results._fast(file) is not None
     fast = results.read([file], options)
-    monkeypatch.setattr(result_columns, "_fast", lambda _: None)
+    monkeypatch.setattr(results, "_fast", lambda _: None)
     careful = results.read([file], options)
     pd.testing.assert_frame_equal(fast.boxes, careful.boxes, check_exact=True)
     assert fast.conversion == careful.conversion
@@ -216,4 +216,4 @@ def test_the_fast_parser_leaves_what_is_unusual_to_the_careful_one(tmp_path):
     for field, value in unusual.items():
         text = json.dumps([result(), result(**{field: value})])
         file = source(tmp_path, text, "results.json")
-        assert result_columns._fast(file) is None
+        assert results._fast(file) is None

@@ -8,7 +8,7 @@ from reader_files import golden, only_finding, rows, source
 
 from nvcore.errors import FormatError
 from nvcore.inputs.readers.base import ReadOptions, SourceFile
-from nvcore.inputs.readers.kitti.detections import read
+from nvcore.inputs.readers.kitti import read_detections as read
 
 NAME = "rrc_ped/0016.txt"
 DETECTIONS = ReadOptions(role="detections", recordings=("0015", "0016"))

@@ -8,7 +8,7 @@ from reader_files import rows, source
 
 from nvcore.errors import FormatError, InputError
 from nvcore.inputs.readers.base import ReadOptions, SourceFile
-from nvcore.inputs.readers.kitti.object import read
+from nvcore.inputs.readers.kitti import read_object as read
 
 FOLDER = DATA / "kitti_object" / "label_2"
 NAME = "label_2/000007.txt"

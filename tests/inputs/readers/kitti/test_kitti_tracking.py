@@ -7,7 +7,7 @@ from reader_files import golden, rows, source
 
 from nvcore.errors import FormatError
 from nvcore.inputs.readers.base import ReadOptions
-from nvcore.inputs.readers.kitti.tracking import read
+from nvcore.inputs.readers.kitti import read_tracking as read
 
 NAME = "label_02/0016.txt"
 ROW = "0 5 Pedestrian 0 0 1.0 100 150 119 199 1.7 0.6 0.8 -3.0 1.4 14.2 0.8"

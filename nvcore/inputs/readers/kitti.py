@@ -1,0 +1,314 @@
+"""KITTI: labels and results of tracking and of objects, and detections separated by commas."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from nvcore.findings import Finding
+from nvcore.inputs.readers.base import (
+    BOTH_ROLES,
+    Format,
+    LeftOut,
+    Reading,
+    ReadOptions,
+    Role,
+    SourceFile,
+    conversion_text,
+    object_array,
+    recordings_table,
+)
+from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes, rule_for
+from nvcore.inputs.readers.meaning.frame_names import listed_frames
+from nvcore.inputs.readers.meaning.names import recordings_of
+from nvcore.inputs.readers.meaning.values import known_distances, levels_of_numbers
+from nvcore.inputs.readers.parse.text import (
+    NumberTable,
+    TextLayout,
+    number_of,
+    read_numbers,
+    rows_of_text,
+    stacked,
+    whole_numbers,
+)
+from nvcore.inputs.readers.parse.unknown import foreign_format
+from nvcore.schema import NO_TRACK
+
+FIELDS = "type truncated occluded alpha left top right bottom h w l X Y Z ry [score]"
+OBJECT = TextLayout((15, 16), FIELDS, delimiter=" ", label_at=0)
+TRACKING = TextLayout((17, 18), f"frame id {FIELDS}", delimiter=" ", label_at=2, whole=(0, 1))
+DETECTIONS = TextLayout(
+    (6, 15), "frame,x1,y1,x2,y2,score or frame,type,x1,y1,x2,y2,score,h,w,l,X,Y,Z,ry,alpha"
+)
+_WHOLE = {6: (0,), 15: (0, 1)}
+"""Columns of whole numbers in detections, by the number of columns."""
+RULE = ClassRule(
+    counted=("Pedestrian",),
+    ignored=("Person_sitting", "DontCare"),
+    left_out=("Cyclist", "Car", "Van", "Truck", "Tram", "Misc"),
+    is_benchmark=True,
+)
+"""As in KITTI's own pedestrian evaluation: a detection on a cyclist is a false alarm there."""
+TRACKING_RULE = replace(RULE, ignored=("Person", *RULE.ignored))
+"""KITTI's tracking labels call those who sit `Person`; in files of other tools all are `person`."""
+TYPES = {1: "Pedestrian", 2: "Car", 3: "Cyclist"}
+"""Type numbers of detections with 15 columns."""
+TYPES_RULE = ClassRule(counted=("Pedestrian",), ignored=(), left_out=("Car", "Cyclist"))
+CORNERS = "inclusive 0-based corners to x, y, w, h (w = right - left + 1)"
+DISTANCE = "camera Z to distance_m (not in front of the camera: unknown)"
+
+
+def read_object(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
+    """Read KITTI object files, one per image; a file without rows is an evaluated frame.
+
+    Pixels are 0-based, corners inclusive. Pedestrian counts, Person_sitting (neutral in KITTI's
+    evaluation) and DontCare are ignore regions, other types are left out. The camera's Z becomes
+    the distance.
+
+    Raises
+    ------
+    InputError
+        If a file name has no number, two files are of one frame, or a class is unknown.
+    FormatError
+        With file and line of the first row that is not KITTI object.
+    """
+    named = listed_frames(files, options)
+    table = stacked([read_numbers(file, OBJECT) for file in files])
+    places = named.table.iloc[table.lines.file]
+    reading = _labels(table, places, options, ["frame numbers from the file names"])
+    recordings = recordings_table(named.recording)
+    return replace(reading, recordings=recordings, images=named.images, named=named)
+
+
+def read_tracking(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
+    """Read KITTI tracking files, one per recording.
+
+    Frames and pixels are 0-based, corners inclusive. Pedestrian counts, Person and Person_sitting
+    (neutral in KITTI's evaluation) and DontCare are ignore regions, other types are left out. The
+    camera's Z becomes the distance.
+
+    Raises
+    ------
+    InputError
+        If two files are of one recording, or a class is unknown.
+    FormatError
+        With file and line of the first row that is not KITTI tracking.
+    """
+    names, assumed = recordings_of([file.name for file in files], options.recordings)
+    table = stacked([read_numbers(file, TRACKING) for file in files])
+    frame = whole_numbers(table.columns[0], table.lines, "frame")
+    track = whole_numbers(table.columns[1], table.lines, "id")
+    places = pd.DataFrame({"recording": object_array(names)[table.lines.file], "frame": frame})
+    facts = ["frame numbers kept (0-based)", *assumed]
+    reading = _labels(table, places, options, facts, track=np.where(track < 0, NO_TRACK, track))
+    annotated = places.drop_duplicates(ignore_index=True)
+    return replace(reading, recordings=recordings_table(names), annotated=annotated)
+
+
+def _labels(
+    table: NumberTable,
+    places: pd.DataFrame,
+    options: ReadOptions,
+    facts: Sequence[str],
+    *,
+    track: np.ndarray | int = NO_TRACK,
+) -> Reading:
+    """Return the reading of label rows, but for its recordings and frames.
+
+    Parameters
+    ----------
+    table
+        Rows whose last columns are those of `FIELDS`, the type as their label.
+    places
+        Recording and frame of each row.
+    options
+        `role`, `objects` and `classes` are used.
+    facts
+        Where recordings and frames come from, for the conversion.
+    track
+        Of each row, shape (n,).
+    """
+    assert table.label is not None
+    _, occluded, _, left, top, right, bottom, _, _, _, _, _, z, _, score = table.columns[-15:]
+    is_kitti = not {"Pedestrian", "DontCare"}.isdisjoint(table.label)
+    rule = TRACKING_RULE if is_kitti and "Person" in table.label else RULE
+    choice = choose_classes(table.label, rule_for(rule, table.label, options), options, table.lines)
+    facts = [
+        *facts[:1],
+        CORNERS,
+        DISTANCE,
+        "occluded 0, 1, 2 kept, 3 = unknown",
+        choice.fact,
+        *facts,
+    ]
+    has_score = options.role == "detections"
+    if has_score and len(table) and np.isnan(score).all():
+        facts.append("no score column: no scores")
+    boxes = table.lines.boxes(
+        _box_of_corners(left, top, right, bottom),
+        keep=choice.keep,
+        recording=places["recording"].to_numpy(),
+        frame=places["frame"].to_numpy(),
+        score=score if has_score else np.nan,
+        track=track,
+        ignore=choice.ignore,
+        distance_m=known_distances(z),
+        occlusion=levels_of_numbers(occluded),
+    )
+    return Reading(
+        boxes=boxes,
+        recordings=recordings_table(()),
+        conversion=conversion_text(facts),
+        findings=choice.findings,
+        left_out=choice.left_out,
+        layout="corners",
+    )
+
+
+def _box_of_corners(
+    left: np.ndarray, top: np.ndarray, right: np.ndarray, bottom: np.ndarray
+) -> tuple[np.ndarray, ...]:
+    """x, y, w, h of boxes whose corners are the first and the last pixel inside."""
+    return left, top, right - left + 1, bottom - top + 1
+
+
+def recognise_detections(name: str, head: str, role: Role) -> bool:
+    """Whether all rows have 15 numbers, or all have 6 with x2 > x1 and y2 > y1 throughout.
+
+    Rows of 6 could be ``frame,x,y,w,h,score`` as well; there, sizes that exceed the positions in
+    every single row do not occur.
+    """
+    del name
+    n_rows = len(head)  # all of them
+    short, long = (replace(DETECTIONS, n_columns=(n,), whole=at) for n, at in _WHOLE.items())
+    if role != "detections" or not short.fits(head, n_rows=n_rows):
+        return role == "detections" and long.fits(head, n_rows=n_rows)
+    rows = rows_of_text(head)
+    edges = np.array([[number_of(field) for field in row[1:5]] for row in rows], dtype=float)
+    return _first_without_corners(*edges.T) is None
+
+
+def read_detections(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
+    """Read KITTI detections, one file per recording.
+
+    Frames and pixels are 0-based, corners inclusive. In the 15-column layout type 1 (Pedestrian)
+    counts, other types are left out, and the camera's Z becomes the distance.
+
+    Raises
+    ------
+    InputError
+        If two files are of one recording, or a class is unknown.
+    FormatError
+        With file and line of the first row that has other columns, or no corners.
+    """
+    names, assumed = recordings_of([file.name for file in files], options.recordings)
+    facts = ["frame numbers kept (0-based)", CORNERS]
+    tables = [read_numbers(file, DETECTIONS) for file in files]
+    for part in tables:
+        _check(part)
+    table = stacked(tables)
+    frame = whole_numbers(table.columns[0], table.lines, "frame")
+    is_long = _is_long(table)
+    # the long layout has the type between frame and corners
+    left, top, right, bottom, score = (
+        np.where(is_long, table.columns[i + 1], table.columns[i]) for i in range(1, 6)
+    )
+    keep = np.ones(len(table), dtype=bool)
+    findings: tuple[Finding, ...] = ()
+    left_out: tuple[LeftOut, ...] = ()
+    if is_long.any():
+        classes = options.classes and tuple(
+            TYPES.get(int(c), c) if c.isdecimal() else c for c in options.classes
+        )
+        numbers = pd.Series(np.where(is_long, table.columns[1], 1).astype(np.int64))
+        label = numbers.map(TYPES).fillna(numbers.astype(str)).to_numpy(dtype=object)
+        by_name = replace(options, classes=classes)
+        choice = choose_classes(label, rule_for(TYPES_RULE, label, by_name), by_name, table.lines)
+        keep, findings, left_out = choice.keep, choice.findings, choice.left_out
+        facts += [DISTANCE, choice.fact]
+    elif len(table):
+        facts.append("columns 2 to 5 taken for corners (x2 > x1 and y2 > y1 in every row)")
+    return Reading(
+        boxes=table.lines.boxes(
+            _box_of_corners(left, top, right, bottom),
+            keep=keep,
+            recording=object_array(names)[table.lines.file],
+            frame=frame,
+            score=score,
+            distance_m=known_distances(table.columns[12]),
+        ),
+        recordings=recordings_table(names),
+        conversion=conversion_text([*facts, *assumed]),
+        findings=findings,
+        left_out=left_out,
+        layout="corners",
+    )
+
+
+def _is_long(table: NumberTable) -> np.ndarray:
+    """Whether each row has more than 6 columns; bool, shape (n,)."""
+    return np.asarray(~np.isnan(np.stack(table.columns[6:])).all(axis=0))
+
+
+def _check(table: NumberTable) -> None:
+    """Raise FormatError for a file that mixes the layouts or whose 6 columns are no corners."""
+    is_long = _is_long(table)
+    if not len(table):
+        return
+    if is_long.any():
+        if not is_long.all():
+            raise table.lines.fault(
+                np.argmax(is_long != is_long[0]),
+                "expected the same number of columns in all rows, found both 6 and 15 "
+                f"({DETECTIONS.what})",
+            )
+        whole_numbers(table.columns[1], table.lines, "type")
+        return
+    edges = table.columns[1:5]
+    first = _first_without_corners(*edges)
+    if first is not None:
+        raise table.lines.fault(
+            first,
+            "expected corners x1,y1,x2,y2 with x2 > x1 and y2 > y1, found "
+            f"{','.join(f'{edge[first]:g}' for edge in edges)}; if the columns are x,y,w,h, the "
+            "format is kaist-results",
+        )
+
+
+def _first_without_corners(
+    left: np.ndarray, top: np.ndarray, right: np.ndarray, bottom: np.ndarray
+) -> int | None:
+    """First row whose second corner is not to the lower right of the first; NaN rows pass."""
+    with np.errstate(invalid="ignore"):
+        wrong = (right <= left) | (bottom <= top)
+    return int(np.argmax(wrong)) if wrong.any() else None
+
+
+KITTI_TRACKING = Format(
+    "kitti-tracking",
+    "KITTI tracking",
+    BOTH_ROLES,
+    (".txt",),
+    lambda _name, head, _role: TRACKING.fits(head),
+    read_tracking,
+)
+KITTI_OBJECT = Format(
+    "kitti-object",
+    "KITTI object",
+    BOTH_ROLES,
+    (".txt",),
+    # DeepStream's text with an id has as many fields
+    lambda _name, head, _role: OBJECT.fits(head) and foreign_format(head) is None,
+    read_object,
+)
+KITTI_DETECTIONS = Format(
+    "kitti-detections",
+    "KITTI detections, comma-separated",
+    ("detections",),
+    (".txt", ".csv"),
+    recognise_detections,
+    read_detections,
+)

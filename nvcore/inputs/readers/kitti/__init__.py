@@ -1,1 +1,0 @@
-"""KITTI: tracking, object, detections."""
