@@ -234,7 +234,7 @@ def _frames_of(
         raise file.fault(
             f"expected a task of at most {MAX_FRAMES} frames, found {n_frames}", task.line
         )
-    if task.is_contradictory:
+    if n_frames is None and task.size is not None:
         text = f"{task.size} frames, from {task.start} to {task.stop} by {task.step}"
         finding = warning(
             "frame-count",
@@ -248,9 +248,8 @@ def _frames_of(
             steps=(Step(Remedy.FRAMES),),
         )
         return None, [finding]
-    if n_frames is None:
-        return None, []
-    return task.start + task.step * np.arange(n_frames, dtype=np.int64), []
+    frames = task.start + task.step * np.arange(n_frames or 0, dtype=np.int64)
+    return None if n_frames is None else frames, []
 
 
 def _boxes_of(

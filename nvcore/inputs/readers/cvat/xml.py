@@ -95,11 +95,6 @@ class CvatTask:
             return self.start + self.step * (self.size - 1)
         return self.stop
 
-    @property
-    def is_contradictory(self) -> bool:
-        """Whether size, start, stop and step do not agree."""
-        return self.n_frames is None and self.size is not None
-
 
 @dataclass(frozen=True)
 class Owner:
@@ -178,12 +173,7 @@ class _Parser:
         self.task: CvatTask | None = None
         self.source = ""
         self.owner: Element | None = None
-        self.shape: Element | None = None
-        self.is_ignored = False
-        self.is_occluded = False
-        self.level = UNKNOWN_OCCLUSION
-        self.score = float("nan")
-        self.classes: list[str] = []
+        self.begin_shape(None)
 
     def take(self, element: Element) -> None:
         """One element that has ended."""
@@ -231,13 +221,12 @@ class _Parser:
         else:
             self.classes.append(class_of(element.attributes.get("name", ""), element.text))
 
-    def begin_shape(self, element: Element) -> None:
-        """Nothing is known yet of a new shape."""
+    def begin_shape(self, element: Element | None) -> None:
+        """Forget what attributes said of the shape before."""
         self.shape = element
         self.is_ignored = self.is_occluded = False
-        self.level = UNKNOWN_OCCLUSION
-        self.score = float("nan")
-        self.classes = []
+        self.level, self.score = UNKNOWN_OCCLUSION, math.nan
+        self.classes: list[str] = []
 
     def corners_of(self, element: Element) -> tuple[float, float, float, float]:
         """Edges x0, y0, x1, y1 of a box, or of the upright box around another shape, px."""
@@ -252,7 +241,7 @@ class _Parser:
             return left, top, left + value("width"), top + value("height")
         if element.tag == "ellipse":
             x, y, across, down = map(value, ("cx", "cy", "rx", "ry"))
-            turn = math.radians(value("rotation") if "rotation" in element.attributes else 0)
+            turn = math.radians(value("rotation") % 360 if "rotation" in element.attributes else 0)
             wide = math.hypot(across * math.cos(turn), down * math.sin(turn))
             high = math.hypot(across * math.sin(turn), down * math.cos(turn))
             return x - wide, y - high, x + wide, y + high

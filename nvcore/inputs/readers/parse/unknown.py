@@ -177,17 +177,11 @@ def _xml_kind(text: str, expected: str) -> str:
 
 
 def _json_kind(document: object) -> str:
-    if isinstance(document, dict):
-        return f"a JSON object {_keys(document)}"
-    assert isinstance(document, list), "the text begins with a bracket"
-    if document and isinstance(document[0], dict):
-        return f"a JSON list of objects {_keys(document[0])}"
-    return "a JSON list without objects"
-
-
-def _keys(document: dict[str, object]) -> str:
-    if not document:
-        return "without keys"
-    names = [json.dumps(key[:40], ensure_ascii=False) for key in [*document][:_MAX_KEYS]]
-    more = len(document) - len(names)
-    return f"with the keys {', '.join(names)}" + (f" and {more} more" if more else "")
+    kind, first = "a JSON object", document
+    if isinstance(document, list):
+        kind, first = "a JSON list of objects", next(iter(document), None)
+    if not isinstance(first, dict):
+        return "a JSON list without objects"
+    names = [json.dumps(key[:40], ensure_ascii=False) for key in [*first][:_MAX_KEYS]]
+    more = f" and {len(first) - len(names)} more" if len(first) > len(names) else ""
+    return f"{kind} with the keys {', '.join(names)}{more}" if first else f"{kind} without keys"

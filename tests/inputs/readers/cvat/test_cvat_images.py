@@ -71,6 +71,12 @@ def test_a_shape_is_read_as_the_box_around_it(tmp_path: Path, shape: str, box: l
     assert reading.attributes["attributes"].tolist() == ["child"]
 
 
+@pytest.mark.parametrize("rotation", ["inf", "nan", "1e308"])
+def test_an_ellipse_of_any_rotation_is_read(tmp_path: Path, rotation: str) -> None:
+    body = f'<ellipse label="person" cx="1" cy="2" rx="3" ry="4" rotation="{rotation}"/>'
+    assert len(read_xml(tmp_path, image("a/1.png", 0, body)).boxes) == 1
+
+
 def test_an_outline_on_a_box_of_its_label_is_the_same_object(tmp_path: Path) -> None:
     box = '<box label="person" xtl="60" ytl="100" xbr="100" ybr="200"/>'
     points = 'points="61,101;99,101;98,198"'
