@@ -162,6 +162,13 @@ def test_a_missing_column_is_named(tmp_path: Path):
     assert "found frame, left, top; missing: w, h" in message
 
 
+def test_a_table_of_waymo_is_named(tmp_path: Path):
+    names = ("key.frame_timestamp_micros", "[CameraBoxComponent].box.center.x")
+    pq.write_table(pa.table({name: [1.0] for name in names}), tmp_path / "a.parquet")
+    message = refusal(SourceFile(tmp_path / "a.parquet", "a.parquet"))
+    assert "it is a table of the Waymo Open Dataset, which is not read: keep" in message
+
+
 def test_a_column_that_is_there_twice_is_refused(tmp_path: Path):
     arrays = [pa.array([1])] * 6
     double = pa.Table.from_arrays(arrays, names=["frame", "x", "x", "y", "w", "h"])

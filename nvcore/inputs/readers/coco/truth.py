@@ -256,9 +256,9 @@ def _crowds(
     if CROWD in (options.classes or ()):
         return *kept, []
     shapes = records.values("segmentation") or [None] * len(records)
-    is_mask = np.array([isinstance(shape, dict) for shape in shapes])
+    is_drawn, is_mask = np.array([(bool(s), isinstance(s, dict)) for s in shapes]).T
     are_all = bool(is_crowd[is_open].all())
-    are_masks = bool((is_mask == is_crowd)[is_open].all())
+    are_masks = bool(((is_mask <= is_crowd) & (is_crowd <= is_drawn))[is_open].all())
     share_high = np.mean((box[:, 3] >= box[:, 2])[is_crowd & is_open])
     is_export = share_high >= _HIGH_SHARE and (are_all or (are_masks and n_crowds >= _LEAST_MASKS))
     if not (is_export or are_all or (are_masks and share_high >= _HIGH_SHARE / 2)):

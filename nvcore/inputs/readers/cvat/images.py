@@ -23,8 +23,13 @@ from nvcore.inputs.readers.base import (
     object_array,
     warning,
 )
-from nvcore.inputs.readers.cvat.boxes import boxes_reading, other_shapes
-from nvcore.inputs.readers.cvat.xml import CvatContent, Owner, read_cvat
+from nvcore.inputs.readers.cvat.content import (
+    CvatContent,
+    Owner,
+    boxes_reading,
+    other_shapes,
+    read_cvat,
+)
 from nvcore.inputs.readers.meaning.frame_names import in_file, joined_named, named_pictures
 from nvcore.inputs.readers.meaning.names import ONLY, recording_and_frame_of, recording_of
 from nvcore.inputs.readers.meaning.sizes import recordings_with_sizes

@@ -24,8 +24,14 @@ from nvcore.inputs.readers.base import (
     recordings_table,
     warning,
 )
-from nvcore.inputs.readers.cvat.boxes import CORNERS, boxes_reading, other_shapes
-from nvcore.inputs.readers.cvat.xml import CvatContent, CvatTask, read_cvat
+from nvcore.inputs.readers.cvat.content import (
+    CORNERS,
+    CvatContent,
+    CvatTask,
+    boxes_reading,
+    other_shapes,
+    read_cvat,
+)
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.parse.xml import root_of
 

@@ -117,6 +117,7 @@ UNSEEN = "ignore and iscrowd = ignore"
             0,
             "note",
         ),
+        (BOXES + drawn(10, segmentation=POLYGON), None, 0, "note"),
         (drawn(3), None, 0, "note"),
         (drawn(3, segmentation=None), None, 0, "note"),
         # regions of COCO: wide, few, or without a mask
