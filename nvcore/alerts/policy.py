@@ -8,7 +8,6 @@ alert_pause_s = 5
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +15,7 @@ from typing import Any, Final
 
 from nvcore.errors import InputError, ParameterError
 from nvcore.inputs.readers.base import SourceFile
+from nvcore.inputs.readers.parse.toml import parse_toml
 from nvcore.params import SETTINGS
 from nvcore.wording import did_you_mean, listed, one_line
 
@@ -108,12 +108,9 @@ def read_policy(file: SourceFile) -> dict[str, Any]:
     """
     if file.is_larger_than(MAX_BYTES):
         raise InputError("is too large for a policy", file=file.name)
-    try:
-        with file.open() as stream:
-            text = stream.read().decode()
-        values = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # bad UTF-8, too
-        raise InputError(f"is not TOML: {error}", file=file.name) from error
+    with file.open() as stream:
+        content = stream.read()
+    values = parse_toml(content, file=file.name)
     name = BASE
     try:
         policy = named_policy(str(values.pop(BASE, "balanced")))
@@ -127,6 +124,6 @@ def read_policy(file: SourceFile) -> dict[str, Any]:
     except ParameterError as error:
         # tomllib does not keep where a key stands
         key = re.compile(rf"""\s*\[?\s*["']?{re.escape(name)}["']?\s*[].=]""")
-        at = (n for n, line in enumerate(text.splitlines(), 1) if key.match(line))
+        at = (n for n, line in enumerate(content.decode().splitlines(), 1) if key.match(line))
         raise InputError(str(error), file=file.name, line=next(at, None)) from error
     return policy

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -30,6 +29,7 @@ from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units
 from nvcore.extras import needs
 from nvcore.findings import Finding, worst_first
+from nvcore.inputs.readers.parse.toml import parse_toml
 from nvcore.inputs.session import Session
 from nvcore.measures.entry import MeasureTable
 from nvcore.metrics.venn import BoxVenn, Exclusivity, Venn
@@ -345,8 +345,8 @@ def _protect_session(path: Path) -> None:
     if not path.is_file():
         return
     try:
-        is_ours = "written" in tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        is_ours = "written" in parse_toml(path.read_bytes(), file=path)
+    except (OSError, InputError):
         is_ours = False
     if not is_ours:
         raise InputError(

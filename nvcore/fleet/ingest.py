@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
@@ -19,6 +18,7 @@ from nvcore.errors import InputError, NvcoreError, StoreError
 from nvcore.extras import needs
 from nvcore.findings import TRUTH_NAME, Finding
 from nvcore.fleet.session import time_of
+from nvcore.inputs.readers.parse.toml import parse_toml
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.metrics.encounter_classes import texts_of_truth
 from nvcore.progress import Progress, no_progress
@@ -450,6 +450,6 @@ def _is_session(path: Path) -> bool:
     try:
         if path.stat().st_size > MOST_TOML_BYTES:
             return True
-        return "truth" in tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
+        return "truth" in parse_toml(path.read_bytes(), file=path)
+    except (OSError, InputError):
         return True  # reading it says what is wrong

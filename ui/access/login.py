@@ -17,7 +17,6 @@ that was asked for.
 from __future__ import annotations
 
 import logging
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -29,6 +28,7 @@ import streamlit as st
 
 from nvcore.errors import InputError
 from nvcore.extras import needs
+from nvcore.inputs.readers.parse.toml import parse_toml
 from ui.settings.start import argument, base_path
 from ui.streamlit_inside.login import CALLBACK, has_authlib, section_of_secrets
 
@@ -106,7 +106,7 @@ def login() -> Login | None:
         If the packages for it are missing.
     """
     path = argument(FLAG, VARIABLE)
-    section = _section_of(Path(path)) if path else _section_of_secrets()
+    section = section_of(Path(path)) if path else _section_of_secrets()
     if section is None:
         return None
     with needs("login", "log-in needs"):
@@ -139,7 +139,10 @@ def read_login(section: Mapping[str, Any], *, file: str, base: str = "") -> Logi
     redirect_uri = wrong.text(section, "redirect_uri").replace(
         "{port}", str(st.get_option("server.port"))
     )
-    parts = urlsplit(redirect_uri)
+    try:
+        parts = urlsplit(redirect_uri)
+    except ValueError:  # half of an IPv6 address
+        parts = urlsplit("")
     if parts.scheme not in ("http", "https") or not parts.hostname:
         raise wrong(f"redirect_uri: expected https://HOST{base}{CALLBACK}, got {redirect_uri!r}")
     if parts.path != f"{base}{CALLBACK}" or parts.query or parts.fragment:
@@ -211,7 +214,14 @@ class _Wrong:
         return value
 
 
-def _section_of(path: Path) -> Mapping[str, Any]:
+def section_of(path: Path) -> Mapping[str, Any]:
+    """``[auth]`` of a TOML file.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, is not TOML, or has none.
+    """
     section = _read(path).get("auth")
     if not isinstance(section, dict):
         raise InputError("has no section [auth]", file=path)
@@ -227,8 +237,7 @@ def _section_of_secrets() -> Mapping[str, Any] | None:
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        content = path.read_bytes()
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", file=path) from error
-    except ValueError as error:  # not TOML, or not UTF-8
-        raise InputError(f"is not TOML: {error}", file=path) from error
+    return parse_toml(content, file=path)

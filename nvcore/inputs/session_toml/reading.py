@@ -10,7 +10,6 @@ words, which takes as much code as decoding here.
 from __future__ import annotations
 
 import reprlib
-import tomllib
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import MISSING, fields
@@ -21,6 +20,7 @@ from typing import Any, Final, TypeVar, get_args, get_origin, get_type_hints
 from nvcore.codes import CodedInterval
 from nvcore.errors import ParameterError, SessionError
 from nvcore.inputs.facts import check_path, parse_size
+from nvcore.inputs.readers.parse.toml import parse_toml
 from nvcore.inputs.session import (
     TABLES_OF_SUBJECTS,
     RecordingEntry,
@@ -41,10 +41,8 @@ from nvcore.wording import did_you_mean
 _T = TypeVar("_T")
 
 MAX_BYTES: Final = 16 << 20
-MOST_SYSTEMS: Final = 1000
-_MOST_DOTS: Final = 20_000
-"""In a line: each part of a key takes as long as there are parts before it."""
 """With the hashes of a hundred thousand inputs."""
+MOST_SYSTEMS: Final = 1000
 _TABLES: Final = frozenset(
     {
         "recording",
@@ -105,24 +103,11 @@ def read_session(path: str | Path, *, needs_system: bool = True) -> Session:
     try:
         if path.stat().st_size > MAX_BYTES:
             raise SessionError(f"is larger than {MAX_BYTES >> 20} MiB", file=path)
-        text = path.read_text(encoding="utf-8")
-        if any(line.count(".") > _MOST_DOTS for line in text.splitlines()):
-            raise SessionError(f"has a line with more than {_MOST_DOTS:,} dots", file=path)
-        content = tomllib.loads(text)
-        _check_integers(content)
+        content = path.read_bytes()
     except OSError as error:
         raise SessionError(f"cannot be opened ({error.strerror})", file=path) from error
-    except (ValueError, RecursionError) as error:  # bad UTF-8, bad TOML, thousands of digits
-        raise SessionError(f"is not TOML: {error}", file=path) from error
-    return _Decoder(path).session(content, needs_system)
-
-
-def _check_integers(value: object) -> None:
-    if isinstance(value, dict | list):
-        for part in value.values() if isinstance(value, dict) else value:
-            _check_integers(part)
-    elif isinstance(value, int) and not -(2**63) <= value < 2**63:
-        raise ValueError("an integer of more than 64 bits")
+    tables = parse_toml(content, file=path, error=SessionError)
+    return _Decoder(path).session(tables, needs_system)
 
 
 class _Decoder:

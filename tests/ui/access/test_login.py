@@ -51,6 +51,7 @@ def test_several_providers_are_known_by_name():
     ("wrong", "words"),
     [
         ({"redirect_uri": "tools.example"}, "expected https://HOST/oauth2callback"),
+        ({"redirect_uri": "https://[::1/oauth2callback"}, "expected https://HOST/oauth2callback"),
         ({"redirect_uri": "https://tools.example/callback"}, "expected a path /oauth2callback"),
         ({"redirect_uri": "http://tools.example/oauth2callback"}, "expected https"),
         ({"cookie_secret": "short"}, "expected 32 random characters"),
@@ -80,7 +81,11 @@ def test_a_file_that_is_named_has_to_be_there_and_to_have_the_section(tmp_path: 
     with log_in_by(tmp_path):
         assert login() is not None
         file = tmp_path / "auth.toml"
-        for content, words in (("[auth", "is not TOML"), ("", r"has no section \[auth\]")):
+        for content, words in (
+            ("[auth", "is not TOML"),
+            ("a = " + "[" * 5000, "is not TOML"),
+            ("", r"has no section \[auth\]"),
+        ):
             module.login.cache_clear()
             file.write_text(content)
             with pytest.raises(InputError, match=words):
