@@ -120,7 +120,7 @@ mutants: $(DEVELOP)
 
 FUZZ_SECONDS ?= 600
 
-fuzz: $(LIBRARY) $(FUZZER)
+fuzz: $(STORES) $(FUZZER)
 	PYTHONPATH=.venv-tools/fuzz $(BIN)/python -m scripts.fuzz $(TARGETS) --seconds $(FUZZ_SECONDS)
 
 # The virtual environment is made and filled once, and again only when a pinned version changes.

@@ -1,12 +1,13 @@
 """Look for inputs that end in anything but a result or an error which says what is wrong.
 
     python -m scripts.fuzz [TARGET ...] [--seconds 600]    all targets, or these, one after another
+    python -m scripts.fuzz [TARGET ...] --runs 100000      so many inputs of each, changed blindly
     python -m scripts.fuzz TARGET --again FILE             one input, with its traceback
 
 Files, requests and rules from outside are made of small ones that are read to their end, changed so
 that they run new lines of the program (atheris, which is libFuzzer for Python). A fault is: an
-exception that is not an NvcoreError, a check that does not hold (scripts/fuzz/targets.py), more
-than 10 s for one input, more than 1,500 MB, or the end of the process. Each target has a process of
+exception that is not an NvcoreError, a warning, a check that does not hold, more than 2 s of the
+processor for one input, more than 1,500 MB, or the end of the process. Each target has a process of
 its own; what it learns stays in .fuzz/corpus for the next run, what it finds in .fuzz/faults.
 """
 
@@ -15,7 +16,6 @@ from __future__ import annotations
 import argparse
 import hashlib
 import json
-import os
 import re
 import subprocess
 import sys
@@ -24,6 +24,7 @@ import time
 from pathlib import Path
 
 from scripts.fuzz.targets import TARGETS
+from scripts.fuzz.trial import COUNTED
 
 ROOT = Path(__file__).resolve().parents[2]
 STORE = ROOT / ".fuzz"
@@ -37,30 +38,33 @@ def prepare(name: str, store: Path) -> None:
     folder = store / "seeds" / name
     folder.mkdir(parents=True, exist_ok=True)
     words: dict[bytes, None] = {}
-    for content in TARGETS[name].seeds():
+    for content in TARGETS[name].first_inputs():
         (folder / hashlib.sha256(content).hexdigest()[:16]).write_bytes(content)
         words |= dict.fromkeys(re.findall(rb"[A-Za-z_<>/!?\[\]\"=:-]{3,24}", content))
     lines = ['"' + "".join(f"\\x{byte:02x}" for byte in word) + '"' for word in list(words)[:WORDS]]
     (store / "seeds" / f"{name}.dict").write_text("\n".join(lines), "ascii")
 
 
-def fuzz(name: str, seconds: float, store: Path) -> dict[str, float]:
-    """Run one target for so long; its counts."""
+def fuzz(name: str, seconds: float, runs: int, store: Path) -> dict[str, float]:
+    """Run one target for so long, or with so many inputs unless 0; its counts."""
     prepare(name, store)
     counts_file, log = store / f"{name}.json", store / f"{name}.log"
     counts_file.unlink(missing_ok=True)
     end = time.monotonic() + seconds
-    environment = {**os.environ, "PYTHONWARNINGS": "ignore"}
     ends = 0
     with log.open("wb") as output:
         for _ in range(MOST_STARTS):
-            left = round(end - time.monotonic())
+            done = 0
+            if runs and counts_file.exists():
+                known = json.loads(counts_file.read_text("utf-8"))
+                done = sum(known[kind] for kind in COUNTED)
+            left = runs - done if runs else round(end - time.monotonic())
             if left < 1:
                 break
+            module = f"scripts.fuzz.{'trial' if runs else 'worker'}"
             worker = subprocess.Popen(
-                [sys.executable, "-m", "scripts.fuzz.worker", name, str(store), str(left)],
+                [sys.executable, "-m", module, name, str(store), str(left)],
                 cwd=ROOT,
-                env=environment,
                 stdout=output,
                 stderr=subprocess.STDOUT,
             )
@@ -90,6 +94,7 @@ def main() -> int:
     )
     parser.add_argument("targets", nargs="*", metavar="TARGET", help=", ".join(TARGETS))
     parser.add_argument("--seconds", type=float, default=600)
+    parser.add_argument("--runs", type=int, default=0, metavar="N")
     parser.add_argument("--again", type=Path, metavar="FILE")
     options = parser.parse_args()
     unknown = set(options.targets) - set(TARGETS)
@@ -104,7 +109,8 @@ def main() -> int:
           f"{'slowest s':>10} {'peak MB':>8}")  # fmt: skip
     n_faults = 0
     for name in names:
-        counts = fuzz(name, options.seconds * TARGETS[name].share / shares, STORE)
+        seconds = options.seconds * TARGETS[name].share / shares
+        counts = fuzz(name, seconds, options.runs, STORE)
         n_faults += int(counts["faults"] + counts["ends"])
         print(
             f"{name:12} {counts['read']:9,} {counts['refused']:9,} {counts['faults']:7,} "

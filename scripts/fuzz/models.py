@@ -15,47 +15,25 @@ import json
 import re
 import zipfile
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from random import Random
 from typing import Any, Final
 
 import numpy as np
 
+from nvcore.detectors.icf import IcfDetector
+from nvcore.detectors.icf.model_file import from_bytes, to_bytes
 from nvcore.driver.estimators import model_file as driver_file
 from nvcore.driver.texts import render_estimator
 from nvcore.output.arrays import pack
+from scripts.fuzz.target import target
 
 ODD: Final = ("null", "true", "[]", "{}", "-1", "0.5", "1e308", "9" * 400, '"x"', "[[1]]", "")
 """In place of a value."""
 _OF_JSON: Final = re.compile(rb"(/\S+) (.*)", re.DOTALL)
 _OF_ARRAY: Final = re.compile(rb"(\w+) (\d{1,6})([=+-])((?:[0-9a-f]{2})*)")
 _MOST_CHANGES: Final = 16
-
-
-def detector_models(content: bytes, _folder: Path) -> None:
-    """A changed detector: read, written as it was read, run on a small picture."""
-    from nvcore.detectors.icf import IcfDetector
-    from nvcore.detectors.icf.model_file import from_bytes, to_bytes
-
-    model = from_bytes(changed(content, "detectors"), "model.npz")
-    written = to_bytes(model)
-    assert to_bytes(from_bytes(written, "again.npz")) == written, "another model"
-    boxes = IcfDetector(model).detect(_picture())
-    assert np.isfinite(boxes.score).all(), "scores that are no numbers"
-
-
-def estimators(content: bytes, _folder: Path) -> None:
-    """A changed estimator: read, written as it was read, asked for estimates."""
-    estimator = driver_file.from_bytes(changed(content, "driver"), "model.npz")
-    written = driver_file.to_bytes(estimator)
-    again = driver_file.from_bytes(written, "again.npz")
-    assert driver_file.to_bytes(again) == written, "another estimator"
-    render_estimator(estimator)
-    features = np.linspace(0.0, 300.0, 80).reshape(10, 8)
-    for interpolate in (False, True):
-        estimates = estimator.estimate(features, np.arange(10.0), interpolate=interpolate)
-        assert np.isfinite(estimates.detectability).all(), "estimates that are no numbers"
 
 
 def changed(content: bytes, room: str) -> bytes:
@@ -105,7 +83,7 @@ def changes(room: str) -> Iterator[bytes]:
             yield "\n".join(f"{name} {part}" for part in same).encode()
 
 
-def mutated(content: bytes, room: str, rng: Random) -> bytes:
+def mutated(content: bytes, rng: Random, *, room: str) -> bytes:
     """The changes with one more, and perhaps one less: few texts of other kinds are changes."""
     lines = [line for line in content.split(b"\n") if line]
     if lines and (len(lines) >= _MOST_CHANGES or rng.random() < 0.3):
@@ -162,3 +140,34 @@ def _values(part: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 @cache
 def _picture() -> np.ndarray:
     return np.random.default_rng(0).integers(0, 255, (44, 32), dtype=np.uint8)
+
+
+@target(
+    partial(changes, "detectors"),
+    share=1.0,
+    most_bytes=1024,
+    mutate=partial(mutated, room="detectors"),
+)
+def detectors(content: bytes, _folder: Path) -> None:
+    """A changed detector: read, written as it was read, run on a small picture."""
+    model = from_bytes(changed(content, "detectors"), "model.npz")
+    written = to_bytes(model)
+    assert to_bytes(from_bytes(written, "again.npz")) == written, "another model"
+    boxes = IcfDetector(model).detect(_picture())
+    assert np.isfinite(boxes.score).all(), "scores that are no numbers"
+
+
+@target(
+    partial(changes, "driver"), share=1.0, most_bytes=1024, mutate=partial(mutated, room="driver")
+)
+def estimators(content: bytes, _folder: Path) -> None:
+    """A changed estimator: read, written as it was read, asked for estimates."""
+    estimator = driver_file.from_bytes(changed(content, "driver"), "model.npz")
+    written = driver_file.to_bytes(estimator)
+    again = driver_file.from_bytes(written, "again.npz")
+    assert driver_file.to_bytes(again) == written, "another estimator"
+    render_estimator(estimator)
+    features = np.linspace(0.0, 300.0, 80).reshape(10, 8)
+    for interpolate in (False, True):
+        estimates = estimator.estimate(features, np.arange(10.0), interpolate=interpolate)
+        assert np.isfinite(estimates.detectability).all(), "estimates that are no numbers"

@@ -20,6 +20,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from nvcore.inputs.readers import FORMATS
+from scripts.fuzz.target import PARTS
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 DATA: Final = ROOT / "tests" / "data"
@@ -38,7 +39,7 @@ _VIDEOS: Final = (
 )
 
 
-def annotations(names: Sequence[str], between: bytes) -> Iterator[bytes]:
+def annotations(names: Sequence[str]) -> Iterator[bytes]:
     """Each file of the tests' data under each fitting name, its format named and not."""
     folders = {form.name.replace("-", "_"): number for number, form in enumerate(FORMATS, 1)}
     folders |= {"coco": [form.name for form in FORMATS].index("coco") + 1}
@@ -55,22 +56,22 @@ def annotations(names: Sequence[str], between: bytes) -> Iterator[bytes]:
     mot = names.index("drive1/gt/gt.txt")
     seqinfo = (DATA / "mot" / "MOT16-02" / "seqinfo.ini").read_bytes()
     truth = (DATA / "mot" / "MOT16-02" / "gt" / "gt.txt").read_bytes()
-    yield bytes([0, mot, 0]) + _short(truth) + between + seqinfo
+    yield bytes([0, mot, 0]) + _short(truth) + PARTS + seqinfo
 
 
-def comparisons(between: bytes) -> Iterator[bytes]:
+def comparisons() -> Iterator[bytes]:
     """Truth and detections, as plain CSV with names of recordings and without, and as MOT."""
     truth, fir, nir = (
         _short((SAMPLE / f"{name}.csv").read_bytes(), 1500) for name in ("truth", "fir", "nir")
     )
-    yield between.join((truth, fir, nir))
-    yield between.join((truth, fir))
+    yield PARTS.join((truth, fir, nir))
+    yield PARTS.join((truth, fir))
     rows = [f"{frame},1,{300 + frame},200,30,80,1,1,1.0" for frame in range(1, 9)]
     detections = [f"{frame},-1,{303 + frame},201,30,80,0.{frame}" for frame in range(1, 9)]
     mot = "\n".join(rows).encode()
-    yield between.join((mot, "\n".join(detections).encode(), b"1,-1,10,10,5,5,0.5\n"))
+    yield PARTS.join((mot, "\n".join(detections).encode(), b"1,-1,10,10,5,5,0.5\n"))
     plain = b"frame,x,y,w,h,id,score,ignore\n1,300,200,30,80,1,,0\n2,301,200,30,80,1,,1\n"
-    yield between.join((plain, b"frame,x,y,w,h,score\n1,300,200,30,80,0.9\n", b""))
+    yield PARTS.join((plain, b"frame,x,y,w,h,score\n1,300,200,30,80,0.9\n", b""))
 
 
 def parquet_files() -> Iterator[bytes]:
@@ -159,97 +160,6 @@ def _video(container: str, codec: str, picture: np.ndarray) -> bytes:
                 output.mux(stream.encode(frame))
             output.mux(stream.encode(None))
         return path.read_bytes()
-
-
-def sessions() -> Iterator[bytes]:
-    """The sample's, and one with every table."""
-    yield (SAMPLE / "session.toml").read_bytes()
-    yield b"""
-[recordings]
-path = "recordings.csv"
-[defaults]
-size = "640x480"
-fps = 20
-frames = "0:299:2"
-[truth]
-path = ["a.txt", "b/*.txt"]
-format = "csv"
-classes = ["person"]
-frame_base = 0
-box_base = 1
-[[system]]
-name = "FIR"
-path = "fir.csv"
-threshold = 0.5
-offset_frames = -1
-offset_px = [0, 1.5]
-scale = [1.0, 2]
-[[system]]
-path = "nir.csv"
-name = "NIR"
-[[recording]]
-name = "a"
-width = 640
-height = 480
-fps = 20.5
-frames = "0:9"
-horizon = 236.0
-context = "rural"
-pictures = "a.mp4"
-first_picture = 1
-tags = ["night", "rain"]
-[compare]
-x = "FIR"
-y = "NIR"
-[parameters]
-alpha = 0.5
-distance = "ground"
-midpoint = 50
-[protocol]
-name = "reasonable"
-height_px = [50, inf]
-occlusion = [0, 1]
-border_px = [5, 5, 5, 5]
-aspect = [1.0, inf]
-tags = ["night"]
-recordings = ["a"]
-expand = 1.25
-[written]
-version = "0"
-fingerprint = "0"
-"""
-
-
-def recordings() -> Iterator[bytes]:
-    """With commas, semicolons and tabs."""
-    columns = "recording,width,height,fps,context,tags,pictures"
-    text = f"{columns}\na,640,480,20,rural,night;rain,a.mp4\nb,,,,0.5,,\n"
-    yield text.encode()
-    yield text.replace(";", " ").replace(",", ";").replace("0.5", "0,5").encode()
-    yield text.replace(",", "\t").encode("utf-8-sig")
-    yield b'recording;tags\n"a b";"x;y"\n'
-
-
-def provenance() -> Iterator[bytes]:
-    """One by hand, and one with all that there is."""
-    yield b'{"detector": {"trained_on": [{"recording": "a", "first_frame": 0}]}}'
-    yield (
-        b'{"written_by": "nvcore", "detector": {"kind": "hog", "name": "HOG", "labels": ["sign"], '
-        b'"fingerprint": "5f", "settings": {"a": 1, "b": true, "c": null, "d": 0.5, "e": "f"}, '
-        b'"trained_on": [{"fingerprint": "ab", "last_frame": -3}]}, "files": {"a.csv": "cd"}, '
-        b'"recordings": [{"name": "a", "frames": ["0:9", "11:11"]}]}'
-    )
-
-
-def frame_lists() -> Iterator[bytes]:
-    """Ranges, and a file."""
-    yield from (b"0:299", b"-5:10:2", b"1\n2\n5\n", b"\xef\xbb\xbf3\r\n4\r\n")
-
-
-def rules() -> Iterator[bytes]:
-    """Of each form."""
-    yield b"mean_similarity_y >= 0.9\nlog_average_miss_rate_y <= 10% or undefined # why\n"
-    yield b"new_misses == 0\nsaliency_x <= 1e-3\nsaliency_difference => -5\naudit_errors < 1\n"
 
 
 def requests() -> Iterator[bytes]:

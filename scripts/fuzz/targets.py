@@ -1,4 +1,6 @@
-"""What is fuzzed: each target takes bytes and an empty folder, and may refuse them or return.
+"""Targets for annotations, comparisons, archives, media and requests; the others are imported.
+
+Each takes bytes and an empty folder, and may refuse them or return.
 
 A refusal is an `nvcore.errors.NvcoreError`. Any other exception is a fault, an AssertionError of
 the checks below among them.
@@ -7,45 +9,37 @@ the checks below among them.
 from __future__ import annotations
 
 import asyncio
-import gc
-import re
-import tomllib
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from random import Random
 from typing import Any, Final
 from urllib.parse import unquote
 
 import numpy as np
+from starlette.applications import Starlette
 
 from nvcore.auditing import audit
 from nvcore.comparison import compare
-from nvcore.dataset.provenance import provenance_json, read_provenance
-from nvcore.errors import SessionError
-from nvcore.inputs.evaluated_frames import own_frames, parse_frames
-from nvcore.inputs.facts import is_frame_range
+from nvcore.inputs.evaluated_frames import own_frames
 from nvcore.inputs.files import find_files
 from nvcore.inputs.load import load, read_options
 from nvcore.inputs.readers import FORMATS
 from nvcore.inputs.readers.base import Reading, ReadOptions, SourceFile
-from nvcore.inputs.recordings_file import read_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
-from nvcore.inputs.session_toml import read_session, write_session
 from nvcore.measures.table import MEASURES
 from nvcore.objects import PEDESTRIAN
 from nvcore.pictures.archive import Archive, ArchiveLimits
 from nvcore.pictures.open import open_pictures
 from nvcore.pictures.recordings import RecordingPictures
 from nvcore.pictures.stretch import jpeg
-from nvcore.report.gate.measures import measure_names
-from nvcore.report.gate.outcomes import judge
-from nvcore.report.gate.rules import read_rules
 from nvcore.report.terminal import render_findings
 from nvcore.schema import READING_DTYPES
-from scripts.fuzz import models, seeds, tables
-from scripts.fuzz.tables import written
+from scripts.fuzz import models, seeds, texts  # noqa: F401  # they have targets
+from scripts.fuzz.target import PARTS, TARGETS, target, written
+from ui.session.routes import routes_below
+from ui.session.uploads import safe_name
+from ui.session.workspace import Workspace
+
+__all__ = ["TARGETS"]
 
 NAMES: Final = (
     "truth.csv",
@@ -60,8 +54,6 @@ NAMES: Final = (
     "det.tsv",
 )
 """What a file of annotations may be called: some formats take names of recordings from there."""
-PARTS: Final = b"\n%%\n"
-"""Between the files of one input."""
 MAX_FRAMES: Final = 100_000
 MAX_UNPACKED_BYTES: Final = 1 << 22
 SMALL: Final = ArchiveLimits(members=200, member_bytes=1 << 22, total_bytes=1 << 23)
@@ -69,34 +61,7 @@ ANSWERS: Final = frozenset({200, 201, 307, 400, 403, 404, 405, 413, 415, 507})
 """Statuses that the app's own routes may give."""
 
 
-@dataclass(frozen=True)
-class Target:
-    """One entrance for files from outside.
-
-    Attributes
-    ----------
-    run
-        (content, empty folder) -> None, or an error.
-    seeds
-        Inputs that it begins with.
-    share
-        Of the time of a run.
-    most_bytes
-        Of one input.
-    module
-        What `run` imports by itself, to be imported before.
-    mutate
-        (content, source of chance) -> another content, where few bytes make sense; None: any.
-    """
-
-    run: Callable[[bytes, Path], None]
-    seeds: Callable[[], Iterable[bytes]]
-    share: float
-    most_bytes: int = 8192
-    module: str = ""
-    mutate: Callable[[bytes, Random], bytes] | None = None
-
-
+@target(lambda: seeds.annotations(NAMES), share=4.0)
 def annotations(content: bytes, folder: Path) -> None:
     """One file, or several, of one source; its format named or not, its role and options by bits.
 
@@ -147,6 +112,7 @@ def _some_truth() -> Reading:
     return file_format.read(files, read_options(source, "truth", None, None, PEDESTRIAN))
 
 
+@target(seeds.comparisons, share=1.5)
 def comparison(content: bytes, folder: Path) -> None:
     """Truth and detections of one or two systems: read, audited, compared."""
     parts = content.split(PARTS)[:3]
@@ -172,7 +138,8 @@ def comparison(content: bytes, folder: Path) -> None:
                     measure.of(result, system)
 
 
-def parquet_files(content: bytes, folder: Path) -> None:
+@target(seeds.parquet_files, share=1.0)
+def parquet(content: bytes, folder: Path) -> None:
     """A Parquet file, as truth and as detections."""
     path = written(folder, "a.parquet", content)
     form = next(form for form in FORMATS if form.name == "parquet")
@@ -180,6 +147,7 @@ def parquet_files(content: bytes, folder: Path) -> None:
         _check_reading(form.read([SourceFile(path, path.name)], ReadOptions(role=role)), 1)
 
 
+@target(seeds.archives, share=1.0, most_bytes=1 << 15)
 def archives(content: bytes, folder: Path) -> None:
     """An archive: checked, read, unpacked below a folder and nowhere else."""
     path = written(folder, "packed.zip", content)
@@ -195,6 +163,7 @@ def archives(content: bytes, folder: Path) -> None:
         assert not file.is_symlink(), f"{file} is a link"
 
 
+@target(seeds.packed, share=0.75)
 def packed(content: bytes, folder: Path) -> None:
     """A packed file of annotations: unpacked, and read."""
     path = written(folder, "truth.csv.gz", content)
@@ -210,6 +179,7 @@ def packed(content: bytes, folder: Path) -> None:
     _check_reading(reading, len(files))
 
 
+@target(seeds.media, share=2.0, most_bytes=1 << 16)
 def media(content: bytes, folder: Path) -> None:
     """A picture, video or archive of pictures: its header, its first pictures and its last."""
     path = written(folder, "pictures.bin", content)
@@ -224,85 +194,12 @@ def media(content: bytes, folder: Path) -> None:
         pictures.close()
 
 
-def sessions(content: bytes, folder: Path) -> None:
-    """A session file: once written, it is written the same after it was read again.
-
-    Few of the inputs are TOML: what makes it none is left out, line by line.
-    """
-    path = written(folder, "session.toml", content)
-    try:
-        session = read_session(path)
-    except SessionError as error:
-        if not isinstance(error.__cause__, tomllib.TOMLDecodeError):
-            raise
-        path.write_bytes(without_bad_lines(content))
-        session = read_session(path)
-    text = write_session(session, version="0", fingerprint="0")
-    path.write_bytes(text.encode())
-    again = read_session(path)
-    assert write_session(again, version="0", fingerprint="0") == text, "the text has changed"
-    assert str(again.params) == str(session.params), "settings have changed"
-    assert str(again.protocol) == str(session.protocol), "the protocol has changed"
-
-
-def without_bad_lines(content: bytes) -> bytes:
-    """The text without the lines that are no TOML."""
-    lines = content.decode("utf-8", "ignore").splitlines()
-    while lines:
-        try:
-            tomllib.loads("\n".join(lines))
-        except tomllib.TOMLDecodeError as error:
-            place = re.search(r"at line (\d+)", str(error))
-            del lines[min(int(place[1]), len(lines)) - 1 if place else -1]
-        except (ValueError, RecursionError):
-            lines.pop()
-        else:
-            break
-    return "\n".join(lines).encode()
-
-
-def recordings(content: bytes, folder: Path) -> None:
-    """A table of recordings."""
-    path = written(folder, "recordings.csv", content)
-    for name, (line, entry) in read_recordings_file(path, "recordings.csv").items():
-        assert name == entry.name, "another name"
-        assert line > 1, "no line"
-
-
-def provenance(content: bytes, folder: Path) -> None:
-    """A record of how detections were made."""
-    path = written(folder, "provenance.json", content)
-    text = provenance_json(read_provenance(path, "provenance.json"))
-    path.write_bytes(text)
-    assert provenance_json(read_provenance(path, "again")) == text, "another record"
-
-
-def frame_lists(content: bytes, folder: Path) -> None:
-    """Evaluated frames: a range, or a file of numbers."""
-    written(folder, "frames.txt", content)
-    text = content.decode("utf-8", "replace")
-    own = np.arange(10, 15)
-    frames = parse_frames(text if is_frame_range(text) else "frames.txt", folder, own)
-    assert (np.diff(frames) > 0).all(), "frames that are not sorted"
-
-
-def rules(content: bytes, _folder: Path) -> None:
-    """Rules of the gate, and what they say of measures with a value and without."""
-    names = measure_names()
-    lines = [("--rule", text) for text in content.decode("utf-8", "replace").splitlines()]
-    read, problems = read_rules(lines, names)
-    assert problems or len(read) <= len(lines), "more rules than lines"
-    judge(read, dict.fromkeys(names, 0.5))
-    judge(read, dict.fromkeys(names, float("nan")))
-
-
+@target(seeds.requests, share=1.0)
 def routes(content: bytes, _folder: Path) -> None:
     """A request to the app's routes: method, path?query, header lines, an empty line, the body.
 
     TOKEN in the path is the session's own.
     """
-    from ui.session.uploads import safe_name
-
     app, space = _served()
     head, _, body = content.partition(b"\n\n")
     first, *lines = head.split(b"\n")
@@ -337,11 +234,6 @@ def routes(content: bytes, _folder: Path) -> None:
 @cache
 def _served() -> tuple[Any, Any]:
     """An app with the routes, and a workspace with a picture."""
-    from starlette.applications import Starlette
-
-    from ui.session.routes import routes_below
-    from ui.session.workspace import Workspace
-
     space = Workspace()
     space.pictures = RecordingPictures({0: _OnePicture()}, {0: np.array([0, -1])})
     return Starlette(routes=routes_below("")), space
@@ -373,55 +265,3 @@ async def _status(app: Any, scope: dict[str, Any], body: bytes) -> int:
 
     await app(scope, receive, send)
     return statuses[0]
-
-
-def tidy() -> None:
-    """What an input may leave behind; called now and then."""
-    gc.collect()
-
-
-TARGETS: Final = {
-    "annotations": Target(annotations, lambda: seeds.annotations(NAMES, PARTS), 4.0),
-    "comparison": Target(comparison, lambda: seeds.comparisons(PARTS), 1.5),
-    "archives": Target(archives, seeds.archives, 1.0, 1 << 15),
-    "packed": Target(packed, seeds.packed, 0.75),
-    "media": Target(media, seeds.media, 2.0, 1 << 16),
-    "sessions": Target(sessions, seeds.sessions, 1.0),
-    "recordings": Target(recordings, seeds.recordings, 0.5),
-    "provenance": Target(provenance, seeds.provenance, 0.25),
-    "frames": Target(frame_lists, seeds.frame_lists, 0.25),
-    "rules": Target(rules, seeds.rules, 0.25),
-    "parquet": Target(parquet_files, seeds.parquet_files, 1.0),
-    "detectors": Target(
-        models.detector_models,
-        lambda: models.changes("detectors"),
-        1.0,
-        1024,
-        "nvcore.detectors.icf.model_file",
-        lambda content, rng: models.mutated(content, "detectors", rng),
-    ),
-    "estimators": Target(
-        models.estimators,
-        lambda: models.changes("driver"),
-        1.0,
-        1024,
-        mutate=lambda content, rng: models.mutated(content, "driver", rng),
-    ),
-    "light": Target(tables.light, tables.light_seeds, 0.5),
-    "gaze": Target(tables.gaze, tables.gaze_seeds, 0.25),
-    "estimates": Target(tables.estimates, tables.estimates_seeds, 0.5),
-    "trials": Target(
-        lambda content, folder: tables.trials(content, folder, PARTS),
-        lambda: tables.trials_seeds(PARTS),
-        1.0,
-    ),
-    "boxes": Target(tables.study_boxes, tables.study_boxes_seeds, 0.5),
-    "ratings": Target(tables.ratings, tables.ratings_seeds, 0.5),
-    "answers": Target(
-        tables.answers, tables.answers_seeds, 0.25, 2000, "ui.driver.study.on_screen"
-    ),
-    "names": Target(tables.names_of_frames, tables.names_seeds, 0.5, 2048),
-    "folders": Target(tables.names_of_pictures, tables.names_seeds, 0.5, 2048),
-    "routes": Target(routes, seeds.requests, 1.0, module="ui.session.routes"),
-}
-"""By name, as for the command line."""

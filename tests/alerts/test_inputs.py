@@ -211,9 +211,7 @@ def test_a_policy_is_a_file_that_begins_from_a_named_one(night: Path):
         with pytest.raises(InputError, match=r"ours\.toml.*line 3"):
             nv.judge_alerts(night, policy=night.parent / "ours.toml")
     write(night.parent / "ours.toml", f"alert_k = {'9' * 400}")
-    with pytest.raises(
-        InputError, match=r"ours\.toml: .*an integer of more than 64 bits"
-    ):
+    with pytest.raises(InputError, match=r"ours\.toml: .*an integer of more than 64 bits"):
         nv.judge_alerts(night, policy=night.parent / "ours.toml")
     with pytest.raises(ParameterError, match="cautious, balanced and eager"):
         nv.judge_alerts(night, policy="bold")
