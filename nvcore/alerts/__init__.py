@@ -10,6 +10,7 @@ SUBJECT = Subject(
     steps="steps:STEPS",
     view="steps:AlertsView",
     measures="measures:MEASURES",
+    counts="measures:COUNTS",
     doubts="said:doubt_of",
     columns="columns:COLUMNS",
     figures="figures:FIGURES",

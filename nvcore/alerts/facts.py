@@ -18,6 +18,14 @@ class OfKind(Fact):
 
 
 @dataclass(frozen=True)
+class AlertedInTime(Fact):
+    """Urgent encounters alerted in time, of so many."""
+
+    n: int
+    n_urgent: int
+
+
+@dataclass(frozen=True)
 class AlertsOf(Fact):
     """The alerts of a system.
 
@@ -25,16 +33,15 @@ class AlertsOf(Fact):
     ----------
     kind
         By the ``policy``, or as its own ``log`` has them; ``none``: it gives none.
-    in_time, n_urgent
-        Urgent encounters alerted in time, of so many.
+    in_time
+        How many it is in time for; None for objects that are never urgent.
     """
 
     kind: Literal["policy", "log", "none"]
     letter: str
     n: int
     kinds: tuple[OfKind, ...]
-    in_time: int
-    n_urgent: int
+    in_time: AlertedInTime | None
 
 
 @dataclass(frozen=True)
@@ -46,9 +53,13 @@ class ViewUnknown(Fact):
 
 @dataclass(frozen=True)
 class Oracle(Fact):
-    """That alerts are held back by what no system knows: an oracle; or that it has no effect."""
+    """That alerts are held back by what no system knows: an oracle; or that it has no effect.
+
+    `n_seen` urgent encounters are left out, as the driver sees them in time without an alert.
+    """
 
     kind: Literal["on", "without effect"]
+    n_seen: int
 
 
 @dataclass(frozen=True)
@@ -106,8 +117,6 @@ class Sampled(Fact):
     n: int
 
 
-_TIME: Final = "; in time for {in_time} of {n_urgent!n:urgent encounter}."
-
 _DIFFERENCE: Final = (
     "with {name} alerts X - Y is {difference:+.0f} percentage points (95 %: {low:+.0f} to "
     "{high:+.0f}"
@@ -115,10 +124,11 @@ _DIFFERENCE: Final = (
 
 TEXTS: Final[Texts] = {
     OfKind: "{n} {name}",
+    AlertedInTime: "; in time for {n} of {n_urgent!n:urgent encounter}",
     AlertsOf: {
-        "policy": f"{{letter!u}} gives {{n!n:alert}} ({{kinds:, }}){_TIME}",
-        "log": f"{{letter!u}} gave {{n!n:alert}} by its own log ({{kinds:, }}){_TIME}",
-        "none": f"{{letter!u}} gives no alert{_TIME}",
+        "policy": "{letter!u} gives {n!n:alert} ({kinds:, }){in_time}.",
+        "log": "{letter!u} gave {n!n:alert} by its own log ({kinds:, }){in_time}.",
+        "none": "{letter!u} gives no alert{in_time}.",
     },
     ViewUnknown: "of {n!n:wanted alert} it is not known whether the driver had seen the {one}: "
     "redundant and needed ones are one kind there.",
@@ -141,7 +151,8 @@ TEXTS: Final[Texts] = {
     "unknown, and so is how long an alert lasts.",
     Oracle: {
         "on": "alerts about {many} {whom} the driver has seen are held back, as a perfect driver "
-        "monitor would: an oracle, which no system has.",
+        "monitor would: an oracle, which no system has. The driver sees {n_seen!n:urgent encounter}"
+        " in time without an alert: left out of what counts as in time or not.",
         "without effect": "the oracle has no effect, as it is not known whether the driver sees "
         "{a_one}.",
     },

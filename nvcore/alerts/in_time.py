@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 import scipy
 
+from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.bootstrap import CONFIDENCE, MIN_UNITS, SEED, count_units, expanded_tail
@@ -28,9 +29,9 @@ from nvcore.time_left.steps import time_left_in
 MOST_DRAWS, FEWEST_DRAWS, DRAWN = 2_000, 200, 20_000_000
 """Draws of all drivers' reactions, and resamples of units: as many as keep so many numbers."""
 DRIVER_WORDS: Final = {
-    "sees": "sees {him} by himself in time",
+    "sees": "sees {him} in time without an alert",
     "does_not": "does not",
-    "not_known": "is not known to, or not to",
+    "not_known": "not known",
     "all": "all",
 }
 """Rows of `InTime.of_hundred`: what the driver does."""
@@ -232,7 +233,7 @@ class InTime:
     ----------
     table
         A row for each kind of alert, measure (``share``, 0..1; ``impact_kmh``) and side (``x``,
-        ``y``, ``difference``), with the columns of `intervals`.
+        ``y``, ``difference``), with the columns of `intervals`; the mean of a share is exact.
     units
         What intervals are over; those without urgent encounters have no part in them.
     chances
@@ -256,8 +257,9 @@ class InTime:
 
         Returns
         -------
-        Rows ``sees``, ``does_not``, ``not_known`` (of the driver) and ``all``; columns encounters,
-        both, only_x, only_y, neither (in time with such an alert; they add up to encounters).
+        Rows ``sees``, ``does_not``, ``not_known`` (of the driver), each if there is such an
+        encounter, and ``all``; columns encounters, both, only_x, only_y, neither (in time with such
+        an alert; they add up to encounters).
         """
         chance = {name: self.chances[f"{kind}_{name}"] for name in ("x", "y", "both")}
         parts = pd.DataFrame(
@@ -272,9 +274,9 @@ class InTime:
         driver = np.select(
             [self.chances["is_seen"], self.chances["is_known"]], ["sees", "does_not"], "not_known"
         )
-        rows = parts.groupby(driver).sum().reindex(["sees", "does_not", "not_known"], fill_value=0)
+        rows = parts.groupby(driver).sum()
         rows.loc["all"] = rows.sum()
-        return 100 * rows / len(self.chances)
+        return 100 * rows.loc[[of for of in DRIVER_WORDS if of in rows.index]] / len(self.chances)
 
 
 def judge_in_time(
@@ -302,7 +304,8 @@ def judge_in_time(
     """
     dataset, params, encounters = result.dataset, result.params, result.encounters
     time_left, frames, units = time_left_in(result), dataset.frame_columns, find_units(result)
-    rows, urgent_row = np.flatnonzero(time_left.is_urgent), time_left.urgency["urgent_row"]
+    rows = np.flatnonzero(alerts_in(result).is_to_alert)
+    urgent_row = time_left.urgency["urgent_row"]
     braking_s = speed_of_frames(frames, params.speed_kmh) / KMH / (2 * params.deceleration)
     time_s, last_row = dataset.frames["time_s"].to_numpy(), urgent_row.to_numpy()
     ttc_s, reaction_s = time_left.contact.ttc_s, params.reaction_s
@@ -325,14 +328,19 @@ def judge_in_time(
     chances = pd.DataFrame({"is_known": is_known, "is_seen": is_seen}, index=rows)
     chances[["slack_s_x", "slack_s_y"]] = np.column_stack(slacks)
     shared: dict[str, Any] = {"after_s": after_s, "deceleration": params.deceleration}
-    shared["normal"] = np.random.default_rng(SEED).standard_normal((n_draws, len(rows)))
+    drives, drive = np.unique(encounters.recording[rows], return_inverse=True)
+    normal = np.random.default_rng(SEED).standard_normal((n_draws, len(drives)))
+    shared["normal"] = normal[:, drive]  # one driver drives a recording through
     table = []
     for kind, reaction in reactions.items():
         of_sides = dict(zip(("x", "y", "both"), (*slacks, np.minimum(*slacks)), strict=True))
         for side, slack in of_sides.items():
             chances[f"{kind}_{side}"] = chance_in_time(slack, reaction, after_s)
         x, y = (draw(side, speed_kmh, unit, reaction, **shared) for side in sides)
+        exact = {side: chances[f"{kind}_{side}"].mean() for side in ("x", "y")}
+        exact["difference"] = exact["x"] - exact["y"]
         for name, of_x in x.items():
             for side, sums in (("x", of_x), ("y", y[name]), ("difference", of_x - y[name])):
-                table.append({"kind": kind, "measure": name, "side": side, **intervals(sums, n)})
+                row = {"kind": kind, "measure": name, "side": side, **intervals(sums, n)}
+                table.append(row | ({"mean": exact[side]} if name == "share" else {}))
     return InTime(pd.DataFrame(table), units, chances)

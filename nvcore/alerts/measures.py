@@ -10,7 +10,7 @@ import numpy as np
 
 from nvcore.alerts.kinds import ALERT_TEXT, RESTS_ON_DRIVER, UNWANTED, AlertKind
 from nvcore.alerts.settings import ALERTS
-from nvcore.alerts.steps import ASKED, alerts_in
+from nvcore.alerts.steps import ASKED, OF_URGENCY, alerts_in
 from nvcore.comparison import Result
 from nvcore.driver.comparison.settings import DRIVER
 from nvcore.measures.entry import (
@@ -28,12 +28,12 @@ from nvcore.measures.entry import (
 from nvcore.measures.values import per_recording, rate_by_recording, ratio_of
 from nvcore.metrics.venn import Venn, categorise, count_categories
 from nvcore.scoring import SystemResult
-from nvcore.time_left.steps import time_left_in
 
 Members = Callable[[Result, SystemResult], np.ndarray]
 """Encounters of a kind; bool, shape (n_encounters,)."""
 _SHARE: Final = AxisScale(".0%", least=1.0, least_reach=1.0)
 _ASKED: Final[dict[str, Any]] = {"applies": ASKED.holds, "only_if": ASKED}
+_URGENT: Final[dict[str, Any]] = {"applies": OF_URGENCY.holds, "only_if": OF_URGENCY}
 _SCORED: Final[dict[str, Any]] = {"tables": (MeasureTable.SCORECARD,), **_ASKED}
 
 
@@ -120,6 +120,7 @@ def _count(
     *,
     part: str = "",
     inference: Inference | None = None,
+    where: dict[str, Any] = _ASKED,
 ) -> Measure:
     """Number of encounters of a kind."""
 
@@ -141,7 +142,8 @@ def _count(
         meaning=meaning,
         by_recording=by_recording,
         inference=inference,
-        **_SCORED,
+        tables=(MeasureTable.SCORECARD,),
+        **where,
     )
 
 
@@ -155,6 +157,7 @@ def _tested(
     per: str,
     denominator: str,
     split_in_group: str,
+    where: dict[str, Any] = _ASKED,
 ) -> tuple[Measure, Measure]:
     """Number of encounters of a kind, tested within the recordings, and their share by units."""
 
@@ -179,8 +182,9 @@ def _tested(
     by_unit = Inference(
         test="units", scale=_SHARE, parts=parts, per=per, noun=what, needs_tracks=True
     )
+    label = f"{what}, of {denominator}"
     return (
-        _count(key, f"{what}, of {denominator}", members, HIGHER, meaning, inference=within),
+        _count(key, label, members, HIGHER, meaning, inference=within, where=where),
         Measure(
             key=f"{key}_by_unit",
             label=f"share of {what}, by {{units}}",
@@ -189,7 +193,7 @@ def _tested(
             stages=(ALERTS,),
             is_worsened_by_alarms=False,
             inference=by_unit,
-            **_ASKED,
+            **where,
         ),
     )
 
@@ -268,21 +272,23 @@ MEASURES: Final[tuple[Measure, ...]] = (
         "alerted_in_time",
         "urgent encounters alerted in time",
         lambda result, system: alerts_in(result).in_time(system),
-        lambda result: time_left_in(result).is_urgent,
+        lambda result: alerts_in(result).is_to_alert,
         "Urgent encounters that an alert is about that begins before the last chance.",
-        per="n_urgent",
-        denominator="{n_urgent}",
+        per="n_to_alert",
+        denominator="{n_to_alert}",
         split_in_group="the urgent ones, by who alerts them in time",
+        where=_URGENT,
     ),
     _count(
         "urgent_not_alerted",
         "urgent, never alerted",
         lambda result, system: (
-            time_left_in(result).is_urgent & (alerts_in(result).first_alert(system) < 0)
+            alerts_in(result).is_to_alert & (alerts_in(result).first_alert(system) < 0)
         ),
         LOWER,
         "Urgent encounters that no alert is about.",
         part="never alerted",
+        where=_URGENT,
     ),
     Measure(
         key="median_alert_lead_s",
@@ -296,6 +302,10 @@ MEASURES: Final[tuple[Measure, ...]] = (
         meaning="Median time from the first alert to the last chance, of the urgent encounters "
         "that both systems alert; negative: too late. It has the reaction time in it.",
         empty="no encounter is urgent, or both systems alerted none of them",
-        **_SCORED,
+        tables=(MeasureTable.SCORECARD,),
+        **_URGENT,
     ),
 )
+
+COUNTS: Final = {"n_to_alert": lambda result: alerts_in(result).is_to_alert}
+"""Encounters that labels and shares of measures are of; bool, shape (n_encounters,)."""

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from nvcore.alerts.facts import (
+    AlertedInTime,
     AlertsOf,
     InTimeByKind,
     MoreDoubt,
@@ -26,6 +27,7 @@ from nvcore.measures.entry import Measure
 from nvcore.scoring import SystemResult
 from nvcore.sentences import phrase
 from nvcore.sentences.facts import Fact
+from nvcore.time_left.steps import time_left_in
 
 
 def alert_facts(result: Result) -> tuple[Fact, ...]:
@@ -35,11 +37,13 @@ def alert_facts(result: Result) -> tuple[Fact, ...]:
         return ()
     n_wanted = sum(len(view.rows_of_kind(system, AlertKind.WANTED)) for _, system in result.sides)
     facts: list[Fact] = [alerts_of(result, letter, system) for letter, system in result.sides]
-    facts += [ViewUnknown(n_wanted)] if n_wanted else []
+    facts += [ViewUnknown(n_wanted)] if n_wanted and view.has_urgency else []
     if n_sampled := int(np.count_nonzero(result.dataset.frame_columns.sampling_step > 1)):
         facts.append(Sampled(n_sampled))
     if result.params.alert_oracle == "on":
-        facts.append(Oracle("on" if result.dataset.has_detectability else "without effect"))
+        n_seen = int(time_left_in(result).is_urgent.sum()) - view.n_urgent
+        has_effect = result.dataset.has_detectability
+        facts.append(Oracle("on" if has_effect else "without effect", n_seen))
     return tuple(facts)
 
 
@@ -48,9 +52,10 @@ def alerts_of(result: Result, letter: str, system: SystemResult) -> AlertsOf:
     view, n = alerts_in(result), len(alerts_in(result).of(system))
     counts = view.count(system).items()
     kinds = tuple(OfKind(kind.value, int(of_kind)) for kind, of_kind in counts if of_kind > 0)
-    in_time = int(view.in_time(system).sum())
+    in_time = AlertedInTime(int(view.in_time(system).sum()), view.n_urgent)
     origin: Literal["log", "policy"] = "log" if view.is_logged(system) else "policy"
-    return AlertsOf(origin if n else "none", letter, n, kinds, in_time, view.n_urgent)
+    said_of = in_time if view.has_urgency else None
+    return AlertsOf(origin if n else "none", letter, n, kinds, said_of)
 
 
 def in_time_by_kind(result: Result) -> tuple[InTimeByKind, ...]:

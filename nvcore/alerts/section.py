@@ -10,7 +10,6 @@ from nvcore.alerts.kinds import ALERT_TEXT, AlertKind
 from nvcore.alerts.said import alert_facts, in_time_by_kind, more_doubt
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
-from nvcore.params import Params
 from nvcore.report.html.blocks import (
     Block,
     Chart,
@@ -24,22 +23,29 @@ from nvcore.report.html.blocks import (
 from nvcore.sentences import say
 from nvcore.wording import number
 
+_IN_TIME: Final = (
+    " In time is one that begins before the last chance to brake, which has the reaction time in "
+    "it."
+)
+_COULD: Final = "An alert in time could have been heeded; whether it would have been is not known. "
+
 
 def _section(result: Result) -> Section:
     """The alerts of both systems by kind, and the trade-off curve."""
     sentences = tuple(say(fact, result.objects) for fact in alert_facts(result))
     figure = alert_trade_off(result, theme=result.scheme("light"))
     in_words = "Urgent encounters alerted in time over unwanted alerts per hour, X and Y"
+    in_time = (Chart("alert-trade-off", figure, in_words), *_in_time(result))
     blocks = (
         Sentences(sentences),
         _kinds(result),
-        Chart("alert-trade-off", figure, in_words),
-        *_in_time(result),
+        *(in_time if alerts_in(result).has_urgency else ()),
     )
-    return Section("alerts", "Alerts", _introduction(result.params), blocks)
+    return Section("alerts", "Alerts", _introduction(result), blocks)
 
 
-def _introduction(params: Params) -> Intro:
+def _introduction(result: Result) -> Intro:
+    params, has_urgency = result.params, alerts_in(result).has_urgency
     distance_m = params.alert_distance_m
     within = "" if distance_m is None else f" or, where it is reported, within {distance_m:g} m"
     return Intro(
@@ -50,12 +56,12 @@ def _introduction(params: Params) -> Intro:
         f"{params.alert_on_s:g} s. It ends when they have not for {params.alert_off_s:g} s, and "
         f"lasts {params.alert_least_s:g} s at least; the same track is then silent for "
         f"{params.alert_pause_s:g} s. An alert is about the {{one}} {{whom}} its first box matches "
-        "that matches {anybody}. In time is one that begins before the last chance to brake, "
-        "which has the reaction time in it.",
-        best="All urgent {many} alerted in time, no alert unwanted.",
-        limits="An alert in time could have been heeded; whether it would have been is not known. "
-        "Where it is not known whether the driver sees the {one}, redundant alerts are not told "
-        "from needed ones, and the unwanted ones are at least so many.",
+        "that matches {anybody}." + _IN_TIME * has_urgency,
+        best="All urgent {many} alerted in time, no alert unwanted."
+        if has_urgency
+        else "No alert unwanted.",
+        limits=_COULD * has_urgency + "Where it is not known whether the driver sees the {one}, "
+        "redundant alerts are not told from needed ones, and unwanted ones are at least so many.",
     )
 
 

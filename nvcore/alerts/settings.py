@@ -77,7 +77,7 @@ class AlertSettings:
         label="Alert within",
         meaning="Largest distance of a box that can alert the driver, where it is reported; "
         "the proximity weight decides on the others. Default: it decides on all.",
-        unset="by proximity weight alone",
+        unset="no distance set",
     )
     alert_corridor: float = _setting(
         0.75,
@@ -94,7 +94,7 @@ class AlertSettings:
         label="Alert from (score)",
         meaning="Least score of a box that can alert the driver, of both systems, beyond the "
         "threshold of each. Default: that threshold alone.",
-        unset="the score threshold alone",
+        unset="no score set",
     )
     alert_on_s: float = _duration(
         0.2,
@@ -128,7 +128,7 @@ class AlertSettings:
         "Default: only the times of the source, by kind of alert.",
         stage=IN_TIME,
         low=0.05,
-        unset="those of the source alone",
+        unset="not given",
     )
     own_reaction_sd_s: float = _duration(
         0.0,

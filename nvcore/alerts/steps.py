@@ -22,6 +22,7 @@ from nvcore.alerts.episodes import (
 from nvcore.alerts.kinds import RESTS_ON_DRIVER, UNWANTED, AlertKind
 from nvcore.alerts.settings import ALERTS
 from nvcore.comparison import Result
+from nvcore.driver.comparison.in_time import is_driver_in_time
 from nvcore.measures.entry import Condition
 from nvcore.metrics.matching import Matches, match_system
 from nvcore.metrics.proximity import Weights
@@ -132,13 +133,24 @@ class AlertsView:
         return row
 
     def in_time(self, system: SystemResult) -> np.ndarray:
-        """Urgent encounters alerted before the last chance; bool, shape (n_encounters,)."""
+        """Those of `is_to_alert` alerted before the last chance; bool, shape (n_encounters,)."""
         return self._is_in_time(self.first_alert(system))
 
     def _is_in_time(self, row: np.ndarray) -> np.ndarray:
         last_chance = time_left_in(self.result).urgency["urgent_row"].to_numpy()
-        in_time: np.ndarray = time_left_in(self.result).is_urgent & (row >= 0) & (row < last_chance)
+        in_time: np.ndarray = self.is_to_alert & (row >= 0) & (row < last_chance)
         return in_time
+
+    @cached_property
+    def is_to_alert(self) -> np.ndarray:
+        """Urgent encounters, of which an alert can be in time; bool, shape (n_encounters,).
+
+        An oracle holds back the alerts about those that the driver sees: the driver needs none, so
+        those seen in time are left out.
+        """
+        is_seen = is_driver_in_time(self.result) & (self.result.params.alert_oracle == "on")
+        is_to_alert: np.ndarray = time_left_in(self.result).is_urgent & ~is_seen
+        return is_to_alert
 
     def lead_s(self, system: SystemResult) -> np.ndarray:
         """Time from the first alert of each urgent encounter to its last chance, seconds.
@@ -277,8 +289,13 @@ class AlertsView:
 
     @property
     def n_urgent(self) -> int:
-        """Urgent encounters."""
-        return int(np.count_nonzero(time_left_in(self.result).is_urgent))
+        """Number of `is_to_alert`."""
+        return int(np.count_nonzero(self.is_to_alert))
+
+    @property
+    def has_urgency(self) -> bool:
+        """Whether a car could hit the objects: speed signs are never urgent."""
+        return self.result.dataset.objects.is_on_road
 
 
 def thresholds_of(score: np.ndarray) -> list[float]:
@@ -296,3 +313,8 @@ def alerts_in(result: Result) -> AlertsView:
 
 ASKED: Final = Condition(lambda result: alerts_in(result).is_asked, "where `alerts` is off")
 """That alerts are judged."""
+OF_URGENCY: Final = Condition(
+    lambda result: ASKED.holds(result) and alerts_in(result).has_urgency,
+    "where `alerts` is off, and of objects that are not on the road",
+)
+"""That alerts are judged, and can come in time."""

@@ -20,6 +20,7 @@ from nvcore.wording import aligned, number, one_line
 
 MOST_SHOWN: Final = 8
 """Points of each curve that are printed."""
+_HEAD: Final = ("", "score from", "unwanted", "alerted", "in time")
 
 
 def render_alerts(view: AlertsView) -> str:
@@ -35,7 +36,7 @@ def render_alerts(view: AlertsView) -> str:
         *_speeding(view),
         "",
         "over the score threshold, the rest of the policy as it is:",
-        *aligned([("", "score from", "unwanted", "in time", "alerted"), *_curve(view)]),
+        *aligned([row if view.has_urgency else row[:-1] for row in (_HEAD, *_curve(view))]),
     ]
     return "\n".join(line.rstrip() for line in lines)
 
@@ -84,6 +85,6 @@ def _curve(view: AlertsView) -> Iterator[tuple[str, ...]]:
                 name,
                 "every box" if np.isneginf(row["threshold"]) else number(row["threshold"], ".4g"),
                 str(row["unwanted"]),
-                str(row["in_time"]),
                 str(row["alerted"]),
+                str(row["in_time"]),
             )

@@ -12,9 +12,14 @@ from builders import NAN, Box, at, make_dataset, result_of
 
 from nvcore.alerts.kinds import AlertKind
 from nvcore.alerts.measures import MEASURES
+from nvcore.alerts.said import alert_facts
+from nvcore.alerts.section import SECTIONS
 from nvcore.alerts.steps import alerts_in
+from nvcore.alerts.text import render_alerts
 from nvcore.comparison import Result, compare
+from nvcore.objects import PEDESTRIAN, SPEED_SIGN
 from nvcore.params import Params
+from nvcore.sentences import say
 
 # The car reaches the pedestrian after 5 s; at 50 km/h the last chance is frame 29 (ten a second).
 LAST_CHANCE = 29
@@ -206,6 +211,34 @@ def test_the_oracle_holds_back_whom_the_driver_has_seen_but_no_false_alarm():
     x = [*only(truth, [4, 5]), *far([4], track=9)]
     assert sorted(kinds(judged(truth, x))) == ["false", "needed", "redundant"]
     assert sorted(kinds(judged(truth, x, alert_oracle="on"))) == ["false", "needed"]
+
+
+def test_the_oracle_leaves_those_whom_the_driver_sees_in_time_out_of_not_in_time():
+    # three urgent ones; the driver sees the second from the first frame on; X alerts of all three
+    truth = [box for track in (1, 2, 3) for box in approach(ALL, 5, centre=20 * track, track=track)]
+    truth = [box._replace(detectability=0.9 if box.track == 2 else 0.1) for box in truth]
+    anyway, held = (judged(truth, only(truth, [4, 5]), alert_oracle=on) for on in ("off", "on"))
+    counts = ("alerted_in_time", "urgent_not_alerted")
+    assert [measure(anyway, key) for key in counts] == [[3, 0], [0, 3]]
+    assert [measure(held, key) for key in counts] == [[2, 0], [0, 2]]
+    said = [say(fact, PEDESTRIAN) for fact in alert_facts(held)]
+    assert said[0].endswith("in time for 2 of 2 urgent encounters.")
+    assert "The driver sees 1 urgent encounter in time without an alert: left out" in said[-1]
+    assert len(alerts_in(held).in_time_for_drivers.chances) == 2
+    curve = alerts_in(held).curve
+    assert curve[curve["of"] == "in use"]["share_in_time"].tolist() == [1, 0]
+
+
+def test_nothing_is_said_of_urgency_where_no_car_could_hit_the_objects():
+    boxes = approach(ALL, 5)
+    dataset = make_dataset(boxes, only(boxes, [4]), places=[PLACE])
+    dataset = dataset.with_settings(replace(dataset.settings, objects=SPEED_SIGN))
+    result = compare(dataset, Params(**ANY_BOX))
+    texts = [*(say(fact, SPEED_SIGN) for fact in alert_facts(result))]
+    texts += [render_alerts(alerts_in(result)), str(SECTIONS[0].make(result))]
+    for words in ("urgent encounter", "median lead", "driver had seen", "in time"):
+        assert not [text for text in texts if words in text], words
+    assert "X gives 1 alert (1 wanted)." in texts
 
 
 def test_without_a_policy_there_are_no_alerts():

@@ -18,7 +18,9 @@ from ui.widgets.text import docs_link, plain
 
 
 def draw(result: Result) -> None:
-    """Shares in time by kind of alert, then the page for who decides."""
+    """Shares in time by kind of alert, then the page for who decides; nothing of speed signs."""
+    if not alerts_in(result).has_urgency:
+        return
     st.header("In time for the driver")
     judged = alerts_in(result).in_time_for_drivers
     if judged.chances.empty:
@@ -45,15 +47,15 @@ def draw(result: Result) -> None:
     kind = choose_side_by_side("Kind of alert", kinds, "alerts_reaction", default=kinds[0])
     table = judged.of_hundred(kind)
     rows = [
-        MeasureRow(state.say(words), tuple(f"{value:.0f}" for value in table.loc[name]))
-        for name, words in DRIVER_WORDS.items()
+        MeasureRow(state.say(DRIVER_WORDS[name]), tuple(f"{share:.0f}" for share in shares))
+        for name, *shares in table.itertuples()
     ]
     head = ("of 100", "X and Y in time", "only X", "only Y", "neither")
     st.html(measures_html(rows, key="alerts-hundred", head=head, first="The driver"))
     st.markdown(plain(state.say(more_doubt(judged, kind))))
     st.caption(
         state.say(
-            "What follows is ours, not the source's: who has seen the {one} is taken to need no "
+            "The table is ours, not the source's: who has seen the {one} is taken to need no "
             "alert, and every driver is taken to answer every alert. Rounded: a row may be one off."
         )
     )

@@ -6,6 +6,7 @@ import streamlit as st
 
 from nvcore.alerts.figures import alert_trade_off
 from nvcore.alerts.measures import MEASURES
+from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
 from nvcore.tables.scorecard import score_rows
 from ui.alerts.policy import own_policies
@@ -32,8 +33,9 @@ def draw(result: Result) -> None:
             "Whether a difference is more than chance is tested on the Overview "
             f"({docs_link('measures', 'measures', doc='alerts')})."
         )
-    with right:
-        _draw_curve(result)
+    if alerts_in(result).has_urgency:
+        with right:
+            _draw_curve(result)
 
 
 def _draw_curve(result: Result) -> None:
