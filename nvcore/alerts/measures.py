@@ -17,7 +17,8 @@ from nvcore.measures.entry import (
     HIGHER,
     HOUR_S,
     LOWER,
-    NO_FRAMES,
+    NO_RATE,
+    PER_HOUR,
     AxisScale,
     Better,
     Inference,
@@ -102,9 +103,9 @@ def _of_kind(kind: AlertKind) -> tuple[Measure, Measure]:
             label=f"{label} per hour",
             form=".1f",
             of=lambda result, system: ratio_of(HOUR_S * count(result, system), result.duration_s),
-            unit="1/h",
+            unit=PER_HOUR,
             meaning="The same per hour.",
-            empty=", or ".join(filter(None, (unknown, NO_FRAMES))),
+            empty=", or ".join(filter(None, (unknown, NO_RATE))),
             by_recording=rate_by_recording(by_recording, per_s=HOUR_S),
             **shared,
         ),
@@ -232,9 +233,9 @@ MEASURES: Final[tuple[Measure, ...]] = (
         of=lambda result, system: ratio_of(
             HOUR_S * len(_unwanted_rows(result, system)), result.duration_s
         ),
-        unit="1/h",
+        unit=PER_HOUR,
         meaning="The same per hour.",
-        empty=NO_FRAMES,
+        empty=NO_RATE,
         by_recording=rate_by_recording(_unwanted_by_recording, per_s=HOUR_S),
         inference=Inference(
             test="units",

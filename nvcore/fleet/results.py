@@ -24,6 +24,7 @@ from nvcore.measures.table import (
     EVIDENCE_KEYS,
     MEASURES,
     counted,
+    hides_rate,
     inference_of,
     measure_of,
 )
@@ -454,6 +455,8 @@ class Summary:
         """A measure of a system; None: no sum makes it, or no recording has it."""
         if key in _EXTREMES:
             return self.extremes.get(f"{key}_{letter}", (np.nan, ""))[0]
+        if hides_rate(measure_of(key), self.total("duration_s")):
+            return None
         part, per, factor = _WHOLE.get(key, key), "", 1.0
         if key in _SUMMED:
             part, per, factor = f"sum_{key}", inference_of(key).per, inference_of(key).factor

@@ -22,7 +22,10 @@ LOWER: Final = "lower"
 
 HOUR_S: Final = 3600.0
 """Seconds of the rates per hour."""
+PER_HOUR: Final = "1/h"
+"""Their unit."""
 NO_FRAMES: Final = "no evaluated frames"
+NO_RATE: Final = "less than ten minutes of evaluated frames"
 NO_EPISODES: Final = "no episodes"
 
 

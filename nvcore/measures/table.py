@@ -21,6 +21,7 @@ from nvcore.comparison import Result
 from nvcore.errors import ParameterError
 from nvcore.measures.entry import (
     HOUR_S,
+    PER_HOUR,
     Inference,
     Measure,
     MeasureTable,
@@ -142,6 +143,20 @@ def doubt_of(result: Result, measure: Measure) -> str:
     return next(filter(None, (doubt(result, measure) for doubt in contributed("doubts"))), "")
 
 
+def hides_rate(measure: Measure, duration_s: float | np.ndarray) -> Any:
+    """Whether a measure is a rate per hour, and that of less than ten minutes.
+
+    It has no value then, in tables, files and rules.
+    """
+    return measure.unit == PER_HOUR and (duration_s > 0) & (duration_s < LEAST_HOURLY_S)
+
+
+def is_usable(result: Result, measure: Measure) -> bool:
+    """Whether a rule can rest on a measure: it has a value, and nothing speaks against a claim."""
+    has_value = applies_to(result, measure) and not hides_rate(measure, result.duration_s)
+    return has_value and not doubt_of(result, measure)
+
+
 def evidence_keys(result: Result) -> tuple[str, ...]:
     """Those of `EVIDENCE_KEYS` that a comparison has."""
     return tuple(key for key in EVIDENCE_KEYS if applies_to(result, _BY_KEY[key]))
@@ -179,9 +194,8 @@ def shown_as(key: str, result: Result) -> tuple[float, str]:
 
     Where recordings last seconds no rate an hour is shown, but the number "in 7.2 s".
     """
-    inference = inference_of(key)
-    if inference.factor != HOUR_S or not 0 < result.duration_s < LEAST_HOURLY_S:
-        return 1.0, inference.noun_unit
+    if not hides_rate(measure_of(key), result.duration_s):
+        return 1.0, inference_of(key).noun_unit
     return result.duration_s / HOUR_S, f" in {duration_text(result.duration_s)}"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from nvcore.comparison import Result
 from nvcore.dataset.copies import units_of
 from nvcore.findings import Finding
 from nvcore.measures.entry import is_met
-from nvcore.measures.table import MEASURES
+from nvcore.measures.table import MEASURES, hides_rate
 from nvcore.measures.values import duration_of_recordings, per_recording
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.saliency import EVENT_COLUMNS
@@ -211,12 +212,12 @@ def recordings_table(result: Result) -> pd.DataFrame:
         columns[category.value] = per_recording(
             result, is_category, result.encounters.recording
         ).astype(np.int64)
-    for letter, system in result.sides:
-        columns |= {
-            f"{measure.key}_{letter}": measure.by_recording(result, system)
-            for measure in MEASURES
-            if measure.by_recording is not None and is_met(measure.only_if, result)
-        }
+    for (letter, system), measure in product(result.sides, MEASURES):
+        if measure.by_recording is not None and is_met(measure.only_if, result):
+            values = measure.by_recording(result, system)
+            if np.any(is_hidden := hides_rate(measure, columns["duration_s"])):
+                values = np.where(is_hidden, np.nan, values)
+            columns[f"{measure.key}_{letter}"] = values
     return pd.DataFrame(columns | added_values("recordings.csv", result))
 
 

@@ -12,10 +12,10 @@ from nvcore.measures.entry import Better, Measure, MeasureTable
 from nvcore.measures.table import (
     applies_to,
     doubt_of,
+    hides_rate,
     label_words,
     measure_of,
     measures_in,
-    shown_as,
 )
 
 
@@ -81,8 +81,8 @@ def score_rows(result: Result, table: MeasureTable = MeasureTable.SCORECARD) -> 
     for measure in measures_in(table):
         if measure.of is None or not applies_to(result, measure):
             continue
-        if measure.inference is not None and shown_as(measure.key, result)[0] != 1:
-            tracked |= {whole} if measure.inference.needs_tracks else set()
+        if hides_rate(measure, result.duration_s):
+            tracked |= {whole} if _needs_tracks(measure) else set()
             continue  # the number, of which it is a part, says as much
         # no row is a part of another in the table of false alerts
         part = "" if table is MeasureTable.FALSE_ALERTS else measure.part

@@ -14,7 +14,7 @@ import numpy as np
 from nvcore import __version__
 from nvcore.comparison import Result
 from nvcore.measures.entry import is_met
-from nvcore.measures.table import MEASURES
+from nvcore.measures.table import MEASURES, hides_rate
 from nvcore.schema import Category
 from nvcore.scoring import SystemResult
 from nvcore.subjects import contributed
@@ -343,7 +343,7 @@ def summary(result: Result) -> dict[str, Any]:
 def system_summary(result: Result, system: SystemResult) -> dict[str, Any]:
     """Aggregates of one system over all recordings, without those left out by `Measure.only_if`."""
     measures = {
-        key: measure.of(result, system)
+        key: np.nan if hides_rate(measure, result.duration_s) else measure.of(result, system)
         for key, measure in _OF_SYSTEM.items()
         if measure.of is not None and is_met(measure.only_if, result)
     }

@@ -27,7 +27,7 @@ from nvcore.fleet.results import Summary, exact_sum, typed
 from nvcore.fleet.reuse import stage_key
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
-from nvcore.measures.table import MEASURES
+from nvcore.measures.table import MEASURES, hides_rate
 from nvcore.params import Params
 from nvcore.schema import ATTRIBUTE_DTYPES, conform
 from nvcore.tables.result import (
@@ -146,6 +146,7 @@ def assert_as_compared(whole: Tables, summary: Summary, dataset: Dataset, params
     of_system = {measure.key: measure.of for measure in MEASURES if measure.of is not None}
     left_out = {"percentile_5_similarity", "median_margin_s", "median_alert_lead_s"}
     left_out |= {"worst_window_lost_s", "detections_without_distance"}
+    left_out |= {measure.key for measure in MEASURES if hides_rate(measure, result.duration_s)}
     assert {key for key in of_system if key not in measures.index} <= left_out | {
         measure.key for measure in MEASURES if measure.only_if and not measure.only_if.holds(result)
     }

@@ -33,6 +33,9 @@ from nvcore.report.gate.results import (
 )
 from nvcore.report.gate.rules import Rule, parse_rule, read_rules
 from nvcore.schema import Category
+from nvcore.tables.result import recordings_table
+from nvcore.tables.scorecard import score_rows
+from nvcore.tables.summary import summary
 
 HOSTILE = "</failure>|<b>`x`\n# [a](http://b)\x1b[31m"
 WARNING = Finding(Severity.WARNING, "a-code", "NIR", 3, "Three are odd.", "Look at them.")
@@ -134,6 +137,30 @@ def test_no_rule_passes_because_nobody_is_urgent():
     values = gate_measures(urgent, [], PROTOCOLS["all"], measure_names())
     assert [values[name] for name in names[:3]] == [1, 0, 0]
     assert (values["urgent"], values["in_time_x"], values["in_time_difference"]) == (1, 1, 1)
+
+
+@pytest.mark.parametrize(("seconds", "rate"), [(599, None), (600, 6)])
+def test_a_rate_that_no_table_shows_decides_no_rule(seconds: int, rate: int | None):
+    """One false alarm in a recording of one frame a second."""
+    frames = range(seconds)
+    result = result_of(
+        make_dataset([at(0, 50)], [at(9, 20)], places=[Place(frames, fps=1)]), alerts="policy"
+    )
+    value = pytest.approx(np.nan if rate is None else rate, nan_ok=True)
+    name = "false_alert_episodes_per_hour"
+    names = [f"{name}_x", f"fusion.x_or_y.{name}", "alerts_unwanted_per_hour_x"]
+    values = gate_measures(result, [], PROTOCOLS["all"], names)
+    assert [values[name] for name in names[:2]] == [value] * 2
+    assert np.isnan(values[names[2]]) == (rate is None)
+    assert summary(result)["x"][name] == rate
+    assert recordings_table(result)[names[0]].tolist() == [value]
+    assert (name in {row.key for row in score_rows(result)}) == (rate is not None)
+    (outcome, *_), _ = run_gate(
+        [parse_rule(f"{names[0]} <= 9 or undefined")], result, [], strict=False
+    )
+    assert outcome.is_passed
+    says = ("No rate per hour is given of less than 10 min: the recordings last 599 s",)
+    assert outcome.details == (says if rate is None else ())
 
 
 def test_the_rules_to_copy_from_the_page_can_be_judged():

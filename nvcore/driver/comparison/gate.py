@@ -9,17 +9,24 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.driver.comparison.doubts import doubt_of_seen
+from nvcore.driver.comparison.doubts import doubt_of, doubt_of_estimator, doubt_of_seen
+from nvcore.driver.comparison.facts import NoClaim
 from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.measures import KNOWN
 from nvcore.driver.comparison.said import known, no_claim
+from nvcore.driver.comparison.settings import DRIVER
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.report.gate.added import RulesOf
-from nvcore.report.gate.measures import CONDITIONS
+from nvcore.report.gate.measures import CONDITIONS, MEASURE_OF
 from nvcore.sentences.facts import Fact
 
-OF_DRIVER: Final = frozenset(name for name, only_if in CONDITIONS.items() if only_if is KNOWN)
-"""Measures of the driver's own view: of the encounters of which it is known."""
+OF_DRIVER: Final = frozenset(
+    {
+        *(name for name, only_if in CONDITIONS.items() if only_if is KNOWN),
+        *(name for name, measure in MEASURE_OF.items() if DRIVER in measure.stages),
+    }
+)
+"""Measures that rest on whom the driver sees: of the encounters of which it is known."""
 OF_URGENT: Final = frozenset(
     name
     for name in OF_DRIVER
@@ -40,7 +47,11 @@ def _undefined(result: Result) -> Set[str]:
 
 
 def _facts(result: Result, name: str) -> tuple[Fact, ...]:
-    if name not in OF_DRIVER or not driver_in(result).has_any:
+    if name not in OF_DRIVER:
+        measure = MEASURE_OF.get(name)
+        why = doubt_of_estimator(result) if measure and doubt_of(result, measure) else None
+        return (NoClaim("weighted", why),) if why else ()
+    if not driver_in(result).has_any:
         return ()
     return known(result, of_urgent=name in OF_URGENT), *no_claim(result)
 

@@ -11,10 +11,12 @@ import numpy as np
 from nvcore.comparison import Result
 from nvcore.evidence.operating_points import alarms_as_set, is_undecided
 from nvcore.findings import Finding
+from nvcore.measures.table import hides_rate
 from nvcore.report.gate.added import RulesOf
 from nvcore.report.gate.measures import (
     COUNTED_ENCOUNTERS,
     COUNTED_FINDINGS,
+    MEASURE_OF,
     WORSE,
     members,
 )
@@ -23,6 +25,7 @@ from nvcore.report.gate.rules import class_in
 from nvcore.schema import Category
 from nvcore.sentences import phrase, say
 from nvcore.subjects import contributed
+from nvcore.wording import LEAST_HOURLY_S, duration_text
 
 MAX_LISTED: Final = 10
 
@@ -38,6 +41,9 @@ def _details(outcome: RuleOutcome, result: Result, findings: Sequence[Finding]) 
     name = outcome.rule.name
     if name in WORSE and is_undecided(result, WORSE[name][0]):
         return (phrase(alarms_as_set(result, "rule"), result.objects),)
+    if name in MEASURE_OF and hides_rate(MEASURE_OF[name], result.duration_s):
+        asked, there = duration_text(LEAST_HOURLY_S), duration_text(result.duration_s)
+        return (f"No rate per hour is given of less than {asked}: the recordings last {there}",)
     of_subjects: tuple[RulesOf, ...] = contributed("rules")
     known = tuple(
         say(fact, result.objects) for of in of_subjects for fact in of.facts(result, name)

@@ -22,7 +22,7 @@ from nvcore.evidence.table import judge_both
 from nvcore.evidence.units import find_units
 from nvcore.findings import Finding, Severity
 from nvcore.measures.entry import is_met
-from nvcore.measures.table import MEASURES, applies_to, doubt_of, measure_of
+from nvcore.measures.table import MEASURES, is_usable, measure_of
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.venn import Venn, count_categories
 from nvcore.protocols import Protocol
@@ -82,22 +82,23 @@ def _with_endings(names: Iterable[str]) -> list[str]:
     return [f"{name}_{end}" for name in names for end in ("x", "y", "difference")]
 
 
+MEASURE_OF: Final = {
+    **{
+        name: measure
+        for measure in MEASURES
+        for name in (
+            *_with_endings([measure.rule or measure.key]),
+            *(f"fusion.{kind}.{measure.key}" for kind in ("x_or_y", "x_and_y")),
+        )
+    },
+    **{name: measure_of(key) for name, (key, _) in WORSE.items()},
+}
+"""The measure whose value, difference or interval a name stands for."""
 CONDITIONS: Final = {
     **{
-        name: column.only_if
-        for column in SYSTEM_KEYS
-        for name in (
-            *_with_endings([column.name]),
-            *(f"fusion.{kind}.{column.name}" for kind in ("x_or_y", "x_and_y")),
-        )
-        if column.only_if is not None
+        name: measure.only_if for name, measure in MEASURE_OF.items() if measure.only_if is not None
     },
     **{column.name: column.only_if for column in summary_keys() if column.only_if is not None},
-    **{
-        name: measure_of(key).only_if
-        for name, (key, _) in WORSE.items()
-        if measure_of(key).only_if is not None
-    },
 }
 """On which comparisons these names are listed; all others are always."""
 
@@ -122,7 +123,8 @@ def gate_measures(
     way round: X is the release in use, Y the candidate. ``mean_similarity_worse_y`` and the like
     are the ends of 95 % intervals against a system (`nvcore.evidence.planning.worse_at_most`),
     undefined where X and Y are set to different operating points: as in the verdict, nothing is
-    claimed from these. So are those that subjects say no rule can rest on.
+    claimed from these. So are those that no rule can rest on (`nvcore.measures.table.is_usable`,
+    and what subjects add to that).
 
     Parameters
     ----------
@@ -133,12 +135,10 @@ def gate_measures(
         claims are computed if one of them is among these, intervals for those that are.
     """
     needed = set(names)
-    values: dict[str, float] = {}
+    values = {f"{name}_{letter}": math.nan for name in _numeric(SYSTEM_KEYS) for letter in "xy"}
     for letter, system in result.sides:
         for name, value in _numbers(system_summary(result, system)):
             values[f"{name}_{letter}"] = value
-    known = {f"{name}_{letter}" for name in _numeric(SYSTEM_KEYS) for letter in "xy"}
-    values |= {name: math.nan for name in _lacking(result, "{}_x", "{}_y") if name in known}
     if any(name.rsplit("_", 1)[0] in _OF_CURVE for name in needed):
         values |= _of_curves(result, protocol)
     for name in [key.removesuffix("_x") for key in values if key.endswith("_x")]:
@@ -146,16 +146,16 @@ def gate_measures(
     if not needed.isdisjoint(SUMMARY_NAMES):
         of_all = dict(_numbers(summary(result)))
         values |= {name: of_all.get(name, math.nan) for name in SUMMARY_NAMES}
-        of_fusion = _lacking(result, "fusion.x_or_y.{}", "fusion.x_and_y.{}")
-        values |= {name: math.nan for name in of_fusion if name in values}
     evidence = None
     if not needed.isdisjoint(COUNTED_CLAIMS):
         evidence, companions = judge_both(result, protocol)
         values |= _count_claims(result, findings, evidence, companions)
     values |= _may_be_worse(result, protocol, needed, evidence)
     values |= _of_classes(result, needed)
-    for of in contributed("rules"):
-        values |= dict.fromkeys(values.keys() & of.undefined(result), math.nan)
+    undefined = {name for of in contributed("rules") for name in of.undefined(result)}
+    unusable = {measure.key for measure in MEASURES if not is_usable(result, measure)}
+    undefined |= {name for name, measure in MEASURE_OF.items() if measure.key in unusable}
+    values |= dict.fromkeys(values.keys() & undefined, math.nan)
     count = Counter(finding.severity for finding in findings)
     venn = result.venn
     return values | {
@@ -190,18 +190,6 @@ def members(result: Result, name: str) -> np.ndarray:
     if not wanted:
         return np.ones(n, dtype=bool)
     return classes_of(result.dataset).members.get(wanted, np.zeros(n, dtype=bool))
-
-
-def _lacking(result: Result, *templates: str) -> list[str]:
-    """Names of measures that do not apply: no rule passes because nobody is urgent.
-
-    Parameters
-    ----------
-    templates
-        The names, with ``{}`` for the key.
-    """
-    keys = [measure.key for measure in MEASURES if not applies_to(result, measure)]
-    return [template.format(key) for key in keys for template in templates]
 
 
 def _of_curves(result: Result, protocol: Protocol) -> dict[str, float]:
@@ -243,7 +231,7 @@ def _may_be_worse(
     units = find_units(result) if sides_of and evidence is None else None
     values: dict[str, float] = {}
     for key, sides in sides_of.items():
-        if is_undecided(result, key) or doubt_of(result, measure_of(key)):
+        if is_undecided(result, key) or not is_usable(result, measure_of(key)):
             values |= dict.fromkeys(sides, math.nan)
             continue
         row = None if evidence is None else evidence_of(evidence, key)

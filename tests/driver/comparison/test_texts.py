@@ -542,6 +542,25 @@ def test_rules_are_undefined_by_an_estimator_that_learned_nothing_but_for_those_
     assert undefined(result) == [True, True, False, False]
 
 
+@pytest.mark.parametrize(
+    "record", [EstimateRecord("m", of_no_use=True), EstimateRecord("m", simulated="all")]
+)
+def test_no_rule_rests_on_alerts_or_severities_by_a_driver_of_whom_nothing_is_claimed(record):
+    names = ["alerts_redundant_x", "alerts_needed_y", "alerts_unwanted_x", "alerts_false_x"]
+    names += ["fusion.x_or_y.alerts_redundant", "severity_s_x"]
+    rules = [parse_rule(f"{name} >= 0") for name in names]
+    of = {"alerts": "policy", "driver_weighting": "on"}
+    stated, estimated = eight(8, **of), with_estimate(eight(8, **of), record)
+    for result, passes in ((stated, [True] * 6), (estimated, [False] * 3 + [True] + [False] * 2)):
+        outcomes, _ = run_gate(rules, result, (), strict=False)
+        assert [outcome.is_passed for outcome in outcomes[:6]] == passes
+    assert outcomes[0].details[1].startswith("Nothing is claimed of whom the driver sees: ")
+    assert outcomes[5].details[0].startswith("Nothing is claimed of what is weighted: ")
+    rows = {row.key: row for row in score_rows(estimated)}
+    assert rows["alerts_redundant"].is_doubtful
+    assert rows["severity_s"].is_doubtful
+
+
 def test_where_nobody_is_urgent_it_is_undefined_who_is_in_time_or_too_late():
     of_driver = summary(eight())["driver"]
     assert (of_driver["in_time"], of_driver["too_late"]) == (None, None)
