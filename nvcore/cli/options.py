@@ -263,7 +263,7 @@ reading_options = (
         type=click.Choice(FRAME_NAMES),
         help="What names of pictures and large frame numbers are: numbers of frames; times; "
         "nothing, and the pictures follow in their order; numbers of several scenes, each a "
-        "recording. Default: by what they look like.",
+        "recording; several numbers, the counter before the last. Default: by what they look like.",
     ),
 )
 """Flags that say how files are read."""

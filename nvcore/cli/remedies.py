@@ -18,7 +18,7 @@ TEXTS: Final[RemedyTexts] = {
     Remedy.RATE: ("give --fps {value}", "FPS"),
     Remedy.FRAMES: ("give --frames {value}", "FIRST:LAST:STEP"),
     Remedy.FRAME_LIST: ("give the file as --frames", ""),
-    Remedy.FRAME_NAMES: ("give --frame-names{of} {value}", "numbers|times|order|scenes"),
+    Remedy.FRAME_NAMES: ("give --frame-names{of} {value}", "numbers|times|order|scenes|counter"),
     Remedy.FRAME_STEP: ("give --frame-step{of} {value}", "FACTOR"),
     Remedy.FORMAT: ("give --format{of} {value}", "FORMAT"),
     Remedy.THRESHOLD: ("give --threshold{of} {value}", "SCORE"),
@@ -53,7 +53,7 @@ _METAVARS: Final = {
 
 OF_SESSION_FILE: Final[RemedyTexts] = dict(TEXTS) | {
     Remedy.CLASSES: ('write classes = ["{value}"]{of}', "NAMES"),
-    Remedy.FRAME_NAMES: ('write frame_names = "{value}"{of}', "numbers|times|order|scenes"),
+    Remedy.FRAME_NAMES: ('write frame_names = "{value}"{of}', "numbers|times|order|scenes|counter"),
     Remedy.FRAME_STEP: ("write frame_step = {value}{of}", "FACTOR"),
     Remedy.FORMAT: ('write format = "{value}"{of}', "FORMAT"),
     Remedy.BOX_BASE: ("write box_base = {value}{of}", "0"),

@@ -15,7 +15,7 @@ from nvcore.errors import InputError, SessionError
 from nvcore.objects import Objects, objects_from
 from nvcore.settings import MAX_FPS, MIN_FPS
 
-FRAME_NAMES: Final = ("numbers", "times", "order", "scenes")
+FRAME_NAMES: Final = ("numbers", "times", "order", "scenes", "counter")
 """How names of pictures and large frame numbers can be understood."""
 
 

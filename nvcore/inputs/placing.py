@@ -29,6 +29,7 @@ from nvcore.inputs.recordings import (
     contradicted_facts,
     describe_recordings,
     missing_pictures,
+    single_frames,
 )
 from nvcore.inputs.session import SYSTEM_KEYS_OF_SUBJECTS, Session, Source
 from nvcore.memory import check_room
@@ -178,6 +179,9 @@ def place_sources(
         findings += changed_input(source.subject, names, source.digests, session.hashes)
     findings += contradicted_facts(truth, recordings)
     findings += missing_pictures(session, recordings["name"].tolist())
+    if session.frames is None:
+        counts = np.array([*map(len, frames)])
+        findings += single_frames(truth, recordings["name"].tolist(), counts)
     return dataset_from_tables(
         recordings,
         frames,

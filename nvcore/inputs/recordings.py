@@ -12,13 +12,17 @@ import pandas as pd
 
 from nvcore.errors import InputError, MissingFactError
 from nvcore.file_kinds import as_stored
-from nvcore.findings import Finding, Remedy, Step
+from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
 from nvcore.inputs.readers.base import Reading, warning
 from nvcore.inputs.session import Session
 from nvcore.wording import MOST_NAMED, count_text, did_you_mean, listed
 
 MOST_SIGNS: Final = 1000
 """Of a recording's name: names are shown, and become names of files."""
+SINGLE: Final = 2
+"""Most frames of a recording that is rather a picture or two ..."""
+MIN_SINGLE: Final = 5
+"""... and recordings from which on it is no chance that more than half are so."""
 NO_BOX: Final = (
     "no frame is evaluated: the ground truth holds no box (only a header, or other classes?). "
     "Check that it is the right file, and which classes count; if there is no {one} in it, "
@@ -100,6 +104,43 @@ def missing_pictures(session: Session, names: Sequence[str]) -> list[Finding]:
             role="truth",
             file=path,
             example=f"recording {name}",
+        )
+    ]
+
+
+def single_frames(truth: Reading, names: Sequence[str], n_frames: np.ndarray) -> list[Finding]:
+    """Many recordings of one or two frames, as names of pictures give that are misunderstood.
+
+    Parameters
+    ----------
+    names, n_frames
+        Of the recordings, and how many frames of each are evaluated, int64, shape (n,).
+    """
+    if truth.named is None or len(names) < MIN_SINGLE:
+        return []
+    of_names = {*truth.named.recording}
+    is_single = (n_frames <= SINGLE) & np.array([name in of_names for name in names])
+    if 2 * is_single.sum() <= len(names):
+        return []
+    first = str(names[int(np.argmax(is_single))])
+    of_first = truth.named.table["recording"] == first
+    return [
+        Finding(
+            Severity.ERROR,
+            "single-frames",
+            TRUTH_NAME,
+            int(is_single.sum()),
+            f"{is_single.sum()} of {len(names)} recordings have one or two frames each; the names "
+            "of pictures tell recordings and frames.",
+            "A camera, a date or a part of a hash may have been taken for the frame number: say "
+            "how the names are meant. Single pictures are no fault.",
+            file=str(truth.named.table["name"][of_first].iloc[0]),
+            example=f"recording {first}",
+            steps=(
+                Step(Remedy.FRAME_NAMES, "counter"),
+                Step(Remedy.FRAME_NAMES, "order"),
+                Step(Remedy.ACCEPT, "single-frames"),
+            ),
         )
     ]
 

@@ -24,17 +24,13 @@ from numpy.typing import NDArray
 from nvcore.errors import MediaError
 from nvcore.file_kinds import composed
 from nvcore.findings import Remedy, Step
+from nvcore.inputs.readers.meaning.frame_columns import DIGITS, MAX_DIGITS, frame_columns
 from nvcore.inputs.readers.meaning.picture_times import times_in
 from nvcore.wording import listed, one_line
 
-_DIGITS: Final = re.compile(r"([0-9]+)")
 _EXPORTED: Final = re.compile(r"(_(jpe?g|png|tiff?|bmp))?\.rf\.[0-9A-Za-z]{8,}$", re.IGNORECASE)
 """What Roboflow puts behind a name."""
 _KINDS: Final = {".jpeg": ".jpg", ".tiff": ".tif"}
-_MOST_DIGITS: Final = 15
-"""Frame numbers are exact in every table up to here; a longer number is no frame number."""
-_TIME_DIGITS: Final = 10
-"""From so many digits on a number is rather a time, if there is another one in the name."""
 _FEW: Final = 3
 """So many files, or a tenth of the series, do not make another series."""
 _MOST_SERIES: Final = 8
@@ -131,13 +127,13 @@ def _groups(names: Sequence[str]) -> list[_Group]:
     for name in names:
         stem, suffix = splitext(basename(name))  # a path object for each would take as long as all
         kind, stem = suffix.lower(), composed(_EXPORTED.sub("", stem))
-        parts = _DIGITS.split(stem)
+        parts = DIGITS.split(stem)
         if len(parts) > 1:
             text = "#".join(parts[::2]).casefold()
             alike[_KINDS.get(kind, kind), text].append((name, parts))
     groups = []
     for (kind, _), members in alike.items():
-        column = _number_column([parts for _, parts in members])
+        column = frame_columns([parts for _, parts in members])[0]
         times_ns = _times([parts for _, parts in members], column)
         if times_ns is not None:
             groups.append(replace(_group(members, column, kind), numbers=times_ns))
@@ -148,7 +144,7 @@ def _groups(names: Sequence[str]) -> list[_Group]:
             for name, parts in members:
                 own[*parts[:column], *parts[column + 1 :]].append((name, parts))
         for several in own.values():
-            if all(len(parts[column].lstrip("0")) <= _MOST_DIGITS for _, parts in several):
+            if all(len(parts[column].lstrip("0")) <= MAX_DIGITS for _, parts in several):
                 groups += [_group(part, column, kind) for part in _single(several, column)]
     return groups
 
@@ -158,7 +154,7 @@ def _times(stems: Sequence[Sequence[str]], column: int) -> list[int] | None:
 
     None: they are none, or their numbers rise as those of frames do.
     """
-    if max(len(parts[column]) for parts in stems) > _MOST_DIGITS:
+    if max(len(parts[column]) for parts in stems) > MAX_DIGITS:
         return None
     steps = {int(after[column]) - int(before[column]) for before, after in pairwise(stems)}
     is_clock = [len(digits) for digits in stems[0][max(column - 2, 1) : column + 1 : 2]] == [8, 6]
@@ -197,16 +193,6 @@ def _group(members: Sequence[tuple[str, list[str]]], column: int, kind: str) -> 
     return _Group(names, numbers, kind, text, f"{text}{rest}{path.suffix}")
 
 
-def _number_column(stems: Sequence[Sequence[str]]) -> int:
-    """Which of the numbers in names that differ in numbers alone tells them apart; the last one."""
-
-    def usefulness(column: int) -> tuple[int, bool, int]:
-        values = {parts[column].lstrip("0") for parts in stems}
-        return len(values), max(map(len, values)) < _TIME_DIGITS, column
-
-    return max(range(1, len(stems[0]), 2), key=usefulness)
-
-
 def _are_several(groups: Sequence[_Group]) -> bool:
     """Whether each of these is a series by itself, beside others of the same frames."""
     is_alone = all(len({*group.numbers}) == len(group.numbers) for group in groups)
@@ -239,7 +225,7 @@ def natural_order(name: str) -> list[tuple[int, int, str]]:
     >>> sorted(["p10.png", "p9.png", "p09.png"], key=natural_order)
     ['p09.png', 'p9.png', 'p10.png']
     """
-    parts = _DIGITS.split(name)
+    parts = DIGITS.split(name)
     keys = [
         (1, len(part.lstrip("0")), part.lstrip("0")) if i % 2 else (0, 0, part)
         for i, part in enumerate(parts)

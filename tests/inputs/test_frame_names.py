@@ -25,8 +25,10 @@ from inputs import nvcore
 import nvcore as nv
 from nvcore.auditing.recordings import audit_frame_steps
 from nvcore.errors import InputError
-from nvcore.findings import Remedy, Severity
+from nvcore.findings import Remedy, Severity, Step
 from nvcore.inputs.load import load
+from nvcore.inputs.readers.base import ReadOptions
+from nvcore.inputs.readers.meaning.frame_names import named_pictures
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session, write_session
 
@@ -421,3 +423,98 @@ def test_cameras_named_behind_the_number_are_recordings_of_their_own(tmp_path: P
     assert (values["matched"], values["false_alarms"]) == (RIGHT["matched"], RIGHT["false_alarms"])
     assert dataset.recordings["name"].tolist() == ["left", "right"]
     assert set(dataset.frames["frame"]) == {*range(20)}
+
+
+def clock(frame: int) -> str:
+    return f"10-11-{13 + frame // 10}.{frame % 10}"
+
+
+FRAME_FIRST = {
+    "a date in all names": lambda i: f"frame_{i:06d}_20230612.txt",
+    "a size in all names": lambda i: f"frame_{i:06d}_640.txt",
+    "time of day": lambda i: f"{i:06d}_{clock(i)}.txt",
+    "date and time": lambda i: f"{i:06d}_20230612_10111{3 + i // 10}.txt",
+    "milliseconds": lambda i: f"{i:06d}_{at_ms(i)}.txt",
+    "milliseconds since the start": lambda i: f"{i:06d}_{at_ms(i) % 10**7}.txt",
+    "hash": lambda i: f"frame_{i:04d}_{i * 2654435761 % 2**32:08x}.txt",
+    "another counter": lambda i: f"{i:06d}_{i + 300:06d}.txt",
+    "number of objects": lambda i: f"{i:06d}_{i * 7 % 5}.txt",
+    "time of day first": lambda i: f"{clock(i)}_{i:06d}.txt",
+    "milliseconds first": lambda i: f"{at_ms(i)}_{i:06d}.txt",
+}
+
+
+@pytest.mark.parametrize("name_of", FRAME_FIRST.values(), ids=FRAME_FIRST)
+def test_the_frame_is_the_number_that_counts_up_wherever_it_stands(tmp_path, name_of):
+    numbers, dataset = compared(tmp_path, as_yolo(tmp_path, every=name_of))
+    assert numbers == RIGHT
+    assert dataset.frame_columns.frame.tolist() == list(range(40))
+
+
+def listed(names: list[str], **facts: object) -> set[tuple[str, int]]:
+    table = named_pictures(names, ReadOptions(**facts)).table
+    return {*zip(table["recording"], table["frame"].tolist(), strict=True)}
+
+
+CAMERAS = {
+    "two, without a word": (lambda i, c: f"{i:06d}_{c}.jpg", 2, "{}"),
+    "two": (lambda i, c: f"img{i}_cam{c}.jpg", 2, "img_cam{}"),
+    "five": (lambda i, c: f"drive3_{i:06d}_cam{c}.jpg", 5, "drive3_cam{}"),
+    "with times": (lambda i, c: f"{i:06d}_cam{c}_{at_ms(i)}.jpg", 2, "cam{}"),
+    "before the frame": (lambda i, c: f"cam{c}_{i:06d}.jpg", 5, "cam{}"),
+    "of many clips": (lambda i, c: f"clip_{i:04d}_{c:04d}.jpg", 10, None),
+    "of clips of three": (lambda i, c: f"clip{i}_{c}.jpg", 3, None),
+}
+
+
+@pytest.mark.parametrize(("name_of", "n", "title"), CAMERAS.values(), ids=CAMERAS)
+def test_a_number_of_few_values_is_a_camera_rather_than_the_frame(name_of, n, title):
+    names = [name_of(i, c) for i in range(40) for c in range(n)]
+    if title is None:  # the last number counts the frames of each clip
+        assert {frame for _, frame in listed(names)} == {*range(n)}
+        assert len({recording for recording, _ in listed(names)}) == 40
+    else:
+        assert listed(names) == {(title.format(c), i) for i in range(40) for c in range(n)}
+
+
+def test_times_before_a_camera_are_still_times():
+    names = [f"{1_598_000_000_000 + 100 * i}_Cam{c}.jpg" for i in range(40) for c in (1, 2)]
+    assert listed(names) == {(f"Cam{c}", i) for i in range(40) for c in (1, 2)}
+
+
+@pytest.mark.parametrize(
+    "name_of",
+    [
+        lambda i: f"{i:06d}_{10 * i:06d}",
+        lambda i: f"{i // 4:06d}_{i % 4}",
+        lambda i: f"{i * i * 7919 % 10007}_{i * i * 3571 % 10009:06d}",
+    ],
+    ids=["two counters", "four cameras or frames", "two ids"],
+)
+def test_two_numbers_that_may_be_the_frame_are_asked_about(name_of):
+    names = [f"{name_of(i)}.jpg" for i in range(80)]
+    with pytest.raises(InputError, match=r"it may be 0+ or") as error:
+        listed(names)
+    assert [step.value for step in error.value.steps] == ["counter", "numbers", "order"]
+    assert len(listed(names, frame_names="numbers")) == 80
+    recording, frame = zip(*listed(names, frame_names="counter"), strict=True)
+    assert (len({*recording}), len({*frame})) in ((1, 80), (4, 20))
+
+
+def test_a_system_that_lists_few_frames_is_read_as_the_truth_is(tmp_path):
+    names = as_yolo(tmp_path, every=lambda i: f"{i // 2:06d}_cam{i % 2}.txt")
+    for path in sorted((tmp_path / "x").iterdir())[3:]:
+        path.unlink()
+    _, dataset = compared(tmp_path, names)
+    assert dataset.recordings["name"].tolist() == ["cam0", "cam1"]
+    assert not len(dataset.left_out)
+
+
+def test_many_recordings_of_single_frames_are_an_error_that_can_be_accepted(tmp_path):
+    names = as_yolo(tmp_path, every=lambda i: f"a{i * 2654435761 % 2**32:08x}g{i}.txt")
+    _, dataset = compared(tmp_path, names, frame_names="numbers")
+    (error,) = [finding for finding in nv.audit(dataset) if finding.code == "single-frames"]
+    assert (error.severity, error.count) == (Severity.ERROR, 40)
+    assert Step(Remedy.ACCEPT, "single-frames") in error.steps
+    meant = dataset.with_settings(replace(dataset.settings, accept=("single-frames",)))
+    assert Severity.ERROR not in [finding.severity for finding in nv.audit(meant)]

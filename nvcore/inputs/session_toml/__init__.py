@@ -31,7 +31,7 @@
     frame_base = 0
     box_base = 1
     boxes = "corners"        what the four numbers of a box are, if not what the format says
-    frame_names = "times"    how names of pictures are understood: numbers, times, order, scenes
+    frame_names = "times"    how names of pictures are understood: numbers, times, order, ...
 
     [[system]]               the first is X, the second Y, unless [compare] says otherwise
     name = "FIR"

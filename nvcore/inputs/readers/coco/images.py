@@ -217,14 +217,20 @@ def _places(
     """Recording and frame number of every image, in words where they come from, and its name."""
     file_recording = recording_of(images.file.name)
     named = NO_NAMES
+    numbers = images.numbers(*FRAME_KEYS)
+    has_numbers = numbers is not None and len(numbers) > 0 and not np.isnan(numbers).any()
     if names and all(names) and options.frame_names != "order":
-        named = named_pictures(names, options)
+        try:
+            named = named_pictures(names, options)
+        except InputError:
+            if not has_numbers:
+                raise
+            named = named_pictures(names, replace(options, frame_names="numbers"))
     are_placed = named.strange < 0
     folders = (_folders(names, file_recording), "recordings from the folders")
     if options.role == "detections" and are_placed and named.is_joined:
         return [*named.recording], named.frame, "pictures found in the truth by name", [], named
     videos = _videos(images, document)
-    numbers = images.numbers(*FRAME_KEYS)
     recording: Sequence[str]
     if videos is not None:
         recording, source = videos, "recordings from the video of each image"
@@ -233,7 +239,7 @@ def _places(
         source = "recordings from the file names"
     else:
         recording, source = folders
-    if numbers is not None and len(numbers) and not np.isnan(numbers).any():
+    if has_numbers and numbers is not None:
         if videos is None and _is_scattered(recording):
             recording, source = folders
         lines = Lines.of(images.file, np.arange(1, len(numbers) + 1))

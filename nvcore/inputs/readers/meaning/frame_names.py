@@ -21,6 +21,7 @@ from nvcore.inputs.readers.base import (
     SourceFile,
     object_array,
 )
+from nvcore.inputs.readers.meaning.frame_columns import frame_last
 from nvcore.inputs.readers.meaning.names import ONLY, place_of_stem, recording_before
 from nvcore.inputs.readers.meaning.picture_times import (
     LEAST_TIME,
@@ -44,9 +45,6 @@ LONG_GAP: Final = 1000
 """Numbers without a picture, inside a list of pictures, that divide recordings ..."""
 LONG_GAP_STEPS: Final = 50
 """... if they are so many usual steps, too: a list may hold every hundredth picture."""
-MOST_ENDINGS: Final = 8
-"""Most cameras, by what stands behind the number in the names of their pictures."""
-_ENDING: Final = re.compile(r"(.*?)(\d+)([_\-. ]+[A-Za-z][A-Za-z_\-. ]*)")
 _HASH: Final = re.compile(r"[0-9a-f\-]{16,}$", re.IGNORECASE)
 LATE_START: Final = 100
 """Frame up to which a scene may begin, where most begin at 0 or 1."""
@@ -189,10 +187,16 @@ def times_as_frames(
 def _by_themselves(names: Sequence[str], options: ReadOptions) -> NamedPictures:
     """The pictures of a list by its names alone; `strange` where one has no number."""
     plain, ending = plain_names(names)
+    facts: tuple[str, ...] = (
+        (f"the common ending {ending} of the names taken off",) if ending else ()
+    )
+    how, known = options.frame_names, options.recordings
+    which: tuple[str, ...] = ()
+    if how != "order":
+        theirs = options.named.table["name"].tolist() if options.named is not None else []
+        plain, which = frame_last(plain, plain_names(theirs)[0], how)
     parts = [(name.split("/")[:-1], name.rpartition("/")[2]) for name in plain]
     stems = [stem for _, stem in parts]
-    facts = (f"the common ending {ending} of the names taken off",) if ending else ()
-    how, known = options.frame_names, options.recordings
     if how == "order":
         return replace(_by_order(names, parts, known), facts=facts)
     times = None
@@ -205,16 +209,8 @@ def _by_themselves(names: Sequence[str], options: ReadOptions) -> NamedPictures:
         ]
         named = _by_times(recordings, names, times, options, divide=options.role == "truth")
         return replace(named, facts=(*facts, *named.facts))
+    facts += which
     places = [place_of_stem(tuple(folders), stem, known) for folders, stem in parts]  # text
-    endings = [match for stem in stems if (match := _ENDING.fullmatch(stem)) is not None]
-    is_of_cameras = len(endings) == len(stems) and None in places
-    if is_of_cameras and len({match[3] for match in endings}) <= MOST_ENDINGS:
-        # of several cameras in one folder, such as 0001_left and 0001_right
-        stems = [f"{match[1]}{match[3]}_{match[2]}".lstrip("_-. ") for match in endings]
-        places = [
-            place_of_stem(tuple(folders), stem, known)
-            for (folders, _), stem in zip(parts, stems, strict=True)
-        ]
     if None in places:
         return replace(NO_NAMES, strange=places.index(None))
     placed = [place for place in places if place is not None]
