@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 import os
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -207,6 +208,8 @@ def _read(
     options = read_options(source, role, size, truth, session.objects)
     if named:
         options = replace(options, categories=named, numbering="list")
+    if truth is None:
+        options = replace(options, picture_folders=_picture_folders(session))
     with _about(subject):
         if table is None:
             files, file_format = find_files(source, session.folder, role)
@@ -235,19 +238,27 @@ def _read(
     return LoadedSource(subject, files, digests, file_format, reading)
 
 
+def _picture_folders(session: Session) -> tuple[Path, ...]:
+    """Folders in which pictures of recordings are, also where a pattern picks from them."""
+    places = [session.folder / entry.pictures for entry in session.recordings if entry.pictures]
+    return tuple(place.parent if glob.has_magic(place.name) else place for place in places)
+
+
 def _with_named(reading: Reading, options: ReadOptions, files: Sequence[SourceFile]) -> Reading:
     """The reading with what the names of its pictures tell: how they were understood, rates."""
     if reading.named is None and reading.images is None:
         reading = _with_times_numbered(reading, options, files)
     reading = with_subsets_joined(reading, options)
-    named = reading.named
-    if named is None:
+    if reading.named is None:
         return reading
+    named = reading.named.with_empty
     table = reading.recordings
     by_times = table["name"].map(named.rates).astype(float)
     facts = dict.fromkeys([*named.facts, reading.conversion])
     return replace(
         reading,
+        named=named,
+        findings=(*reading.findings, *named.findings),
         conversion="; ".join(filter(None, facts)),
         recordings=table.assign(fps=table["fps"].fillna(by_times)),
     )

@@ -28,6 +28,7 @@ from nvcore.inputs.recordings import (
     check_listed,
     contradicted_facts,
     describe_recordings,
+    missing_label_files,
     missing_pictures,
     single_frames,
 )
@@ -179,9 +180,11 @@ def place_sources(
         findings += changed_input(source.subject, names, source.digests, session.hashes)
     findings += contradicted_facts(truth, recordings)
     findings += missing_pictures(session, recordings["name"].tolist())
+    own_names = recordings["name"].tolist()
     if session.frames is None:
-        counts = np.array([*map(len, frames)])
-        findings += single_frames(truth, recordings["name"].tolist(), counts)
+        findings += single_frames(truth, own_names, np.array([*map(len, frames)]))
+    if truth.named is not None and len(loaded[0].files) >= len(truth.named.table):
+        findings += missing_label_files(own_names, frames)
     return dataset_from_tables(
         recordings,
         frames,

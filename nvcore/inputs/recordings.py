@@ -13,6 +13,7 @@ import pandas as pd
 from nvcore.errors import InputError, MissingFactError
 from nvcore.file_kinds import as_stored
 from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
+from nvcore.inputs.evaluated_frames import MIN_SAMPLED
 from nvcore.inputs.readers.base import Reading, warning
 from nvcore.inputs.session import Session
 from nvcore.wording import MOST_NAMED, count_text, did_you_mean, listed
@@ -23,6 +24,8 @@ SINGLE: Final = 2
 """Most frames of a recording that is rather a picture or two ..."""
 MIN_SINGLE: Final = 5
 """... and recordings from which on it is no chance that more than half are so."""
+MAX_GAPS: Final = 0.1
+"""Share of steps between label files up to which longer ones are gaps."""
 NO_BOX: Final = (
     "no frame is evaluated: the ground truth holds no box (only a header, or other classes?). "
     "Check that it is the right file, and which classes count; if there is no {one} in it, "
@@ -141,6 +144,41 @@ def single_frames(truth: Reading, names: Sequence[str], n_frames: np.ndarray) ->
                 Step(Remedy.FRAME_NAMES, "order"),
                 Step(Remedy.ACCEPT, "single-frames"),
             ),
+        )
+    ]
+
+
+def missing_label_files(names: Sequence[str], frames: Sequence[np.ndarray]) -> list[Finding]:
+    """Gaps between label files whose frame numbers rise in equal steps everywhere else.
+
+    Parameters
+    ----------
+    names, frames
+        Of the recordings, and the evaluated frames of each.
+    """
+    gaps = []
+    for name, numbers in zip(names, frames, strict=True):
+        steps = np.diff(numbers)
+        usual = int(np.median(steps)) if len(steps) >= MIN_SAMPLED else 0
+        is_gap = steps > usual
+        if usual and 0 < is_gap.mean() <= MAX_GAPS and not (steps % usual).any():
+            n_missing = int((steps[is_gap] // usual - 1).sum())
+            first = int(numbers[np.argmax(is_gap)]) + usual
+            gaps.append((name, n_missing, first, f"{numbers[0]}:{numbers[-1]}:{usual}"))
+    if not gaps:
+        return []
+    name, _, first, span = gaps[0]
+    n_missing = sum(gap[1] for gap in gaps)
+    return [
+        warning(
+            "missing-label-files",
+            n_missing,
+            f"{count_text(n_missing, 'frame has', 'frames have')} no label file, although those "
+            "before and after have: what is detected there is left out.",
+            "If nobody is there, evaluate these frames, too: detections are then false alarms.",
+            role="truth",
+            example=f"recording {name}, frame {first}",
+            steps=(Step(Remedy.FRAMES, span.removesuffix(":1") if len(names) == 1 else ""),),
         )
     ]
 

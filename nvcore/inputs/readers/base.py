@@ -178,6 +178,10 @@ class NamedPictures:
         First name without a number, for which there is no table; -1: none.
     is_joined
         Whether pictures of the truth were found by name.
+    empty
+        Further pictures as in `table`, in which nobody is; None: none.
+    findings
+        What is odd about the list.
     """
 
     table: pd.DataFrame
@@ -186,6 +190,17 @@ class NamedPictures:
     rates: Mapping[str, float] = field(default_factory=dict)
     strange: int = -1
     is_joined: bool = False
+    empty: pd.DataFrame | None = None
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def with_empty(self) -> NamedPictures:
+        """The list with the `empty` pictures."""
+        if self.empty is None:
+            return self
+        return replace(
+            self, table=pd.concat([self.table, self.empty], ignore_index=True), empty=None
+        )
 
     @property
     def recording(self) -> np.ndarray:
@@ -203,7 +218,8 @@ class NamedPictures:
 
         So results of Caltech and KAIST number the images.
         """
-        images = self.table.sort_values(["recording", "frame"], ignore_index=True)
+        table = self.with_empty.table
+        images = table.sort_values(["recording", "frame"], ignore_index=True)
         images = images.assign(image_id=np.arange(1, len(images) + 1))
         return images.rename(columns={"name": "file_name"})
 
@@ -242,6 +258,8 @@ class ReadOptions:
         The truth's pictures by name, for systems whose pictures have the same names or times.
     boxes
         Those of the truth, for what only they can decide.
+    picture_folders
+        Folders of pictures that the session names.
     """
 
     role: Role = "truth"
@@ -257,6 +275,7 @@ class ReadOptions:
     frame_names: str | None = None
     named: NamedPictures | None = None
     boxes: pd.DataFrame | None = None
+    picture_folders: tuple[Path, ...] = ()
 
     def names_for(self, numbering: Numbering) -> Mapping[str, str]:
         """The other side's names of classes, if it numbers them so; else none.

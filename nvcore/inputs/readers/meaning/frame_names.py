@@ -23,6 +23,7 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.meaning.frame_columns import frame_last
 from nvcore.inputs.readers.meaning.names import ONLY, place_of_stem, recording_before
+from nvcore.inputs.readers.meaning.picture_lists import pictures_without_file, with_empty_pictures
 from nvcore.inputs.readers.meaning.picture_times import (
     LEAST_TIME,
     NamedTimes,
@@ -59,7 +60,11 @@ def listed_frames(files: Sequence[SourceFile], options: ReadOptions) -> NamedPic
         If a file name has no frame number, two files are of one frame, or the names can be
         understood in several ways.
     """
-    named = named_pictures([file.name for file in files], options)
+    names = [file.name for file in files]
+    empty = []
+    if options.role == "truth":
+        empty = pictures_without_file(files, options.picture_folders)
+    named = named_pictures([*names, *empty], options)
     if named.strange >= 0 and all(_HASH.match(stem) for stem in _stems([f.name for f in files])):
         raise InputError(
             "expected one file per frame with the frame number at the end of its name; found "
@@ -90,7 +95,7 @@ def listed_frames(files: Sequence[SourceFile], options: ReadOptions) -> NamedPic
             "or their folders by the recordings",
             file=files[second].name,
         )
-    return named
+    return with_empty_pictures(named, len(files)) if empty else named
 
 
 def named_pictures(names: Sequence[str], options: ReadOptions) -> NamedPictures:
