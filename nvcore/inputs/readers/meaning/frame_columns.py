@@ -46,6 +46,7 @@ _STAMP: Final = re.compile(
     r")(?![0-9A-Za-z])"
 )
 """A date, a time of day or both; a time in ticks; a hash."""
+_HASH: Final = re.compile(r"(?=.*[a-f])(?=.*[0-9])[0-9a-f\-]{6,}", re.IGNORECASE)
 
 
 def likeliest_column(stems: Sequence[Sequence[str]], columns: Iterable[int]) -> int:
@@ -105,9 +106,9 @@ def frame_columns(stems: Sequence[Sequence[str]], places: Sequence[str] = ()) ->
             return [likeliest]
         is_last = n_last > MOST_CAMERAS or _RECORDING.search(before[likeliest]) is not None
         return [last] if is_last else [likeliest, last]
-    if likeliest != last:
+    if likeliest != last or not alone:
         return [likeliest]
-    even = [column for column in alone if _differ_evenly(stems, column)] or alone or [last]
+    even = [column for column in alone if _differ_evenly(stems, column)] or alone
     return even[:1] if _rise_alike(stems, even) else even[::-1]
 
 
@@ -147,6 +148,9 @@ def frame_last(
         If two numbers may be the frame number, and `how` does not say which.
     """
     every = list(dict.fromkeys([*names, *others]))
+    n_hashes = sum(_HASH.fullmatch(name.rpartition("/")[2]) is not None for name in every)
+    if 2 * n_hashes >= len(every):  # no number of them counts anything
+        return [*names], ()
     new = dict(zip(every, every if how == "numbers" else _without_stamps(every), strict=True))
     groups: dict[int, list[str]] = defaultdict(list)
     for name, bare in new.items():
