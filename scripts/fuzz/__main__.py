@@ -23,10 +23,10 @@ import tempfile
 import time
 from pathlib import Path
 
+from scripts.fuzz.target import ROOT
 from scripts.fuzz.targets import TARGETS
 from scripts.fuzz.trial import COUNTED
 
-ROOT = Path(__file__).resolve().parents[2]
 STORE = ROOT / ".fuzz"
 MOST_STARTS = 20
 """Processes for one target, of which all but the last were ended by an input."""

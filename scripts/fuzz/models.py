@@ -17,7 +17,6 @@ import zipfile
 from collections.abc import Iterator
 from functools import cache, partial
 from pathlib import Path
-from random import Random
 from typing import Any, Final
 
 import numpy as np
@@ -27,10 +26,8 @@ from nvcore.detectors.icf.model_file import from_bytes, to_bytes
 from nvcore.driver.estimators import model_file as driver_file
 from nvcore.driver.texts import render_estimator
 from nvcore.output.arrays import pack
-from scripts.fuzz.target import target
+from scripts.fuzz.target import mutated_text, target
 
-ODD: Final = ("null", "true", "[]", "{}", "-1", "0.5", "1e308", "9" * 400, '"x"', "[[1]]", "")
-"""In place of a value."""
 _OF_JSON: Final = re.compile(rb"(/\S+) (.*)", re.DOTALL)
 _OF_ARRAY: Final = re.compile(rb"(\w+) (\d{1,6})([=+-])((?:[0-9a-f]{2})*)")
 _MOST_CHANGES: Final = 16
@@ -83,24 +80,6 @@ def changes(room: str) -> Iterator[bytes]:
             yield "\n".join(f"{name} {part}" for part in same).encode()
 
 
-def mutated(content: bytes, rng: Random, *, room: str) -> bytes:
-    """The changes with one more, and perhaps one less: few texts of other kinds are changes."""
-    lines = [line for line in content.split(b"\n") if line]
-    if lines and (len(lines) >= _MOST_CHANGES or rng.random() < 0.3):
-        del lines[rng.randrange(len(lines))]
-    members = _sample_members(room)
-    if rng.random() < 0.5:
-        path, value = rng.choice([*_values(json.loads(members["about"]))])
-        text = json.dumps(value)[:100]
-        lines.append(f"{path} {rng.choice((*ODD, text, f'[{text}]'))}".encode())
-    else:
-        name = rng.choice([name for name in members if name != "about"])
-        place = rng.randrange(rng.choice((11, 128, len(members[name]))))
-        new = rng.choice((rng.randbytes(rng.randint(1, 8)), b"(" * 100, bytes(8)))
-        lines.append(f"{name} {place}{rng.choice('=+-')}{new.hex()}".encode())
-    return b"\n".join(lines)
-
-
 @cache
 def _sample_members(room: str) -> dict[str, bytes]:
     """JSON and arrays, as files, of the sample's model."""
@@ -142,12 +121,7 @@ def _picture() -> np.ndarray:
     return np.random.default_rng(0).integers(0, 255, (44, 32), dtype=np.uint8)
 
 
-@target(
-    partial(changes, "detectors"),
-    share=1.0,
-    most_bytes=1024,
-    mutate=partial(mutated, room="detectors"),
-)
+@target(partial(changes, "detectors"), share=1.0, most_bytes=1024, mutate=mutated_text)
 def detectors(content: bytes, _folder: Path) -> None:
     """A changed detector: read, written as it was read, run on a small picture."""
     model = from_bytes(changed(content, "detectors"), "model.npz")
@@ -157,9 +131,7 @@ def detectors(content: bytes, _folder: Path) -> None:
     assert np.isfinite(boxes.score).all(), "scores that are no numbers"
 
 
-@target(
-    partial(changes, "driver"), share=1.0, most_bytes=1024, mutate=partial(mutated, room="driver")
-)
+@target(partial(changes, "driver"), share=1.0, most_bytes=1024, mutate=mutated_text)
 def estimators(content: bytes, _folder: Path) -> None:
     """A changed estimator: read, written as it was read, asked for estimates."""
     estimator = driver_file.from_bytes(changed(content, "driver"), "model.npz")

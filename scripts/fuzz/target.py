@@ -17,6 +17,9 @@ Run = Callable[[bytes, Path], None]
 Mutator = Callable[[bytes, Random], bytes]
 PARTS: Final = b"\n%%\n"
 """Between the files of one input."""
+ROOT: Final = Path(__file__).resolve().parents[2]
+DATA: Final = ROOT / "tests" / "data"
+SAMPLE: Final = ROOT / "sample_data"
 _TOKEN: Final = re.compile(rb"\w+(?:\.\w+)?|\s|[^\w\s]+?")
 _ODD: Final = (
     *(b"", b"0", b"-1", b"0.5", b"1e308", b"nan", b"inf", b"9" * 400, b"1_0", b"1e5", b"1e-300"),
@@ -28,20 +31,10 @@ _ODD: Final = (
 
 @dataclass(frozen=True)
 class Target:
-    """One entrance for files from outside.
+    """One entrance for files from outside: (content, empty folder) -> None, or an error.
 
-    Attributes
-    ----------
-    run
-        (content, empty folder) -> None, or an error.
-    seeds
-        Inputs that it begins with, or what makes some of them.
-    share
-        Of the time of a run.
-    most_bytes
-        Of one input.
-    mutate
-        Changes that make sense, beside libFuzzer's own; None: these alone.
+    `seeds` are inputs that it begins with, or make some; `share` is of the time of a run, and
+    `mutate` changes inputs in ways that make sense, beside libFuzzer's own.
     """
 
     run: Run

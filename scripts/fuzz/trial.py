@@ -25,7 +25,7 @@ from random import Random
 from typing import Any, Final
 
 from nvcore.errors import NvcoreError
-from scripts.fuzz.target import mutated_text
+from scripts.fuzz.target import ROOT, mutated_text
 from scripts.fuzz.targets import TARGETS
 
 SLOW_S: Final = 2.0
@@ -34,7 +34,6 @@ NOTES_S: Final = 1.0
 """Seconds between two notes of the counts."""
 MOST_KEPT: Final = 300
 """Inputs that were read, to be changed further."""
-ROOT: Final = Path(__file__).resolve().parents[2]
 COUNTED: Final = ("read", "refused", "faults")
 
 
@@ -113,7 +112,7 @@ def main() -> None:
         mutate, most = trial.target.mutate or mutated_text, trial.target.most_bytes
         seeds, known, rng = trial.target.first_inputs(), [b""], Random(runs)
         for _ in range(runs):
-            content = mutate(rng.choice(rng.choice((seeds, known))), rng)[:most]
+            content = mutate(rng.choice(rng.choice((seeds, seeds, known))), rng)[:most]
             if trial(content) == "read":
                 known.append(content)
                 del known[:-MOST_KEPT]

@@ -13,13 +13,13 @@ from typing import Final
 
 import atheris
 
+ROOT: Final = Path(__file__).resolve().parents[2]
 TIMEOUT_S: Final = 10
 """For one input, by the clock."""
 MEMORY_MB: Final = 1500
 """Of the whole process; what is imported takes a third of it."""
 PLAIN: Final = 0.2
 """Share of changes that are libFuzzer's own, where a target has some."""
-ROOT: Final = Path(__file__).resolve().parents[2]
 COMPILED: Final = [
     ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
     for path in ROOT.glob("nvcore/**/*.py")
