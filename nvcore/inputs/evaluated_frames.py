@@ -14,7 +14,7 @@ import pandas as pd
 from nvcore.errors import InputError, MissingFactError
 from nvcore.inputs.facts import FRAME_RANGE, frame_range, is_frame_range
 from nvcore.inputs.readers.base import Reading, SourceFile
-from nvcore.inputs.readers.meaning.seqinfo import MAX_FRAMES
+from nvcore.inputs.readers.meaning.values import MAX_FRAMES
 from nvcore.memory import SPARSE
 from nvcore.wording import MOST_NAMED, listed, one_line
 

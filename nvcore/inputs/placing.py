@@ -21,7 +21,7 @@ from nvcore.inputs.facts import is_open_range
 from nvcore.inputs.hashes import changed_input
 from nvcore.inputs.readers import FORMATS
 from nvcore.inputs.readers.base import Format, Reading, SourceFile
-from nvcore.inputs.readers.meaning.labels import merged
+from nvcore.inputs.readers.meaning.classes import merged
 from nvcore.inputs.recordings import (
     NO_BOX,
     NO_BOX_STEPS,

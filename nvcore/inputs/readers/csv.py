@@ -40,11 +40,12 @@ from nvcore.inputs.readers.csv_columns import (
     read_columns,
     read_header,
 )
-from nvcore.inputs.readers.meaning.attributes import attributes_of_boxes, joined_attributes
-from nvcore.inputs.readers.meaning.categories import (
+from nvcore.inputs.readers.meaning.classes import (
     CategoryChoice,
     ClassNames,
     choose_categories,
+    codes_of,
+    labels_of,
     names_of_numbers,
 )
 from nvcore.inputs.readers.meaning.frame_names import (
@@ -53,15 +54,17 @@ from nvcore.inputs.readers.meaning.frame_names import (
     places_of_pictures,
     times_as_frames,
 )
-from nvcore.inputs.readers.meaning.labels import codes_of, labels_of
 from nvcore.inputs.readers.meaning.names import recordings_of
-from nvcore.inputs.readers.meaning.tracks import TEXT_IDS, track_numbers
 from nvcore.inputs.readers.meaning.values import (
+    TEXT_IDS,
+    attributes_of_boxes,
     checked_detectability,
+    joined_attributes,
     known_distances,
     levels_of_numbers,
     odd_distances,
     odd_levels,
+    track_numbers,
 )
 from nvcore.inputs.readers.parse.text import whole_numbers
 from nvcore.schema import names_as_categories

@@ -27,9 +27,9 @@ from nvcore.inputs.readers.base import (
 from nvcore.inputs.readers.meaning.classes import (
     ClassRule,
     choose_classes,
+    labelled,
     rule_for,
 )
-from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.names import recording_and_frame_of, recordings_of
 from nvcore.inputs.readers.parse.text import (
     TextLayout,

@@ -27,17 +27,20 @@ from nvcore.inputs.readers.base import (
     image_list,
     recordings_table,
 )
-from nvcore.inputs.readers.meaning.categories import (
+from nvcore.inputs.readers.meaning.class_files import is_class_file, names_in
+from nvcore.inputs.readers.meaning.classes import (
     ClassNames,
     NumberedRows,
     choose_categories,
+    classes_left_out,
     names_of_numbers,
 )
-from nvcore.inputs.readers.meaning.class_files import is_class_file, names_in
-from nvcore.inputs.readers.meaning.classes import classes_left_out
 from nvcore.inputs.readers.meaning.names import recordings_of
-from nvcore.inputs.readers.meaning.seqinfo import sequence_info
-from nvcore.inputs.readers.meaning.values import levels_of_numbers, levels_of_visible_share
+from nvcore.inputs.readers.meaning.values import (
+    levels_of_numbers,
+    levels_of_visible_share,
+    sequence_info,
+)
 from nvcore.inputs.readers.parse.text import NumberTable, TextLayout, read_numbers, whole_numbers
 from nvcore.inputs.readers.visdrone import NAMES as VISDRONE
 from nvcore.inputs.readers.visdrone import are_visdrones

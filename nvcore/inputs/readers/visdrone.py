@@ -20,7 +20,7 @@ from nvcore.inputs.readers.base import (
     conversion_text,
     recordings_table,
 )
-from nvcore.inputs.readers.meaning.categories import (
+from nvcore.inputs.readers.meaning.classes import (
     ClassNames,
     NumberedRows,
     choose_categories,

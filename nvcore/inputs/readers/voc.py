@@ -22,12 +22,14 @@ from nvcore.inputs.readers.base import (
     object_array,
     warning,
 )
-from nvcore.inputs.readers.meaning.categories import concerns_objects, free_labels
-from nvcore.inputs.readers.meaning.classes import choose_classes
+from nvcore.inputs.readers.meaning.classes import (
+    choose_classes,
+    concerns_objects,
+    free_labels,
+    labelled,
+)
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
-from nvcore.inputs.readers.meaning.labels import labelled
-from nvcore.inputs.readers.meaning.sizes import recordings_with_sizes
-from nvcore.inputs.readers.meaning.values import levels_of_numbers
+from nvcore.inputs.readers.meaning.values import levels_of_numbers, recordings_with_sizes
 from nvcore.inputs.readers.parse.unknown import foreign_format
 from nvcore.inputs.readers.parse.xml import Element, is_true, number, read_elements, root_of
 

@@ -24,14 +24,14 @@ from nvcore.inputs.readers.base import (
     object_array,
     recordings_table,
 )
-from nvcore.inputs.readers.meaning.categories import (
+from nvcore.inputs.readers.meaning.class_files import class_names_beside, is_class_file, last_part
+from nvcore.inputs.readers.meaning.classes import (
     NumberedRows,
     choose_categories,
+    labelled,
     names_of_numbers,
 )
-from nvcore.inputs.readers.meaning.class_files import class_names_beside, is_class_file, last_part
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
-from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.parse.text import (
     NumberTable,
     TextLayout,

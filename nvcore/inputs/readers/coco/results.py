@@ -45,22 +45,21 @@ from nvcore.inputs.readers.coco.images import (
     rows_by_id,
 )
 from nvcore.inputs.readers.coco.truth import category_names
-from nvcore.inputs.readers.meaning.categories import (
+from nvcore.inputs.readers.meaning.classes import (
     CategoryChoice,
     ClassNames,
     choose_categories,
+    classes_left_out,
+    labelled,
 )
-from nvcore.inputs.readers.meaning.classes import classes_left_out
 from nvcore.inputs.readers.meaning.frame_names import (
     in_file,
     places_of_pictures,
     rows_by_name,
     rows_by_text,
 )
-from nvcore.inputs.readers.meaning.labels import labelled
-from nvcore.inputs.readers.meaning.names import recording_of
-from nvcore.inputs.readers.meaning.plain_names import plain_name, plain_names
-from nvcore.inputs.readers.meaning.tracks import TEXT_IDS, track_numbers
+from nvcore.inputs.readers.meaning.names import plain_name, plain_names, recording_of
+from nvcore.inputs.readers.meaning.values import TEXT_IDS, track_numbers
 from nvcore.inputs.readers.parse.json import Records, read_json
 from nvcore.inputs.readers.parse.text import read_bytes
 from nvcore.inputs.readers.parse.unknown import foreign_format

@@ -34,29 +34,28 @@ from nvcore.inputs.readers.coco.images import (
     read_images,
     rows_by_id,
 )
-from nvcore.inputs.readers.meaning.attributes import (
-    attributes_of_boxes,
-    class_of,
-    joined_attributes,
-    joined_classes,
-)
-from nvcore.inputs.readers.meaning.categories import (
+from nvcore.inputs.readers.meaning.classes import (
     CategoryChoice,
     ClassNames,
     choose_categories,
+    classes_left_out,
+    labelled,
 )
-from nvcore.inputs.readers.meaning.classes import classes_left_out
 from nvcore.inputs.readers.meaning.frame_names import joined_named
-from nvcore.inputs.readers.meaning.labels import labelled
-from nvcore.inputs.readers.meaning.tracks import TEXT_IDS, track_numbers
 from nvcore.inputs.readers.meaning.values import (
+    TEXT_IDS,
+    attributes_of_boxes,
     checked_detectability,
+    class_of,
+    joined_attributes,
+    joined_classes,
     known_distances,
     level_of_words,
     levels_of_numbers,
     levels_of_visible_share,
     odd_distances,
     odd_levels,
+    track_numbers,
 )
 from nvcore.inputs.readers.parse.json import Records, read_json, short_json
 from nvcore.inputs.readers.parse.unknown import foreign_format

@@ -24,16 +24,20 @@ from nvcore.inputs.readers.base import (
     joined_findings,
     warning,
 )
-from nvcore.inputs.readers.meaning.attributes import (
+from nvcore.inputs.readers.meaning.classes import (
+    choose_classes,
+    concerns_objects,
+    free_labels,
+    labelled,
+)
+from nvcore.inputs.readers.meaning.values import (
     attributes_of_boxes,
     class_of,
     is_ambiguous,
     joined_classes,
+    level_of_words,
+    levels_of_numbers,
 )
-from nvcore.inputs.readers.meaning.categories import concerns_objects, free_labels
-from nvcore.inputs.readers.meaning.classes import choose_classes
-from nvcore.inputs.readers.meaning.labels import labelled
-from nvcore.inputs.readers.meaning.values import level_of_words, levels_of_numbers
 from nvcore.inputs.readers.parse.xml import (
     Element,
     file_stem,

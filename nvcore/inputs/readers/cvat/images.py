@@ -32,7 +32,7 @@ from nvcore.inputs.readers.cvat.content import (
 )
 from nvcore.inputs.readers.meaning.frame_names import in_file, joined_named, named_pictures
 from nvcore.inputs.readers.meaning.names import ONLY, recording_and_frame_of, recording_of
-from nvcore.inputs.readers.meaning.sizes import recordings_with_sizes
+from nvcore.inputs.readers.meaning.values import recordings_with_sizes
 from nvcore.inputs.readers.parse.xml import root_of
 from nvcore.schema import NO_TRACK
 

@@ -1,1 +1,1 @@
-"""What names, classes, tracks and occlusion in files mean."""
+"""What names of files, classes and values in files mean."""

@@ -11,7 +11,7 @@ from typing import Final
 from nvcore.errors import FormatError
 from nvcore.file_kinds import unpacked_name
 from nvcore.inputs.readers.base import SourceFile
-from nvcore.inputs.readers.meaning.categories import ClassNames
+from nvcore.inputs.readers.meaning.classes import ClassNames
 from nvcore.inputs.readers.parse.text import read_text
 from nvcore.wording import shortened
 

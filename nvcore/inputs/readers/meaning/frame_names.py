@@ -21,8 +21,14 @@ from nvcore.inputs.readers.base import (
     SourceFile,
     object_array,
 )
-from nvcore.inputs.readers.meaning.frame_columns import frame_last
-from nvcore.inputs.readers.meaning.names import ONLY, place_of_stem, recording_before
+from nvcore.inputs.readers.meaning.names import (
+    ONLY,
+    common_beginning,
+    frame_last,
+    place_of_stem,
+    plain_names,
+    recording_before,
+)
 from nvcore.inputs.readers.meaning.picture_lists import pictures_without_file, with_empty_pictures
 from nvcore.inputs.readers.meaning.picture_times import (
     LEAST_TIME,
@@ -33,7 +39,6 @@ from nvcore.inputs.readers.meaning.picture_times import (
     times_in,
     times_of_numbers,
 )
-from nvcore.inputs.readers.meaning.plain_names import common_beginning, plain_names
 from nvcore.wording import count_text
 
 NO_NAMES: Final = NamedPictures(

@@ -1,15 +1,123 @@
-"""Which recording and which frame a file belongs to, by its name."""
+"""Which recording and which frame a file or picture belongs to, by its name."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
+from itertools import takewhile
 from pathlib import PurePosixPath
 from typing import Final
 
+import numpy as np
+
 from nvcore.errors import InputError
 from nvcore.file_kinds import unpacked_name
+from nvcore.findings import Remedy, Step
+
+_PICTURE: Final = "jpe?g|png|bmp|tiff?|webp|avif|heic|ppm|pgm"
+_VIDEO: Final = "mp4|avi|mov|mkv|webm|m4v|mpe?g|wmv|ts"
+_ENDINGS = re.compile(
+    rf"(?:\.(?:{_PICTURE}))?\.(?:txt|xml|json|csv|tsv|gz|{_PICTURE})$|\.[A-Za-z]{{2,4}}$",
+    re.IGNORECASE,
+)
+_ROBOFLOW = re.compile(
+    rf"(?:(?:[_\-.](?:{_PICTURE}))*\.rf\.[0-9A-Za-z_\-]{{6,}}|(?<=\d)[_\-](?:{_PICTURE}))$",
+    re.IGNORECASE,
+)
+"""``drive_mp4-0031_jpg.rf.0123456789abcdef0123456789abcdef``; or a shorter id."""
+_COPY = re.compile(
+    r"(?<=\d)(?: ?\(\d{1,2}\)| ?- ?(?:Copy|Kopie)(?: ?\(\d+\))?|[ _]copy)$", re.IGNORECASE
+)
+_KIND = re.compile(
+    r"(?<=\d)"
+    r"(?:[_\-.](?:leftImg8bit(?:_\w+)?|gt(?:Fine|Coarse|Bbox)\w*|lwir|visible|rgb|thermal))+$",
+    re.IGNORECASE,
+)
+"""Cityscapes' and the cameras' words, on one side often and on the other not."""
+_SIZE = re.compile(r"(?<=\d)[_\-]\d{3,4}x\d{3,4}$")
+"""Of a picture that was written in another size: ``frame_0012_640x480``."""
+_OF_VIDEO = re.compile(rf"[_.](?:{_VIDEO})(?=[-_. ]?(?:frame|f)?[-_. ]?\d+$)", re.IGNORECASE)
+_FLIR = re.compile(r"(?:^|.*/)video-(?P<video>[^/]+?)-frame-(?P<frame>\d+)(?:[-.][^/]*)?$")
+_WORDS = re.compile(r"(?:[_\-. ][A-Za-z]+\d{0,2}[A-Za-z]*)+|[A-Za-z]+")
+"""What may be a common ending: ``_det``, ``.left_eye``, ``_cam2``; never ``_I00019``."""
+_LABEL_STUDIO = re.compile(r"^[0-9a-f]{8}-(?=.*\d)")
+MIN_NAMES: Final = 4
+"""Names from which on a common ending with a number of its own is one."""
+
+
+@lru_cache(maxsize=1 << 15)  # each list of pictures is gone through several times
+def plain_name(name: str) -> str:
+    """Folders and stem of a picture's name, without what tools add to it.
+
+    Examples
+    --------
+    >>> plain_name("labels/drive_mp4-0031_jpg.rf.0123456789abcdef0123456789abcdef.txt")
+    'labels/drive-0031'
+    >>> plain_name("video-BzZs-frame-000123-Xk9.jpg"), plain_name("V000/I00019_lwir.png")
+    ('BzZs/000123', 'V000/I00019')
+    """
+    name = unpacked_name(name.replace("\\", "/"))
+    flir = _FLIR.match(name)
+    if flir is not None:
+        return f"{flir['video']}/{flir['frame']}"
+    folders, slash, last = name.rpartition("/")
+    stem, before = _ENDINGS.sub("", last), ""
+    while stem != before:  # of pictures exported twice each time once more
+        before = stem
+        for added in (_ROBOFLOW, _COPY, _KIND, _SIZE):
+            stem = added.sub("", stem) or stem
+    return folders + slash + _OF_VIDEO.sub("", stem)
+
+
+def plain_names(names: Sequence[str]) -> tuple[list[str], str]:
+    """`plain_name` of each, without the ending that all of them share, and that ending."""
+    plain = [name if name.isdecimal() else plain_name(name) for name in names]
+    if len(plain) > 1 and all(map(_LABEL_STUDIO.match, (_last(name) for name in plain))):
+        starts = {_last(name)[:8] for name in plain}
+        if len(starts) > len(plain) / 2:  # not a date
+            plain = [_with_last(name, _last(name)[9:]) for name in plain]
+    taken = _common_ending({_last(name) for name in plain})
+    return ([name[: -len(taken)] for name in plain] if taken else plain), taken
+
+
+def _common_ending(stems: set[str]) -> str:
+    """The last words of the names, where all end in them and a number stands before them."""
+    if len(stems) < 2:
+        return ""
+    shared = _shared_start([stem[::-1] for stem in stems])[::-1]
+    for start in range(len(shared)):  # the longest first
+        words = shared[start:]
+        has_number = any(map(str.isdecimal, words))
+        if (
+            _WORDS.fullmatch(words)
+            and all(stem[: -len(words)][-1:].isdecimal() for stem in stems)
+            and (not has_number or len(stems) >= MIN_NAMES)
+        ):
+            return words
+    return ""
+
+
+def _shared_start(texts: Sequence[str]) -> str:
+    low, high = min(texts, default=""), max(texts, default="")
+    same = takewhile(lambda signs: signs[0] == signs[1], zip(low, high, strict=False))
+    return low[: sum(1 for _ in same)]
+
+
+def common_beginning(stems: Sequence[str]) -> str:
+    """What all stems begin with, up to the first number that differs."""
+    return _shared_start(stems).rstrip("0123456789")
+
+
+def _last(name: str) -> str:
+    return name.rpartition("/")[2]
+
+
+def _with_last(name: str, last: str) -> str:
+    folders, slash, _ = name.rpartition("/")
+    return folders + slash + last
+
 
 NEUTRAL = {
     *("gt", "truth", "det", "dets", "detections", "results", "result", "res"),
@@ -22,7 +130,7 @@ _FRAME = re.compile(
 )
 ONLY: Final = "recording"
 """Name of a recording that nothing names."""
-_MAX_DIGITS = 15
+MAX_DIGITS: Final = 15
 """Frame numbers are exact in every table up to here; a longer number is no frame number."""
 
 
@@ -145,7 +253,7 @@ def place_of_stem(
 ) -> tuple[str, int] | None:
     """As `recording_and_frame_of`, from the folders and the name without its ending."""
     match = _FRAME.match(stem)
-    if match is None or len(match["digits"].lstrip("0")) > _MAX_DIGITS:
+    if match is None or len(match["digits"].lstrip("0")) > MAX_DIGITS:
         return None
     return recording_before(folders, match["prefix"], known), int(match["digits"])
 
@@ -159,3 +267,222 @@ def recording_before(folders: Sequence[str], prefix: str, known: tuple[str, ...]
         parts = [*(part for part in folders if part.lower() not in NEUTRAL), prefix]
         recording = "/".join(part for part in parts if part not in ("", "/", ".", ".."))
     return recording or ONLY
+
+
+DIGITS: Final = re.compile(r"([0-9]+)")
+TIME_DIGITS: Final = 10
+"""A number of so many digits is a time rather than a frame, if there is another number."""
+MOST_CAMERAS: Final = 8
+"""Most cameras whose names stand behind the frame number."""
+_SIGNS: Final = "_-. "
+"""Signs between the parts of a name."""
+_REGULAR_SHARE: Final = 0.5
+"""Share of equal steps from which on numbers count frames; times are less even."""
+_ENDING: Final = re.compile(r"[_\-. ]+[0-9A-Za-z][0-9A-Za-z_\-. ]*")
+"""Name of a camera behind the frame number: ``_left``, ``_cam0``."""
+
+
+def _before(words: str) -> re.Pattern[str]:
+    return re.compile(rf"(?:^|[^A-Za-z])(?:{words})[_\-. ]?$", re.IGNORECASE)
+
+
+_FRAME_WORD: Final = _before("I|img|image|im|frame")
+_CAMERA_WORD: Final = _before("c|ch|cam|camera|channel|sensor|view")
+_RECORDING_WORD: Final = _before("clip|drive|run|s|scene|seq|sequence|set|track|v|vid|video")
+_STAMP: Final = re.compile(
+    r"[_\-. ]?(?<![0-9A-Za-z])(?:"
+    r"(?:19|20)\d\d[-_.]?[01]\d[-_.]?[0-3]\d"
+    r"(?:[-_.T ]*[0-2]\d[-_.:h]?[0-5]\d[-_.:m]?[0-5]\d(?:[-_.,s]?\d{1,9})?Z?)?"
+    r"|[0-2]\d[-.:h][0-5]\d[-.:m][0-5]\d(?:[-_.,s]\d{1,9})?"
+    r"|[1-9]\d{9,18}"
+    r"|(?=[0-9]*[a-f])(?=[a-f]*[0-9])[0-9a-f]{6,}"
+    r")(?![0-9A-Za-z])"
+)
+"""A date, a time of day or both; a time in ticks; a hash."""
+_HASH: Final = re.compile(r"(?=.*[a-f])(?=.*[0-9])[0-9a-f\-]{6,}", re.IGNORECASE)
+
+
+def likeliest_column(stems: Sequence[Sequence[str]], columns: Iterable[int]) -> int:
+    """Return the number with the most different values; of several a short one, the last."""
+
+    def usefulness(column: int) -> tuple[int, bool, int]:
+        values = {parts[column].lstrip("0") for parts in stems}
+        return len(values), max(map(len, values)) < TIME_DIGITS, column
+
+    return max(columns, key=usefulness)
+
+
+def frame_columns(stems: Sequence[Sequence[str]], places: Sequence[str] = ()) -> list[int]:
+    """Return where the frame number may stand in names, the likeliest place first.
+
+    The frame number increases from picture to picture. A number that all names share is none,
+    nor is one of few values beside another with a value for every picture of a camera.
+
+    Parameters
+    ----------
+    stems
+        Texts and numbers of each name in turn, equally many: ``["", "0012", "_cam", "0", ""]``.
+    places
+        Folder of each name; empty: one folder holds all.
+
+    Returns
+    -------
+    list of int
+        Indices of the parts; several if the names do not tell.
+    """
+    texts = [
+        "/".join([place, *parts[::2]])
+        for place, parts in zip(places or [""] * len(stems), stems, strict=True)
+    ]
+    columns = range(1, len(stems[0]), 2)
+    varying = [
+        column for column in columns if len({parts[column].lstrip("0") for parts in stems}) > 1
+    ]
+    if not varying:
+        return [columns[-1]]
+    before = {column: stems[0][column - 1] for column in columns}
+    called = [column for column in {*varying, columns[-1]} if _FRAME_WORD.search(before[column])]
+    if len(called) == 1:
+        return called
+    likeliest, last = likeliest_column(stems, varying), varying[-1]
+    # longer numbers are no frame numbers, and may be too long to be computed with
+    alone = [
+        column
+        for column in varying
+        if len({(text, parts[column]) for text, parts in zip(texts, stems, strict=True)})
+        == len(stems)
+        and max(len(parts[column].lstrip("0")) for parts in stems) <= MAX_DIGITS
+    ]
+    if likeliest != last and likeliest not in alone:
+        n_last = len({parts[last] for parts in stems})
+        if n_last == 2 or _CAMERA_WORD.search(before[last]):
+            return [likeliest]
+        is_last = n_last > MOST_CAMERAS or _RECORDING_WORD.search(before[likeliest]) is not None
+        return [last] if is_last else [likeliest, last]
+    if likeliest != last or not alone:
+        return [likeliest]
+    even = [column for column in alone if _differ_evenly(stems, column)] or alone
+    return even[:1] if _rise_alike(stems, even) else even[::-1]
+
+
+def _differ_evenly(stems: Sequence[Sequence[str]], column: int) -> bool:
+    """Whether most steps between the numbers are equal, as those of frames are."""
+    steps = np.diff(sorted({int(parts[column]) for parts in stems})).tolist()
+    return Counter(steps).most_common(1)[0][1] >= _REGULAR_SHARE * len(steps)
+
+
+def _rise_alike(stems: Sequence[Sequence[str]], columns: Sequence[int]) -> bool:
+    """Whether the numbers differ by the same amount in all names."""
+    return all(
+        len({int(parts[column]) - int(parts[columns[0]]) for parts in stems}) == 1
+        for column in columns
+    )
+
+
+def frame_last(
+    names: Sequence[str], others: Sequence[str], how: str | None
+) -> tuple[list[str], tuple[str, ...]]:
+    """Return the names with the frame number at the end, and in words which number that is.
+
+    The name of a camera behind the number moves before it; other numbers there are dropped.
+
+    Parameters
+    ----------
+    names
+        Plain names with folders, see `plain_names`.
+    others
+        Those of the ground truth, so that the files of a system are understood alike.
+    how
+        See `ReadOptions.frame_names`.
+
+    Raises
+    ------
+    InputError
+        If two numbers may be the frame number, and `how` does not say which.
+    """
+    every = list(dict.fromkeys([*names, *others]))
+    n_hashes = sum(_HASH.fullmatch(name.rpartition("/")[2]) is not None for name in every)
+    if 2 * n_hashes >= len(every):  # no number of them counts anything
+        return [*names], ()
+    new = dict(zip(every, every if how == "numbers" else _without_stamps(every), strict=True))
+    groups: dict[int, list[str]] = defaultdict(list)
+    for name, bare in new.items():
+        groups[len(DIGITS.split(bare.rpartition("/")[2]))].append(name)
+    for n_parts, group in sorted(groups.items(), key=lambda item: -len(item[1])):
+        folders, _, stems = zip(*(new[name].rpartition("/") for name in group), strict=True)
+        split = [DIGITS.split(stem) for stem in stems]
+        columns = [n_parts - 2]
+        if n_parts > 3 and len(group) >= MIN_NAMES and how != "numbers":
+            columns = frame_columns(split, folders)
+            if how == "counter":
+                columns = [
+                    min(columns)
+                    if len(columns) > 1
+                    else likeliest_column(split, range(1, n_parts - 2, 2))
+                ]
+        if len(columns) > 1 and not {*names} <= {*others}:
+            first, second = (split[0][column] for column in sorted(columns)[:2])
+            raise InputError(
+                f"the names of pictures do not tell which of their numbers is that of the frame: "
+                f"in {stems[0]} it may be {first} or {second}",
+                steps=tuple(
+                    Step(Remedy.FRAME_NAMES, way) for way in ("counter", "numbers", "order")
+                ),
+            )
+        if n_parts > 1 and (columns[0] < n_parts - 2 or len(group) == len(every)):
+            moved = _moved(split, folders, columns[0])
+            new |= dict(zip(group, moved, strict=True))
+    found = [new[name] for name in names]
+    for name, last in zip(names, found, strict=True):
+        number = re.search("[0-9]*$", last)
+        if number is not None and not name.endswith(number[0]):
+            return found, (f"the frame number of {name.rpartition('/')[2]} is {number[0]}",)
+    return found, ()
+
+
+def _without_stamps(names: Sequence[str]) -> list[str]:
+    """The names without dates, times of day and hashes, if a number still tells them apart."""
+    folders, slashes, stems = zip(*(name.rpartition("/") for name in names), strict=True)
+    stamps = [_STAMP.search(stem) for stem in stems]
+    bare = [_STAMP.sub("", stem).strip(_SIGNS) for stem in stems]
+    without = ["".join(parts) for parts in zip(folders, slashes, bare, strict=True)]
+    texts = {stamp[0] for stamp in stamps if stamp is not None}
+    are_last = all(
+        stamp and stamp.end() == len(stem) for stamp, stem in zip(stamps, stems, strict=True)
+    )
+    is_told_apart = len(set(without)) == len(names) >= MIN_NAMES and all(map(DIGITS.search, bare))
+    is_each = None not in stamps and (are_last or len(texts) > len(names) / 3)
+    return without if is_told_apart and is_each else [*names]
+
+
+def _moved(stems: Sequence[Sequence[str]], folders: Sequence[str], column: int) -> list[str]:
+    """The names with what stands behind a number before it, or without it if it is no camera."""
+    starts = ["".join(parts[:column]) for parts in stems]
+    for earlier in range(1, column, 2):  # a time or a hash is no recording
+        word = stems[0][earlier - 1]
+        is_each = len({parts[earlier] for parts in stems}) == len(stems) >= MIN_NAMES
+        if is_each and not _RECORDING_WORD.search(word) and not _CAMERA_WORD.search(word):
+            starts = [parts[0] for parts in stems]
+    numbers, tails = [parts[column] for parts in stems], ["".join(p[column + 1 :]) for p in stems]
+    kinds = {*tails}
+    is_double = len({*zip(folders, starts, numbers, strict=True)}) < len(stems)
+    is_camera = is_double or _CAMERA_WORD.search(stems[0][column + 1]) or not _has_digit(tails)
+    if kinds == {""} or not is_camera or (len(kinds) == 1 and _has_digit(tails)):
+        moved = [f"{start}{number}" for start, number in zip(starts, numbers, strict=True)]
+    elif len(kinds) > MOST_CAMERAS or not all(map(_ENDING.fullmatch, kinds)):
+        moved = ["".join(parts) for parts in stems]
+    else:
+        moved = []
+        for start, number, tail in zip(starts, numbers, tails, strict=True):
+            stem = start + number
+            stamp = _STAMP.search(stem)
+            at = stamp.start() if stamp and stamp.end() == len(stem) else len(start)
+            before, number = stem[:at].rstrip(_SIGNS), stem[at:].lstrip(_SIGNS)
+            moved.append(f"{before}{tail}_{number}".lstrip(_SIGNS))
+    return [
+        f"{folder}/{stem}".removeprefix("/") for folder, stem in zip(folders, moved, strict=True)
+    ]
+
+
+def _has_digit(texts: Iterable[str]) -> bool:
+    return any(map(DIGITS.search, texts))

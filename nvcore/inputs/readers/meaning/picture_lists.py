@@ -15,7 +15,7 @@ from nvcore.errors import InputError
 from nvcore.file_kinds import IMAGE_SUFFIXES
 from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
 from nvcore.inputs.readers.base import NamedPictures, SourceFile
-from nvcore.inputs.readers.meaning.frame_columns import DIGITS
+from nvcore.inputs.readers.meaning.names import DIGITS
 from nvcore.inputs.readers.parse.text import read_text
 from nvcore.wording import count_text
 

@@ -1,14 +1,23 @@
-"""Values that mean something else in each format: occlusion, distance, detectability."""
+"""Values beside the boxes: occlusion, distance, attributes, tracks, sizes; ``seqinfo.ini``."""
 
 from __future__ import annotations
 
-from typing import Final
+import configparser
+import math
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
 
 import numpy as np
+import pandas as pd
+from pandas.api.types import union_categoricals
 
+from nvcore.errors import FormatError
 from nvcore.findings import Finding, Severity
-from nvcore.inputs.readers.base import Lines, Role
-from nvcore.schema import UNKNOWN_OCCLUSION
+from nvcore.inputs.readers.base import Lines, Role, SourceFile, recordings_table, rows_finding
+from nvcore.inputs.readers.parse.text import MAX_INTEGER, read_text
+from nvcore.schema import CLASS_SEPARATOR, NO_TRACK, UNKNOWN_OCCLUSION, names_as_categories
 
 PARTIAL_OCCLUSION: Final = 0.35
 """Occluded share up to which an occlusion is partial (Caltech's limit)."""
@@ -107,3 +116,269 @@ def checked_numbers(
         expected = f"from 0 to {high:g}" if np.isfinite(high) else "of 0 or more"
         raise lines.fault(row, f"expected a {name} {expected}, found {values[row]:g}")
     return values
+
+
+YES: Final = frozenset({"true", "yes"})
+NOTHING: Final = frozenset(
+    {"", "false", "no", "none", "nan", "n/a", "unknown", "undefined", "__undefined__"}
+)
+"""Values of an attribute that say nothing of a pedestrian."""
+NO_CLASSES: Final = frozenset(
+    {
+        *("ignore", "ignored", "iscrowd", "is_crowd", "crowd", "difficult", "dontcare"),
+        *("don't care", "score", "confidence", "conf", "occluded", "occlusion", "truncated"),
+        *("visibility", "vis_ratio", "rotation", "keyframe", "outside", "source", "id"),
+        *("track_id", "target_id", "instance_id", "tracking_id", "distance", "distance_m"),
+        "detectability",
+    }
+)
+"""Attributes that are about the box, and what readers use otherwise."""
+
+
+def class_of(name: str, value: str) -> str:
+    """Class that an attribute of an annotator stands for; empty: none.
+
+    A switched-on one is called as the attribute, a choice as what was chosen; numbers are none.
+
+    Examples
+    --------
+    >>> class_of("with_dog", "true"), class_of("age", "child"), class_of("shirt", "17")
+    ('with_dog', 'child', '')
+    """
+    name, value = name.strip(), value.strip()
+    lowered = value.casefold()
+    if name.casefold() in NO_CLASSES or lowered in NOTHING:
+        return ""
+    if lowered in YES:
+        return name
+    try:
+        float(value)
+    except ValueError:
+        return value
+    return ""
+
+
+def joined_classes(classes: Iterable[str]) -> str:
+    """The classes of one box as one text, each once."""
+    return CLASS_SEPARATOR.join(dict.fromkeys(name for name in classes if name))
+
+
+def attributes_of_boxes(
+    boxes: pd.DataFrame, texts: Any, missing: Collection[str] = ("",)
+) -> pd.DataFrame | None:
+    """The attributes of those boxes that have any; columns of `ATTRIBUTE_DTYPES`, each place once.
+
+    Parameters
+    ----------
+    boxes
+        Of a reading.
+    texts
+        One for each box.
+    missing
+        Texts that stand for none.
+    """
+    names = names_as_categories(texts, len(texts))
+    is_given = ~names.isin(list(missing)) & ~names.isna()
+    if not is_given.any():
+        return None
+    given = names[is_given].remove_unused_categories()
+    table = boxes.loc[is_given, ["file", "line"]].assign(attributes=given)
+    return table.drop_duplicates(["file", "line"], ignore_index=True)
+
+
+def joined_attributes(tables: Sequence[pd.DataFrame | None]) -> pd.DataFrame | None:
+    """The attributes of all files; None where none has any."""
+    filled = [table for table in tables if table is not None]
+    if not filled:
+        return None
+    texts = union_categoricals([table["attributes"] for table in filled])
+    return pd.concat(filled, ignore_index=True).assign(attributes=texts)
+
+
+def is_ambiguous(file: np.ndarray, line: np.ndarray, texts: np.ndarray) -> np.ndarray:
+    """Rows whose line has boxes of different texts, so that a text is of nobody; bool, (n,).
+
+    Parameters
+    ----------
+    file, line
+        Of each row, int64, shape (n,).
+    texts
+        Object, shape (n,); empty where there is none.
+    """
+    place = pd.Series(pd.factorize(texts)[0]).groupby([file, line])
+    differs: np.ndarray = (place.transform("min") != place.transform("max")).to_numpy()
+    return differs
+
+
+TEXT_IDS = "track ids that are no whole numbers were numbered by first appearance in the recording"
+"""What to report as conversion where `track_numbers` had to number text."""
+
+
+def track_numbers(texts: pd.Series, recording: Any) -> tuple[np.ndarray, bool]:
+    """Track ids as int64, and whether some were text.
+
+    Whole numbers keep their value (negative ones and empty: NO_TRACK). Other text is numbered in
+    the order of first appearance in its recording, after the recording's largest whole number.
+
+    Parameters
+    ----------
+    texts
+        Ids as text or missing, or whole numbers as int64 or float64 with NaN, shape (n,).
+    recording
+        Name of each row's recording, shape (n,), or the name of all.
+    """
+    if texts.dtype.kind in "fi":
+        ids = texts.to_numpy()
+        ids = ids if (ids >= 0).all() else np.where(ids >= 0, ids, NO_TRACK)
+        return ids.astype(np.int64, copy=False), False
+    coded = names_as_categories(texts, len(texts))  # each text once, however often it stands there
+    distinct = pd.Series(coded.categories, dtype="str").str.strip()
+    number = pd.to_numeric(distinct, errors="coerce").to_numpy(dtype=float)
+    with np.errstate(invalid="ignore"):
+        is_whole = (np.abs(number) < MAX_INTEGER) & (number == np.floor(number))
+    is_missing = distinct.str.lower().isin(["", "nan", "none", "null"]).to_numpy(dtype=bool)
+    numbers = np.where(is_whole & (number >= 0), number, NO_TRACK).astype(np.int64)
+    # the last of them is for rows without a text, whose code is -1
+    track = np.append(numbers, NO_TRACK)[coded.codes]
+    is_text = np.append(~is_missing & ~is_whole, False)[coded.codes]
+    if not is_text.any():
+        return track, False
+    names = names_as_categories(recording, len(texts))
+    codes = names.codes
+    largest = np.full(len(names.categories), -1, dtype=np.int64)
+    np.maximum.at(largest, codes, track)
+    text_code = pd.factorize(distinct)[0][coded.codes[is_text]]
+    text_ids = pd.DataFrame({"recording": codes[is_text], "text": text_code})
+    first = text_ids.drop_duplicates()
+    order = first.groupby("recording").cumcount().to_numpy()
+    first = first.assign(track=largest[first["recording"].to_numpy()] + 1 + order)
+    track[is_text] = text_ids.merge(first, how="left", on=["recording", "text"])["track"].to_numpy()
+    return track, True
+
+
+def recordings_with_sizes(
+    pictures: pd.DataFrame, role: Role, place: Callable[[int], tuple[str, str]]
+) -> tuple[pd.DataFrame, list[Finding]]:
+    """Recordings with the size of their first picture, and pictures of another size.
+
+    Parameters
+    ----------
+    pictures
+        Columns recording, width, height; one row per picture, NaN where not given.
+    role
+        What the files hold.
+    place
+        Row -> name of its file, and what to write before its size in the example.
+    """
+    sides = ["width", "height"]
+    sizes = pictures.groupby("recording", sort=False)[sides]
+    differs = (pictures[sides] != sizes.transform("first")) & pictures[sides].notna()
+
+    def example(row: int) -> tuple[str, str]:
+        file, where = place(row)
+        width, height = pictures[sides].iloc[row]
+        return file, f"{where}{width:g} x {height:g}"
+
+    first = sizes.first()
+    recordings = recordings_table(
+        first.index, width=first["width"].to_numpy(), height=first["height"].to_numpy()
+    )
+    return recordings, rows_finding(
+        differs.any(axis=1).to_numpy(),
+        "picture-size",
+        "Pictures differ in size from the first of their recording, whose size is taken.",
+        "Give each size a recording of its own, or scale the boxes to one size.",
+        role=role,
+        place=example,
+    )
+
+
+MAX_FRAMES = 10_000_000
+"""Longer than any recording: four days at 30 frames per second."""
+
+
+@dataclass(frozen=True)
+class SequenceInfo:
+    """What ``seqinfo.ini`` says; NaN or None where it does not, or where there is none.
+
+    Attributes
+    ----------
+    name
+        Name of the recording.
+    width, height
+        Size of the pictures in pixels.
+    fps
+        Frames per second.
+    n_frames
+        Number of frames, which are 1 to `n_frames`.
+    """
+
+    name: str | None = None
+    width: float = math.nan
+    height: float = math.nan
+    fps: float = math.nan
+    n_frames: int | None = None
+
+
+def sequence_info(file: SourceFile) -> SequenceInfo:
+    """Facts of ``seqinfo.ini`` beside the file or in one of the two folders above.
+
+    Raises
+    ------
+    FormatError
+        If it has no section [Sequence], or a value that is no positive number.
+    """
+    path = _info_path(file)
+    if path is None:
+        return SequenceInfo()
+    source = SourceFile(path, f"seqinfo.ini of {file.name}")
+    parser = configparser.ConfigParser(interpolation=None)
+    try:
+        parser.read_string(read_text(source))
+    except configparser.Error as error:
+        text = str(error).replace("\n", " ").replace("'<string>'", "").strip()
+        raise FormatError(
+            f"expected [Sequence] and lines such as frameRate=30: {text}", file=source.name
+        ) from error
+    if not parser.has_section("Sequence"):
+        raise FormatError("expected a section [Sequence], found none", file=source.name)
+    values = parser["Sequence"]
+    length = _positive(values, "seqLength", source)
+    if length > MAX_FRAMES or length % 1 > 0:
+        raise FormatError(
+            f"expected seqLength as a whole number up to {MAX_FRAMES}, found {length:g}",
+            file=source.name,
+        )
+    return SequenceInfo(
+        name=values.get("name", "").strip() or None,
+        width=_positive(values, "imWidth", source),
+        height=_positive(values, "imHeight", source),
+        fps=_positive(values, "frameRate", source),
+        n_frames=None if math.isnan(length) else int(length),
+    )
+
+
+def _positive(values: configparser.SectionProxy, key: str, file: SourceFile) -> float:
+    """The value, NaN where the key is missing."""
+    text = values.get(key)
+    if text is None:
+        return math.nan
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0 < value < math.inf:
+        raise FormatError(
+            f"expected {key} as a positive number, found {text!r}; correct it or leave it out",
+            file=file.name,
+        )
+    return value
+
+
+def _info_path(file: SourceFile) -> Path | None:
+    folder = file.path.parent.resolve()
+    for candidate in (folder, folder.parent, folder.parent.parent):
+        path = candidate / "seqinfo.ini"
+        if path.is_file():
+            return path
+    return None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from nvcore.inputs.readers.meaning.attributes import class_of, joined_classes
+from nvcore.inputs.readers.meaning.values import class_of, joined_classes
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import reader_files
 
 from nvcore.errors import FormatError
 from nvcore.inputs.readers.base import SourceFile
-from nvcore.inputs.readers.meaning.seqinfo import SequenceInfo, sequence_info
+from nvcore.inputs.readers.meaning.values import SequenceInfo, sequence_info
 
 
 def source(folder: Path, info: str | bytes, inside: str = "A/gt") -> SourceFile:
