@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from time import process_time
 
 import pytest
 from reader_files import source
@@ -105,3 +106,10 @@ def test_ground_truth_given_as_results_is_called_so(tmp_path):
     message = refusal(tmp_path, "% bbGt version=3\nperson 1 2 20 50 0 0 0 0 0 0 0\n", "detections")
     assert "expected the detections of a system, found " in message
     assert message.endswith("which holds ground truth")
+
+
+@pytest.mark.parametrize("key", ["samples", "shapes", "detections", "imgHeight", "imagename"])
+def test_a_key_that_stands_there_thousands_of_times_takes_no_time(key):
+    start = process_time()
+    assert unknown.foreign_format("{" + f'"{key}": [' * 5000) is None
+    assert process_time() - start < 1
