@@ -155,6 +155,13 @@ def which_moves(result: Result) -> str:
     return "" if index is None else "xy"[index]
 
 
+def why_not_equal(result: Result) -> str:
+    """Why `find_equal_alarms` finds no comparison."""
+    if not which_moves(result):
+        return "neither has scores that differ, so that no threshold sets the two alike"
+    return "no threshold gives the two equally many false alarms"
+
+
 def threshold_for(
     result: Result, letter: str, n_alarms: int, end: Literal["round", "lowest", "highest"]
 ) -> float | None:

@@ -20,7 +20,7 @@ from nvcore.evidence.measures import (
     judge,
     judge_encounters,
 )
-from nvcore.evidence.operating_points import are_unequal
+from nvcore.evidence.operating_points import are_unequal, why_not_equal
 from nvcore.evidence.paired_tests import SIGNIFICANT, holm
 from nvcore.evidence.units import find_units
 from nvcore.params import Params
@@ -124,8 +124,8 @@ def pairwise_table(
     All differences are X - Y. NaN: undefined; `mcnemar_note`, `detected_by_unit_note` and
     `similarity_note` say why.
 
-    Where `is_unequal`, at unequal operating points, p is that of the pair at equal false alarms,
-    and NaN where no threshold gives these; all other numbers are as set.
+    Where `is_unequal`, at unequal operating points, p and its note are those of the pair at equal
+    false alarms; all other numbers are as set.
 
     `detects_more` and `higher_similarity` name the system of which that may be claimed, by the
     rules of `nvcore.evidence.claims.find_claims` with p corrected over the pairs, as set and at
@@ -201,10 +201,15 @@ def _row(result: Result) -> tuple[dict[str, Any], tuple[Evidence, Evidence]]:
     split = split.values_only() if result.is_short else split
     by_unit, similarity = judge(result, tuple(CLAIMED), units=units)
     alarms = values_of("false_alarms_per_frame", result)
-    p_by_unit, p_similarity = by_unit.p, similarity.p
+    tested = [(of.p, of.note) for of in (by_unit, similarity)]
     if are_unequal(result):
         at_equal = find_companions(result, _evidence((by_unit, similarity)), primary="").evidence
-        p_by_unit, p_similarity = (np.nan, np.nan) if at_equal is None else at_equal["p"]
+        if at_equal is None:
+            why = why_not_equal(result)
+            tested = [(np.nan, f"{note}; {why}" if note else why) for _, note in tested]
+        else:
+            tested = [*zip(at_equal["p"], at_equal["note"], strict=True)]
+    (p_by_unit, note_by_unit), (p_similarity, note_of_similarity) = tested
     row = {
         "x": result.x.name,
         "y": result.y.name,
@@ -229,14 +234,14 @@ def _row(result: Result) -> tuple[dict[str, Any], tuple[Evidence, Evidence]]:
         "detected_by_unit_low": by_unit.low,
         "detected_by_unit_high": by_unit.high,
         "detected_by_unit_p": p_by_unit,
-        "detected_by_unit_note": _note(by_unit),
+        "detected_by_unit_note": _note(note_by_unit),
         "similarity_x": similarity.x,
         "similarity_y": similarity.y,
         "similarity_difference": similarity.difference,
         "similarity_low": similarity.low,
         "similarity_high": similarity.high,
         "similarity_p": p_similarity,
-        "similarity_note": _note(similarity),
+        "similarity_note": _note(note_of_similarity),
         **dict.fromkeys((*CLAIMED.values(), "withheld"), ""),
     }
     return row, (by_unit, similarity)
@@ -280,6 +285,6 @@ def _number(threshold: float | None) -> float:
     return np.nan if threshold is None else threshold
 
 
-def _note(evidence: Evidence) -> str:
+def _note(text: str) -> str:
     """Why a measure has no interval or p, of a pair of systems that are not called X and Y."""
-    return evidence.note.replace("X and Y", "the two")
+    return text.replace("X and Y", "the two")

@@ -121,33 +121,35 @@ def pair_text(pair: Mapping[Hashable, Any]) -> str:
                 p = f"{' against '.join(values)}, {p}"
             claims.append(f"{winner} {measure.claim} ({p})")
     text = "; ".join(claims) or NO_CLAIM
-    if not claims and pair["unit"] not in WHOLE:
-        text = f"Nothing is claimed: {MIN_RECORDINGS} recordings are needed for a p"
+    has_p = any(math.isfinite(pair[f"{of.evidence}_p"]) for of in PAIR_MEASURES)
+    notes = dict.fromkeys(note for of in PAIR_MEASURES for note in notes_without_p(pair, of))
+    if pair["unit"] not in WHOLE:
+        notes = {f"{MIN_RECORDINGS} recordings are needed for a p": None}
+    if not has_p and not claims and notes:
+        text = f"Nothing is claimed: {'; '.join(notes)}"
     if pair["withheld"] and not claims:
         text = "Nothing is claimed"
     points = "at the thresholds as set"
     if pair["is_unequal"]:
         points = "at equal false alarms"
-        if all(math.isnan(pair[f"{of.evidence}_p"]) for of in PAIR_MEASURES):
-            alarms = [f"{pair[f'false_alarms_per_frame_{letter}']:.3g}" for letter in "xy"]
-            return (
-                f"At unequal operating points ({' and '.join(alarms)} false alarms per frame), "
-                "which no threshold makes equal. Nothing is claimed."
-            )
-        text = f"{capitalised(points)}: {text}"
+        x, y = (pair[f"false_alarms_per_frame_{letter}"] for letter in "xy")
+        apart = f"At unequal operating points, of {x:.3g} and {y:.3g} false alarms per frame"
+        text = f"{capitalised(points) if has_p else apart}: {text}"
     reasons = f" More than chance {points}, but no claim: {pair['withheld']}."
     return f"{text}.{reasons if pair['withheld'] else ''}"
+
+
+def notes_without_p(pair: Mapping[Hashable, Any], measure: PairMeasure) -> list[str]:
+    """Why a measure of a pair has no p; empty: it has one."""
+    is_undefined = math.isnan(pair[f"{measure.evidence}_p"])
+    return [note for note in pair[f"{measure.evidence}_note"].split("; ") if note and is_undefined]
 
 
 def pair_notes(table: pd.DataFrame, measure: PairMeasure) -> tuple[list[str], dict[str, str]]:
     """Footnotes of each pair without a p, as letters; the letters by their notes."""
     footnotes = Footnotes()
-    of_pairs = [
-        footnotes.of_row(note for note in text.split("; ") if note and math.isnan(p))
-        for text, p in zip(
-            table[f"{measure.evidence}_note"], table[f"{measure.evidence}_p"], strict=True
-        )
-    ]
+    rows = table.to_dict("records")
+    of_pairs = [footnotes.of_row(notes_without_p(row, measure)) for row in rows]
     return of_pairs, footnotes.marks
 
 

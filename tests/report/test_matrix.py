@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from drives import drives
+from drives import at_thresholds, drives
 
 from nvcore.errors import InputError
 from nvcore.evidence.pairwise import COLUMNS, pairwise_table
@@ -86,9 +86,15 @@ def test_at_unequal_operating_points_no_value_as_set_stands_beside_the_claim():
                 "is_unequal": True,
                 "false_alarms_per_frame_x": 0.05,
                 "false_alarms_per_frame_y": 0.3,
+                "detected_by_unit_note": "too few false alarms; few pedestrians",
+                "similarity_note": "too few false alarms",
             },
-            "At unequal operating points (0.05 and 0.3 false alarms per frame), which no threshold "
-            "makes equal. Nothing is claimed.",
+            "At unequal operating points, of 0.05 and 0.3 false alarms per frame: Nothing is "
+            "claimed: too few false alarms; few pedestrians.",
+        ),
+        (
+            {"similarity_note": "only 2 of 10 recordings differ"},
+            "Nothing is claimed: only 2 of 10 recordings differ.",
         ),
         (
             {"is_unequal": True, "detected_by_unit_p": 0.2},
@@ -98,6 +104,17 @@ def test_at_unequal_operating_points_no_value_as_set_stands_beside_the_claim():
 )
 def test_where_nothing_is_claimed_it_says_why(values: dict[str, Any], text: str):
     assert pair_text(pair(**values)) == text
+
+
+def test_at_unequal_operating_points_the_real_reason_is_given():
+    cases = {
+        "the two differ in too few recordings for a test: 0, at least 6": at_thresholds(),
+        "neither has scores that differ, so that no threshold sets": at_thresholds(scores=False),
+        "6 recordings are needed for a p": at_thresholds(n=3),
+    }
+    for reason, result in cases.items():
+        (row,) = pairwise_table(result.dataset).to_dict("records")
+        assert f" false alarms per frame: Nothing is claimed: {reason}" in pair_text(row)
 
 
 def test_undefined_cells_are_dashes_and_get_a_footnote_where_p_is_missing():
