@@ -59,9 +59,6 @@ class FilledTracks:
     frame: np.ndarray
     gaps: np.ndarray
 
-    def __len__(self) -> int:
-        return len(self.left)
-
     def between(self, values: np.ndarray) -> np.ndarray:
         """Values of the input rows, linear between them; shape (m, ...)."""
         share = self.share.reshape(-1, *[1] * (values.ndim - 1))
@@ -77,22 +74,13 @@ class FilledTracks:
         return np.asarray(np.where(self.share == 0, degrees[self.left], moved))
 
 
-class TooManyFramesError(ValueError):
-    """More boxes would be filled in than anyone annotates; `row` is where the longest gap is."""
-
-    def __init__(self, row: int):
-        super().__init__(row)
-        self.row = row
-
-
 def fill_between_keyframes(
     track: np.ndarray,
     frame: np.ndarray,
     outside: np.ndarray,
     keyframe: np.ndarray,
     step: np.ndarray,
-    *,
-    limit: int,
+    lines: Lines,
 ) -> FilledTracks:
     """Fill the frames between two keyframes of a track, from the first unless it is outside.
 
@@ -107,13 +95,13 @@ def fill_between_keyframes(
         that is no keyframe: the file then has all frames that it means to have.
     step
         Distance of neighbouring frames, int64 >= 1, shape (n,).
-    limit
-        Most rows to fill in.
+    lines
+        Where the rows stand.
 
     Raises
     ------
-    TooManyFramesError
-        If more than `limit` rows would be filled in.
+    FormatError
+        With the line before the longest gap, if more than `MAX_FRAMES` rows would be filled in.
     """
     order = np.lexsort((frame, track))
     left, right = order[:-1], order[1:]
@@ -121,8 +109,13 @@ def fill_between_keyframes(
     missing = np.where((track[left] == track[right]) & ~outside[left], missing, 0)
     fills = keyframe[left] & keyframe[right]
     n_filled = np.where(fills, missing, 0)
-    if n_filled.sum(dtype=float) > limit:
-        raise TooManyFramesError(int(left[np.argmax(n_filled)]))
+    if n_filled.sum(dtype=float) > MAX_FRAMES:
+        row = int(left[np.argmax(n_filled)])
+        raise lines.fault(
+            row,
+            f"expected keyframes near each other, found a gap after frame {frame[row]} that would "
+            f"take more than {MAX_FRAMES} boxes to fill",
+        )
     n_rows = np.append(n_filled, 0)[: len(order)] + 1
     keyframe_row = np.repeat(np.arange(len(order)), n_rows)
     # position of each row behind its keyframe: 0 is the keyframe itself
@@ -272,16 +265,9 @@ def _boxes_of(
     owner, frame, outside = columns["owner"], columns["frame"], columns["outside"]
     start, step, last = np.array(spans, dtype=float).reshape(-1, 3)[owner].T
     lines = Lines.of(file, columns["line"])
-    try:
-        filled = fill_between_keyframes(
-            owner, frame, outside, columns["keyframe"], step.astype(np.int64), limit=MAX_FRAMES
-        )
-    except TooManyFramesError as error:
-        raise lines.fault(
-            error.row,
-            f"expected keyframes near each other, found a gap after frame {frame[error.row]} that "
-            f"would take more than {MAX_FRAMES} boxes to fill",
-        ) from error
+    filled = fill_between_keyframes(
+        owner, frame, outside, columns["keyframe"], step.astype(np.int64), lines
+    )
     corners = filled.between(content.boxes[CORNERS].to_numpy())
     recording = object_array([by_task[number, task.key] for task in tasks])
     left = filled.left

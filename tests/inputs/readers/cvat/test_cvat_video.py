@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from reader_files import golden, only_finding, rows, source
 
 from nvcore.errors import FormatError, InputError
-from nvcore.inputs.readers.base import Reading, ReadOptions
+from nvcore.inputs.readers.base import Lines, Reading, ReadOptions, SourceFile
 from nvcore.inputs.readers.cvat.video import (
     FilledTracks,
     fill_between_keyframes,
@@ -318,7 +318,7 @@ def fill(frames: list[int], *, tracks: list[int] | None = None) -> FilledTracks:
         np.zeros(n, dtype=bool),
         np.ones(n, dtype=bool),
         np.ones(n, dtype=np.int64),
-        limit=1000,
+        Lines.of(SourceFile(Path("a.xml"), "a.xml"), np.ones(n, dtype=np.int64)),
     )
 
 
