@@ -41,14 +41,14 @@ _TASK_FILE = re.compile(rf"(?P<folder>(?:.*/)?)(?P<task>{'|'.join(_TASKS)})_(?P<
 
 def files_of_one_task(files: Sequence[SourceFile]) -> tuple[list[tuple[int, SourceFile]], str]:
     """Files with their places in the list, of each subset those of one task, and that in words."""
-    subsets, ranks = [], []
-    for file in files:
-        match = _TASK_FILE.fullmatch(unpacked_name(file.name))
-        subsets.append((match["folder"], match["subset"]) if match else (file.name, ""))
-        ranks.append(_TASKS.index(match["task"]) if match else 0)
-    best: dict[tuple[str, str], int] = {}
-    for subset, rank in zip(subsets, ranks, strict=True):
-        best[subset] = min(rank, best.get(subset, rank))
+    matches = [_TASK_FILE.fullmatch(unpacked_name(file.name)) for file in files]
+    ranks = [_TASKS.index(match["task"]) if match else 0 for match in matches]
+    subsets = [
+        (match["folder"], match["subset"]) if match else (file.name, "")
+        for file, match in zip(files, matches, strict=True)
+    ]
+    # of equal keys the last one stays, the lowest rank
+    best = dict(sorted(zip(subsets, ranks, strict=True), key=lambda pair: -pair[1]))
     is_used = [rank == best[subset] for subset, rank in zip(subsets, ranks, strict=True)]
     used = [(number, file) for number, file in enumerate(files) if is_used[number]]
     others = ", ".join(file.name for number, file in enumerate(files) if not is_used[number])
