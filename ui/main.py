@@ -30,6 +30,7 @@ from ui.shell.pages import (
     shown_on,
 )
 from ui.subjects import contributed
+from ui.widgets.text import plain
 
 # pages with more in their address, which they write by themselves, or leave as it is
 # (Streamlit would print a string below it on every page)
@@ -72,6 +73,9 @@ try:
         title.draw(page.title, page.url_path)
     if wrong := store.BAD_LINK.pop():
         st.warning(f"The link could not be followed in all: {wrong}.", icon=":material/link_off:")
+    if refusal := state.workspace().refusal:
+        state.workspace().refusal = ""
+        st.toast(plain(refusal), icon=":material/error:", duration="infinite")  # outlasts the run
     if not is_participant():
         draw_tabs(pages, page)
     page.run()

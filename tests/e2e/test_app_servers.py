@@ -66,6 +66,23 @@ def test_below_a_path_pages_pictures_uploads_and_explanations_are_found(
     assert one.complaints == []
 
 
+def test_a_file_for_which_there_is_no_memory_is_refused_in_words(
+    person: BrowserContext, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setenv("NVCORE_MAX_UPLOADS_MB", "1")
+    with serve(ROOT / "app.py") as address:
+        one = Visit(person, address)
+        one.go("data")
+        one.open_way("Upload")
+        field = one.keyed("upload_truth").locator("input[type=file]")
+        field.set_input_files({"name": "a.csv", "mimeType": "text/csv", "buffer": bytes(3 << 20)})
+        said = one.page.get_by_test_id("stToast")
+        expect(said).to_contain_text("The file has 3.0 MB, the server room for 1.0 MB.")
+        one.wait_until_drawn()
+        expect(said).to_have_count(1)
+        one.close()
+
+
 def test_a_full_server_says_so_and_uploads_go_with_it(
     person: BrowserContext, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):

@@ -14,6 +14,7 @@ import time
 from collections import Counter
 from http import HTTPStatus
 from ipaddress import IPv6Address, ip_address
+from pathlib import Path
 from typing import Final
 
 from starlette.datastructures import Headers
@@ -22,9 +23,10 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from ui.answers import text_answer
 from ui.serving.life import is_shutting_down
+from ui.session.workspace import workspace_of_session
 from ui.settings.limits import MEBI, Limits
 from ui.streamlit_inside.server import METRICS, STREAM, UPLOAD
-from ui.streamlit_inside.sessions import held_bytes
+from ui.streamlit_inside.sessions import held_bytes, run_again
 
 METRICS_TOKEN: Final = "NVCORE_METRICS_TOKEN"  # noqa: S105  # its name
 """Token that grants access to the metrics (``Authorization: Bearer``); unset: nobody may."""
@@ -48,8 +50,9 @@ class VisitorLimits:
     machine and ``FORWARDED_ALLOW_IPS``.
     """
 
-    def __init__(self, app: ASGIApp, limits: Limits):
-        self.app, self.limits = app, limits
+    def __init__(self, app: ASGIApp, limits: Limits, system: Path = Path("/")):
+        """See `Limits.uploads_bytes` for `system`."""
+        self.app, self.limits, self.system = app, limits, system
         self._n_visitors = 0
         self._of_address: Counter[str] = Counter()
         self._has_warned = False
@@ -116,16 +119,13 @@ class VisitorLimits:
             answer = text_answer(HTTPStatus.LENGTH_REQUIRED, "Content-Length is missing")
             await answer(scope, receive, send)
             return
-        n_bytes, limits = int(stated), self.limits
-        of_session = held_bytes(session) + self._pending_bytes[session] + n_bytes
-        of_all = held_bytes() + self._pending_bytes.total() + n_bytes
-        if of_session > limits.max_upload_mb * MEBI or of_all > limits.max_uploads_mb * MEBI:
-            text = (
-                f"a visitor may upload {limits.max_upload_mb} MB of annotation files at a time"
-                if of_session > limits.max_upload_mb * MEBI
-                else "the server has no room for more annotation files; try again later"
-            )
-            await text_answer(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, text)(scope, receive, send)
+        n_bytes = int(stated)
+        why = self._why_too_large(session, n_bytes)
+        if why:
+            if (space := workspace_of_session(session)) is not None:
+                space.refusal = why
+                run_again(session)
+            await text_answer(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, why)(scope, receive, send)
             return
         self._pending_bytes[session] += n_bytes
         try:
@@ -134,6 +134,23 @@ class VisitorLimits:
             self._pending_bytes[session] -= n_bytes
             if not self._pending_bytes[session]:
                 del self._pending_bytes[session]
+
+    def _why_too_large(self, session: str, n_bytes: int) -> str:
+        """Why so many bytes more are not taken; empty: they are."""
+        limits, held = self.limits, held_bytes()
+        of_session = held_bytes(session) + self._pending_bytes[session] + n_bytes
+        if of_session > limits.max_upload_mb * MEBI:
+            return (
+                f"A visitor may upload {limits.max_upload_mb} MB of annotation files at a time. "
+                "Remove some."
+            )
+        room = limits.uploads_bytes(held, self.system) - held - self._pending_bytes.total()
+        if n_bytes > room:
+            return (
+                f"The file has {n_bytes / MEBI:,.1f} MB, the server room for "
+                f"{max(room, 0) / MEBI:,.1f} MB. Send less, or try again later."
+            )
+        return ""
 
     def _refusal(self, path: str, scope: Scope) -> Response | None:
         """The answer that refuses a request; None: the app may answer."""

@@ -218,6 +218,8 @@ class Workspace(Caching):
         Opens the models that are tried, and runs them.
     picture_turns
         In which they are read for the browser: whose take long keep no thread from other visitors.
+    refusal
+        Why the last annotation file was not taken; empty once the page has said it.
     notes
         What a page remembers of its user, by a name of its own: outlasts `forget`, unlike the
         values of `cached`, and a reload, unlike the store.
@@ -244,6 +246,7 @@ class Workspace(Caching):
         self.used_bytes = 0
         self.upload_bytes: dict[Path, int] = {}
         self.n_received = 0
+        self.refusal = ""
         self.notes: dict[str, Any] = {}
         self._jobs: dict[str, Job] = {}
         self._n_changes = 0

@@ -5,12 +5,15 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, fields
 from functools import cache
+from pathlib import Path
 from typing import Final
 
 from nvcore.errors import InputError
+from nvcore.memory import free_bytes
 
 MEBI: Final = 1 << 20
 PREFIX: Final = "NVCORE_"
+MOST_UPLOADS_MB: Final = 2048
 
 
 @dataclass(frozen=True)
@@ -26,7 +29,8 @@ class Limits:
     max_upload_mb
         Annotation files of one tab, MiB: they are held in memory until they are opened.
     max_uploads_mb
-        Those of all tabs together, MiB.
+        Those of all tabs together, MiB; None: a third of the available memory, at most
+        `MOST_UPLOADS_MB`.
     max_disk_mb
         Uploads of all tabs on disk, MiB.
     max_frames
@@ -40,12 +44,26 @@ class Limits:
     max_visitors: int = 50
     max_visitors_of_address: int = 20
     max_upload_mb: int = 512
-    max_uploads_mb: int = 2048
+    max_uploads_mb: int | None = None
     max_disk_mb: int = 65536
     max_frames: int = 2_000_000
     max_frames_of_all: int = 10_000_000
     reading_mb: int = 3000
     reading_s: int = 300
+
+    def uploads_bytes(self, held: int, system: Path = Path("/")) -> int:
+        """Bytes of annotation files that all tabs may hold, of which `held` are in memory.
+
+        Parameters
+        ----------
+        system
+            Root of the system whose memory counts, see `nvcore.memory.free_bytes`.
+        """
+        if self.max_uploads_mb is not None:
+            return self.max_uploads_mb * MEBI
+        free = free_bytes(system)
+        most = MOST_UPLOADS_MB * MEBI
+        return most if free is None else min(most, max(free + held, 0) // 3)
 
 
 @cache

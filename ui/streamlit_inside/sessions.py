@@ -31,6 +31,13 @@ def close_session(session_id: str, loop: asyncio.AbstractEventLoop) -> None:
         loop.call_soon_threadsafe(runtime.get_instance().close_session, session_id)
 
 
+def run_again(session_id: str) -> None:
+    """Run the session's script again, if its browser is there; on Streamlit's own loop."""
+    manager = runtime.get_instance()._session_mgr
+    if (active := manager.get_active_session_info(session_id)) is not None:
+        active.session.request_rerun(active.session._client_state)
+
+
 def held_bytes(session_id: str | None = None) -> int:
     """Bytes of the files from ``st.file_uploader`` that are in memory, for one session or all."""
     if not runtime.exists():

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import signal
 import threading
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -16,11 +18,12 @@ from nvcore.errors import InputError
 from ui.serving import life, visitors
 from ui.serving.headers import SecureHeaders
 from ui.serving.visitors import METRICS_TOKEN, TRY_AGAIN_LATER, VisitorLimits
-from ui.settings.limits import Limits, limits_of_environment
+from ui.settings.limits import MEBI, Limits, limits_of_environment
 
 UPLOAD = "/base/_stcore/upload_file/session/file"
 STREAM = {"type": "websocket", "path": "/base/_stcore/stream"}
-PAGE = {"accept": "text/html,*/*"}
+HTML = {"accept": "text/html,*/*"}
+PAGE = os.sysconf("SC_PAGE_SIZE")
 
 
 async def inner(scope: Scope, receive: Receive, send: Send) -> None:
@@ -77,9 +80,9 @@ def test_a_visitor_more_than_the_server_takes_is_told_to_come_later():
 
 def test_a_page_says_that_the_server_is_full(monkeypatch: pytest.MonkeyPatch):
     app = limited(max_visitors=1)
-    assert ask("/overview", headers=PAGE, app=app).status == 200
+    assert ask("/overview", headers=HTML, app=app).status == 200
     app._n_visitors = 1
-    answer = ask("/overview", headers=PAGE, app=app)
+    answer = ask("/overview", headers=HTML, app=app)
     assert (answer.status, "1 visitors at a time" in answer.text) == (503, True)
     assert ask("/nv/token/boxes/0/0", app=app).status == 200  # of a visitor who is there
 
@@ -92,10 +95,39 @@ def test_files_in_memory_are_capped_for_each_visitor_and_for_all(monkeypatch: py
     assert upload(app, (2 << 20) + 1).status == 413
     held.update({"session": 1 << 20, None: 1 << 20})
     assert upload(app, 1 << 20).status == 200
-    assert "a visitor may upload 2 MB" in upload(app, (1 << 20) + 1).text
+    assert "A visitor may upload 2 MB" in upload(app, (1 << 20) + 1).text
     held[None] = 3 << 20
-    assert "try again later" in upload(app, 1).text
+    assert "room for 0.0 MB." in upload(app, 1).text
     assert upload(app, "").status == upload(app, "-1").status == 411
+
+
+def test_files_in_memory_take_a_third_of_what_the_control_group_leaves(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    def machine(held_mb: int) -> None:
+        """Of 2048 MiB the server has 100 and its visitors' files."""
+        (tmp_path / "proc/self/statm").write_text(f"0 {(100 + held_mb) * MEBI // PAGE} 0\n")
+        monkeypatch.setattr(visitors, "held_bytes", lambda _=None: held_mb * MEBI)
+
+    (tmp_path / "proc/self").mkdir(parents=True)
+    (tmp_path / "proc/meminfo").write_text("MemAvailable:  60000000 kB\nSwapFree: 0 kB\n")
+    (tmp_path / "sys/fs/cgroup").mkdir(parents=True)
+    (tmp_path / "sys/fs/cgroup/memory.max").write_text(f"{2048 * MEBI}\n")
+    app = VisitorLimits(inner, Limits(max_upload_mb=10_000), tmp_path)
+    sent = []
+    for n_held in range(5):  # a third of 1948 MiB is 649
+        machine(190 * n_held)
+        sent.append(upload(app, 190 * MEBI))
+    assert [answer.status for answer in sent] == [200, 200, 200, 413, 413]
+    assert "The file has 190.0 MB, the server room for 79.3 MB." in sent[3].text
+    machine(0)  # they have gone
+    assert upload(app, 190 * MEBI).status == 200
+    (tmp_path / "sys/fs/cgroup/memory.max").write_text("max\n")
+    assert [upload(app, n * MEBI).status for n in (2048, 2049)] == [200, 413]
+    (tmp_path / "proc/meminfo").unlink()  # as outside Linux
+    assert [upload(app, n * MEBI).status for n in (2048, 2049)] == [200, 413]
+    app = VisitorLimits(inner, Limits(max_upload_mb=10_000, max_uploads_mb=5000), tmp_path)
+    assert [upload(app, n * MEBI).status for n in (5000, 5001)] == [200, 413]
 
 
 @pytest.mark.parametrize("why", ["silent", "the server ends"])

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 from streamlit.runtime import Runtime
+from streamlit.runtime.app_session import AppSession
 from streamlit.runtime.memory_uploaded_file_manager import MemoryUploadedFileManager
 from streamlit.runtime.scriptrunner import ScriptRunContext
 from streamlit.runtime.uploaded_file_manager import UploadedFileRec
@@ -38,6 +39,7 @@ def test_the_runtime_has_what_is_asked_of_it():
     assert [*inspect.signature(Runtime.is_active_session).parameters] == ["self", "session_id"]
     assert [*inspect.signature(Runtime.close_session).parameters] == ["self", "session_id"]
     assert isinstance(Runtime.uploaded_file_mgr, property)
+    assert [*inspect.signature(AppSession.request_rerun).parameters] == ["self", "client_state"]
     assert {"session_id", "is_history_navigation"} <= {*ScriptRunContext.__dataclass_fields__}
 
 
