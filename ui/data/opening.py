@@ -11,6 +11,7 @@ import streamlit as st
 
 from nvcore.errors import MissingFactError, NvcoreError
 from nvcore.inputs.session import Session
+from nvcore.wording import listed
 from ui.session import state, store
 from ui.shell.messages import error_text
 from ui.shell.navigate import ask_for_page
@@ -148,18 +149,19 @@ def draw_trouble(place: str) -> None:
 
 
 def _on_thresholds() -> str:
-    """That thresholds are still to be chosen, where there are scores."""
+    """Name the systems with scores whose threshold is still to be chosen."""
     settings = state.params()
     limits = (settings.threshold_x, settings.threshold_y)
-    is_open = any(
-        limit is None and state.score_span(name) is not None
+    without = [
+        plain(name)
         for name, limit in zip(state.systems(), limits, strict=True)
-        if name is not None
-    )
-    if not is_open:
+        if name is not None and limit is None and state.score_span(name) is not None
+    ]
+    if not without:
         return ""
     return (
-        " Every detection counts, however low its score, until thresholds are set in the sidebar."
+        f" Every detection of {listed(without)} counts, however low its score, until a threshold "
+        "is set in the sidebar."
     )
 
 

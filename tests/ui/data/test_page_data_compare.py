@@ -135,7 +135,7 @@ def test_after_opening_the_next_step_stands_first_and_thresholds_are_asked_for(t
     assert (banner.type, button.type) == ("success", "button")
     assert banner.value.startswith("**Opened: Uploaded files.**")
     assert button.label == "Next: see the comparison"
-    assert "until thresholds are set in the sidebar" in texts(page)
+    assert "Every detection of fir and nir counts, however low its score" in texts(page)
     of_systems = next(table.value for table in page.table if "Score threshold" in table.value)
     assert of_systems["Score threshold"].tolist() == ["every detection counts"] * 2
     assert not page.button(key="same_point").disabled
@@ -148,7 +148,7 @@ def test_after_opening_the_next_step_stands_first_and_thresholds_are_asked_for(t
 def test_the_next_step_is_gone_when_one_comes_back_to_the_page():
     page = press(checked(opened_app("data")), "open_sample")
     assert "Opened: Sample recordings" in texts(page)
-    assert "until thresholds are set" not in texts(page)  # the sample's session has them
+    assert "until a threshold is set" not in texts(page)  # the sample's session has them
     checked(to_page(page, "metrics"))
     checked(to_page(page, "data"))
     assert "Open now: Sample recordings" in texts(page)

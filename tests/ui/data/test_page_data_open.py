@@ -45,6 +45,7 @@ def test_a_session_file_opens_with_the_files_it_names(tmp_path: Path):
     assert "Open now: mine.toml (" in texts(page)
     assert page.table[-1].value["Source"].tolist() == ["Truth", "X: far", "Y: nir"]
     assert page.session_state["params"].threshold_x == 0.8
+    assert "Every detection of nir counts, however low its score" in texts(page)
     assert page.session_state["params"].alpha == 0.7
 
 
