@@ -20,6 +20,7 @@ from nvcore.measures.table import evidence_form
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import refuse_other_run, write_run
 from nvcore.params import Params
+from nvcore.tables.summary import without_nan
 from nvcore.wording import (
     Footnotes,
     aligned,
@@ -198,24 +199,10 @@ def matrix_json(dataset: Dataset, params: Params, table: pd.DataFrame) -> str:
         "version": __version__,
         "fingerprint": dataset.fingerprint,
         "parameters": replace(params, threshold_x=None, threshold_y=None).stated(dataset),
-        "systems": _records(systems_of(table)),
-        "pairs": [
-            {**values, "text": pair_text(pair)}
-            for values, pair in zip(_records(table), table.to_dict("records"), strict=True)
-        ],
+        "systems": systems_of(table).to_dict("records"),
+        "pairs": [{**pair, "text": pair_text(pair)} for pair in table.to_dict("records")],
     }
-    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def _records(table: pd.DataFrame) -> list[dict[str, Any]]:
-    return [
-        {str(name): _defined(value) for name, value in row.items()}
-        for row in table.to_dict("records")
-    ]
-
-
-def _defined(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    return json.dumps(without_nan(content), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def write_matrix(folder: Path, dataset: Dataset, params: Params, table: pd.DataFrame) -> None:

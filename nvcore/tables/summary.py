@@ -336,7 +336,7 @@ def summary(result: Result) -> dict[str, Any]:
             if is_met(entry.column.only_if, result)
         }
     )
-    aggregates: dict[str, Any] = _without_nan(content)
+    aggregates: dict[str, Any] = without_nan(content)
     return aggregates
 
 
@@ -362,10 +362,10 @@ def _nest(content: Mapping[str, Any]) -> dict[str, Any]:
     return nested
 
 
-def _without_nan(value: Any) -> Any:
+def without_nan(value: Any) -> Any:
     """The same with None in place of NaN and infinities, which JSON does not have."""
     if isinstance(value, dict):
-        return {key: _without_nan(item) for key, item in value.items()}
-    if isinstance(value, float) and not np.isfinite(value):
-        return None
-    return value
+        return {key: without_nan(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [without_nan(item) for item in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Set
 from functools import partial
 from typing import Final
 
@@ -42,10 +41,6 @@ OF_ANY_ESTIMATOR: Final = frozenset(
 """Those of them that are as good with an estimator that learned nothing."""
 
 
-def _undefined(result: Result) -> Set[str]:
-    return OF_DRIVER - OF_ANY_ESTIMATOR if doubt_of_seen(result) else frozenset()
-
-
 def _facts(result: Result, name: str) -> tuple[Fact, ...]:
     if name not in OF_DRIVER:
         measure = MEASURE_OF.get(name)
@@ -61,7 +56,7 @@ def _is_in(result: Result, *, regions: tuple[DriverRegion, ...]) -> np.ndarray:
 
 
 RULES: Final = RulesOf(
-    undefined=_undefined,
+    undefined=lambda result: OF_DRIVER - OF_ANY_ESTIMATOR if doubt_of_seen(result) else set(),
     facts=_facts,
     counted={
         **{

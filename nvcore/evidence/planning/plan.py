@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Final, Literal, get_args
@@ -27,6 +27,7 @@ from nvcore.evidence.planning.noninferiority import (
 from nvcore.evidence.planning.pilot import Pilot, judge_key, make_pilot, plan_key
 from nvcore.evidence.planning.power import (
     MOST_RECORDINGS,
+    CountShown,
     PowerPoint,
     count_differences_shown,
     count_noninferior,
@@ -228,23 +229,20 @@ def plan_recordings(
     assumed: list[tuple[Assumption, float]]
     if margin is not None:
         assumed = [("equal", 0.0), ("as found", evidence.difference)]
-        of_size = partial(
-            _noninferiority_size, margin=margin, sign=favour(asked.candidate, evidence.better)
-        )
     else:
         assumed = [("as found", evidence.difference)]
         if difference is not None:
             named = -difference if evidence.difference < 0 else difference
             assumed.insert(0, ("as named", named))
-        of_size = partial(_difference_size, level=plan.level)
     if pilot is None:
         return replace(plan, sizes=tuple(PlanSize(*size, reason=why_not) for size in assumed))
     sizes = [
-        of_size(
+        _size(
             pilot,
-            *size,
-            target=asked.power,
-            progress=part_of(progress, index / len(assumed), (index + 1) / len(assumed)),
+            PlanSize(*size),
+            asked,
+            plan,
+            part_of(progress, index / len(assumed), (index + 1) / len(assumed)),
         )
         for index, size in enumerate(assumed)
     ]
@@ -280,74 +278,34 @@ def _check(key: str, asked: PlanArguments) -> None:
         raise ParameterError(f"{asked.n_tests} tests: expected 1 or more")
 
 
-def _difference_size(
-    pilot: Pilot,
-    assumption: Assumption,
-    difference: float,
-    *,
-    level: float,
-    target: float,
-    progress: Progress,
+def _size(
+    pilot: Pilot, size: PlanSize, asked: PlanArguments, plan: Plan, progress: Progress
 ) -> PlanSize:
-    size = PlanSize(assumption, difference)
-    if difference == 0:
-        return replace(size, reason="X and Y are equal in these recordings: name a difference")
-    if pilot.is_withheld(difference):
-        return replace(
-            size,
-            reason="the better system also has more false alarms, and without scores that "
-            "differ nothing sets them alike: more recordings do not change that",
-        )
-    return _sized(
-        pilot,
-        size,
-        lambda n, n_studies: count_differences_shown(pilot, difference, n, n_studies, level=level),
-        guess=guess_length(pilot, difference, level=level, target=target),
-        least=MIN_SWAPPED,
-        target=target,
-        progress=progress,
-    )
-
-
-def _noninferiority_size(
-    pilot: Pilot,
-    assumption: Assumption,
-    difference: float,
-    *,
-    margin: float,
-    sign: int,
-    target: float,
-    progress: Progress,
-) -> PlanSize:
-    size = PlanSize(assumption, difference)
-    distance = sign * difference + margin
-    if distance <= 0:
-        reason = "the candidate is then worse by the margin or more: no study shows that it is not"
+    """The size with its study, or with the reason why there is none."""
+    count: CountShown
+    difference, reason = size.difference, ""
+    if asked.margin is None:
+        distance, least, level = difference, MIN_SWAPPED, plan.level
+        count = partial(count_differences_shown, pilot, difference, level=level)
+        if difference == 0:
+            reason = "X and Y are equal in these recordings: name a difference"
+        elif pilot.is_withheld(difference):
+            reason = (
+                "the better system also has more false alarms, and without scores that differ "
+                "nothing sets them alike: more recordings do not change that"
+            )
+    else:
+        sign = favour(asked.candidate, plan.evidence.better)
+        distance, least, level = sign * difference + asked.margin, MIN_UNITS, 2 * ONE_SIDED
+        count = partial(count_noninferior, pilot, difference, margin=asked.margin, sign=sign)
+        if distance <= 0:
+            reason = (
+                "the candidate is then worse by the margin or more: no study shows that it is not"
+            )
+    if reason:
         return replace(size, reason=reason)
-    return _sized(
-        pilot,
-        size,
-        lambda n, n_studies: count_noninferior(
-            pilot, difference, n, n_studies, margin=margin, sign=sign
-        ),
-        guess=guess_length(pilot, distance, level=2 * ONE_SIDED, target=target),
-        least=MIN_UNITS,
-        target=target,
-        progress=progress,
-    )
-
-
-def _sized(
-    pilot: Pilot,
-    size: PlanSize,
-    count: Callable[[int, int], int],
-    *,
-    guess: float,
-    least: int,
-    target: float,
-    progress: Progress,
-) -> PlanSize:
-    length = find_length(count, guess=guess, least=least, target=target, progress=progress)
+    guess = guess_length(pilot, distance, level=level, target=asked.power)
+    length = find_length(count, guess=guess, least=least, target=asked.power, progress=progress)
     n = length.n_recordings
     if n is None:
         reason = f"more than {MOST_RECORDINGS:,} recordings like these"

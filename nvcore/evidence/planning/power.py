@@ -410,12 +410,11 @@ def find_length(
     if points[n_recordings].power < target:
         return StudyLength(None, _in_order(points))
     # one of the sizes on the way may reach it with its fewer studies: by luck, or in earnest
-    while (first := min(n for n in points if points[n].power >= target)) < n_recordings:
-        if points[first].n_studies == N_STUDIES_LAST:
-            n_recordings = first
-        else:
-            simulate(first, N_STUDIES_LAST)
-    return StudyLength(n_recordings, _in_order(points))
+    while points[first := min(n for n in points if points[n].power >= target)].n_studies < (
+        N_STUDIES_LAST
+    ):
+        simulate(first, N_STUDIES_LAST)
+    return StudyLength(first, _in_order(points))
 
 
 def _in_order(points: dict[int, PowerPoint]) -> tuple[PowerPoint, ...]:
