@@ -299,6 +299,7 @@ _STAMP: Final = re.compile(
     r")(?![0-9A-Za-z])"
 )
 """A date, a time of day or both; a time in ticks; a hash."""
+_ONE_NUMBER: Final = re.compile(r"(?:.*/)?[^0-9/]*[0-9]{1,9}")
 _HASH: Final = re.compile(r"(?=.*[a-f])(?=.*[0-9])[0-9a-f\-]{6,}", re.IGNORECASE)
 
 
@@ -400,38 +401,39 @@ def frame_last(
     InputError
         If two numbers may be the frame number, and `how` does not say which.
     """
+    if all(map(_ONE_NUMBER.fullmatch, names)):
+        return [*names], ()
     every = list(dict.fromkeys([*names, *others]))
     n_hashes = sum(_HASH.fullmatch(name.rpartition("/")[2]) is not None for name in every)
     if 2 * n_hashes >= len(every):  # no number of them counts anything
         return [*names], ()
-    new = dict(zip(every, every if how == "numbers" else _without_stamps(every), strict=True))
-    groups: dict[int, list[str]] = defaultdict(list)
-    for name, bare in new.items():
-        groups[len(DIGITS.split(bare.rpartition("/")[2]))].append(name)
-    for n_parts, group in sorted(groups.items(), key=lambda item: -len(item[1])):
-        folders, _, stems = zip(*(new[name].rpartition("/") for name in group), strict=True)
-        split = [DIGITS.split(stem) for stem in stems]
+    bare = every if how == "numbers" else _without_stamps(every)
+    new = dict(zip(every, bare, strict=True))
+    groups: dict[int, list[tuple[str, str, list[str]]]] = defaultdict(list)
+    for name, stripped in new.items():
+        folder, _, stem = stripped.rpartition("/")
+        parts = DIGITS.split(stem)
+        groups[len(parts)].append((name, folder, parts))
+    for n_parts, group in groups.items():
+        own_names, folders, split = zip(*group, strict=True)
         columns = [n_parts - 2]
         if n_parts > 3 and len(group) >= MIN_NAMES and how != "numbers":
             columns = frame_columns(split, folders)
             if how == "counter":
-                columns = [
-                    min(columns)
-                    if len(columns) > 1
-                    else likeliest_column(split, range(1, n_parts - 2, 2))
-                ]
+                column = min(columns)
+                is_last = column == n_parts - 2
+                columns = [likeliest_column(split, range(1, column, 2)) if is_last else column]
         if len(columns) > 1 and not {*names} <= {*others}:
             first, second = (split[0][column] for column in sorted(columns)[:2])
             raise InputError(
                 f"the names of pictures do not tell which of their numbers is that of the frame: "
-                f"in {stems[0]} it may be {first} or {second}",
+                f"in {''.join(split[0])} it may be {first} or {second}",
                 steps=tuple(
                     Step(Remedy.FRAME_NAMES, way) for way in ("counter", "numbers", "order")
                 ),
             )
         if n_parts > 1 and (columns[0] < n_parts - 2 or len(group) == len(every)):
-            moved = _moved(split, folders, columns[0])
-            new |= dict(zip(group, moved, strict=True))
+            new |= dict(zip(own_names, _moved(split, folders, columns[0]), strict=True))
     found = [new[name] for name in names]
     for name, last in zip(names, found, strict=True):
         number = re.search("[0-9]*$", last)
@@ -443,16 +445,17 @@ def frame_last(
 def _without_stamps(names: Sequence[str]) -> list[str]:
     """The names without dates, times of day and hashes, if a number still tells them apart."""
     folders, slashes, stems = zip(*(name.rpartition("/") for name in names), strict=True)
-    stamps = [_STAMP.search(stem) for stem in stems]
+    if len(names) < MIN_NAMES or _STAMP.search(stems[0]) is None:
+        return [*names]
+    stamps = [match[0] for stem in stems if (match := _STAMP.search(stem)) is not None]
+    if len(stamps) < len(names):
+        return [*names]
     bare = [_STAMP.sub("", stem).strip(_SIGNS) for stem in stems]
     without = ["".join(parts) for parts in zip(folders, slashes, bare, strict=True)]
-    texts = {stamp[0] for stamp in stamps if stamp is not None}
-    are_last = all(
-        stamp and stamp.end() == len(stem) for stamp, stem in zip(stamps, stems, strict=True)
-    )
-    is_told_apart = len(set(without)) == len(names) >= MIN_NAMES and all(map(DIGITS.search, bare))
-    is_each = None not in stamps and (are_last or len(texts) > len(names) / 3)
-    return without if is_told_apart and is_each else [*names]
+    are_last = all(map(str.endswith, stems, stamps))
+    is_of_each = are_last or len({*stamps}) > len(names) / 3
+    is_told_apart = len({*without}) == len(names) and all(map(DIGITS.search, bare))
+    return without if is_of_each and is_told_apart else [*names]
 
 
 def _moved(stems: Sequence[Sequence[str]], folders: Sequence[str], column: int) -> list[str]:
