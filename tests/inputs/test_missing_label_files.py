@@ -63,7 +63,7 @@ def finding_of(dataset: nv.Dataset, *codes: str) -> Finding:
     return finding
 
 
-PLACES: dict[str, tuple[str, Callable[[Path], None], str | None]] = {
+PLACES: dict[str, tuple[str, Callable[[Path], object], str | None]] = {
     "images beside labels": (
         "data/labels/train",
         lambda root: write_pictures(root / "data/images/train"),
@@ -83,6 +83,14 @@ PLACES: dict[str, tuple[str, Callable[[Path], None], str | None]] = {
     "a list of stems": (
         "VOC/Annotations",
         lambda root: write_list(root / "VOC/ImageSets/Main/val.txt", "{}"),
+        None,
+    ),
+    "data.yaml": (
+        "yolo/labels",
+        lambda root: (
+            write_pictures(root / "photos"),
+            (root / "yolo/data.yaml").write_text("train: ../photos\nnames: [person]\n"),
+        ),
         None,
     ),
     "the session": ("labels", lambda root: write_pictures(root / "drive"), "drive/*.jpg"),

@@ -443,7 +443,7 @@ def frame_last(
 
 
 def _without_stamps(names: Sequence[str]) -> list[str]:
-    """The names without dates, times of day and hashes, if a number still tells them apart."""
+    """Remove dates, times of day and hashes, if a number still tells the names apart."""
     folders, slashes, stems = zip(*(name.rpartition("/") for name in names), strict=True)
     if len(names) < MIN_NAMES or _STAMP.search(stems[0]) is None:
         return [*names]
@@ -459,7 +459,7 @@ def _without_stamps(names: Sequence[str]) -> list[str]:
 
 
 def _moved(stems: Sequence[Sequence[str]], folders: Sequence[str], column: int) -> list[str]:
-    """The names with what stands behind a number before it, or without it if it is no camera."""
+    """Move the camera behind the frame number before it; drop other text behind the number."""
     starts = ["".join(parts[:column]) for parts in stems]
     for earlier in range(1, column, 2):  # a time or a hash is no recording
         word = stems[0][earlier - 1]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
@@ -28,6 +29,9 @@ IMAGE_FOLDERS: Final = (
 LISTS: Final = ("train", "val", "valid", "validation", "trainval", "test", "images")
 """Lists of pictures: ``train.txt``."""
 MAX_LIST_BYTES: Final = 64 << 20
+MAX_YAML_BYTES: Final = 1 << 20
+_SPLIT: Final = re.compile(r"^(?:train|val|test):[ \t]*['\"]?([^\s'\"#\[]+)", re.MULTILINE)
+"""Pictures of a data set in its YAML file: ``train: images/train``."""
 MIN_FOUND: Final = 0.9
 """Share of the label files whose pictures a folder or list has to hold."""
 MIN_REGULAR: Final = 4
@@ -59,7 +63,7 @@ def pictures_without_file(files: Sequence[SourceFile], folders: Sequence[Path] =
 
 
 def _first_that_holds(own: set[str], folder: Path, folders: Sequence[Path]) -> set[str]:
-    """Stems of the first folder or list of pictures with those of the label files; none: empty."""
+    """Return the stems of the first folder or list that holds those of the label files."""
     for listed in _listed(folder, folders):
         if len(own & listed) >= MIN_FOUND * len(own):
             return listed
@@ -67,24 +71,35 @@ def _first_that_holds(own: set[str], folder: Path, folders: Sequence[Path]) -> s
 
 
 def _listed(folder: Path, folders: Sequence[Path]) -> Iterator[set[str]]:
-    """Stems of pictures in each place where those of a folder of label files may be."""
+    """Yield the stems of pictures in each place where those of label files in a folder may be."""
     places = [folder, *(folder.parent / name for name in IMAGE_FOLDERS)]
     for at, part in enumerate(folder.parts):
         if part.casefold() in LABEL_FOLDERS:
             start, rest = Path(*folder.parts[:at]), folder.parts[at + 1 :]
             places += [start.joinpath(name, *rest) for name in IMAGE_FOLDERS]
-    for place in dict.fromkeys([*places, *folders]):
+    above = (folder, *folder.parents[:3])
+    named = [place / value for place in above for value in _named_in_yaml(place)]
+    for place in dict.fromkeys([*places, *folders, *named]):
         with suppress(OSError):
             names = [PurePosixPath(entry.name) for entry in place.iterdir()]
             yield {name.stem for name in names if name.suffix.casefold() in IMAGE_SUFFIXES}
-    above = folder.parent
-    for place in (folder, above, above.parent, above / "ImageSets" / "Main"):
-        lists = [_stems_in(place / f"{name}.txt", folder.name) for name in LISTS]
+    for place in (*above[:3], above[1] / "ImageSets" / "Main"):
+        paths = [*(place / f"{name}.txt" for name in LISTS), *named]
+        lists = [_stems_in(path, folder.name) for path in paths]
         yield from [*filter(None, lists), set().union(*lists)]
 
 
+def _named_in_yaml(place: Path) -> list[str]:
+    """Return the folders and lists of pictures that YAML files of data sets in a folder name."""
+    texts = []
+    with suppress(InputError, OSError):
+        files = [SourceFile(path, path.name) for path in sorted(place.glob("*.y*ml"))]
+        texts = [read_text(file) for file in files if not file.is_larger_than(MAX_YAML_BYTES)]
+    return [value for text in texts for value in _SPLIT.findall(text)]
+
+
 def _stems_in(path: Path, folder: str) -> set[str]:
-    """Stems of the pictures that a list names, of those in a folder of this name if it has such."""
+    """Return the stems of listed pictures: those in a folder of this name, if there are any."""
     file = SourceFile(path, path.name)
     try:
         if not path.is_file() or file.is_larger_than(MAX_LIST_BYTES):
@@ -98,7 +113,7 @@ def _stems_in(path: Path, folder: str) -> set[str]:
 
 
 def with_empty_pictures(named: NamedPictures, n_files: int) -> NamedPictures:
-    """The pictures of label files, and as `NamedPictures.empty` those behind them without a file.
+    """Separate the pictures without a label file, which stand last, as `NamedPictures.empty`.
 
     Where most have none, or those with or without one follow each other in equal steps, only
     some may have been annotated: then none is taken, and a warning asks.
