@@ -154,3 +154,13 @@ def test_nothing_is_said_of_label_files_without_gaps(tmp_path):
 def test_annotation_of_every_fourth_frame_is_no_gap(tmp_path):
     write_scene(tmp_path, "labels", {*range(40)} - {*range(0, 40, 4)})
     assert not compared(tmp_path, "labels")[1].findings
+
+
+def test_a_second_picture_of_a_frame_is_no_frame_of_its_own(tmp_path):
+    write_scene(tmp_path, "labels", GAP)
+    write_pictures(tmp_path / "images")
+    for name in ("frame_16.jpg", "frame_3.jpg"):
+        (tmp_path / "images" / name).touch()
+    numbers, dataset = compared(tmp_path, "labels")
+    assert numbers == NOBODY_IN_GAP
+    assert finding_of(dataset, "pictures-without-label-file").count == 10

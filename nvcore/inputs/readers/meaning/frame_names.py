@@ -70,19 +70,20 @@ def listed_frames(files: Sequence[SourceFile], options: ReadOptions) -> NamedPic
     if options.role == "truth":
         empty = pictures_without_file(files, options.picture_folders)
     named = named_pictures([*names, *empty], options)
-    if named.strange >= 0 and all(_HASH.match(stem) for stem in _stems([f.name for f in files])):
-        raise InputError(
-            "expected one file per frame with the frame number at the end of its name; found "
-            "names such as checksums, which do not tell the order of the pictures",
-            file=files[named.strange].name,
-            steps=(Step(Remedy.TABLE),),
-        )
+    if named.strange >= len(files):
+        named, empty = named_pictures(names, options), []
     if named.strange >= 0:
+        are_hashes = all(_HASH.match(stem) for stem in _stems(names))
         raise InputError(
-            "expected one file per frame with the frame number at the end of its name, as in "
-            "I00019.txt or 000019.txt; found no number: rename the file or leave it out",
+            "expected one file per frame with the frame number in its name, as in I00019.txt or "
+            + (
+                "000019.txt; found names such as checksums, which do not tell the order of the "
+                "pictures"
+                if are_hashes
+                else "000019.txt; found no number: rename the file or leave it out"
+            ),
             file=files[named.strange].name,
-            steps=(Step(Remedy.FRAME_NAMES, "order"),),
+            steps=(Step(Remedy.TABLE) if are_hashes else Step(Remedy.FRAME_NAMES, "order"),),
         )
     table = named.table
     # one known recording and one read: the same one, whatever the folders are called
@@ -90,6 +91,10 @@ def listed_frames(files: Sequence[SourceFile], options: ReadOptions) -> NamedPic
         table = table.assign(recording=options.recordings[0])
         named = replace(named, table=table)
     double = (table.duplicated(["recording", "frame"]) & (table["frame"] != NO_FRAME)).to_numpy()
+    if empty:  # one of several pictures of a frame is enough
+        is_file = np.arange(len(table)) < len(files)
+        table, double = table[is_file | ~double], double[: len(files)]
+        named = replace(named, table=table)
     if double.any():
         second = int(np.argmax(double))
         recording, frame = table[["recording", "frame"]].iloc[second]
