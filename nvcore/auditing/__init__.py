@@ -15,6 +15,7 @@ from nvcore.auditing.agreement import (
     audit_same_systems,
     find_disagreement,
     find_loose,
+    find_repeated,
 )
 from nvcore.auditing.boxes import audit_doubles, audit_geometry, audit_tracks
 from nvcore.auditing.cases import BoxSource, system_source, truth_source
@@ -200,6 +201,8 @@ def audit_pair(
     ]
     misread = audit_no_match(dataset, systems, counting, of_each, thresholds)
     findings += misread
+    for system, matched in zip(systems, of_each, strict=True):
+        findings += find_repeated(system, matched)
     if len(systems) < 2:
         return tuple(findings)
     system_x, system_y = systems

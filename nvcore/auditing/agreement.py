@@ -25,45 +25,39 @@ LOOSE_IOU: Final = 0.25
 """Overlap from which on a false alarm shows a pedestrian who counts as missed."""
 LOOSE_SHARE: Final = 0.25
 """Share of a system's false alarms on missed pedestrians from which on it is worth a look."""
+SAME_IOU: Final = 1 - 1e-9
+"""IoU from which on two boxes are the same, but for rounding."""
 SAME_SHARE: Final = 0.95
 """Share of a system's boxes that are exactly the truth's from which on it is no chance."""
 
 
 def audit_same_as_truth(source: BoxSource) -> list[Finding]:
-    """A system nearly all of whose boxes are exactly those of the ground truth."""
+    """The ground truth given as a system, or a system nearly all of whose boxes are the truth's."""
     boxes, truth = source.boxes, source.dataset.truth
-    n = len(boxes)
-    if n < MIN_BOXES:
+    same = _paired(boxes, truth, SAME_IOU)
+    n_same, n = len(same), len(boxes)
+    if n_same < MIN_BOXES:
         return []
-    # a twentieth that differs decides: most often the first frames hold so many
-    n_frames = len(truth.offsets) - 1
-    for stop in (n_frames // 8, n_frames):
-        n_truth, n_own = int(truth.offsets[stop]), int(boxes.offsets[stop])
-        own = tuple(column[:n_own] for column in _columns(boxes))
-        both = tuple(
-            np.concatenate([column[:n_truth], mine])
-            for column, mine in zip(_columns(truth), own, strict=True)
+    # boxes that the system repeats say nothing of it
+    n_different = n - len(repeated_rows(np.arange(n), _columns(boxes)))
+    if n_same < SAME_SHARE * n_different:
+        return []
+    if n_same == n_different and n_same >= np.count_nonzero(~truth.ignore):
+        return source.findings(
+            Severity.ERROR,
+            "truth-as-system",
+            same,
+            f"All {n_same:,} boxes are those of the ground truth, and all of the ground truth's "
+            "are here: the ground truth was given as a system.",
+            "Give the detections of the system.",
+            steps=(Step(Remedy.ACCEPT, "truth-as-system", source.name),),
         )
-        in_order = np.argsort(both[0], kind="stable")  # of each frame the truth comes first
-        repeats = repeated_rows(np.arange(len(both[0])), tuple(column[in_order] for column in both))
-        repeats = np.sort(in_order[repeats])
-        repeats = repeats[repeats >= n_truth]
-        if n_own - len(repeats) > n - SAME_SHARE * n:
-            return []
-    if len(repeats) < SAME_SHARE * n:
-        return []
-    # a system's box that repeats its own must not pass for one of the truth
-    n_doubles = len(repeated_rows(np.arange(n), own))
-    n_same, n_different = len(repeats) - n_doubles, n - n_doubles
-    if n_same < max(MIN_BOXES, SAME_SHARE * n_different):
-        return []
     return source.findings(
         Severity.WARNING,
-        "same-boxes",
-        repeats - len(truth),
+        "boxes-of-truth",
+        same,
         f"{n_same:,} of {n_different:,} boxes are exactly those of the ground truth.",
-        "Check whether the ground truth was given as a system, or the ground truth made from this "
-        "system's detections: no detector draws the very same boxes.",
+        "Check that neither was made from the other: no detector draws the very same boxes.",
         count=n_same,
     )
 
@@ -82,13 +76,7 @@ def audit_same_systems(
     of_x, of_y = counting
     if len(of_x) != len(of_y) or len(of_x) < MIN_BOXES:
         return []
-    if not np.array_equal(of_x.offsets, of_y.offsets):
-        return []
-    in_x, in_y = (
-        np.stack(columns)[:, np.lexsort(columns[::-1])]
-        for columns in (_columns(of_x), _columns(of_y))
-    )
-    if not np.array_equal(in_x, in_y):
+    if len(_paired(of_x, of_y, SAME_IOU)) < len(of_x):
         return []
     return x.findings(
         Severity.WARNING,
@@ -107,6 +95,8 @@ def _columns(boxes: BoxColumns) -> tuple[np.ndarray, ...]:
 
 AGREE_IOU: Final = 0.5
 """Smallest IoU of two detections that agree."""
+REPEATED_SHARE: Final = 0.5
+"""Share of the matched pedestrians with further boxes from which on suppression was left out."""
 NEAR_IOU: Final = 0.1
 """Smallest IoU of an agreeing detection with the missed pedestrian that it may be meant for."""
 MANY_SHARE: Final = 0.05
@@ -132,11 +122,13 @@ def find_disagreement(
     A detection of X and one of Y agree when their IoU is at least 0.5. Only pairs count
     in which neither detection matches a pedestrian or lies on an ignore region. A pair that
     overlaps a pedestrian whom neither system matched points to a badly drawn box; any other to a
-    pedestrian missing from the annotation. Where both match hardly anybody, and agree with one
-    another instead, it is an error: the truth is of other frames or pictures.
+    pedestrian missing from the annotation, unless it lies on one whom another box matches. Where
+    both match hardly anybody, and agree with one another instead, it is an error: the truth is of
+    other frames or pictures.
     """
     truth = dataset.truth
-    agreed = _agreeing(dataset, x.boxes, y.boxes, matches)
+    alarms = tuple(of_one.is_false_alarm for of_one in matches)
+    agreed = _paired(x.boxes, y.boxes, AGREE_IOU, *alarms)
     if not len(agreed):
         return []
     n_truth = int(np.count_nonzero(~truth.ignore))
@@ -147,10 +139,31 @@ def find_disagreement(
         return [_elsewhere(x, y, agreed, n_matched, n_truth)]
     unmatched = ~truth.ignore & ~matches[0].is_matched & ~matches[1].is_matched
     missed_row = _overlapped(truth, unmatched, x.boxes, agreed)
+    is_annotated = _overlapped(truth, ~truth.ignore, x.boxes, agreed, AGREE_IOU) >= 0
     return [
         *_drawn_elsewhere(dataset, np.unique(missed_row[missed_row >= 0]), n_truth),
-        *_missing(dataset, x.boxes, agreed[missed_row < 0], x=x.name, y=y.name),
+        *_missing(dataset, x.boxes, agreed[(missed_row < 0) & ~is_annotated], x=x.name, y=y.name),
     ]
+
+
+def find_repeated(source: BoxSource, matches: Matches) -> list[Finding]:
+    """A system with further boxes on most of the pedestrians that it matches."""
+    truth, objects = source.dataset.truth, source.dataset.objects
+    rows = np.flatnonzero(matches.is_false_alarm)
+    people = matches.is_matched & ~truth.ignore
+    on = _overlapped(truth, people, source.boxes, rows, AGREE_IOU)
+    n_people, n_repeated = int(np.count_nonzero(people)), len(np.unique(on[on >= 0]))
+    if n_repeated < max(MIN_BOXES, REPEATED_SHARE * n_people):
+        return []
+    return source.findings(
+        Severity.WARNING,
+        "several-boxes",
+        rows[on >= 0],
+        f"{n_repeated:,} of {count_text(n_people, objects.singular, objects.plural)} matched have "
+        f"several boxes: {count_text(int(np.count_nonzero(on >= 0)), 'false alarm')} overlap them "
+        f"by an IoU of {AGREE_IOU:g} or more.",
+        "Check whether non-maximum suppression was left out, or boxes of several files joined.",
+    )
 
 
 def find_loose(source: BoxSource, matches: Matches, params: Params) -> list[Finding]:
@@ -188,28 +201,27 @@ def find_loose(source: BoxSource, matches: Matches, params: Params) -> list[Find
     )
 
 
-def _agreeing(
-    dataset: Dataset, x: BoxColumns, y: BoxColumns, matches: tuple[Matches, Matches]
+def _paired(
+    x: BoxColumns,
+    y: BoxColumns,
+    least_iou: float,
+    in_x: np.ndarray | None = None,
+    in_y: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Detections of X that match nobody and agree with one of Y that matches nobody."""
+    """Rows of X that pair with one of Y in their frame, by descending IoU, each box once.
+
+    Parameters
+    ----------
+    in_x, in_y
+        Which boxes take part; None: all.
+    """
     partner = np.full(len(x), -1, np.int64)
     over_ranges(
         pair_frames,
-        len(dataset.frames),
-        x.offsets,
-        x.x,
-        x.y,
-        x.w,
-        x.h,
-        matches[0].is_false_alarm,
-        y.offsets,
-        y.x,
-        y.y,
-        y.w,
-        y.h,
-        matches[1].is_false_alarm,
-        AGREE_IOU,
-        partner,
+        len(x.offsets) - 1,
+        *(x.offsets, x.x, x.y, x.w, x.h, np.ones(len(x), bool) if in_x is None else in_x),
+        *(y.offsets, y.x, y.y, y.w, y.h, np.ones(len(y), bool) if in_y is None else in_y),
+        *(least_iou, partner),
     )
     return np.flatnonzero(partner >= 0)
 

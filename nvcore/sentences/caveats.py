@@ -18,7 +18,10 @@ CAVEATS: Final = Caveats(
         "score-floors": "X and Y are compared at different operating points; with thresholds the "
         "other may come out better",
         "mixed-weighting": "X and Y are weighted by different rules",
-        "same-boxes": "two of the inputs have the same boxes",
+        "same-boxes": "X and Y have the same boxes",
+        "truth-as-system": "the ground truth was given as a system",
+        "boxes-of-truth": "the boxes of a system are exactly those of the ground truth",
+        "several-boxes": "a system has several boxes on most {many} whom it matches",
         "size-too-large": "the image size seems wrong",
         "implausible-fps": "the frame rate seems wrong",
         "box-layout": "boxes seem to be written in another way than they were read",

@@ -49,7 +49,7 @@ HEADLINES: Final = {
     "alarms.",
     "threshold": f"{UNEQUAL_POINTS} and no threshold sets them alike, {_NO_CLAIM}.",
     "scores": f"{UNEQUAL_POINTS} and cannot be set alike without scores that differ, {_NO_CLAIM}.",
-    "same boxes": "two of the inputs have the same boxes: this is no comparison of two systems.",
+    "same boxes": "X and Y have the same boxes: this is no comparison of two systems.",
     "wrong inputs": "nothing is claimed: the audit found errors in the inputs, and until they "
     "are mended the numbers are wrong.",
 }
@@ -206,7 +206,7 @@ IN_SHORT: Final[Texts] = {
         "pending": "nothing is claimed yet.",
         "threshold": "no claim: X and Y have unequal false alarms.",
         "scores": "no claim: X and Y have unequal false alarms.",
-        "same boxes": "two of the inputs have the same boxes.",
+        "same boxes": "X and Y have the same boxes.",
         "wrong inputs": "nothing is claimed: the inputs have errors.",
     },
 }

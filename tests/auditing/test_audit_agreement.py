@@ -10,9 +10,12 @@ from audit_comparison import N, codes, dataset, drawn, find, reported, truth_wal
 from builders import Box, make_dataset
 
 from nvcore.auditing import audit
+from nvcore.comparison import compare
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity
 from nvcore.params import Params
+from nvcore.report.verdict import verdict
+from nvcore.sentences.facts import Doubt, Headline
 
 
 def extra(x: float, **more: Any) -> list[Box]:
@@ -144,11 +147,57 @@ def test_one_system_at_two_thresholds_or_against_itself_is_a_comparison() -> Non
     assert same(exact(BOXES, drawn(walk(), 2)), x="x", y="x") == []
 
 
-@pytest.mark.parametrize("n", [38, 40])
-def test_the_truth_given_as_a_system_is_a_warning_from_95_percent_on(n: int) -> None:
-    (finding,) = same(exact(BOXES, [*walk(stop=n), *drawn(walk(first=n), 1)]))
-    assert (finding.severity, finding.subject, finding.count) == (Severity.WARNING, "y", n)
-    assert f"{n} of 40 boxes are exactly those of the ground truth" in finding.message
+def test_the_truth_given_as_a_system_is_an_error_that_can_be_accepted() -> None:
+    finding = find(exact(BOXES, walk()), "truth-as-system")
+    assert (finding.severity, finding.subject, finding.count) == (Severity.ERROR, "y", 40)
+    assert [step.value for step in finding.steps] == ["truth-as-system"]
+
+
+@pytest.mark.parametrize(
+    ("boxes", "n"),
+    [
+        (walk(stop=26), "26 of 26"),
+        ([*walk(stop=38), *drawn(walk(first=38), 1)], "38 of 40"),
+        ([*walk(), Box(39, 500, 200, 40, 100)], "40 of 41"),
+    ],
+    ids=["part of the truth", "95 percent", "the truth and an alarm"],
+)
+def test_a_system_whose_boxes_are_the_truth_s_is_a_warning(boxes: list[Box], n: str) -> None:
+    made = exact(BOXES, boxes)
+    assert same(made) == []
+    finding = find(made, "boxes-of-truth")
+    assert (finding.severity, finding.subject) == (Severity.WARNING, "y")
+    assert f"{n} boxes are exactly those of the ground truth" in finding.message
+
+
+def test_a_verdict_is_given_on_a_system_without_errors_of_place() -> None:
+    made = exact(BOXES, walk(stop=26))
+    result = compare(made)
+    said = verdict(result, audit(made))
+    assert said.headline == verdict(result).headline
+    assert said.doubt == Doubt(("boxes-of-truth",), 0)
+    assert verdict(result, audit(exact(BOXES, walk()))).headline == Headline("wrong inputs")
+    assert verdict(result, audit(exact(BOXES, BOXES))).doubt is None  # the headline says it
+
+
+@pytest.mark.parametrize(("n", "is_found"), [(20, True), (19, False)])
+def test_several_boxes_on_most_pedestrians_are_a_warning_and_not_the_truth_s_fault(
+    n: int, is_found: bool
+) -> None:
+    # three boxes on each pedestrian: IoU of the truth 38 / 42
+    beside = [box._replace(x=box.x + dx, score=0.3) for box in walk(stop=n) for dx in (-2, 2)]
+    made = dataset(x=[*walk(), *beside], y=[*walk(), *beside])
+    assert "agreed-by-both-not-in-truth" not in codes(made)
+    found = [finding for finding in audit(made) if finding.code == "several-boxes"]
+    if not is_found:
+        assert found == []
+        return
+    assert [(one.severity, one.subject, one.count) for one in found] == [
+        ("warning", "x", 40),
+        ("warning", "y", 40),
+    ]
+    assert "20 of 40 pedestrians matched have several boxes: 40 false" in found[0].message
+    assert codes(made, Params(threshold_x=0.5, threshold_y=0.5)) == []
 
 
 def test_a_system_that_repeats_its_own_boxes_does_not_pass_for_the_truth() -> None:

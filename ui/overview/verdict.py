@@ -79,7 +79,8 @@ class VerdictBox:
         with self._rest:
             st.markdown(
                 "\n".join(
-                    f"- **{plain(topic)}:** {plain(text)}" for topic, text in conclusion.topics
+                    f"- **{plain(point.topic)}:** {plain(conclusion.say(*point.facts))}"
+                    for point in conclusion.points
                 )
             )
             st.caption(_extent(result))

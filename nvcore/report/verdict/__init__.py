@@ -173,7 +173,9 @@ def verdict(
     serious = [
         finding
         for finding in findings
-        if finding.severity is not Severity.NOTE and not finding.is_of_pictures
+        if finding.severity is not Severity.NOTE
+        and not finding.is_of_pictures
+        and finding.code != SAME_BOXES  # the headline says it
     ]
     doubt = _doubt(serious) if serious else None
     if any(finding.code == SAME_BOXES for finding in findings):

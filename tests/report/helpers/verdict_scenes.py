@@ -21,15 +21,17 @@ def detecting(
 ) -> Result:
     """`n` pedestrians, each alone in `n_frames` frames; each system sees some of them."""
 
-    def boxes(whom: range, **columns: float) -> list[Box]:
+    truth = [at(n_frames * i + f, 50, track=i) for i in range(n) for f in range(n_frames)]
+
+    def seen(whom: range) -> list[Box]:
         return [
-            at(n_frames * i + f, 50, **(columns or {"track": i}))
-            for i in whom
-            for f in range(n_frames)
+            box._replace(track=-1, score=1.0 if box.frame else 0.9)
+            for box in truth
+            if box.track in whom
         ]
 
-    y = boxes(by_y, score=1.0) + [at(f, 5, score=1.0) for f in range(alarms_y)]
-    dataset = make_dataset(boxes(range(n)), boxes(by_x, score=1.0), y, n_frames=n_frames * n)
+    y = seen(by_y) + [at(f, 5, score=1.0) for f in range(alarms_y)]
+    dataset = make_dataset(truth, seen(by_x), y, n_frames=n_frames * n)
     return result_of(dataset)
 
 
