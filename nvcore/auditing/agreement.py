@@ -39,7 +39,7 @@ def audit_same_as_truth(source: BoxSource) -> list[Finding]:
     if n_same < MIN_BOXES:
         return []
     # boxes that the system repeats say nothing of it
-    n_different = n - len(repeated_rows(np.arange(n), _columns(boxes)))
+    n_different = n - len(repeated_rows(boxes))
     if n_same < SAME_SHARE * n_different:
         return []
     if n_same == n_different and n_same >= np.count_nonzero(~truth.ignore):
@@ -87,10 +87,6 @@ def audit_same_systems(
         count=len(of_x),
         is_of_all=True,
     )
-
-
-def _columns(boxes: BoxColumns) -> tuple[np.ndarray, ...]:
-    return boxes.frame_index, boxes.x, boxes.y, boxes.w, boxes.h
 
 
 AGREE_IOU: Final = 0.5

@@ -6,13 +6,15 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-import pandas as pd
 
-from nvcore.auditing.cases import BLOCK, BoxSource
+from nvcore.auditing.cases import BoxSource
+from nvcore.columns import BoxColumns
 from nvcore.dataset.sources import ReadAs
 from nvcore.findings import Finding, Remedy, Severity, Step
 from nvcore.inputs.box_layouts import parse_layout
 from nvcore.metrics.encounters import encounters_of
+from nvcore.metrics.kernels import over_ranges
+from nvcore.metrics.kernels.pairs import mark_repeats
 from nvcore.schema import NO_TRACK
 from nvcore.wording import count_text
 
@@ -30,10 +32,6 @@ THOUSAND: Final = 1000
 """Boxes outside the picture whose edges all stay below this may be in thousandths of it."""
 HAIR_PX: Final = 1e-3
 """Narrower boxes may lose their width in rounding."""
-MOST_NEAR: Final = 40
-"""Boxes of a frame up to which trying all pairs beats sorting."""
-HASH_FACTOR: Final = np.uint64(0x9E3779B97F4A7C15)
-"""2**64 divided by the golden ratio: spreads neighbouring values over all 64 bits."""
 
 
 def audit_geometry(source: BoxSource) -> list[Finding]:
@@ -126,12 +124,9 @@ def _mostly_outside(source: BoxSource, rows: np.ndarray, *, are_many: bool) -> l
 def audit_doubles(source: BoxSource) -> list[Finding]:
     """The same box twice in one frame (of the truth, pedestrians only)."""
     boxes = source.boxes
-    rows = np.arange(len(boxes))
-    columns: tuple[np.ndarray, ...] = (boxes.frame_index, boxes.x, boxes.y, boxes.w, boxes.h)
-    if source.is_truth and boxes.ignore.any():
-        rows = np.flatnonzero(~boxes.ignore)
-        columns = tuple(column[rows] for column in columns)
-    doubles = repeated_rows(rows, columns)
+    takes_part = ~(boxes.ignore & source.is_truth)
+    people = boxes if takes_part.all() else boxes.only(takes_part)
+    doubles = np.flatnonzero(takes_part)[repeated_rows(people)]
     what = count_text(len(doubles), "box repeats", "boxes repeat")
     message = f"{what} another one of the same frame exactly."
     if source.is_truth:
@@ -209,53 +204,12 @@ def _reused(source: BoxSource, rows: np.ndarray, code: np.ndarray) -> list[Findi
     )
 
 
-def repeated_rows(rows: np.ndarray, columns: tuple[np.ndarray, ...]) -> np.ndarray:
-    """Those rows that agree in every column with an earlier one, in their order.
-
-    Where the first column is sorted and none of its values occurs often, as with the frames of
-    boxes, each row is only held against the few after it.
-
-    Parameters
-    ----------
-    rows
-        What to return, increasing, shape (n,).
-    columns
-        int64 or float64, each of shape (n,).
-    """
-    if not len(rows):
-        return rows
-    ends = np.append(np.flatnonzero(columns[0][1:] != columns[0][:-1]) + 1, len(rows))
-    longest = int(np.diff(ends, prepend=0).max())
-    if longest > MOST_NEAR or np.any(columns[0][ends[1:] - 1] < columns[0][ends[:-1] - 1]):
-        return _repeated_anywhere(rows, columns)
-    frame, first, *others = *columns, columns[0]
-    is_repeat = np.zeros(len(rows), np.bool_)
-    for start in range(0, len(rows), BLOCK):
-        block = first[start : start + BLOCK + longest]
-        for ahead in range(1, longest):  # a loop over the boxes of one frame: a handful
-            near = start + np.flatnonzero(block[ahead:] == block[:-ahead])
-            for column in (frame, *others):
-                near = near[column[near + ahead] == column[near]]
-            is_repeat[near + ahead] = True
-    repeats: np.ndarray = rows[is_repeat]
-    return repeats
-
-
-def _repeated_anywhere(rows: np.ndarray, columns: tuple[np.ndarray, ...]) -> np.ndarray:
-    """`repeated_rows` of rows in any order."""
-    # sorting one 64-bit hash a row is several times faster than sorting the rows themselves;
-    # only rows whose hash occurs twice are compared in full
-    hashed = np.zeros(len(rows), np.uint64)
-    for column in columns:
-        bits = (column + 0.0 if column.dtype.kind == "f" else column).view(np.uint64)
-        hashed ^= bits
-        hashed *= HASH_FACTOR
-        hashed ^= hashed >> np.uint64(29)
-    in_order = np.sort(hashed)
-    twice = np.unique(in_order[1:][in_order[1:] == in_order[:-1]])
-    if not len(twice):
-        return rows[:0]
-    suspects = np.flatnonzero(np.isin(hashed, twice))
-    table = pd.DataFrame({i: column[suspects] for i, column in enumerate(columns)})
-    repeats: np.ndarray = rows[suspects[table.duplicated().to_numpy()]]
-    return repeats
+def repeated_rows(boxes: BoxColumns) -> np.ndarray:
+    """Rows of boxes that are the same as an earlier one of their frame."""
+    is_repeat = np.zeros(len(boxes), bool)
+    over_ranges(
+        mark_repeats,
+        len(boxes.offsets) - 1,
+        *(boxes.offsets, boxes.x, boxes.y, boxes.w, boxes.h, is_repeat),
+    )
+    return np.flatnonzero(is_repeat)

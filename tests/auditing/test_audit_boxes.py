@@ -105,10 +105,12 @@ def test_findings_say_where_and_what_follows() -> None:
 
 def test_repeated_rows_are_found_as_comparing_all_pairs_finds_them() -> None:
     rng = np.random.default_rng(1)
-    a, b = rng.integers(0, 40, 200), rng.integers(0, 5, 200) / 2
-    expected = [i for i in range(200) if any(a[j] == a[i] and b[j] == b[i] for j in range(i))]
-    assert repeated_rows(np.arange(200), (a, b)).tolist() == expected
-    assert repeated_rows(np.arange(2), (np.array([0.0, -0.0]),)).tolist() == [1]
+    frames = np.sort(rng.integers(0, 8, 200))
+    boxes = [Box(frame, *rng.integers(1, 3, 4) / 2) for frame in frames.tolist()]
+    expected = [i for i in range(200) if boxes[i] in boxes[:i]]
+    assert repeated_rows(make_dataset(boxes, n_frames=8).truth).tolist() == expected
+    signed = [Box(0, 0.0, 0, 1, 1), Box(0, -0.0, 0, 1, 1)]
+    assert repeated_rows(make_dataset(signed).truth).tolist() == [1]
 
 
 def test_boxes_mostly_outside_count_when_the_size_is_in_doubt() -> None:

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import chain
 
 import numpy as np
 import pandas as pd
@@ -112,21 +113,20 @@ def read(
         _read_one(file, number, name, options, has_late_score=has_late_score)
         for number, (file, name) in enumerate(zip(files, names, strict=True))
     ]
-    facts = ["frame numbers kept (1-based)"]
-    annotated: list[pd.DataFrame] = []
+    every = [rows for *_, rows in contents]
+    facts = ["frame numbers kept (1-based)", *chain(*(rows.facts for rows in every))]
     left_out: Counter[str] = Counter()
-    for name, content in zip(names, contents, strict=True):
-        if options.role == "truth":
-            annotated.append(annotated_frames(name, content.frame))
-        facts += content.facts
-        left_out.update({item.name: item.count for item in content.rows.left_out})
-    categories = next((content.rows.names for content in contents if content.rows.names), {})
+    for item in chain(*(rows.left_out for rows in every)):
+        left_out[item.name] += item.count
+    annotated = [
+        annotated_frames(name, frame) for name, (_, frame, _) in zip(names, contents, strict=True)
+    ]
     images = None
     if options.role == "truth" and all(info.n_frames is not None for info in infos):
         images = image_list(names, [np.arange(1, (info.n_frames or 0) + 1) for info in infos])
         facts.append("evaluated frames 1..seqLength from seqinfo.ini")
     return Reading(
-        boxes=concat_boxes([content.boxes for content in contents]),
+        boxes=concat_boxes([boxes for boxes, *_ in contents]),
         recordings=recordings_table(
             names,
             width=[info.width for info in infos],
@@ -135,11 +135,11 @@ def read(
         ),
         conversion=conversion_text([*facts, *assumed]),
         images=images,
-        annotated=pd.concat(annotated, ignore_index=True) if annotated else None,
-        findings=tuple(finding for content in contents for finding in content.findings),
-        categories=categories,
+        annotated=pd.concat(annotated, ignore_index=True) if options.role == "truth" else None,
+        findings=tuple(chain(*(rows.findings for rows in every))),
+        categories=next((rows.names for rows in every if rows.names), {}),
         numbering="mot",
-        classes=next((content.rows.classes for content in contents if content.rows.classes), ()),
+        classes=next((rows.classes for rows in every if rows.classes), ()),
         left_out=classes_left_out(left_out),
     )
 
@@ -157,21 +157,10 @@ class _Rows:
     left_out: tuple[LeftOut, ...] = ()
 
 
-@dataclass(frozen=True)
-class _Content:
-    """A file: its boxes, the frames of all rows, what became of these, and what is said of it."""
-
-    boxes: pd.DataFrame
-    frame: np.ndarray
-    rows: _Rows
-    facts: list[str]
-    findings: list[Finding]
-
-
 def _read_one(
     file: SourceFile, number: int, name: str, options: ReadOptions, *, has_late_score: bool
-) -> _Content:
-    """The content of a file."""
+) -> tuple[pd.DataFrame, np.ndarray, _Rows]:
+    """Boxes of a file, the frames of all its rows, and what became of these."""
     with file.open() as stream:
         first = stream.read(HEAD_BYTES).lstrip(b"\xef\xbb\xbf \t\r\n").partition(b"\n")[0]
     table = read_numbers(file, LAYOUT if b"," in first else BLANKS)
@@ -234,7 +223,8 @@ def _read_one(
         **columns,
     )
     pixels = "pixels from 1-based to 0-based" if base else "pixels kept (0-based)"
-    return _Content(boxes, frame, rows, [pixels, *rows.facts], [*findings, *rows.findings])
+    facts, findings = [pixels, *rows.facts], [*findings, *rows.findings]
+    return boxes, frame, replace(rows, facts=facts, findings=findings)
 
 
 def _rows_of_truth(
@@ -354,16 +344,14 @@ def _labels_beside(file: SourceFile) -> ClassNames:
 
 def _class_numbers(options: ReadOptions, file: SourceFile) -> list[int]:
     """Numbers of the classes that count."""
-    objects, classes = options.objects, options.classes
-    if classes is None:
-        numbers = [number for number, name in CLASSES.items() if objects.counts(name)]
-        if not numbers:
-            raise InputError(
-                f"MOTChallenge has no class called {objects.singular}; it has "
-                f"{', '.join(CLASSES.values())}: name the classes that count as {objects.plural}",
-                file=file.name,
-            )
-        return numbers
+    objects = options.objects
+    classes = options.classes or [name for name in CLASSES.values() if objects.counts(name)]
+    if not classes:
+        raise InputError(
+            f"MOTChallenge has no class called {objects.singular}; it has "
+            f"{', '.join(CLASSES.values())}: name the classes that count as {objects.plural}",
+            file=file.name,
+        )
     by_name = {v: k for k, v in CLASSES.items()}
     numbers = []
     for name in classes:

@@ -1,4 +1,4 @@
-"""Pairing the boxes of two systems."""
+"""Pairing the boxes of two systems, and finding boxes that are given twice."""
 
 from __future__ import annotations
 
@@ -78,3 +78,14 @@ def pair_frames(
             partner[leader] = b
             is_taken[b - b0] = True
             overlap[leader - a0] = 0.0
+
+
+@compiled
+def mark_repeats(lo, hi, offsets, x, y, w, h, is_repeat):
+    """Mark boxes that are the same as an earlier one of their frame."""
+    for f in range(lo, hi):
+        for a in range(offsets[f] + 1, offsets[f + 1]):
+            for b in range(offsets[f], a):
+                if x[a] == x[b] and y[a] == y[b] and w[a] == w[b] and h[a] == h[b]:
+                    is_repeat[a] = True
+                    break
