@@ -89,36 +89,40 @@ def audit_geometry(source: BoxSource) -> list[Finding]:
             "See at which resolution the boxes were made, or in which unit.",
             steps=tuple(steps),
         )
-    return [
-        *_outside(source, rows[is_outside], are_many=are_many),
-        *_mostly_outside(source, rows[~is_outside & is_off], are_many=are_many),
-    ]
+    return _stray(source, rows[is_outside], rows[~is_outside & is_off], are_many=are_many)
 
 
-def _outside(source: BoxSource, rows: np.ndarray, *, are_many: bool) -> list[Finding]:
-    advice = "Remove the boxes, or check the image size."
-    if are_many:
-        advice = (
-            "That is too many for stray boxes: check the image size, and at which resolution the "
-            "boxes were made."
-        )
+def _stray(
+    source: BoxSource, outside: np.ndarray, mostly: np.ndarray, *, are_many: bool
+) -> list[Finding]:
+    """Boxes wholly outside the picture, and those that are so mostly."""
     steps = (Step(Remedy.SIZE),) if are_many else ()
-    message = f"{count_text(len(rows), 'box lies', 'boxes lie')} wholly outside the picture."
-    return source.findings(Severity.WARNING, "outside-picture", rows, message, advice, steps=steps)
-
-
-def _mostly_outside(source: BoxSource, rows: np.ndarray, *, are_many: bool) -> list[Finding]:
     advice = source.dataset.objects.say(
         "Nothing to do if boxes of {people} at the picture's edge are drawn in full; their lateral "
         "position is taken at the edge."
     )
-    if are_many:
-        advice += " So many are unusual: check the image size first."
-    steps = (Step(Remedy.SIZE),) if are_many else ()
-    what = count_text(len(rows), "box has", "boxes have")
-    message = f"{what} more than half of the area outside the picture."
-    code = "mostly-outside-picture"
-    return source.findings(Severity.NOTE, code, rows, message, advice, steps=steps)
+    return [
+        *source.findings(
+            Severity.WARNING,
+            "outside-picture",
+            outside,
+            f"{count_text(len(outside), 'box lies', 'boxes lie')} wholly outside the picture.",
+            "That is too many for stray boxes: check the image size, and at which resolution the "
+            "boxes were made."
+            if are_many
+            else "Remove the boxes, or check the image size.",
+            steps=steps,
+        ),
+        *source.findings(
+            Severity.NOTE,
+            "mostly-outside-picture",
+            mostly,
+            f"{count_text(len(mostly), 'box has', 'boxes have')} more than half of the area "
+            "outside the picture.",
+            advice + " So many are unusual: check the image size first." * are_many,
+            steps=steps,
+        ),
+    ]
 
 
 def audit_doubles(source: BoxSource) -> list[Finding]:

@@ -249,7 +249,10 @@ def audit_operating_points(
     scores = x.boxes.score, y.boxes.score
     if params.threshold_x is not None or params.threshold_y is not None:
         return []
-    if min(map(len, scores)) < MIN_DETECTIONS or any(np.isnan(score).any() for score in scores):
+    if min(map(len, scores)) < MIN_DETECTIONS or not all(
+        score.min() < score.max()
+        for score in scores  # NaN is not less
+    ):
         return []
     floors = [float(score.min()) for score in scores]
     per_frame = [len(score) / len(x.dataset.frames) for score in scores]
@@ -266,6 +269,15 @@ def audit_operating_points(
     more = 0 if len(alarms[0]) >= len(alarms[1]) else 1
     threshold = threshold_for(alarms[more], len(alarms[1 - more]))
     systems = (x, y)
+    advice = "Set thresholds for both."
+    if threshold is not None:
+        n_left, n_wanted = np.count_nonzero(alarms[more] >= threshold), len(alarms[1 - more])
+        advice += (
+            f" For example, {threshold:g} for {systems[more].name} alone leaves it "
+            f"{n_left / len(x.dataset.frames):.2g} false alarms per frame; "
+            f"{systems[1 - more].name} has {n_wanted / len(x.dataset.frames):.2g} "
+            f"({count_text(n_wanted, 'false alarm')} in all)."
+        )
     what = ", ".join(
         f"{score.name} {'has scores ' if i == 0 else ''}down to {floors[i]:.3f} "
         f"({per_frame[i]:.1f} detections per frame)"
@@ -280,32 +292,10 @@ def audit_operating_points(
             message=(
                 f"{what}: without thresholds the comparison is at two different operating points."
             ),
-            advice="Set thresholds for both."
-            + _proposal(alarms[more], threshold, len(alarms[1 - more]), more, x, y),
+            advice=advice,
             suggestion=() if threshold is None else (("threshold", threshold),),
             steps=tuple(
                 Step(Remedy.THRESHOLD, "", system.name) for system in systems if threshold is None
             ),
         )
     ]
-
-
-def _proposal(
-    alarms: np.ndarray,
-    threshold: float | None,
-    n_wanted: int,
-    more: int,
-    x: BoxSource,
-    y: BoxSource,
-) -> str:
-    """The threshold that leaves one system as many false alarms as the other has; or nothing."""
-    if threshold is None:
-        return ""
-    n_left = int(np.count_nonzero(alarms >= threshold))
-    first, other = ((x, y), (y, x))[more]
-    n_frames = len(x.dataset.frames)
-    return (
-        f" For example, {threshold:g} for {first.name} alone leaves it {n_left / n_frames:.2g} "
-        f"false alarms per frame; {other.name} has {n_wanted / n_frames:.2g} "
-        f"({count_text(n_wanted, 'false alarm')} in all)."
-    )

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain
 from typing import Any, Final
 
 import numpy as np
@@ -153,21 +154,13 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
     ]
     names, facts = recordings_of([files[number].name for number in whole], options.recordings)
     recording_of_file = dict(zip(whole, names, strict=True))
-    tables, kinds, attributes, names_of_pictures = [], [], [], []
-    findings: list[Finding] = []
-    facts = ["pixels as they are (0-based)", *facts]
+    contents = []
     for number, source in enumerate(inputs):
-        recording = recording_of_file.get(number)
         with in_file(source.file):
-            boxes, kind, new_facts, oddities, texts, named = _read_one(
-                source, number, recording, options
-            )
-        names_of_pictures += [] if named is None else [named]
-        findings += oddities
-        tables.append(boxes)
-        kinds.append(kind)
-        attributes.append(texts)
-        facts += new_facts
+            contents.append(_read_one(source, number, recording_of_file.get(number), options))
+    tables, kinds, of_each, oddities, attributes, named = map(list, zip(*contents, strict=True))
+    facts = ["pixels as they are (0-based)", *facts, *chain(*of_each)]
+    findings = [*chain(*oddities)]
     annotated = None
     stated, choice, name_of = _classes(kinds, files, options)
     labels: tuple[str, ...] = ()
@@ -187,21 +180,23 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
             boxes if kind is None else _sorted_by_class(boxes, kind.key, choice, label_of)
             for boxes, kind in zip(tables, kinds, strict=True)
         ]
-    recordings: list[str] = []
     of_boxes = {name for source in inputs for name in _columns_to_read(source.header, options.role)}
-    for number, boxes in enumerate(tables):
-        recording = recording_of_file.get(number)
-        recordings += [recording] if recording else boxes["recording"].unique().tolist()
+    recordings = [
+        [recording_of_file[number]]
+        if number in recording_of_file
+        else boxes["recording"].unique().tolist()
+        for number, boxes in enumerate(tables)
+    ]
     return Reading(
         boxes=concat_boxes(tables),
-        recordings=recordings_table(recordings),
+        recordings=recordings_table(chain(*recordings)),
         conversion=conversion_text(facts),
         annotated=annotated,
         findings=tuple(findings),
         attributes=joined_attributes(attributes),
         labels=labels,
         classes=() if choice is None else choice.classes,
-        named=joined_named(names_of_pictures),
+        named=joined_named([one for one in named if one is not None]),
         categories=stated,
         numbering="list",
         left_out=() if choice is None else choice.left_out,
