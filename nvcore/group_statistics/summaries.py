@@ -16,6 +16,8 @@ import scipy
 from nvcore.evidence.bootstrap import CONFIDENCE, ROUNDING
 from nvcore.evidence.paired_tests import holm
 
+SMALLEST_SD: Final = 1e-60
+"""Fourth powers of smaller ones vanish."""
 TAIL: Final = (1 + CONFIDENCE) / 2
 PAIR_COLUMNS: Final = (
     *("test", "first", "second", "difference", "low", "high", "ratio", "ratio_low", "ratio_high"),
@@ -32,8 +34,8 @@ class Groups(NamedTuple):
 
     @property
     def variances(self) -> np.ndarray:
-        """Squares of the SD; 0 where it is rounding, NaN for n = 1."""
-        is_rounding = self.sd <= ROUNDING * np.abs(self.mean).max(initial=0.0)
+        """Squares of the SD; 0 where it is rounding or too small, NaN for n = 1."""
+        is_rounding = self.sd <= max(ROUNDING * np.abs(self.mean).max(initial=0.0), SMALLEST_SD)
         return np.where(is_rounding, 0.0, self.sd) ** 2
 
     @property

@@ -154,6 +154,14 @@ def test_equal_values_have_no_test():
         assert "is not tested" in str(result)
 
 
+@pytest.mark.parametrize("n", [11, 2**53 - 1])
+def test_an_sd_whose_powers_vanish_is_no_spread(n: int):
+    table = pd.DataFrame({"condition": ["a", "b"], "n": [11, n], "mean": 0.0, "sd": [1.0, 1e-160]})
+    tests = nv.groups(table).tests.set_index("test")
+    assert tests.loc["welch", "reason"] == "a group has no spread, or one value alone"
+    assert tests.loc["anova", "p"] == 1
+
+
 def test_groups_without_spread_that_differ_are_permuted_all_the_same():
     table = pd.DataFrame({"condition": ["a", "b"] * 4, "value": [1.5, 2.5] * 4})
     result = nv.groups(table)
