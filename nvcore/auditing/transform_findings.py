@@ -11,8 +11,8 @@ import numpy as np
 from nvcore.auditing.cases import BoxSource, all_sources, truth_source
 from nvcore.auditing.coverage import PART_CODE, frames_with
 from nvcore.auditing.rows import listed_ranges
-from nvcore.auditing.transform_search import POOR, Search, is_better, search, trial_of
-from nvcore.auditing.transforms import FIT_IOU, LARGE, NOT_LISTED, Transform
+from nvcore.auditing.transform_search import DECENT, Search, is_better, search, trial_of
+from nvcore.auditing.transforms import FIT_IOU, LARGE, NOT_LISTED, Transform, source_of
 from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
 from nvcore.dataset.sources import ReadAs, left_out_text
@@ -20,7 +20,6 @@ from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
 from nvcore.inputs.box_layouts import BoxLayout, parse_layout
 from nvcore.inputs.evaluated_frames import nth
 from nvcore.inputs.readers import format_named
-from nvcore.inputs.session import Session, SystemSource
 from nvcore.metrics.matching import Matches
 from nvcore.wording import count_text
 
@@ -47,8 +46,6 @@ WRONG_GAIN: Final = 2
 """Times the pedestrians with a box that fits from which on a transform is an error ..."""
 WRONG_SHARE: Final = 0.4
 """... if this share of the boxes then fits: without it half of the overlap is lost and more."""
-SURE: Final = 0.7
-"""Share of the boxes that fit from which on another frame rate is an error in any case."""
 UNCLEAR: Final = 0.05
 """Differences that do not tell whether truth or systems were misread."""
 NO_MATCH: Final = "no-match"
@@ -94,7 +91,7 @@ def find_truth_layout(dataset: Dataset) -> TruthLayout | None:
 def _find_truth_layout(dataset: Dataset) -> TruthLayout | None:
     names = [name for name in dataset.systems if len(dataset.system(name))]
     trials = [trial_of(dataset, name) for name in names]
-    if not trials or any(trial.fit(Transform()).share > POOR for trial in trials):
+    if not trials or any(trial.fit(Transform()).share > DECENT for trial in trials):
         return None
     trials = [trial.with_left_out() for trial in trials]
     if not all(len(trial.truth.score) for trial in trials):
@@ -152,7 +149,7 @@ def audit_transform(source: BoxSource, threshold: float | None) -> list[Finding]
     best, as_is, transform = found.best, found.as_is, found.best.transform
     code = CODES[transform.kinds[0]]
     is_wrong = (
-        code == "box-layout"
+        code in ("box-layout", "frame-rate")
         or (best.n_fitting >= WRONG_GAIN * as_is.n_fitting and best.share >= WRONG_SHARE)
         or _explains_rows(source, transform)
     )
@@ -205,14 +202,6 @@ def _read_as(dataset: Dataset, name: str = TRUTH_NAME) -> BoxLayout:
     return parse_layout(dataset.read_as.get(name, ReadAs()).boxes)
 
 
-def _source(dataset: Dataset, name: str) -> SystemSource:
-    """What the session says of a system; without a session nothing."""
-    settings = dataset.settings
-    if not isinstance(settings, Session):
-        return SystemSource(name)
-    return settings.systems[dataset.systems.index(name)]
-
-
 def _in_words(dataset: Dataset, name: str, transform: Transform) -> str:
     """What the boxes seem to be."""
     parts, frames, (sx, sy) = [], transform.offset_frames, transform.scale
@@ -240,7 +229,7 @@ def _in_words(dataset: Dataset, name: str, transform: Transform) -> str:
 
 def _suggestion(dataset: Dataset, name: str, transform: Transform) -> tuple[tuple[str, float], ...]:
     """What the session has to say of the system, whatever corrections it says already."""
-    own, step = _source(dataset, name), transform.frame_step
+    own, step = source_of(dataset, name), transform.frame_step
     values: dict[str, float] = {}
     if step != 1:
         values["frame_step"] = float(f"{step * own.frame_step:.6g}")

@@ -7,10 +7,11 @@ proposed, the simplest where several fit alike, and none if it may be chance.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import chain, product
+from itertools import chain
 from typing import Final
 
 import numpy as np
@@ -22,6 +23,7 @@ from nvcore.auditing.transforms import (
     above_threshold,
     recording_and_frame,
     rows_in_ranges,
+    source_of,
 )
 from nvcore.dataset import Dataset
 from nvcore.errors import NvcoreError
@@ -44,8 +46,6 @@ RATES: Final = tuple(
     )[1:]
 )
 """Usual ratios of two frame rates, the simplest first; 1 is not among them."""
-MAX_OFFSET: Final = 3
-"""Largest offset beside a frame rate, in listed frames."""
 MAX_DRIFT: Final = 0.06
 """Largest difference of clocks, as a share."""
 MOST_DRIFTS: Final = 60
@@ -84,9 +84,9 @@ MIN_OFFSET_SHARE: Final = 0.05
 WELL: Final = 0.7
 """Share of boxes that fit from which on only small offsets are looked for."""
 GOOD_IOU: Final = 0.8
-"""Mean IoU from which on two offsets that cancel each other are not tried together."""
-POOR: Final = 0.25
-"""Share of boxes that fit below which a small gain may be chance."""
+"""Mean IoU from which on no combinations are tried: two offsets may cancel each other."""
+DECENT: Final = 0.4
+"""Share of boxes that fit below which a small gain may be chance, and the truth misread."""
 MOST_KEPT: Final = 4
 """Best fits on which combinations are built ..."""
 ROUNDS: Final = 2
@@ -95,24 +95,22 @@ TIME_GAIN: Final = 0.03
 """Gain in mean IoU that another frame number has to bring ..."""
 PART_GAIN: Final = 0.02
 """... and any other part of a transform."""
-ROUND: Final = 0.002
-"""Loss of mean IoU up to which a rounder pixel offset is taken."""
 MIN_BOXES: Final = 50
 """Fewer pedestrians or detections are too few to judge by such gains ..."""
 MIN_MOVED: Final = 30
 """... or by any, but for that of another meaning of the numbers or another format."""
-MIN_IOU: Final = 0.15
-"""Mean IoU that they have to reach."""
 MIN_FITTING: Final = 10
-"""Fewer boxes that fit may do so by chance ..."""
-MIN_SHARE: Final = 0.2
-"""... or a smaller share of the pedestrians, or of the boxes where those are fewer."""
+"""Fewer boxes that fit may do so by chance."""
 MIN_GAIN: Final = 0.1
-"""Gain in the share of boxes that fit which a transform has to bring at least ..."""
-CHANCE: Final = 0.5
-"""... and as a share of those that still do not: the worse it fits, the likelier by chance ..."""
-FEW: Final = 0.3
-"""... of which another meaning of the numbers, or another format, has less."""
+"""Least gain in the share of boxes that fit, of the pedestrians or of the boxes if these are fewer:
+what a transform has to bring ..."""
+CHANCE: Final = 0.3
+"""... and as a share of the boxes that still do not fit: the worse it fits, the likelier by chance
+..."""
+CHANCE_OF_FEW: Final = 0.7
+"""... the more so ..."""
+MANY: Final = 100
+"""... where fewer boxes fit, but for another meaning of the numbers, of which there are few."""
 
 
 @dataclass(frozen=True)
@@ -146,11 +144,11 @@ def search(dataset: Dataset, name: str, threshold: float | None = None) -> Searc
     """Look for the transform that makes a system's boxes fit best; kept with the dataset."""
     kept: dict[tuple[str, float | None], Search] = dataset.derived.setdefault("transforms", {})
     if (name, threshold) not in kept:
-        kept[name, threshold] = _search(trial_of(dataset, name, threshold), threshold)
+        kept[name, threshold] = _search(trial_of(dataset, name, threshold))
     return kept[name, threshold]
 
 
-def _search(trial: Trial, threshold: float | None) -> Search:
+def _search(trial: Trial) -> Search:
     as_is = trial.fit(Transform())
     fits_well = as_is.share >= WELL
     if not fits_well:
@@ -159,27 +157,24 @@ def _search(trial: Trial, threshold: float | None) -> Search:
     if min(as_is.n, len(trial.system.score)) < MIN_FITTING:
         return Search(as_is, None, {}, trial.every)
     most = MAX_SHIFT if fits_well else FARTHEST_SHIFT
-    transforms = [*_shifted(trial, Transform(), most), *_placed(trial, Transform(), not fits_well)]
-    fits = [as_is]
+    transforms = [*_beside(trial, Transform(), most), *_placed(trial, Transform(), not fits_well)]
+    fits = [as_is, *_of_other_formats(trial)]
     if not fits_well:
-        fits += [] if as_is.share > POOR else _of_other_formats(trial, threshold)
         starts = [*_clip_starts(trial)]
         transforms += [Transform(boxes=layout) for layout in trial.other_layouts(trial.name)]
         transforms += chain(starts, *(_placed(trial, start, True) for start in starts))
         transforms += [*_scaled(trial), *_rates(trial)]
     fits += map(trial.fit, transforms)
-    if not fits_well:
-        fits += map(trial.fit, _finer_drifts(trial, fits))
     for _ in range(ROUNDS if as_is.mean < GOOD_IOU else 0):
         kept = sorted(fits, key=_worth, reverse=True)[:MOST_KEPT]
         known = {fit.transform for fit in fits}
         further = chain.from_iterable(
-            [*_shifted(trial, fit.transform), *_placed(trial, fit.transform, not fits_well)]
+            [*_beside(trial, fit.transform), *_placed(trial, fit.transform, not fits_well)]
             for fit in kept
             if not fit.transform.format
         )
         fits += map(trial.fit, dict.fromkeys(of for of in further if of not in known))
-    best = _rounder(trial, max(fits, key=_worth))
+    best = max(fits, key=_worth)
     tried: dict[str, int] = {}
     for fit in fits:
         for kind in fit.transform.kinds[:1]:
@@ -203,15 +198,20 @@ def is_better(trial: Trial, best: Fit, as_is: Fit, *, is_of_layout: bool = False
         return False
     n, is_numbered = min(best.n, len(trial.system.score)), transform.frame_step == 1
     is_offset = is_numbered and transform.scale == (1.0, 1.0) and not is_of_layout
-    if is_offset and as_is.share >= POOR:
+    if is_offset and as_is.share >= DECENT:
         gain = TIME_GAIN if transform.offset_frames else PART_GAIN
-        return n >= MIN_BOXES and best.mean >= max(as_is.mean + gain, MIN_IOU)
-    chance, least = (FEW, MIN_FITTING) if is_of_layout else (CHANCE, MIN_MOVED)
+        return n >= MIN_BOXES and best.mean >= as_is.mean + gain
+    if is_of_layout and as_is.share >= DECENT:
+        return n >= MIN_FITTING and best.rank >= as_is.rank + MIN_GAIN
+    least = MIN_FITTING if is_of_layout else MIN_MOVED
+    is_sure = is_of_layout or best.n_fitting >= MANY
+    share = best.n_fitting / max(n, 1)
+    gain = share - as_is.n_fitting / max(n, 1)
     return (
-        best.share - as_is.share >= max(MIN_GAIN, chance * (1 - best.share))
-        and best.n_fitting >= max((1 + MIN_GAIN) * as_is.n_fitting, MIN_SHARE * n, MIN_FITTING)
+        gain >= max(MIN_GAIN, (CHANCE if is_sure else CHANCE_OF_FEW) * (1 - share))
+        and best.n_fitting >= max((1 + MIN_GAIN) * as_is.n_fitting, MIN_FITTING)
         and n >= least
-        and trial.is_spread(transform)
+        and bool(transform.format or trial.is_spread(transform))
     )
 
 
@@ -220,43 +220,29 @@ def _worth(fit: Fit) -> float:
     transform = fit.transform
     parts = transform.frame_step != 1, transform.scale != (1.0, 1.0), any(transform.offset_px)
     n_parts = sum(parts) + (transform.boxes is not None) + bool(transform.format)
-    n_parts += transform.frame_step not in (1, *map(float, RATES))
+    n_parts += 0 < abs(transform.frame_step - 1) <= MAX_DRIFT
     return fit.rank - PART_GAIN * n_parts - TIME_GAIN * bool(transform.offset_frames)
 
 
-def _rounder(trial: Trial, best: Fit) -> Fit:
-    """The fit with a rounder pixel offset, if that is as good."""
-    if not any(best.transform.offset_px) or best.transform.scale != (1.0, 1.0):
-        return best
-    for unit in (10.0, 1.0):
-        x, y = (float(round(value / unit) * unit) for value in best.transform.offset_px)
-        fit = trial.fit(replace(best.transform, offset_px=(x, y)))
-        if fit.rank >= best.rank - ROUND:
-            return fit
-    return best
-
-
-def _of_other_formats(trial: Trial, threshold: float | None) -> list[Fit]:
-    """The fits if the files were in another format that their content may be in."""
-    settings, fits = trial.dataset.settings, []
-    number = trial.dataset.systems.index(trial.name)
-    if not isinstance(settings, Session) or settings.systems[number].format is not None:
-        return []
-    source = settings.systems[number]
-    try:
+def _of_other_formats(trial: Trial) -> list[Fit]:
+    """Fits if the files were in another format that their content may be in; read once."""
+    dataset, name = trial.dataset, trial.name
+    settings, key = dataset.settings, ("fits of other formats", name)
+    if not isinstance(settings, Session) or key in dataset.derived:
+        kept: list[Fit] = dataset.derived.get(key, [])
+        return kept
+    fits = dataset.derived[key] = []
+    number, systems = dataset.systems.index(name), [*settings.systems]
+    source = systems[number]
+    with suppress(NvcoreError):  # a table in memory, or files that only look like that format
         files, taken = find_files(source, settings.folder, "detections")
-        others = [found for found in formats_like(files[0], "detections") if found != taken]
-    except NvcoreError:  # a table in memory
-        return []
-    for other in others:
-        systems = list(settings.systems)
-        systems[number] = replace(source, format=other.name)
-        try:
-            dataset = load(replace(settings, systems=tuple(systems)))
-        except NvcoreError:  # it only looks like that format
-            continue
-        fit = trial_of(dataset, dataset.systems[number], threshold).fit(Transform())
-        fits.append(replace(fit, transform=Transform(format=other.name)))
+        others = formats_like(files[0], "detections") if source.format is None else []
+        for other in others:
+            if other is not taken:
+                systems[number] = replace(source, format=other.name)
+                read = load(replace(settings, systems=tuple(systems)))
+                fit = trial_of(read, read.systems[number]).fit(Transform())
+                fits.append(replace(fit, transform=Transform(format=other.name)))
     return fits
 
 
@@ -265,10 +251,15 @@ def _gap(trial: Trial) -> int:
     return max(1, round(float(trial.dataset.frame_columns.sampling_step.min())))
 
 
-def _shifted(trial: Trial, transform: Transform, most: int = MAX_SHIFT) -> Iterator[Transform]:
-    """Offsets in time beside a transform, the smallest first."""
+def _beside(trial: Trial, transform: Transform, most: int = MAX_SHIFT) -> Iterator[Transform]:
+    """Small changes of a transform: frame numbers moved, a drift of clocks measured finer."""
     for k in sorted(range(-most, most + 1), key=abs)[1:]:
         yield replace(transform, offset_frames=transform.offset_frames + k * _gap(trial))
+    if 0 < abs(transform.frame_step - 1) <= MAX_DRIFT:
+        by = _drift_step(trial) / 8
+        yield from (
+            replace(transform, frame_step=transform.frame_step + k * by) for k in range(-7, 8)
+        )
 
 
 def _ends(trial: Trial) -> list[tuple[int, int, int, int]]:
@@ -293,56 +284,26 @@ def _clip_starts(trial: Trial) -> list[Transform]:
     return [Transform(offset_frames=offset) for offset in dict.fromkeys(offsets) if offset]
 
 
-def _taken(trial: Trial) -> tuple[float, int]:
-    """Factor and offset of the frame numbers that the session gives the system already."""
-    settings = trial.dataset.settings
-    if not isinstance(settings, Session):
-        return 1.0, 0
-    own = settings.systems[trial.dataset.systems.index(trial.name)]
-    return own.frame_step, own.offset_frames
-
-
 def _rates(trial: Trial) -> Iterator[Transform]:
     """Other frame rates: usual ones, that of the evaluated frames, and clocks that drift apart.
 
-    With an offset of a few frames, or that of numbers counted from the first evaluated frame.
+    Numbers count from 0, from the first evaluated frame, or as an offset says that was taken.
     """
-    gap, taken = _gap(trial), _taken(trial)[1]
-    ends = _ends(trial)
-    rates = dict.fromkeys([*map(float, RATES), float(gap), 1.0 / gap])
-    near = sorted(range(-MAX_OFFSET, MAX_OFFSET + 1), key=abs)
-    for rate in rates:
-        if rate == 1:
-            continue
-        # an offset that was taken before is multiplied, too
-        offsets = [k * gap - round(rate * taken) for k in near]
-        offsets += [
-            first - round(rate * (start + taken))
-            for first, _, own_first, _ in ends
-            for start in (0, 1, own_first - taken)
-        ]
-        yield from (Transform(rate, offset) for offset in dict.fromkeys(offsets))
-    by = _drift_step(trial, gap)
-    for k, offset in product(range(1, MOST_DRIFTS + 1), (0, 1, -1)):
-        for drift in (k * by, -k * by):
-            if abs(drift) <= MAX_DRIFT:
-                yield Transform(1 + drift, offset * gap - taken)
+    taken, gap = source_of(trial.dataset, trial.name).offset_frames, _gap(trial)
+    for rate in dict.fromkeys([*map(float, RATES), float(gap), 1.0 / gap]):
+        offsets = [0, -round(rate * taken)]
+        for first, _, own_first, _ in _ends(trial):
+            offsets += [first - round(rate * start) for start in (taken, taken + 1, own_first)]
+        yield from (Transform(rate, offset) for offset in dict.fromkeys(offsets) if rate != 1)
+    by = _drift_step(trial)
+    for k in range(1, min(MOST_DRIFTS, int(MAX_DRIFT / by)) + 1):
+        yield from (Transform(1 + k * by, -taken), Transform(1 - k * by, -taken))
 
 
-def _drift_step(trial: Trial, gap: int) -> float:
+def _drift_step(trial: Trial) -> float:
+    """Half a frame over the recordings, or more where these are long."""
     span = max((last for _, _, _, last in _ends(trial)), default=1)
-    return max(0.5 * gap / max(span, 1), MAX_DRIFT / MOST_DRIFTS)
-
-
-def _finer_drifts(trial: Trial, fits: Iterable[Fit]) -> list[Transform]:
-    """Frame rates between the best drift and its neighbours."""
-    drifts = [fit for fit in fits if 0 < abs(fit.transform.frame_step - 1) <= MAX_DRIFT]
-    if not drifts:
-        return []
-    best, gap = max(drifts, key=lambda fit: fit.rank).transform, _gap(trial)
-    finer = [best.frame_step + k / 8 * _drift_step(trial, gap) for k in range(-7, 8)]
-    offsets = best.offset_frames, best.offset_frames + gap
-    return [Transform(step, offset) for step, offset in product(finer, offsets)]
+    return max(0.5 * _gap(trial) / max(span, 1), MAX_DRIFT / MOST_DRIFTS)
 
 
 def _scaled(trial: Trial) -> Iterator[Transform]:
@@ -394,7 +355,9 @@ def _placed(trial: Trial, transform: Transform, is_far: bool) -> Iterator[Transf
             spread = np.ptp(np.percentile(away, [25, 75], axis=1), axis=0)
             pairs = zip(offset, spread, strict=True)
             if any(abs(one) > least and by <= MAX_SPREAD * abs(one) for one, by in pairs):
-                yield replace(transform, offset_px=(round(offset[0], 1), round(offset[1], 1)))
+                yield replace(
+                    transform, offset_px=(float(round(offset[0])), float(round(offset[1])))
+                )
 
 
 def _voted(trial: Trial, transform: Transform) -> list[tuple[float, float]]:

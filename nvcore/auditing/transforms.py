@@ -18,6 +18,7 @@ from nvcore.dataset.sources import ReadAs
 from nvcore.findings import TRUTH_NAME
 from nvcore.inputs.box_layouts import UNITS, Box, BoxLayout, layouts, parse_layout
 from nvcore.inputs.placing import REASONS
+from nvcore.inputs.session import Session, SystemSource
 from nvcore.metrics.kernels.checks import best_overlaps
 
 MAX_PAIRS: Final = 30_000
@@ -178,25 +179,6 @@ class FrameBoxes(NamedTuple):
         return float(np.mean(is_so & (h > w) if dataset.objects.are_pedestrians else is_so))
 
 
-class Overlaps(NamedTuple):
-    """Best box of each drawn pedestrian.
-
-    Attributes
-    ----------
-    iou
-        0 without any; float64, shape (n,).
-    box
-        Its row, -1 without any; int64, shape (n,).
-    lo, hi
-        Rows of the system's boxes that each drawn frame is held against; shape (n_frames,).
-    """
-
-    iou: np.ndarray
-    box: np.ndarray
-    lo: np.ndarray
-    hi: np.ndarray
-
-
 @dataclass(frozen=True)
 class Trial:
     """A system's boxes, to be held against a draw of the truth's under transforms.
@@ -270,8 +252,18 @@ class Trial:
             self._by_layout[layout] = self.system.laid_out(self.dataset, was, layout)
         return self._by_layout[layout]
 
-    def overlaps(self, transform: Transform) -> Overlaps:
-        """The best box of each drawn pedestrian under a transform."""
+    def overlaps(
+        self, transform: Transform
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Best boxes of the drawn pedestrians under a transform.
+
+        Returns
+        -------
+        iou, box
+            IoU of each pedestrian's best box and the row of that, 0 and -1 without any; shape (n,).
+        lo, hi
+            Rows of the system's boxes that each drawn frame is held against; shape (n_frames,).
+        """
         system, key = self.boxes_under(transform), self.truth.key
         recording, frame = recording_and_frame(key)
         step, offset = transform.frame_step, transform.offset_frames
@@ -290,7 +282,7 @@ class Trial:
         of_frame = np.repeat(np.arange(len(key)), np.diff(self.truth.offsets))
         moves = map(float, (*transform.scale, *transform.offset_px))
         best_overlaps(of_frame, *self.truth.box, lo, hi, *system.box, *moves, iou, best)
-        return Overlaps(iou, best, lo, hi)
+        return iou, best, lo, hi
 
     def fit(self, transform: Transform) -> Fit:
         """How well the boxes fit under a transform."""
@@ -307,10 +299,18 @@ class Trial:
 
     def is_spread(self, transform: Transform) -> bool:
         """Whether the pedestrians whose box fits stand in more than one place."""
-        is_fitting = self.overlaps(transform).iou >= FIT_IOU
+        is_fitting = self.overlaps(transform)[0] >= FIT_IOU
         x, y, w, _ = (side[is_fitting] for side in self.truth.box)
         spread = [np.ptp(np.percentile(side, [10, 90])) for side in (x, y) if len(side)]
         return bool(spread and max(spread) >= 0.5 * np.median(w))
+
+
+def source_of(dataset: Dataset, name: str) -> SystemSource:
+    """What the session says of a system; nothing without a session."""
+    settings = dataset.settings
+    if not isinstance(settings, Session):
+        return SystemSource(name)
+    return settings.systems[dataset.systems.index(name)]
 
 
 def rows_in_ranges(start: np.ndarray, n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
