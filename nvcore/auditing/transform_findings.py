@@ -12,7 +12,7 @@ from nvcore.auditing.cases import BoxSource, all_sources, truth_source
 from nvcore.auditing.coverage import PART_CODE, frames_with
 from nvcore.auditing.rows import listed_ranges
 from nvcore.auditing.transform_search import DECENT, Search, is_better, search, trial_of
-from nvcore.auditing.transforms import FIT_IOU, LARGE, NOT_LISTED, Transform, source_of
+from nvcore.auditing.transforms import FIT_IOU, LARGE, NOT_LISTED, Fit, Transform, source_of
 from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
 from nvcore.dataset.sources import ReadAs, left_out_text
@@ -69,9 +69,8 @@ class TruthLayout:
     """
 
     layout: BoxLayout
-    n: int
-    n_fitting: int
-    n_as_is: int
+    best: Fit
+    as_is: Fit
     is_certain: bool
 
 
@@ -108,7 +107,7 @@ def _find_truth_layout(dataset: Dataset) -> TruthLayout | None:
             for of_one in zip(under, fits, as_they_are, strict=True)
         ):
             best_rank = rank
-            best = TruthLayout(layout, fits[0].n, fits[0].n_fitting, as_they_are[0].n_fitting, True)
+            best = TruthLayout(layout, fits[0], as_they_are[0], True)
     if best is None:
         return None
     of_systems = [found.best for found in searches]
@@ -129,14 +128,11 @@ def audit_truth_layout(dataset: Dataset) -> list[Finding]:
     found = find_truth_layout(dataset)
     if found is None or not found.is_certain:
         return _corners_of_all(dataset) or _lying(dataset)
-    people = count_text(found.n, dataset.objects.singular, dataset.objects.plural)
-    message = (
-        f"The boxes seem to be {found.layout.text} (taken for {_read_as(dataset).text}): "
-        f"corrected, {found.n_fitting:,} of {people} overlap a box by an IoU of {FIT_IOU:g} or "
-        f"more, {found.n_as_is:,} as they are."
-    )
+    what = f"{found.layout.text} (taken for {_read_as(dataset).text})"
     advice = f"{ADVICE['box-layout']} It is the ground truth that needs it: the systems agree."
-    return [_about_truth(dataset, message, [TRUTH_NAME], str(found.layout), advice)]
+    steps = [Step(Remedy.BOXES, str(found.layout), TRUTH_NAME)]
+    message = _gain_text(dataset, what, found.best, found.as_is)
+    return [_of_source(truth_source(dataset), "box-layout", message, advice, steps)]
 
 
 def audit_transform(source: BoxSource, threshold: float | None) -> list[Finding]:
@@ -160,25 +156,33 @@ def audit_transform(source: BoxSource, threshold: float | None) -> list[Finding]
         steps.append(Step(Remedy.BOXES, str(transform.boxes), name))
         if of_truth is not None:
             steps.append(Step(Remedy.BOXES, str(of_truth.layout), TRUTH_NAME))
-    people = count_text(best.n, dataset.objects.singular, dataset.objects.plural)
     looked_at = "" if found.every == 1 else f", judged by every {nth(found.every)} frame"
-    files = dataset.inputs["file"][dataset.inputs["subject"] == name]
-    return [
-        Finding(
-            Severity.ERROR if is_wrong else Severity.WARNING,
-            code,
-            name,
-            len(source.boxes),
-            f"The boxes seem to be {_in_words(dataset, name, transform)}: corrected, "
-            f"{best.n_fitting:,} of {people} overlap one by an IoU of {FIT_IOU:g} or more, "
-            f"{as_is.n_fitting:,} as they are (mean IoU {best.mean:.2f} instead of "
-            f"{as_is.mean:.2f}{looked_at}).",
-            ADVICE[code],
-            file=files.iloc[0] if len(files) else "",
-            suggestion=_suggestion(dataset, name, transform),
-            steps=tuple(steps),
-        )
-    ]
+    message = _gain_text(dataset, _in_words(dataset, name, transform), best, as_is, looked_at)
+    finding = _of_source(source, code, message, ADVICE[code], steps)
+    severity = Severity.ERROR if is_wrong else Severity.WARNING
+    suggestion = _suggestion(dataset, name, transform)
+    return [replace(finding, severity=severity, suggestion=suggestion)]
+
+
+def _gain_text(dataset: Dataset, what: str, best: Fit, as_is: Fit, looked_at: str = "") -> str:
+    people = count_text(best.n, dataset.objects.singular, dataset.objects.plural)
+    return (
+        f"The boxes seem to be {what}: corrected, {best.n_fitting:,} of {people} overlap one by an "
+        f"IoU of {FIT_IOU:g} or more, {as_is.n_fitting:,} as they are (mean IoU {best.mean:.2f} "
+        f"instead of {as_is.mean:.2f}{looked_at})."
+    )
+
+
+def _of_source(
+    source: BoxSource, code: str, message: str, advice: str, steps: Sequence[Step]
+) -> Finding:
+    """An error about a source as a whole."""
+    inputs = source.dataset.inputs
+    files = inputs["file"][inputs["subject"] == source.name]
+    file, n = files.iloc[0] if len(files) else "", len(source.boxes)
+    return Finding(
+        *(Severity.ERROR, code, source.name, n, message, advice, file), steps=tuple(steps)
+    )
 
 
 def _explains_rows(source: BoxSource, transform: Transform) -> bool:
@@ -211,11 +215,9 @@ def _in_words(dataset: Dataset, name: str, transform: Transform) -> str:
     if transform.boxes is not None:
         parts.append(f"{transform.boxes.text} (taken for {_read_as(dataset, name).text})")
     if transform.frame_step != 1:
-        values = dict(_suggestion(dataset, name, transform))
-        offset = round(values.get("offset_frames", 0))
+        step, offset = _frame_numbers(dataset, name, transform)
         behind = f" {'+' if offset > 0 else '-'} {abs(offset)}" if offset else ""
-        formula = f"frame = {values['frame_step']:g} x number{behind}"
-        parts.append(f"numbered at another frame rate ({formula})")
+        parts.append(f"numbered at another frame rate (frame = {step:g} x number{behind})")
     elif frames:
         when = "late" if frames < 0 else "early"
         parts.append(f"{count_text(abs(frames), 'frame')} too {when}")
@@ -227,13 +229,19 @@ def _in_words(dataset: Dataset, name: str, transform: Transform) -> str:
     return " and ".join(parts)
 
 
+def _frame_numbers(dataset: Dataset, name: str, transform: Transform) -> tuple[float, int]:
+    """Factor and offset of the numbers in a system's files, those given before included."""
+    own, step = source_of(dataset, name), transform.frame_step
+    offset = round(own.offset_frames * step) + transform.offset_frames
+    return float(f"{step * own.frame_step:.6g}"), offset
+
+
 def _suggestion(dataset: Dataset, name: str, transform: Transform) -> tuple[tuple[str, float], ...]:
     """What the session has to say of the system, whatever corrections it says already."""
-    own, step = source_of(dataset, name), transform.frame_step
-    values: dict[str, float] = {}
-    if step != 1:
-        values["frame_step"] = float(f"{step * own.frame_step:.6g}")
-    offset = round(own.offset_frames * step) + transform.offset_frames
+    own, values = source_of(dataset, name), {}
+    step, offset = _frame_numbers(dataset, name, transform)
+    if step != own.frame_step:
+        values["frame_step"] = step
     if offset != own.offset_frames:
         values["offset_frames"] = float(offset)
     (sx, sy), (dx, dy) = transform.scale, transform.offset_px
@@ -284,27 +292,27 @@ def audit_no_match(
     if not blind:
         return []
     names, are_all, objects = [*blind], len(blind) == len(systems), dataset.objects
-    if are_all and len(systems) == 2:
-        subject, who = TRUTH_NAME, f"Neither system matches a single {objects.singular}"
-        message = f"{who}, although both detect something in most frames."
-    else:
-        subject, who = names[0], f"{names[0]} matches not a single {objects.singular}"
-        message = f"{who}, although it detects something in most frames."
+    is_pair = are_all and len(systems) == 2
+    subject = TRUTH_NAME if is_pair else names[0]
+    who = "Neither system matches a single" if is_pair else f"{names[0]} matches not a single"
+    message = (
+        f"{who} {objects.singular}, although {'both detect' if is_pair else 'it detects'} "
+        "something in most frames."
+    )
     left_out = _classes_left_out(dataset, [TRUTH_NAME, *names])
     if left_out:
         message += f" Left out as other classes: {'; '.join(left_out.values())}."
     are_read = any(found.as_is.n_fitting for found in blind.values())
-    if are_read:
-        advice = "The setting of matching asks for more: see match, iou and the classes."
-    else:
-        advice = (
-            f"Look at a frame with {objects.plural}: are these the classes, frames and boxes that "
-            "were meant, and the same recording?"
-        )
+    advice = (
+        "The setting of matching asks for more: see match, iou and the classes."
+        if are_read
+        else f"Look at a frame with {objects.plural}: are these the classes, frames and boxes that "
+        "were meant, and the same recording?"
+    )
     tried = {"as they are": [found.as_is.n_fitting for found in blind.values()]}
-    if not are_read:
-        kinds = [kind for kind in CODES if any(kind in found.tried for found in blind.values())]
-        tried |= {kind: [found.tried.get(kind, 0) for found in blind.values()] for kind in kinds}
+    for kind in () if are_read else CODES:
+        if any(kind in found.tried for found in blind.values()):
+            tried[kind] = [found.tried.get(kind, 0) for found in blind.values()]
     n_seen = max(found.as_is.n for found in blind.values())
     message += (
         f" Tried, with how many of {count_text(n_seen, objects.singular, objects.plural)} then "
@@ -341,22 +349,6 @@ def _classes_left_out(dataset: Dataset, subjects: Sequence[str]) -> dict[str, st
     return texts
 
 
-def _about_truth(
-    dataset: Dataset, message: str, names: Sequence[str], layout: str, advice: str
-) -> Finding:
-    files = dataset.inputs["file"][dataset.inputs["subject"] == TRUTH_NAME]
-    return Finding(
-        Severity.ERROR,
-        "box-layout",
-        TRUTH_NAME,
-        len(dataset.truth),
-        message,
-        advice,
-        file=files.iloc[0] if len(files) else "",
-        steps=tuple(Step(Remedy.BOXES, layout, name) for name in names),
-    )
-
-
 def _corners_of_all(dataset: Dataset) -> list[Finding]:
     """An error where the truth, and so perhaps every source, has corners where sizes belong.
 
@@ -373,8 +365,8 @@ def _corners_of_all(dataset: Dataset) -> list[Finding]:
         "the picture. The third is always larger than the first and the fourth than the second, "
         "and all lie in the picture: they seem to be corners."
     )
-    layout = str(replace(boxes, kind="corners"))
-    return [_about_truth(dataset, message, names, layout, ADVICE["box-layout"])]
+    steps = [Step(Remedy.BOXES, str(replace(boxes, kind="corners")), name) for name in names]
+    return [_of_source(having[0], "box-layout", message, ADVICE["box-layout"], steps)]
 
 
 def _are_corners(source: BoxSource) -> bool:
