@@ -44,13 +44,12 @@ def audit_same_as_truth(source: BoxSource) -> list[Finding]:
         return []
     if n_same == n_different and n_same >= np.count_nonzero(~truth.ignore):
         return source.findings(
-            Severity.ERROR,
+            Severity.WARNING,
             "truth-as-system",
             same,
             f"All {n_same:,} boxes are those of the ground truth, and all of the ground truth's "
             "are here: the ground truth was given as a system.",
             "Give the detections of the system.",
-            steps=(Step(Remedy.ACCEPT, "truth-as-system", source.name),),
         )
     return source.findings(
         Severity.WARNING,

@@ -121,11 +121,13 @@ class Headline(Fact):
     kind
         How X and Y are set: ``alike``; unequally, and compared at ``equal`` false alarms instead;
         not yet compared so (``pending``); or not to be, as there is no such ``threshold``, or are
-        no ``scores``. ``same boxes``, ``wrong inputs``: the audit says that there is no comparison.
+        no ``scores``. ``same boxes``, ``truth as system``, ``wrong inputs``: the audit says that
+        there is no comparison.
     """
 
     kind: Literal[
-        "alike", "equal", "pending", "threshold", "scores", "same boxes", "wrong inputs"
+        "alike", "equal", "pending", "threshold", "scores",
+        "same boxes", "truth as system", "wrong inputs",
     ]  # fmt: skip
     conclusion: Conclusion | None = None
 

@@ -50,6 +50,8 @@ HEADLINES: Final = {
     "threshold": f"{UNEQUAL_POINTS} and no threshold sets them alike, {_NO_CLAIM}.",
     "scores": f"{UNEQUAL_POINTS} and cannot be set alike without scores that differ, {_NO_CLAIM}.",
     "same boxes": "X and Y have the same boxes: this is no comparison of two systems.",
+    "truth as system": "the ground truth was given as a system: this is no comparison of two "
+    "systems.",
     "wrong inputs": "nothing is claimed: the audit found errors in the inputs, and until they "
     "are mended the numbers are wrong.",
 }
@@ -207,6 +209,7 @@ IN_SHORT: Final[Texts] = {
         "threshold": "no claim: X and Y have unequal false alarms.",
         "scores": "no claim: X and Y have unequal false alarms.",
         "same boxes": "X and Y have the same boxes.",
+        "truth as system": "the ground truth was given as a system.",
         "wrong inputs": "nothing is claimed: the inputs have errors.",
     },
 }

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
-from typing import Final
+from typing import Final, Literal
 
 import pandas as pd
 
@@ -24,7 +24,11 @@ from nvcore.sentences.texts import BECAUSE, IN_SHORT
 from nvcore.subjects import contributed, in_place
 from nvcore.wording import capitalised
 
-SAME_BOXES: Final = "same-boxes"
+NO_COMPARISON: Final[Mapping[str, Literal["same boxes", "truth as system"]]] = {
+    "same-boxes": "same boxes",
+    "truth-as-system": "truth as system",
+}
+"""Headlines of findings by which there are no two systems to compare."""
 
 
 @dataclass(frozen=True)
@@ -175,11 +179,12 @@ def verdict(
         for finding in findings
         if finding.severity is not Severity.NOTE
         and not finding.is_of_pictures
-        and finding.code != SAME_BOXES  # the headline says it
+        and finding.code not in NO_COMPARISON  # the headline says it
     ]
     doubt = _doubt(serious) if serious else None
-    if any(finding.code == SAME_BOXES for finding in findings):
-        return Verdict(Headline("same boxes"), (), (), Basis.NONE, doubt, result.objects)
+    codes = {finding.code for finding in findings}
+    if kinds := [kind for code, kind in NO_COMPARISON.items() if code in codes]:
+        return Verdict(Headline(kinds[0]), (), (), Basis.NONE, doubt, result.objects)
     if any(finding.severity is Severity.ERROR for finding in serious):
         return Verdict(Headline("wrong inputs"), (), (), Basis.NONE, doubt, result.objects)
     support = find_claims(result, evidence, companions)
