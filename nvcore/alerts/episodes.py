@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from typing import Final
 
 import numpy as np
@@ -16,8 +17,7 @@ import pandas as pd
 
 from nvcore.alerts.inputs import AlertInputs, AlertLog, places_of
 from nvcore.alerts.kernels import switch_alerts
-from nvcore.alerts.kinds import AlertKind
-from nvcore.columns import BoxColumns, FrameColumns
+from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
 from nvcore.inputs.session import Session
 from nvcore.metrics.encounters import RELEVANT_K, Encounters
@@ -27,6 +27,33 @@ from nvcore.params import Params
 from nvcore.schema import NO_TRACK, SAME_S, DetectionState
 from nvcore.time_left.judging import is_outside
 from nvcore.time_left.kinds import Urgency
+
+
+class AlertKind(StrEnum):
+    """What an alert was worth; the first that holds, in this order."""
+
+    IGNORED = "ignored"
+    FALSE = "false"
+    NUISANCE = "nuisance"
+    REDUNDANT = "redundant"
+    NEEDED = "needed"
+    WANTED = "wanted"
+
+
+ALERT_TEXT: Final[dict[AlertKind, str]] = {
+    AlertKind.IGNORED: "Alerts about what the ground truth ignores: neither right nor wrong.",
+    AlertKind.FALSE: "Alerts whose boxes match {nobody}, and nothing that is ignored.",
+    AlertKind.NUISANCE: "Alerts about {a_one} {who} is not urgent, and far or outside of the "
+    "corridor when they begin.",
+    AlertKind.REDUNDANT: "Alerts about {a_one} {whom} the driver has seen before they begin.",
+    AlertKind.NEEDED: "Alerts about {a_one} {whom} the driver has not seen when they begin.",
+    AlertKind.WANTED: "Alerts that are redundant or needed: whether the driver sees the {one} is "
+    "not known.",
+}
+UNWANTED: Final = (AlertKind.FALSE, AlertKind.NUISANCE, AlertKind.REDUNDANT)
+"""Alerts that the driver would rather not have had."""
+RESTS_ON_DRIVER: Final = (AlertKind.REDUNDANT, AlertKind.NEEDED)
+"""Kinds whose number is undefined where it is known of nobody whether the driver sees him."""
 
 NO_ALERTS: Final = pd.DataFrame(
     {
@@ -67,11 +94,6 @@ class Scene:
     seen: pd.DataFrame
     corridor: float
 
-    @property
-    def frames(self) -> FrameColumns:
-        """All frames."""
-        return self.dataset.frame_columns
-
     def is_before(self, name: str, encounter: np.ndarray, row: np.ndarray) -> np.ndarray:
         """Whether a row of `seen` stands before frame rows; bool, shape (n,).
 
@@ -110,15 +132,15 @@ def alerts_by_policy(
     threshold
         Boxes with a lower score are not reported; those without a score are.
     """
-    boxes = system.boxes
+    boxes, frames = system.boxes, scene.dataset.frame_columns
     is_in = ~(boxes.score < threshold) & (system.matches.state != DetectionState.BELOW)
-    tracks = _tracked(boxes, is_in, scene.frames)
-    rows = tracks.rows
+    rows = np.flatnonzero(is_in)
+    tracks = _Tracks(rows, track_truth(boxes.only(is_in), frames).track)
     is_near = system.k[rows] >= policy.alert_k
     if policy.alert_distance_m is not None:
         distance_m = boxes.distance_m[rows]
         is_near = np.where(np.isnan(distance_m), is_near, distance_m <= policy.alert_distance_m)
-    alerting = is_near & ~is_outside(boxes, rows, scene.frames, policy.alert_corridor)
+    alerting = is_near & ~is_outside(boxes, rows, frames, policy.alert_corridor)
     if policy.alert_oracle == "on":
         truth_row = system.matches.det_truth[rows]
         matched = np.flatnonzero(truth_row >= 0)
@@ -136,14 +158,13 @@ def alerts_by_log(scene: Scene, system: Reported, log: AlertLog) -> pd.DataFrame
     frames than a linked track may be. In a table an alert begins in the first listed frame at or
     after its start, and its boxes are those of its track, or all boxes of the system meanwhile.
     """
-    boxes, frames = system.boxes, scene.frames
-    tracks = _tracked(boxes, np.ones(len(boxes), bool), frames)
-    if log.places is not None:
+    boxes, frames = system.boxes, scene.dataset.frame_columns
+    tracks = _Tracks(np.arange(len(boxes)), track_truth(boxes, frames).track)
+    if isinstance(log, np.ndarray):
         own = scene.dataset.boxes.iloc[boxes.first_row : boxes.first_row + len(boxes)]
-        is_alerted = np.isin(places_of(own), log.places)
+        is_alerted = np.isin(places_of(own), log)
         return _judged(scene, system, tracks, is_alerted, [0.0] * 4, step=LINK_GAP + 1)
-    assert log.table is not None
-    table = _of_dataset(log.table, scene.dataset)
+    table = _of_dataset(log, scene.dataset)
     first, stop = frames.first[table["recording"]], frames.first[table["recording"] + 1]
     # one axis for all recordings, with their longest duration between them
     time_s = scene.dataset.frames["time_s"].to_numpy()
@@ -165,15 +186,13 @@ def alerts_by_log(scene: Scene, system: Reported, log: AlertLog) -> pd.DataFrame
 
 @dataclass(frozen=True, eq=False)
 class _Tracks:
-    """Boxes of a system, and the track of each within its recording; int64, shape (n,)."""
+    """Boxes of a system, and the track of each within its recording; int64, shape (n,).
+
+    Tracks are those that the system reports; other boxes are linked over frames.
+    """
 
     rows: np.ndarray
     track: np.ndarray
-
-
-def _tracked(boxes: BoxColumns, is_in: np.ndarray, frames: FrameColumns) -> _Tracks:
-    """These boxes with the tracks that the system reports; others are linked over frames."""
-    return _Tracks(np.flatnonzero(is_in), track_truth(boxes.only(is_in), frames).track)
 
 
 def _judged(
@@ -186,7 +205,7 @@ def _judged(
     step: int,
 ) -> pd.DataFrame:
     """The alerts of boxes that alert, with what they were worth."""
-    frames = scene.frames
+    frames = scene.dataset.frame_columns
     frame_index = system.boxes.frame_index[tracks.rows]
     recording = frames.recording[frame_index].astype(np.int64)
     key = _codes(recording, tracks.track)
@@ -220,15 +239,16 @@ def _first_decided(
     The first that matches a pedestrian, else the first that is absorbed: people are often ignored
     from afar, and annotated when they are near. Of several in one frame the nearest.
     """
-    boxes, n_frames = system.boxes, len(scene.frames)
+    boxes, frames = system.boxes, scene.dataset.frame_columns
     decided = np.full(len(alerts), -1)
     for state in (DetectionState.MATCHED, DetectionState.ABSORBED):
         is_decided = system.matches.state[tracks.rows] == state
         rows, track = tracks.rows[is_decided], tracks.track[is_decided]
         frame_index = boxes.frame_index[rows]
-        recording = np.concatenate([scene.frames.recording[frame_index], alerts["recording"]])
+        recording = np.concatenate([frames.recording[frame_index], alerts["recording"]])
         code = _codes(recording.astype(np.int64), np.concatenate([track, alerts["track"]]))
-        own, wanted = code[: len(rows)] * n_frames + frame_index, code[len(rows) :] * n_frames
+        first = code * len(frames)
+        own, wanted = first[: len(rows)] + frame_index, first[len(rows) :]
         order = np.lexsort((-system.k[rows], own))
         rows, own = rows[order], own[order]
         place = np.searchsorted(own, wanted + alerts["first_row"].to_numpy())
@@ -251,7 +271,7 @@ def _with_kinds(
 ) -> pd.DataFrame:
     """The alerts by first frame, each with its encounter and what it was worth."""
     decided = _first_decided(scene, system, tracks, alerts)
-    truth, encounters, n_frames = scene.dataset.truth, scene.encounters, len(scene.frames)
+    truth, encounters, frames = scene.dataset.truth, scene.encounters, scene.dataset.frame_columns
     encounter = np.full(len(alerts), -1)
     has_box = np.flatnonzero(decided >= 0)
     truth_row = system.matches.det_truth[decided[has_box]]
@@ -260,24 +280,23 @@ def _with_kinds(
     onset = alerts["first_row"].to_numpy()
     kinds = np.where(decided >= 0, AlertKind.IGNORED.value, AlertKind.FALSE.value).astype(object)
     matched = np.flatnonzero(encounter >= 0)
-    if len(matched):
-        who, row = encounter[matched], onset[matched]
-        owner = np.repeat(np.arange(len(encounters)), np.diff(encounters.offsets))
-        # his box in the frame in which the alert begins, or the next
-        key = owner * n_frames + encounters.frame_index
-        at = encounters.order[np.searchsorted(key, who * n_frames + row)]
-        is_far = scene.k_truth[at] < RELEVANT_K
-        is_far |= is_outside(truth, at, scene.frames, scene.corridor)
-        urgency = scene.urgency["urgency"].to_numpy()[who]
-        is_not_urgent = ~np.isin(urgency, [Urgency.URGENT.value, Urgency.UNKNOWN.value])
-        has_seen, is_known = (
-            scene.is_before(name, who, row) for name in ("confirmed_row", "known_row")
-        )
-        kinds[matched] = np.select(
-            [is_not_urgent & is_far, has_seen, is_known],
-            [kind.value for kind in (AlertKind.NUISANCE, AlertKind.REDUNDANT, AlertKind.NEEDED)],
-            AlertKind.WANTED.value,
-        )
+    who, row = encounter[matched], onset[matched]
+    owner = np.repeat(np.arange(len(encounters)), np.diff(encounters.offsets))
+    # his box in the frame in which the alert begins, or the next
+    key = owner * len(frames) + encounters.frame_index
+    at = encounters.order[np.searchsorted(key, who * len(frames) + row)]
+    is_far = scene.k_truth[at] < RELEVANT_K
+    is_far |= is_outside(truth, at, frames, scene.corridor)
+    urgency = scene.urgency["urgency"].to_numpy()[who]
+    is_not_urgent = ~np.isin(urgency, [Urgency.URGENT.value, Urgency.UNKNOWN.value])
+    has_seen, is_known = (
+        scene.is_before(name, who, row) for name in ("confirmed_row", "known_row")
+    )
+    kinds[matched] = np.select(
+        [is_not_urgent & is_far, has_seen, is_known],
+        [kind.value for kind in (AlertKind.NUISANCE, AlertKind.REDUNDANT, AlertKind.NEEDED)],
+        AlertKind.WANTED.value,
+    )
     judged = alerts.assign(encounter=encounter, kind=pd.Series(kinds, dtype=object).to_numpy())
     order = np.lexsort((judged["track"], judged["last_row"], judged["first_row"]))
     return judged.iloc[order][[*NO_ALERTS]].reset_index(drop=True)

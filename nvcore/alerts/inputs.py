@@ -29,34 +29,18 @@ from nvcore.metrics.linking import track_truth
 from nvcore.schema import NO_TRACK
 from nvcore.wording import one_line
 
-ALERTS_INPUT: Final = "alerts"
-"""Subject of these files among truth and systems."""
-LOG_COLUMNS: Final = ("start_s", "end_s", "kind")
-"""Of a log; track and recording may follow, and recording must where there are several."""
 ROUNDING_S: Final = 5e-4
 """By so much a time may lie beyond a recording: tables are rounded."""
 _LINES: Final = 1 << 32
 """More than the lines of any file."""
-_HEAD_BYTES: Final = 1 << 14
-"""Within these a header ends."""
 
 
-@dataclass(frozen=True, eq=False)
-class AlertLog:
-    """A system's own log of its alerts, of one of two forms.
+AlertLog = np.ndarray | pd.DataFrame
+"""A system's own log of its alerts, of one of two forms.
 
-    Attributes
-    ----------
-    places
-        File and line of each detection that was an alert, as one number (`places_of`); None: the
-        log is a table.
-    table
-        One row per alert: recording (its name in the data), start_s, end_s (since the
-        recording's first listed frame), track (`NO_TRACK`: none), log_kind (the log's own word).
-    """
-
-    places: np.ndarray | None = None
-    table: pd.DataFrame | None = None
+`places_of` the detections that were alerts; or one row per alert: recording (its name in the data),
+start_s, end_s (since the recording's first listed frame), track (`NO_TRACK`: none), log_kind (the
+log's own word)."""
 
 
 @dataclass(frozen=True)
@@ -94,9 +78,19 @@ def with_alerts(dataset: Dataset, session: Session) -> Dataset:
             files[f"log of {name}"] = file
         elif any(map(_may_have_flags, own.values())):
             try:
-                logs[number] = AlertLog(places=_flagged(own))
+                logs[number] = _flagged(own)
             except FormatError as error:
-                findings.append(_unusable(error, name))
+                findings += [
+                    warning(
+                        "alerted-unused",
+                        1,
+                        f"The column {ALERTED} is no log, and is left unused: {error.message}.",
+                        "Write 1 where a detection was an alert, else 0, in all of its files.",
+                        role=name,
+                        file=str(error.file),
+                        example="" if error.line is None else f"line {error.line}",
+                    )
+                ]
         if source.alert_policy is not None:
             file = SourceFile(session.folder / source.alert_policy, source.alert_policy)
             policies[number] = read_policy(file)
@@ -107,7 +101,7 @@ def with_alerts(dataset: Dataset, session: Session) -> Dataset:
     return with_files(
         dataset,
         session,
-        ALERTS_INPUT,
+        "alerts",
         names,
         digests,
         says="\n".join([*files, *digests]).encode(),
@@ -124,15 +118,13 @@ def _own_files(
     """The plain CSV files of a system, by their rows in `Dataset.inputs`."""
     inputs = dataset.inputs
     rows = np.flatnonzero((inputs["subject"] == system) & (inputs["format"] == "csv"))
-    if not len(rows):
-        return {}
-    known = {file.name: file for file in find_files(source, session.folder, "detections")[0]}
-    return {int(row): known[inputs["file"].iloc[row]] for row in rows}
+    files = find_files(source, session.folder, "detections")[0] if len(rows) else []
+    return dict(zip(rows.tolist(), files, strict=True))
 
 
 def _may_have_flags(file: SourceFile) -> bool:
     with file.open() as stream:
-        return ALERTED.encode() in stream.read(_HEAD_BYTES).lower()
+        return ALERTED.encode() in stream.read(1 << 14).lower()  # no header is longer
 
 
 def _flagged(files: Mapping[int, SourceFile]) -> np.ndarray:
@@ -149,27 +141,14 @@ def _flagged(files: Mapping[int, SourceFile]) -> np.ndarray:
         header = read_header(content.partition(b"\n")[0].decode())
         columns = [column.lower() for column in header.names]
         if ALERTED in columns:
-            place = header.place | {ALERTED: columns.index(ALERTED)}
+            known = replace(header, place=header.place | {ALERTED: columns.index(ALERTED)})
             number = next(column for column in header.place if column in NUMBERS)
-            known = replace(header, place=place)
             values, line, _ = read_columns(file, known, content, [number, ALERTED])
-            flagged = line[values[ALERTED].to_numpy(dtype=bool)].astype(np.int64)
-            places.append(row * _LINES + flagged)
+            flags = values[ALERTED].to_numpy(dtype=bool)
+            places.append(row * _LINES + line[flags].astype(np.int64))
         elif content.partition(b"\n")[2].strip():  # a file without boxes has no alerts
             raise file.fault(f"expected a column {ALERTED}", 1)
     return np.concatenate(places)
-
-
-def _unusable(error: FormatError, system: str) -> Finding:
-    return warning(
-        "alerted-unused",
-        1,
-        f"The column {ALERTED} is no log of alerts, and is left unused: {error.message}.",
-        "Write 1 where a detection was an alert and 0 elsewhere, in all files of the system.",
-        role=system,
-        file=str(error.file),
-        example="" if error.line is None else f"line {error.line}",
-    )
 
 
 def _read_log(
@@ -179,7 +158,10 @@ def _read_log(
     own: Mapping[int, SourceFile],
     system: str,
 ) -> AlertLog:
-    """The log that a session names: a table of alerts, or a file of the system with flags."""
+    """The log that a session names: a table of alerts, or a file of the system with flags.
+
+    Rows of a table with one begin, end and track are one alert.
+    """
     content = csv_content(file, role="detections")
     header = read_header(content.partition(b"\n")[0].decode())
     if ALERTED in map(str.lower, header.names):
@@ -189,24 +171,21 @@ def _read_log(
             problem = f"has a column {ALERTED}, and is no file of the detections of"
             text = f"{problem} {one_line(system)}; name that file, or a table of alerts"
             raise InputError(text, file=file.name)
-        return AlertLog(places=_flagged(same))
-    log = parse_table(content, name=file.name, what="alerts", required=LOG_COLUMNS)
+        return _flagged(same)
+    required = ("start_s", "end_s", "kind")
+    log = parse_table(content, name=file.name, what="alerts", required=required)
     title_of = {entry.name: entry.title for entry in session.recordings if entry.title}
-    return AlertLog(table=_log_table(log, dataset, title_of, system))
-
-
-def _log_table(
-    log: TextTable, dataset: Dataset, title_of: Mapping[str, str], system: str
-) -> pd.DataFrame:
-    """Rows of `AlertLog.table`; rows of one begin, end and track are one alert."""
     spans = read_spans(log, dataset, title_of=title_of)
     track = np.full(len(log), NO_TRACK)
     if "track" in log:
         track = log.whole_numbers("track", if_empty=NO_TRACK)
     # of sampled frames, a track may have boxes in the others
     is_sampled = dataset.frame_columns.sampling_step[spans["recording"]] > 1
-    known = _tracks_of(dataset, system) if (track >= 0).any() else set()
-    for row in np.flatnonzero((track >= 0) & ~is_sampled):
+    if (is_checked := (track >= 0) & ~is_sampled).any():
+        boxes, frames = dataset.system(system), dataset.frame_columns
+        tracks = track_truth(boxes, frames).track.tolist()  # linked where it has none
+        known = {*zip(frames.recording[boxes.frame_index].tolist(), tracks, strict=True)}
+    for row in np.flatnonzero(is_checked):
         number = int(spans["recording"].iloc[row])
         if (number, int(track[row])) not in known:
             where = one_line(dataset.recordings["name"].iloc[number])
@@ -279,21 +258,13 @@ def read_spans(
         if not is_right.all():
             row = int(np.argmin(is_right))
             values = {"start": start_s[row], "end": end_s[row], "last": last_s[row]}
-            name = one_line(called[row])
-            text = words.format(**values, stop=stop_s[row], name=name)
+            text = words.format(**values, stop=stop_s[row], name=one_line(called[row]))
             raise table.fault(row, f"{column}: {text}")
     return pd.DataFrame({"recording": recording, "start_s": start_s, "end_s": end_s})
 
 
-def _tracks_of(dataset: Dataset, system: str) -> set[tuple[int, int]]:
-    """Number of the recording and track of all boxes of a system, linked where it has none."""
-    boxes, frames = dataset.system(system), dataset.frame_columns
-    track = track_truth(boxes, frames).track
-    return {*zip(frames.recording[boxes.frame_index].tolist(), track.tolist(), strict=True)}
-
-
 INPUT: Final = Input(
-    name=ALERTS_INPUT,
+    name="alerts",
     is_named=lambda session: any(
         system.alerts is not None or system.alert_policy is not None for system in session.systems
     ),

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from nvcore.alerts.kinds import ALERT_TEXT, RESTS_ON_DRIVER, UNWANTED, AlertKind
+from nvcore.alerts.episodes import ALERT_TEXT, RESTS_ON_DRIVER, UNWANTED, AlertKind
 from nvcore.alerts.settings import ALERTS
 from nvcore.alerts.steps import ASKED, OF_URGENCY, alerts_in
 from nvcore.comparison import Result

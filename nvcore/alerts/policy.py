@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -30,16 +29,8 @@ BASE: Final = "base"
 """Key of a file: the named policy that has what the file does not say."""
 
 
-@dataclass(frozen=True)
-class NamedPolicy:
-    """A policy with a name, and what it means in a sentence."""
-
-    text: str
-    values: Policy
-
-
-POLICIES: Final[Mapping[str, NamedPolicy]] = {
-    "cautious": NamedPolicy(
+POLICIES: Final[Mapping[str, tuple[str, Policy]]] = {
+    "cautious": (
         "Few alerts: only near and well ahead, after half a second, then five seconds of silence.",
         {
             "alert_k": 0.75,
@@ -50,10 +41,11 @@ POLICIES: Final[Mapping[str, NamedPolicy]] = {
             "alert_pause_s": 5.0,
         },
     ),
-    "balanced": NamedPolicy(
-        "The defaults: from the nearness on that counts, after two tenths of a second.", {}
+    "balanced": (
+        "The defaults: from the nearness on that counts, after two tenths of a second.",
+        {},
     ),
-    "eager": NamedPolicy(
+    "eager": (
         "Early alerts: from afar and in the whole picture, at the first box, without a pause.",
         {
             "alert_k": 0.25,
@@ -65,7 +57,7 @@ POLICIES: Final[Mapping[str, NamedPolicy]] = {
         },
     ),
 }
-"""Named policies; what one does not say is as by default. All are choices of ours."""
+"""Named policies with a sentence each; what one does not say is as by default. All are ours."""
 
 
 def named_policy(name: str) -> dict[str, Any]:
@@ -80,7 +72,7 @@ def named_policy(name: str) -> dict[str, Any]:
         hint = did_you_mean(name, POLICIES, f"they are {listed([*POLICIES])}")
         raise ParameterError(f"there is no policy {one_line(name)!r}; {hint}")
     default = {name: SETTINGS[name].default for name in POLICY_SETTINGS}
-    return {**default, **POLICIES[name].values}
+    return {**default, **POLICIES[name][1]}
 
 
 def policy_from(text: str | Path) -> dict[str, Any]:

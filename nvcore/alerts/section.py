@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Final
 
-from nvcore.alerts.figures import alert_trade_off, alerts_in_time
+from nvcore.alerts.episodes import ALERT_TEXT, AlertKind
+from nvcore.alerts.figures.in_time import alerts_in_time
+from nvcore.alerts.figures.trade_off import alert_trade_off
 from nvcore.alerts.in_time import DRIVER_WORDS
-from nvcore.alerts.kinds import ALERT_TEXT, AlertKind
-from nvcore.alerts.said import alert_facts, in_time_by_kind, more_doubt
+from nvcore.alerts.messages import alert_facts, in_time_by_kind, more_doubt
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
 from nvcore.report.html.blocks import (
@@ -17,7 +18,6 @@ from nvcore.report.html.blocks import (
     Section,
     SectionOf,
     Sentences,
-    Table,
     table,
 )
 from nvcore.sentences import say
@@ -36,9 +36,19 @@ def _section(result: Result) -> Section:
     figure = alert_trade_off(result, theme=result.scheme("light"))
     in_words = "Urgent encounters alerted in time over unwanted alerts per hour, X and Y"
     in_time = (Chart("alert-trade-off", figure, in_words), *_in_time(result))
+    counts = [alerts_in(result).count(system) for _, system in result.sides]
+    rows = [
+        (
+            kind.value,
+            *(number(count[kind], "d") for count in counts),
+            result.objects.say(ALERT_TEXT[kind]),
+        )
+        for kind in AlertKind
+    ]
+    head = ("Alerts", "X", "Y", "Meaning")
     blocks = (
         Sentences(sentences),
-        _kinds(result),
+        table("Alerts by what they were worth", head, rows, right=(1, 2)),
         *(in_time if alerts_in(result).has_urgency else ()),
     )
     return Section("alerts", "Alerts", _introduction(result), blocks)
@@ -63,21 +73,6 @@ def _introduction(result: Result) -> Intro:
         limits=_COULD * has_urgency + "Where it is not known whether the driver sees the {one}, "
         "redundant alerts are not told from needed ones, and unwanted ones are at least so many.",
     )
-
-
-def _kinds(result: Result) -> Table:
-    view = alerts_in(result)
-    counts = [view.count(system) for _, system in result.sides]
-    rows = [
-        (
-            kind.value,
-            *(number(count[kind], "d") for count in counts),
-            result.objects.say(ALERT_TEXT[kind]),
-        )
-        for kind in AlertKind
-    ]
-    head = ("Alerts", "X", "Y", "Meaning")
-    return table("Alerts by what they were worth", head, rows, right=(1, 2))
 
 
 def _in_time(result: Result) -> tuple[Block, ...]:

@@ -46,33 +46,49 @@ ROWS: Final = {
 
 
 class State(StrEnum):
-    """What an episode is."""
+    """What an episode is.
+
+    Attributes
+    ----------
+    TRUE
+        Of the truth: the driver was to be alerted.
+    RIGHT, FALSE
+        A system's alert that overlaps an episode of the truth, or none.
+    NOT_KNOWN
+        A system's alert that overlaps none, at a time when the truth knows no limit.
+    MISSED
+        An episode of the truth that no alert of a system overlaps.
+    """
 
     TRUE = "true"
-    """Of the truth: the driver was to be alerted."""
     RIGHT = "right"
-    """A system's alert that overlaps an episode of the truth."""
     FALSE = "false"
-    """A system's alert that overlaps none."""
     NOT_KNOWN = "not_known"
-    """A system's alert that overlaps none, at a time when the truth knows no limit."""
     MISSED = "missed"
-    """An episode of the truth that no alert of a system overlaps."""
 
 
 class Cause(StrEnum):
-    """Why a system's alert is false, or why there is none: what it had stored at the start."""
+    """Why a system's alert is false, or why there is none: what it had stored at the start.
+
+    Attributes
+    ----------
+    MISREAD
+        A limit read from a sign that shows another.
+    NO_SIGN
+        A limit read where no sign is.
+    AHEAD
+        The limit of a sign that was not passed yet.
+    NOT_READ
+        No limit, or that of an earlier sign: the sign that holds was not read.
+    TIMING
+        The right limit, but read so late or so early that the car was above it at other times.
+    """
 
     MISREAD = "misread"
-    """A limit read from a sign that shows another."""
     NO_SIGN = "no_sign"
-    """A limit read where no sign is."""
     AHEAD = "ahead"
-    """The limit of a sign that was not passed yet."""
     NOT_READ = "not_read"
-    """No limit, or that of an earlier sign: the sign that holds was not read."""
     TIMING = "timing"
-    """The right limit, but read so late or so early that the car was above it at other times."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -387,10 +403,7 @@ def _episodes(
     first, last = runs["first_row"].to_numpy(), runs["last_row"].to_numpy()
     bounds = np.stack([first, last + 1], axis=1).ravel()
     top_kmh = np.maximum.reduceat(speed_kmh, bounds)[::2] if len(bounds) else np.empty(0)
-    table = _timed(result, subject, runs)
-    table.insert(1, "state", state)
-    table.insert(2, "cause", "")
-    return table.assign(
+    return _timed(result, subject, runs, state=state, cause="").assign(
         limit_kmh=stored[subject].limit_kmh[first],
         true_limit_kmh=stored["truth"].limit_kmh[first],
         top_kmh=top_kmh,
@@ -398,13 +411,14 @@ def _episodes(
     )
 
 
-def _timed(result: Result, subject: str, runs: pd.DataFrame) -> pd.DataFrame:
-    """Runs of frames with subject, recording and times."""
+def _timed(result: Result, subject: str, runs: pd.DataFrame, **more: object) -> pd.DataFrame:
+    """Runs of frames with subject, more columns of these values, recording and times."""
     frames = result.dataset.frames
     first, last = frames.iloc[runs["first_row"]], frames.iloc[runs["last_row"]]
     return pd.DataFrame(
         {
             "subject": subject,
+            **more,
             "recording": first["recording"].to_numpy(),
             "first_row": runs["first_row"].to_numpy(),
             "last_row": runs["last_row"].to_numpy(),

@@ -12,6 +12,9 @@ import pandas as pd
 
 from nvcore.alerts.episodes import (
     NO_ALERTS,
+    RESTS_ON_DRIVER,
+    UNWANTED,
+    AlertKind,
     Reported,
     Scene,
     alerts_by_log,
@@ -19,7 +22,6 @@ from nvcore.alerts.episodes import (
     inputs_of,
     policy_of,
 )
-from nvcore.alerts.kinds import RESTS_ON_DRIVER, UNWANTED, AlertKind
 from nvcore.alerts.settings import ALERTS
 from nvcore.comparison import Result
 from nvcore.driver.comparison.in_time import is_driver_in_time

@@ -1,4 +1,4 @@
-"""Alerts as text for the terminal."""
+"""What alerts add to the verdict and to the terminal's report, and their own text there."""
 
 from __future__ import annotations
 
@@ -9,53 +9,59 @@ import numpy as np
 import pandas as pd
 
 from nvcore.alerts.measures import MEASURES
-from nvcore.alerts.said import alert_facts, in_time_by_kind
+from nvcore.alerts.messages import alert_facts, alerts_of, in_time_by_kind
 from nvcore.alerts.speeding import ROWS
-from nvcore.alerts.steps import AlertsView
+from nvcore.alerts.steps import AlertsView, alerts_in
+from nvcore.comparison import Result
 from nvcore.report.terminal import code_lines
-from nvcore.sentences import say
+from nvcore.report.verdict import PointOf
+from nvcore.sentences import phrase, say
 from nvcore.tables.scorecard import score_rows
 from nvcore.time_left.said import urgent
 from nvcore.wording import aligned, number, one_line
 
 MOST_SHOWN: Final = 8
 """Points of each curve that are printed."""
-_HEAD: Final = ("", "score from", "unwanted", "alerted", "in time")
+
+POINTS: Final = (PointOf("Alerts", alert_facts, after="The driver"),)
+
+
+def lines(result: Result) -> list[str]:
+    """The alerts of both systems, for the terminal."""
+    if not alerts_in(result).is_asked:
+        return []
+    return [
+        f"alerts: {phrase(alerts_of(result, letter, system), result.objects)}"
+        for letter, system in result.sides
+    ]
 
 
 def render_alerts(view: AlertsView) -> str:
     """What there is to say, the measures, and the curves in some of their points."""
-    result = view.result
+    result, own = view.result, {measure.key for measure in MEASURES}
+    sentences = [say(fact, result.objects) for fact in alert_facts(result)]
+    if (of_urgent := urgent(result)) is not None:  # at which speed, as all else rests on it
+        sentences.append(f"{say(of_urgent, result.objects)}.")
+    sentences += [say(fact, result.objects) for fact in in_time_by_kind(result)]
+    rows = [
+        ("  " * row.level + row.label, number(row.x, row.form), number(row.y, row.form))
+        for row in score_rows(result)
+        if row.key in own
+    ]
+    curve = [("", "score from", "unwanted", "alerted", "in time"), *_curve(view)]
     lines = [
         *(f"{letter.upper()}: {one_line(system.name)}" for letter, system in result.sides),
         "",
-        *_sentences(view),
+        *sentences,
         *code_lines(result),
         "",
-        *aligned([("", "X", "Y"), *_measures(view)]),
+        *aligned([("", "X", "Y"), *rows]),
         *_speeding(view),
         "",
         "over the score threshold, the rest of the policy as it is:",
-        *aligned([row if view.has_urgency else row[:-1] for row in (_HEAD, *_curve(view))]),
+        *aligned([row if view.has_urgency else row[:-1] for row in curve]),
     ]
     return "\n".join(line.rstrip() for line in lines)
-
-
-def _sentences(view: AlertsView) -> Iterator[str]:
-    """What is said before the numbers; who is urgent at which speed, as all else rests on it."""
-    result = view.result
-    yield from (say(fact, result.objects) for fact in alert_facts(result))
-    if (of_urgent := urgent(result)) is not None:
-        yield f"{say(of_urgent, result.objects)}."
-    yield from (say(fact, result.objects) for fact in in_time_by_kind(result))
-
-
-def _measures(view: AlertsView) -> Iterator[tuple[str, ...]]:
-    own = {measure.key for measure in MEASURES}
-    for row in score_rows(view.result):
-        if row.key in own:
-            values = (number(value, row.form) for value in (row.x, row.y))
-            yield "  " * row.level + row.label, *values
 
 
 def _speeding(view: AlertsView) -> Iterator[str]:

@@ -7,8 +7,8 @@ from typing import Final, NamedTuple
 import numpy as np
 import pandas as pd
 
+from nvcore.alerts.episodes import UNWANTED, AlertKind
 from nvcore.alerts.inputs import read_spans
-from nvcore.alerts.kinds import UNWANTED, AlertKind
 from nvcore.comparison import Result
 from nvcore.errors import FormatError
 from nvcore.evidence.bootstrap import MIN_UNITS, SEED, count_units, expanded_tail

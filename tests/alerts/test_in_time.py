@@ -22,7 +22,7 @@ from nvcore.alerts.in_time import (
     judge_in_time,
     slack_at_onset,
 )
-from nvcore.alerts.said import more_doubt
+from nvcore.alerts.messages import more_doubt
 from nvcore.comparison import Result, compare
 from nvcore.evidence.bootstrap import expanded_tail
 from nvcore.inputs.load import load

@@ -187,6 +187,23 @@ def test_logs_are_named_by_flags_with_and_without_a_session(night: Path, monkeyp
         assert "Y gave no alert" in result.output.replace("gives", "gave")
 
 
+def test_the_column_is_found_in_all_files_of_a_system_or_left_unused(night: Path):
+    boxes, folder = rows(only(approach(ALL, 5), range(4, 8))), night.parent
+    truth = [f"{name},{line}" for name in ("a", "b") for line in rows(approach(ALL, 5))]
+    write(folder / "truth.csv", f"recording,{HEAD}", *truth)
+    write(folder / "y.csv", f"recording,{HEAD}", *truth)
+    (folder / "x").mkdir()
+    write(folder / "x" / "a.csv", *flagged(boxes, 1, 1, 0, 0))
+    write(folder / "x" / "b.csv", *flagged(boxes, 0, 0, 1, 1))
+    write(night, night.read_text().replace('"x.csv"', '"x"'))
+    own = of_x(nv.judge_alerts(night))
+    assert own[["recording", "start_frame"]].to_numpy().tolist() == [["a", 4], ["b", 6]]
+    write(folder / "x" / "b.csv", HEAD)  # without boxes
+    assert of_x(nv.judge_alerts(night))["recording"].tolist() == ["a"]
+    write(folder / "x" / "b.csv", HEAD, *boxes)
+    assert "alerted-unused" in {finding.code for finding in nv.load(night).findings}
+
+
 def test_a_column_that_is_no_log_is_left_unused_with_a_warning(night: Path):
     lines = rows(only(approach(ALL, 5), range(4, 6)))
     write(night.parent / "x.csv", *flagged(lines, 0, "loud"))

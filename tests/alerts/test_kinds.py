@@ -10,9 +10,9 @@ import pytest
 from approach import ALL, PLACE, approach, only
 from builders import NAN, Box, at, make_dataset, result_of
 
-from nvcore.alerts.kinds import AlertKind
+from nvcore.alerts.episodes import AlertKind
 from nvcore.alerts.measures import MEASURES
-from nvcore.alerts.said import alert_facts
+from nvcore.alerts.messages import alert_facts
 from nvcore.alerts.section import SECTIONS
 from nvcore.alerts.steps import alerts_in
 from nvcore.alerts.text import render_alerts

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import streamlit as st
 
-from nvcore.alerts.figures import alerts_in_time
+from nvcore.alerts.figures.in_time import alerts_in_time
 from nvcore.alerts.in_time import DRIVER_WORDS
-from nvcore.alerts.said import in_time_by_kind, more_doubt
+from nvcore.alerts.messages import in_time_by_kind, more_doubt
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
 from ui.session import state

@@ -10,7 +10,7 @@ from typing import Final
 import pandas as pd
 import streamlit as st
 
-from nvcore.alerts.kinds import ALERT_TEXT, AlertKind
+from nvcore.alerts.episodes import ALERT_TEXT, AlertKind
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
 from nvcore.wording import capitalised

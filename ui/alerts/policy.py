@@ -31,10 +31,10 @@ def draw(result: Result) -> None:
         st.info("Alerts are off. Choose a policy to judge them.")
     with st.container(horizontal=True, vertical_alignment="center"):
         st.markdown("**Policy**", width="content")
-        for name, policy in POLICIES.items() if len(own) < len(result.sides) else ():
+        for name, (text, _) in POLICIES.items() if len(own) < len(result.sides) else ():
             values = {"alerts": "policy", **named_policy(name)}
             is_in_use = all(getattr(params, key) == value for key, value in values.items())
-            _choice(name.capitalize(), values, policy.text, is_in_use=is_in_use)
+            _choice(name.capitalize(), values, text, is_in_use=is_in_use)
         if len(own) == len(result.sides):
             text = "The policies that the session names for the two systems."
             _choice("Own", {"alerts": "policy"}, text, is_in_use=params.alerts == "policy")

@@ -6,7 +6,7 @@ from typing import Final
 
 import streamlit as st
 
-from nvcore.alerts.speeding import Speeding
+from nvcore.alerts.speeding import ROWS, Speeding
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
 from nvcore.wording import minus, number
@@ -16,14 +16,8 @@ from ui.widgets.html import MeasureRow, measures_html
 from ui.widgets.table import TableColumn
 from ui.widgets.text import docs_link
 
-ROWS: Final = {
-    "alerted": ("alerted when the limit calls for it", "d"),
-    "missed": ("missed", "d"),
-    "false": ("false", "d"),
-    "median_late_s": ("median lateness (s)", "+.2f"),
-    "right_limit": ("time with the right limit", ".0%"),
-}
-"""Columns of `Speeding.summary` that are shown, their words and formats."""
+SHOWN: Final = ("alerted", "missed", "false", "median_late_s", "right_limit")
+"""Those of `ROWS` that are shown."""
 COLUMNS: Final = {
     "subject": TableColumn(
         "", "Whose alert it is: of X, of Y, or called for by the truth.", is_head=True
@@ -53,10 +47,10 @@ def draw(result: Result) -> None:
     summary = speeding.summary().to_dict("records")
     rows = [
         MeasureRow(
-            words + (f", of {summary[0]['true']}" if name == "alerted" else ""),
-            tuple(minus(number(row[name], form)) for row in summary),
+            ROWS[name][0].format(true=summary[0]["true"]),
+            tuple(minus(number(row[name], ROWS[name][1])) for row in summary),
         )
-        for name, (words, form) in ROWS.items()
+        for name in SHOWN
     ]
     left, _ = st.columns(2, gap="medium")
     left.html(measures_html(rows, key="speeding", head=("X", "Y")))

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.alerts.kinds import AlertKind
+from nvcore.alerts.episodes import AlertKind
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
 from nvcore.figures.marks import marks, still_line, system_marker, with_gaps

@@ -7,7 +7,8 @@ from typing import Final
 import numpy as np
 import plotly.graph_objects as go
 
-from nvcore.alerts.in_time import InTime
+from nvcore.alerts.steps import alerts_in
+from nvcore.comparison import Result
 from nvcore.figures.marks import marks, still_line, system_marker, with_gaps
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, faded, rows_axis, system_label
 from nvcore.palette import Theme
@@ -18,23 +19,19 @@ APART: Final = 0.16
 """How far X and Y stand from the middle of a row."""
 
 
-def in_time_plot(judged: InTime, names: tuple[str, str], *, theme: Theme) -> go.Figure:
-    """A row for each kind of alert: the share in time with X and with Y.
+def alerts_in_time(result: Result, *, theme: Theme) -> go.Figure:
+    """Urgent encounters in which the driver reacts in time, a row for each kind of alert.
 
     Thick: the interval of the draws (other drivers, these recordings); thin: of both.
-
-    Parameters
-    ----------
-    names
-        Names of X and Y.
     """
+    judged = alerts_in(result).in_time_for_drivers
     n = len(judged.chances)
     if not n:
         return empty_figure("Nobody is urgent here.", theme=theme)
     shares = judged.table[judged.table["measure"] == "share"]
     kinds = shares["kind"].unique().tolist()
     traces, others = [], f"<br>other {judged.what_varies}, too: "
-    for letter, name, shift in (("x", names[0], -APART), ("y", names[1], APART)):
+    for (letter, system), shift in zip(result.sides, (-APART, APART), strict=True):
         rows = shares[shares["side"] == letter].set_index("kind").loc[kinds]
         place, colour = np.arange(len(kinds)) + shift, LOOK[theme].of(letter)
         for ends, width, opacity in (
@@ -56,7 +53,7 @@ def in_time_plot(judged: InTime, names: tuple[str, str], *, theme: Theme) -> go.
                 100 * rows["mean"].to_numpy(),
                 place,
                 texts,
-                name=system_label(letter, name),
+                name=system_label(letter, system.name),
                 marker=system_marker(letter, 11, theme),
             )
         )

@@ -8,7 +8,9 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.alerts.kinds import UNWANTED
+from nvcore.alerts.episodes import UNWANTED
+from nvcore.alerts.steps import alerts_in
+from nvcore.comparison import Result
 from nvcore.figures.marks import marks, system_marker
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, system_label
 from nvcore.palette import Theme
@@ -19,25 +21,15 @@ IN_USE_PX: Final = 13
 LOG_PX: Final = 15
 
 
-def trade_off_plot(
-    curve: pd.DataFrame, names: tuple[str, str], *, n_urgent: int, duration_s: float, theme: Theme
-) -> go.Figure:
+def alert_trade_off(result: Result, *, theme: Theme) -> go.Figure:
     """Urgent encounters alerted in time over unwanted alerts an hour; up and left is better.
 
     A line for each system over its score threshold, the policy as it is; a large mark where its
-    threshold stands, and a star where its own log does. `customdata` is the threshold.
-
-    Parameters
-    ----------
-    curve
-        Of `nvcore.alerts.steps.AlertsView.curve`.
-    names
-        Names of X and Y.
-    n_urgent
-        Urgent encounters.
-    duration_s
-        Recording time: where it is short, no rate an hour is shown but the number.
+    threshold stands, and a star where its own log does. `customdata` is the threshold. Of short
+    recordings no rate an hour is shown but the number.
     """
+    view, duration_s = alerts_in(result), result.duration_s
+    n_urgent = view.n_urgent
     if not n_urgent:
         return empty_figure(
             "No encounter is urgent: nobody has to be alerted in time.", theme=theme
@@ -45,9 +37,9 @@ def trade_off_plot(
     is_short = duration_s < LEAST_HOURLY_S
     column = "unwanted" if is_short else "unwanted_per_hour"
     traces: list[go.Scatter] = []
-    for letter, name in zip("xy", names, strict=True):
-        own = curve[curve["system"] == letter]
-        traces += _of_system(own, column, letter, system_label(letter, name), theme)
+    for letter, system in result.sides:
+        own = view.curve[view.curve["system"] == letter]
+        traces += _of_system(own, column, letter, system_label(letter, system.name), theme)
     return draw(
         traces,
         theme,
@@ -105,11 +97,9 @@ def _texts(points: pd.DataFrame) -> list[str]:
     """For the mouse: the numbers behind a point."""
     texts = []
     for row in points.to_dict("records"):
-        where = f"score from {row['threshold']:.4g}"
-        if row["of"] == "log":
-            where = "its own log"
-        elif np.isneginf(row["threshold"]):
-            where = "every box"
+        is_all = np.isneginf(row["threshold"])
+        where = "every box" if is_all else f"score from {row['threshold']:.4g}"
+        where = "its own log" if row["of"] == "log" else where
         kinds = ", ".join(f"{number(row[kind.value], 'd')} {kind.value}" for kind in UNWANTED)
         text = f"{row['in_time']} alerted in time, {row['unwanted']} unwanted: {kinds}"
         texts.append(f"{where}<br>{text}")
