@@ -201,10 +201,6 @@ def winner_of(difference: float, better: str) -> str:
     return "x" if (difference > 0) == (better == "higher") else "y"
 
 
-def _same_winner(claim: Claim, other: Claim | None) -> bool:
-    return other is not None and claim.winner == other.winner
-
-
 def _not_confirmed(
     result: Result, candidates: Mapping[str, Claim], companions: Companions
 ) -> dict[str, WithheldReason]:
@@ -215,7 +211,7 @@ def _not_confirmed(
     return {
         key: WithheldReason("equal")
         for key, claim in candidates.items()
-        if not _same_winner(claim, confirmed.get(key))
+        if key not in confirmed or confirmed[key].winner != claim.winner
     }
 
 

@@ -262,10 +262,6 @@ def _cell(cell: object, *, is_number: bool) -> str:
     return true_minus(text) if is_number else text
 
 
-def _always(_: Result) -> bool:
-    return True
-
-
 @dataclass(frozen=True)
 class SectionOf:
     """A section that a subject adds, after the encounters.
@@ -282,4 +278,4 @@ class SectionOf:
 
     anchor: str
     make: Callable[[Result], Section]
-    applies: Callable[[Result], bool] = _always
+    applies: Callable[[Result], bool] = lambda _: True

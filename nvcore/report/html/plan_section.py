@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Final
 
 import pandas as pd
@@ -100,7 +100,12 @@ def plan_section(result: Result, evidence: pd.DataFrame, plans: Mapping[str, Pla
     else:
         share = percent(PlanArguments.power)
         caption = f"Recordings that would show a difference as found, in {share} of studies"
-        rows, reasons = [_row(plan) for plan in plans.values()], _reasons(plans.values())
+        rows = [_row(plan) for plan in plans.values()]
+        reasons = " ".join(
+            f"{capitalised(plan.evidence.label)}: {plan.sizes[0].reason}."
+            for plan in plans.values()
+            if plan.sizes[0].reason
+        )
         advice = [Advice("optimistic"), Advice("fresh")]
         advice += [Advice("unequal")] if are_unequal(result) else []
         blocks = [
@@ -126,13 +131,4 @@ def _size(size: PlanSize) -> tuple[str, ...]:
         f"{size.least_recordings:,} to {size.most_recordings:,}",
         f"{size.n_encounters:,}",
         duration_text(size.duration_s),
-    )
-
-
-def _reasons(plans: Iterable[Plan]) -> str:
-    """Why measures have no size."""
-    return " ".join(
-        f"{capitalised(plan.evidence.label)}: {plan.sizes[0].reason}."
-        for plan in plans
-        if plan.sizes[0].reason
     )
