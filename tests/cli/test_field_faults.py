@@ -42,15 +42,15 @@ FAULTS: dict[str, tuple[Change, str]] = {
     ),
     "frames shifted": (
         lambda t: t.assign(frame=t["frame"] + 5),
-        "moved by -5",
+        "--offset-frames-x -5",
     ),
     "frames counted from 1": (
         lambda t: t.assign(frame=t["frame"] + 1),
-        "moved by -1",
+        "--offset-frames-x -1",
     ),
     "fitted into a square input with bars": (
         lambda t: t.assign(x=t["x"] * 0.65, y=t["y"] * 0.65 + 52, w=t["w"] * 0.65, h=t["h"] * 0.65),
-        "multiplied by 1.538 and moved by 0 and -80 px",
+        "multiplied by 1.538) and 80.0 px too far down",
     ),
     "every second frame, numbered anew": (
         lambda t: t[t["frame"] % 2 == 0].assign(frame=lambda u: u["frame"] // 2),
