@@ -150,17 +150,16 @@ def draw_trouble(place: str) -> None:
 
 def _on_thresholds() -> str:
     """Name the systems with scores whose threshold is still to be chosen."""
-    settings = state.params()
-    limits = (settings.threshold_x, settings.threshold_y)
-    without = [
-        plain(name)
-        for name, limit in zip(state.systems(), limits, strict=True)
-        if name is not None and limit is None and state.score_span(name) is not None
-    ]
-    if not without:
-        return ""
-    return (
-        f" Every detection of {listed(without)} counts, however low its score, until a threshold "
+    limits = (state.params().threshold_x, state.params().threshold_y)
+    without = listed(
+        [
+            plain(name)
+            for name, limit in zip(state.systems(), limits, strict=True)
+            if name is not None and limit is None and state.score_span(name) is not None
+        ]
+    )
+    return without and (
+        f" Every detection of {without} counts, however low its score, until a threshold "
         "is set in the sidebar."
     )
 

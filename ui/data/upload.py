@@ -293,16 +293,11 @@ def _draw_pictures(space: Workspace, recordings: Sequence[str]) -> ChosenPicture
         right.button(
             "Remove all",
             key="remove_pictures",
-            on_click=_remove_all,
-            args=(space,),
+            on_click=remove_pictures,
+            args=(space, [key for key, file in space.stored.items() if file.form == space.form]),
             width="stretch",
         )
     return draw_checked(PLACE, sent, recordings, refused)
-
-
-def _remove_all(space: Workspace) -> None:
-    of_form = [place for place, file in space.stored.items() if file.form == space.form]
-    remove_pictures(space, of_form)
 
 
 def _store(space: Workspace, fields: Sequence[_Field]) -> StoredForm:

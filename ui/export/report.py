@@ -14,7 +14,7 @@ from nvcore.comparison import Result
 from nvcore.findings import Finding
 from nvcore.inputs.session import Session
 from nvcore.report.files import REPORT_CONTENTS, export_files, report_zip
-from nvcore.tables.boxes.matches import MATCH_COLUMNS, MATCHES, matches_parquet
+from nvcore.tables.boxes.matches import MATCH_COLUMNS, MATCHES
 from nvcore.tables.column import Column
 from nvcore.tables.columns import report_columns
 from nvcore.wording import listed
@@ -139,23 +139,20 @@ def _draw_files(result: Result, report: _Report, public: Callable[[], Result]) -
     }
 
     @cache
-    def files() -> dict[str, Callable[[], bytes]]:
-        return export_files(public(), report.session, report.findings)
+    def files(of: Callable[[], Result]) -> dict[str, Callable[[], bytes]]:
+        with_boxes = counts[MATCHES] <= MOST_BOXES
+        made = export_files(of(), report.session, report.findings, matches=with_boxes)
+        return made | report.inputs
 
     def content(name: str) -> bytes:
-        return files()[name]()
+        return files(public)[name]()
 
-    names = export_files(result, report.session, report.findings)
-    makers: dict[str, Callable[[], bytes]] = {name: partial(content, name) for name in names}
-    if counts[MATCHES] <= MOST_BOXES:
-        makers[MATCHES] = lambda: matches_parquet(public())
-    makers |= report.inputs
     contents = REPORT_CONTENTS | {name: file.meaning for name, file in report.made.items()}
-    for name, make in makers.items():
+    for name in files(lambda: result):
         button, text = st.columns([1, 4], vertical_alignment="center")
         button.download_button(
             name,
-            make,
+            partial(content, name),
             name,
             MIME[name.rpartition(".")[2]],
             on_click="ignore",

@@ -120,8 +120,7 @@ class VisitorLimits:
             await answer(scope, receive, send)
             return
         n_bytes = int(stated)
-        why = self._why_too_large(session, n_bytes)
-        if why:
+        if why := self._why_too_large(session, n_bytes):
             if (space := workspace_of_session(session)) is not None:
                 space.refusal = why
                 run_again(session)

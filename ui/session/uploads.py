@@ -351,25 +351,31 @@ def _room(space: Workspace) -> int:
 
 def check_room(space: Workspace, n_bytes: int, *, so_far: int = 0) -> None:
     """Raise UploadError if more bytes exceed the quota; `so_far` of the file are written."""
-    if so_far + n_bytes > MAX_FILE_BYTES:
-        raise UploadError(
+    is_full = used_by_all() + n_bytes > limits_of_environment().max_disk_mb * MEBI
+    has_disk = shutil.disk_usage(space.folder).free - n_bytes >= SPARE_BYTES
+    for is_beyond, message, status in (
+        (
+            so_far + n_bytes > MAX_FILE_BYTES,
             f"The file is larger than {MAX_FILE_BYTES / 2**30:g} GiB; send the recordings one by "
             "one, or a shorter part.",
             HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
-        )
-    if space.used_bytes + n_bytes > MAX_SESSION_BYTES:
-        raise UploadError(
+        ),
+        (
+            space.used_bytes + n_bytes > MAX_SESSION_BYTES,
             f"A session takes {MAX_SESSION_BYTES / 2**30:g} GiB in all; remove uploads that are "
             "no longer needed.",
             HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
-        )
-    if used_by_all() + n_bytes > limits_of_environment().max_disk_mb * MEBI:
-        raise UploadError(
+        ),
+        (
+            is_full,
             "The server holds as many uploads as it may; try again later.",
             HTTPStatus.INSUFFICIENT_STORAGE,
-        )
-    if shutil.disk_usage(space.folder).free - n_bytes < SPARE_BYTES:
-        raise UploadError(
+        ),
+        (
+            not has_disk,
             "There is no room left on the server's disk; tell the one who runs it.",
             HTTPStatus.INSUFFICIENT_STORAGE,
-        )
+        ),
+    ):
+        if is_beyond:
+            raise UploadError(message, status)

@@ -62,8 +62,11 @@ class Limits:
         if self.max_uploads_mb is not None:
             return self.max_uploads_mb * MEBI
         free = free_bytes(system)
-        most = MOST_UPLOADS_MB * MEBI
-        return most if free is None else min(most, max(free + held, 0) // 3)
+        return (
+            MEBI * MOST_UPLOADS_MB
+            if free is None
+            else min(MEBI * MOST_UPLOADS_MB, (free + held) // 3)
+        )
 
 
 @cache

@@ -48,7 +48,7 @@ def test_the_reports_files_are_told_and_can_be_downloaded():
         "All files (ZIP)",
         *("frames.csv", "encounters.csv", "events.csv", "intervals.csv", "recordings.csv"),
         *("significance.csv", "subgroups.csv", "findings.csv", "finding_entries.csv"),
-        *("summary.json", "session.toml", "matches.parquet"),
+        *("matches.parquet", "summary.json", "session.toml"),
     ]
     (single,) = [part for part in page.expander if part.label == "Single files"]
     assert len(single.get("download_button")) == 12  # folded: the ZIP has them all
