@@ -135,8 +135,9 @@ def _all_pictures(space: Workspace) -> tuple[dict[str, str | None], dict[str, st
 def sent_pictures(space: Workspace) -> dict[str, Path]:
     """Videos, archives and the folder of single pictures sent in this form, by label."""
     stored = [file for file in list(space.stored.values()) if file.form == space.form]
-    paths = {file.name: space.folder / file.place for file in stored if file.kind != "image"}
-    images = [file for file in stored if file.kind == "image"]
-    if images:
-        paths[f"{IMAGES} ({len(images):,})"] = (space.folder / images[0].place).parent
-    return paths
+    n_images = sum(file.kind == "image" for file in stored)
+    return {
+        file.name if file.kind != "image" else f"{IMAGES} ({n_images:,})": space.folder
+        / file.source
+        for file in stored
+    }

@@ -214,7 +214,10 @@ def _draw_systems() -> list[_Field]:
     systems = []
     for number in range(n_systems):
         left, right = st.columns([1, 3])
-        title, expander = f"system {_numbered(number)}", f"How to read system {number + 1}"
+        title, expander = (
+            f"system {number + 1}{({0: ' (X)', 1: ' (Y)'}).get(number, '')}",
+            f"How to read system {number + 1}",
+        )
         key = _key(f"upload_system_{number}")
         answers = _ask(right, f"Detections of {title}", expander, key, "detections")
         systems.append(_Field(title, f"system-{number + 1}", *answers, left))
@@ -257,10 +260,6 @@ def _check_list(stored: StoredForm, frame_list: _Field, recordings: Sequence[str
         return draw_frame_list(FrameList(trouble=stored.troubles[frame_list.slot]), recordings)
     (path,) = stored.paths[frame_list.slot]
     return draw_frame_list(check_frame_list(path, stored.folder), recordings)
-
-
-def _numbered(number: int) -> str:
-    return f"{number + 1}{({0: ' (X)', 1: ' (Y)'}).get(number, '')}"
 
 
 def _draw_names(

@@ -104,6 +104,11 @@ class Stored:
         images = ["images"] if self.kind == "image" else []
         return PurePosixPath(PICTURES, str(self.form), *images, self.name)
 
+    @property
+    def source(self) -> PurePosixPath:
+        """What a recording names: the video or archive, or the folder of single pictures."""
+        return self.place.parent if self.kind == "image" else self.place
+
 
 @dataclass(frozen=True)
 class Opened:
@@ -258,8 +263,7 @@ class Workspace(Caching):
     def sent(self) -> list[Path]:
         """Videos, archives and folders of single pictures that were sent, the newest first."""
         files = reversed(list(self.stored.values()))
-        places = (file.place.parent if file.kind == "image" else file.place for file in files)
-        return [self.folder / place for place in dict.fromkeys(places)]
+        return [self.folder / source for source in dict.fromkeys(file.source for file in files)]
 
     @property
     def result(self) -> Result | None:
