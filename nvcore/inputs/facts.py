@@ -19,6 +19,12 @@ FRAME_NAMES: Final = ("numbers", "times", "order", "scenes", "counter")
 """How names of pictures and large frame numbers can be understood."""
 
 
+def expect(is_met: bool, message: str) -> None:
+    """Raise SessionError with the message unless the expectation is met."""
+    if not is_met:
+        raise SessionError(message)
+
+
 def check_positive(name: str, value: float | None) -> None:
     """Raise SessionError unless the value is None or a positive, finite number."""
     if value is not None and not 0 < value < math.inf:

@@ -52,11 +52,8 @@ class Unpacking(io.RawIOBase):
             Its size.
         """
         super().__init__()
-        self._source: _Source
-        if kind == "xz":
-            self._source = _Xz(packed)
-        else:
-            self._source = pa.CompressedInputStream(packed, kind)
+        is_xz = kind == "xz"
+        self._source: _Source = _Xz(packed) if is_xz else pa.CompressedInputStream(packed, kind)
         self._kind, self._n_packed, self._fault = kind, n_bytes, fault
         self._n_unpacked = 0
 
@@ -86,21 +83,17 @@ class Unpacking(io.RawIOBase):
                 f"({error}); pack it anew, or give the unpacked file"
             ) from error
         self._n_unpacked += len(part)
-        self._check_size()
-        return part
-
-    def _check_size(self) -> None:
-        n_bytes = self._n_unpacked
-        if n_bytes > RATIO_FROM_BYTES and n_bytes > MAX_RATIO * self._n_packed:
+        if self._n_unpacked > max(RATIO_FROM_BYTES, MAX_RATIO * self._n_packed):
             raise self._fault(
                 f"unpacks to more than {MAX_RATIO} times its size, as annotations never do; "
                 "expected text"
             )
-        if n_bytes > MAX_UNPACKED_BYTES:
+        if self._n_unpacked > MAX_UNPACKED_BYTES:
             raise self._fault(
                 f"unpacks to more than {MAX_UNPACKED_BYTES >> 30} GiB; give the unpacked file, or "
                 "several smaller ones"
             )
+        return part
 
 
 class _Xz:

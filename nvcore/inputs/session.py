@@ -18,6 +18,7 @@ from nvcore.inputs.facts import (
     check_paths,
     check_positive,
     check_rate,
+    expect,
     is_frame_range,
     path_field,
     paths_in,
@@ -94,12 +95,10 @@ class RecordingEntry(KeysOfSubjects):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "tags", as_names(self.tags))
-        if not self.name:
-            raise SessionError("expected a name of the recording")
-        if self.title is not None and not self.title.strip():
-            raise SessionError("title: expected a name, found nothing")
-        if self.unit is not None and not self.unit.strip():
-            raise SessionError("unit: expected a name, found nothing")
+        expect(bool(self.name), "expected a name of the recording")
+        for name in ("title", "unit"):
+            text = getattr(self, name)
+            expect(text is None or bool(text.strip()), f"{name}: expected a name, found nothing")
         for name in ("width", "height", "speed_kmh"):
             check_positive(name, getattr(self, name))
         check_rate(self.fps)
@@ -109,28 +108,24 @@ class RecordingEntry(KeysOfSubjects):
                 parse_context(self.context)
             except ValueError as error:
                 raise SessionError(f"context: {error}") from error
-        if self.first_picture is not None and abs(self.first_picture) > _MAX_FRAME:
-            raise SessionError(
-                f"first_picture: expected a frame number, found {self.first_picture}"
-            )
+        expect(
+            abs(self.first_picture or 0) <= _MAX_FRAME,
+            f"first_picture: expected a frame number, found {self.first_picture}",
+        )
         check_path("frames", self.frames)
         check_paths(self)
-        if not all(tag.strip() for tag in self.tags) or len(set(self.tags)) < len(self.tags):
-            raise SessionError(
-                f"tags: expected different words, found {', '.join(map(repr, self.tags))}"
-            )
-        if self.visible_map is None:
-            return
-        scales, offsets = self.visible_map[:2], self.visible_map[2:]
-        if not (
-            all(0 < scale <= GREATEST_SCALE for scale in scales)
-            and all(abs(offset) <= GREATEST_OFFSET_PX for offset in offsets)
-        ):  # nan is within nothing
-            numbers = ", ".join(f"{value:g}" for value in self.visible_map)
-            raise SessionError(
-                f"visible_map: expected two positive scales of at most {GREATEST_SCALE:g} and two "
-                f"offsets of at most {GREATEST_OFFSET_PX:.0f} px, found [{numbers}]"
-            )
+        expect(
+            all(tag.strip() for tag in self.tags) and len(set(self.tags)) == len(self.tags),
+            f"tags: expected different words, found {', '.join(map(repr, self.tags))}",
+        )
+        numbers = self.visible_map or (1.0, 1.0, 0.0, 0.0)
+        expect(
+            all(0 < scale <= GREATEST_SCALE for scale in numbers[:2])
+            and all(abs(offset) <= GREATEST_OFFSET_PX for offset in numbers[2:]),  # nan: neither
+            f"visible_map: expected two positive scales of at most {GREATEST_SCALE:g} and two "
+            f"offsets of at most {GREATEST_OFFSET_PX:.0f} px, found "
+            f"[{', '.join(f'{value:g}' for value in numbers)}]",
+        )
 
 
 @dataclass(frozen=True)
@@ -149,8 +144,7 @@ class RecordingsFile:
     line_of: Mapping[str, int] | None = None
 
     def __post_init__(self) -> None:
-        if not self.path:
-            raise SessionError("path: expected a file, found nothing")
+        expect(bool(self.path), "path: expected a file, found nothing")
         check_path("path", self.path)
 
 
@@ -184,20 +178,22 @@ class Source:
         if self.classes is not None:
             object.__setattr__(self, "classes", as_names(self.classes))
         for name in ("frame_base", "box_base"):
-            if getattr(self, name) not in (None, 0, 1):
-                raise SessionError(f"{name}: expected 0 or 1, found {getattr(self, name)}")
-        if self.frame_names not in (None, *FRAME_NAMES):
-            raise SessionError(
-                f"frame_names: expected {', '.join(FRAME_NAMES)}; found {self.frame_names!r}"
-            )
-        if not self.path or not all(self.path):
-            raise SessionError("path: expected a file, folder or glob, found nothing")
+            base = getattr(self, name)
+            expect(base in (None, 0, 1), f"{name}: expected 0 or 1, found {base}")
+        expect(
+            self.frame_names in (None, *FRAME_NAMES),
+            f"frame_names: expected {', '.join(FRAME_NAMES)}; found {self.frame_names!r}",
+        )
+        is_there = bool(self.path) and all(self.path)
+        expect(is_there, "path: expected a file, folder or glob, found nothing")
         for text in self.path:
             check_path("path", text)
         if self.boxes is not None:
             object.__setattr__(self, "boxes", str(parse_layout(self.boxes)))
-        if self.classes is not None and not (self.classes and all(self.classes)):
-            raise SessionError("classes: expected names or numbers of classes, found nothing")
+        expect(
+            self.classes is None or (len(self.classes) > 0 and all(self.classes)),
+            "classes: expected names or numbers of classes, found nothing",
+        )
 
 
 @dataclass(frozen=True)
@@ -237,12 +233,11 @@ class SystemSource(SystemKeysOfSubjects, Source):
             (self.name or "").encode()
         except UnicodeEncodeError as error:
             raise SessionError(f"name: expected UTF-8 text, found {self.name!r}") from error
-        if self.threshold is not None and math.isnan(self.threshold):
-            raise SessionError("threshold: expected a number, found nan")
-        if abs(self.offset_frames) > MAX_OFFSET_FRAMES:
-            raise SessionError(
-                f"offset_frames: expected at most {MAX_OFFSET_FRAMES}, found {self.offset_frames}"
-            )
+        expect(not math.isnan(self.threshold or 0), "threshold: expected a number, found nan")
+        expect(
+            abs(self.offset_frames) <= MAX_OFFSET_FRAMES,
+            f"offset_frames: expected at most {MAX_OFFSET_FRAMES}, found {self.offset_frames}",
+        )
         check_positive("frame_step", self.frame_step)
         for value in self.offset_px:
             check_finite("offset_px", value)
@@ -298,8 +293,8 @@ class Session(TablesOfSubjects, Settings):
         check_path("codes", self.codes_file)
         names = [recording.name for recording in self.recordings]
         for name in names:
-            if names.count(name) > 1:
-                raise SessionError(f"expected one [[recording]] named {name!r}, found several")
+            message = f"expected one [[recording]] named {name!r}, found several"
+            expect(names.count(name) == 1, message)
 
     def paths(self) -> Iterator[str]:
         """What it names of files still to be read, as they are written."""

@@ -422,17 +422,9 @@ def rows_finding(
 
 def joined_findings(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """Findings of one kind about several files as one: all rows counted, the first file named."""
-    groups: dict[tuple[object, ...], list[Finding]] = {}
+    groups: dict[Finding, list[Finding]] = {}
     for finding in findings:
-        kind = (
-            finding.severity,
-            finding.code,
-            finding.subject,
-            finding.message,
-            finding.advice,
-            finding.suggestion,
-            finding.steps,
-        )
+        kind = replace(finding, count=0, file="", example="")
         groups.setdefault(kind, []).append(finding)
     joined = []
     for group in groups.values():

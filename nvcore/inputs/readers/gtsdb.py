@@ -58,9 +58,8 @@ PICTURES: Final = frozenset({".ppm", ".jpg", ".jpeg", ".png"})
 _MOST_PICTURES: Final = 100_000
 
 
-def recognise(name: str, head: str, role: Role) -> bool:
+def recognise(_name: str, head: str, role: Role) -> bool:
     """Whether the rows are a picture's name and 5 numbers with semicolons, the last one whole."""
-    del name
     return role == "truth" and LAYOUT.fits(head)
 
 
@@ -90,7 +89,9 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     label = _labels(whole_numbers(kind, table.lines, "class number"), table.lines)
     rule = rule_for(ClassRule((), (), CLASSES), label, options)
     _check_objects(tables[0], options)
-    choice = choose_classes(label, rule, _by_name(options), table.lines)
+    numbers = {str(number): name for number, name in enumerate(CLASSES)}
+    classes = options.classes and tuple(numbers.get(name, name) for name in options.classes)
+    choice = choose_classes(label, rule, replace(options, classes=classes), table.lines)
     codes, labels = labelled(label, choice.keep & ~choice.ignore, options.objects)
     recording = object_array(names)[table.lines.file]
     scenes = [_scenes(file, files, frame[table.lines.file == i]) for i, file in enumerate(tables)]
@@ -154,14 +155,6 @@ def _check_objects(file: SourceFile, options: ReadOptions) -> None:
             file=file.name,
             steps=(Step(Remedy.OPTION, "speed sign", "objects"), Step(Remedy.CLASSES)),
         )
-
-
-def _by_name(options: ReadOptions) -> ReadOptions:
-    """The options with classes that are given by number named."""
-    if options.classes is None:
-        return options
-    numbers = {str(number): name for number, name in enumerate(CLASSES)}
-    return replace(options, classes=tuple(numbers.get(name, name) for name in options.classes))
 
 
 def _scenes(

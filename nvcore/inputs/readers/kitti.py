@@ -175,13 +175,12 @@ def _box_of_corners(
     return left, top, right - left + 1, bottom - top + 1
 
 
-def recognise_detections(name: str, head: str, role: Role) -> bool:
+def recognise_detections(_name: str, head: str, role: Role) -> bool:
     """Whether all rows have 15 numbers, or all have 6 with x2 > x1 and y2 > y1 throughout.
 
     Rows of 6 could be ``frame,x,y,w,h,score`` as well; there, sizes that exceed the positions in
     every single row do not occur.
     """
-    del name
     n_rows = len(head)  # all of them
     short, long = (replace(DETECTIONS, n_columns=(n,), whole=at) for n, at in _WHOLE.items())
     if role != "detections" or not short.fits(head, n_rows=n_rows):

@@ -38,9 +38,8 @@ MAX_TEXT_BYTES: Final = 1 << 14
 """Longest text, several times the longest path that systems take."""
 
 
-def recognise(name: str, head: str, role: Role) -> bool:
+def recognise(_name: str, head: str, _role: Role) -> bool:
     """Whether it begins as Parquet does, and is no text."""
-    del name, role
     return head.startswith(MAGIC) and "\x00" in head
 
 

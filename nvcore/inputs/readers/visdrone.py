@@ -61,12 +61,11 @@ def are_visdrones(kind: np.ndarray, truncation: np.ndarray, occlusion: np.ndarra
     )
 
 
-def recognise(name: str, head: str, role: Role) -> bool:
+def recognise(_name: str, head: str, _role: Role) -> bool:
     """Whether the rows have 8 numbers, the last four of them VisDrone's.
 
     MOTChallenge's 8 columns have the width of a box where the score would be.
     """
-    del name, role
     if not LAYOUT.fits(head):
         return False
     rows = [[number_of(field) for field in row[:8]] for row in rows_of_text(head)[:20]]

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.findings import Finding, Remedy, Step
+from nvcore.findings import Remedy, Step
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
     Format,
@@ -20,7 +20,7 @@ from nvcore.inputs.readers.base import (
     SourceFile,
     conversion_text,
     object_array,
-    warning,
+    rows_finding,
 )
 from nvcore.inputs.readers.meaning.classes import (
     choose_classes,
@@ -40,9 +40,8 @@ _SIZES: Final = ("bndbox/x", "bndbox/y", "bndbox/w", "bndbox/h")
 _COLUMNS = ("file", "line", *CORNERS, "difficult", "occluded", "score")
 
 
-def recognise(name: str, head: str, role: Role) -> bool:
+def recognise(_name: str, head: str, _role: Role) -> bool:
     """Whether the outermost element is ``<annotation>``, and it is not LabelMe's."""
-    del name, role
     return root_of(head) == "annotation" and foreign_format(head) is None
 
 
@@ -124,7 +123,17 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     # what a file that counts pixels from 1 cannot have
     is_before_first = choice.keep & ((x == -base) | (y == -base)) & (base != 0)
     findings = [
-        *_shapes(objects, files, options),
+        *rows_finding(
+            np.array([concerns_objects(shape[0], options) for shape in objects.shapes], bool),
+            "no-box",
+            options.objects.say("{Many} without <bndbox> are not boxes and were left out."),
+            "Annotate them as upright boxes.",
+            role=options.role,
+            place=lambda row: (
+                files[objects.shapes[row][1]].name,
+                f"line {objects.shapes[row][2]}: {objects.shapes[row][0]}",
+            ),
+        ),
         *lines.finding(
             is_before_first,
             "box-base",
@@ -202,25 +211,6 @@ def _add_object(
         values.append(number(text, f"<{names[0]}>", file, text_line))
     objects.numbers.extend(values)
     objects.label.append(label)
-
-
-def _shapes(objects: _Objects, files: Sequence[SourceFile], options: ReadOptions) -> list[Finding]:
-    """Pedestrians without a box."""
-    shapes = [shape for shape in objects.shapes if concerns_objects(shape[0], options)]
-    if not shapes:
-        return []
-    label, index, line = shapes[0]
-    return [
-        warning(
-            "no-box",
-            len(shapes),
-            options.objects.say("{Many} without <bndbox> are not boxes and were left out."),
-            "Annotate them as upright boxes.",
-            role=options.role,
-            file=files[index].name,
-            example=f"line {line}: {label}",
-        )
-    ]
 
 
 FORMAT = Format("voc", "Pascal VOC", BOTH_ROLES, (".xml",), recognise, read)

@@ -55,12 +55,11 @@ _INSIDE: Final = 0.01
 _OTHER_FILES = re.compile(r".*\.ya?ml|(?:train|val|valid|test)\.txt|.*\.data|.*\.cache")
 
 
-def recognise(name: str, head: str, role: Role) -> bool:
+def recognise(name: str, head: str, _role: Role) -> bool:
     """Whether the rows are a class number and 4 to 6 numbers, the first four of them shares.
 
     A list of class names is YOLO's, too: in its folder it comes before the first picture's file.
     """
-    del role
     if _is_extra(name):
         return is_class_file(name)
     rows = rows_of_text(head, delimiter=" ")[:20]

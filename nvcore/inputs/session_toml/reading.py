@@ -119,6 +119,10 @@ class _Decoder:
     def fail(self, message: str) -> SessionError:
         return SessionError(message, file=self.path)
 
+    def expect(self, is_met: bool, message: str) -> None:
+        if not is_met:
+            raise self.fail(message)
+
     @contextmanager
     def errors_in(self, where: str) -> Iterator[None]:
         """What a part of a session refuses is an error with the file and the table."""
@@ -129,15 +133,14 @@ class _Decoder:
 
     def session(self, content: dict[str, Any], needs_system: bool) -> Session:
         self.check_keys(content, _TABLES, "the session")
-        if len(self.tables(content, "system")) > MOST_SYSTEMS:
-            raise self.fail(f"system: expected at most {MOST_SYSTEMS:,}")
-        if "truth" not in content or (needs_system and not self.tables(content, "system")):
-            raise self.fail("expected a [truth] table and at least one [[system]]")
+        of_systems = self.tables(content, "system")
+        self.expect(len(of_systems) <= MOST_SYSTEMS, f"system: expected at most {MOST_SYSTEMS:,}")
+        self.expect(
+            "truth" in content and (len(of_systems) > 0 or not needs_system),
+            "expected a [truth] table and at least one [[system]]",
+        )
         truth = self.source(Source, self.table(content, "truth"), "[truth]")
-        systems = [
-            self.source(SystemSource, table, "[[system]]")
-            for table in self.tables(content, "system")
-        ]
+        systems = [self.source(SystemSource, table, "[[system]]") for table in of_systems]
         recordings = [self.recording(table) for table in self.tables(content, "recording")]
         defaults = self.values(_DEFAULTS, self.table(content, "defaults"), "[defaults]")
         with self.errors_in("[defaults]"):
@@ -208,10 +211,8 @@ class _Decoder:
         if key not in content:
             return None
         values = self.values(_TABLE_FILE, self.table(content, key), f"[{key}]")
-        if "path" not in values:
-            raise self.fail(f"[{key}]: expected a path")
-        if not values["path"]:
-            raise self.fail(f"[{key}]: path: expected a file, found nothing")
+        self.expect("path" in values, f"[{key}]: expected a path")
+        self.expect(values["path"] != "", f"[{key}]: path: expected a file, found nothing")
         with self.errors_in(f"[{key}]"):
             check_path("path", values["path"])
         return str(values["path"])
@@ -229,8 +230,8 @@ class _Decoder:
         """A dataclass from the table with its fields."""
         values = self.values(get_type_hints(kind), table, where)
         for spec in fields(kind):  # type: ignore[arg-type]
-            if spec.default is MISSING and spec.name not in values:
-                raise self.fail(f"{where}: expected a {spec.name}")
+            is_there = spec.name in values or spec.default is not MISSING
+            self.expect(is_there, f"{where}: expected a {spec.name}")
         with self.errors_in(where):
             return kind(**values)
 
@@ -258,15 +259,14 @@ class _Decoder:
                 raise self.fail(f"{where} has no key {key!r}; {hint}")
 
     def table(self, content: dict[str, Any], key: str) -> dict[str, Any]:
-        table = content.get(key, {})
-        if not isinstance(table, dict):
-            raise self.fail(f"expected [{key}] to be a table")
+        table: dict[str, Any] = content.get(key, {})
+        self.expect(isinstance(table, dict), f"expected [{key}] to be a table")
         return table
 
     def tables(self, content: dict[str, Any], key: str) -> list[dict[str, Any]]:
-        tables = content.get(key, [])
-        if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
-            raise self.fail(f"expected [[{key}]] to be a list of tables")
+        tables: list[dict[str, Any]] = content.get(key, [])
+        are_tables = isinstance(tables, list) and all(isinstance(part, dict) for part in tables)
+        self.expect(are_tables, f"expected [[{key}]] to be a list of tables")
         return tables
 
 

@@ -31,11 +31,6 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
     session = session.with_paths(lambda path: _absolute(path, folder), folder=folder)
     table = session.recordings_file
     pipes = [path for path in session.paths() if is_pipe(Path(path))]
-    defaults = {
-        "size": None if session.size is None else f"{session.size[0]}x{session.size[1]}",
-        "fps": session.fps,
-        "frames": session.frames,
-    }
     content: dict[str, Any] = {
         "written": {
             "version": version,
@@ -59,7 +54,13 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
         "protocol": session.protocol.given(),
         "recordings": {} if table is None else {"path": table.path},
         "codes": {} if session.codes_file is None else {"path": session.codes_file},
-        "defaults": _given(defaults),
+        "defaults": _given(
+            {
+                "size": None if session.size is None else f"{session.size[0]}x{session.size[1]}",
+                "fps": session.fps,
+                "frames": session.frames,
+            }
+        ),
         "truth": _source_table(session.truth),
         **{name: _given(vars(getattr(session, name))) for name in TABLES_OF_SUBJECTS},
     }
@@ -117,14 +118,12 @@ def _source_table(source: Source) -> dict[str, Any]:
 
 
 def _corrections(system: SystemSource) -> dict[str, Any]:
-    table: dict[str, Any] = {}
-    if system.frame_step != 1:
-        table["frame_step"] = system.frame_step
-    if system.offset_frames:
-        table["offset_frames"] = system.offset_frames
-    if any(system.offset_px):
-        table["offset_px"] = list(system.offset_px)
-    if system.scale != (1, 1):
-        across, down = system.scale
-        table["scale"] = across if across == down else [across, down]
-    return table
+    across, down = system.scale
+    table: dict[str, Any] = {
+        "frame_step": system.frame_step,
+        "offset_frames": system.offset_frames,
+        "offset_px": list(system.offset_px),
+        "scale": across if across == down else [across, down],
+    }
+    usual = {"frame_step": 1, "offset_frames": 0, "offset_px": [0, 0], "scale": 1}
+    return {name: value for name, value in table.items() if value != usual[name]}

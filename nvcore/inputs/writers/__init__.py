@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import lzma
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -110,18 +110,17 @@ def write(
     InputError
         If a file cannot be written or exists, or the format cannot hold what is to be written.
     """
-    if format_name == "csv":
-        contents = {path: to_csv_bytes(_table(reading, role, objects), digits=None)}
-    elif format_name == "parquet":
-        contents = {path: to_parquet_bytes(_table(reading, role, objects))}
-    elif format_name == "coco":
-        contents = {path: coco_bytes(reading, role, truth, objects)}
-    elif format_name == "mot":
-        contents = mot_files(reading, path, role)
-    else:
+    writers: dict[str, Callable[[], dict[Path, bytes]]] = {
+        "csv": lambda: {path: to_csv_bytes(_table(reading, role, objects), digits=None)},
+        "parquet": lambda: {path: to_parquet_bytes(_table(reading, role, objects))},
+        "coco": lambda: {path: coco_bytes(reading, role, truth, objects)},
+        "mot": lambda: mot_files(reading, path, role),
+    }
+    if format_name not in writers:
         raise UnknownFormatError(
             f"{format_name!r} cannot be written; the formats to write are {', '.join(FORMATS)}"
         )
+    contents = writers[format_name]()
     packed = {target: packed_as(target.name, content) for target, content in contents.items()}
     return _write_files(packed, inputs, force)
 
@@ -172,13 +171,12 @@ def write_frame_lists(
 def _write_files(contents: dict[Path, bytes], inputs: Sequence[Path], force: bool) -> list[Path]:
     """Write all of them, or none if one must not be written over."""
     for target in contents:
-        if not target.is_file():
-            continue
-        if any(path.is_file() and target.samefile(path) for path in inputs):
+        exists = target.is_file()
+        if exists and any(path.is_file() and target.samefile(path) for path in inputs):
             raise InputError("is the input; give another file to write", file=target)
-        if not force:
-            force_step = Step(Remedy.OPTION, "", "force")
-            raise InputError("exists; give another file to write", file=target, steps=(force_step,))
+        if exists and not force:
+            steps = (Step(Remedy.OPTION, "", "force"),)
+            raise InputError("exists; give another file to write", file=target, steps=steps)
     for target, content in contents.items():
         write_whole(target, content)
     return list(contents)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
@@ -54,64 +55,41 @@ def _coco_truth(reading: Reading, sides: np.ndarray, objects: Objects) -> dict[s
     images = _image_list(reading)
     videos = {name: number for number, name in enumerate(images["recording"].unique(), 1)}
     facts = reading.recordings.set_index("name")
-    sizes = {name: _known(facts, name, ("width", "height")) for name in videos}
-    entries = []
-    for recording, frame, image_id in images[["recording", "frame", "image_id"]].itertuples(
-        index=False, name=None
-    ):
-        entry = {
+    sizes = {name: _facts_of(facts, name, ("width", "height")) for name in videos}
+    places = images[["recording", "frame", "image_id"]].itertuples(index=False, name=None)
+    entries = [
+        {
             "id": image_id,
             "file_name": _file_name(recording, frame),
             "video_id": videos[recording],
             "frame_index": frame,
+            **sizes[recording],
         }
-        entries.append(entry | sizes[recording])
+        for recording, frame, image_id in places
+    ]
     ids = _ids(boxes, images)
     id_of, category = categories(reading, objects)
-    rows = []
-    # one object a box is what JSON wants: a loop
-    for number, (image_id, kind, box, ignore, track, distance, occlusion, seen, texts) in enumerate(
-        zip(
-            ids,
-            category.tolist(),
-            sides.tolist(),
-            boxes["ignore"].tolist(),
-            boxes["track"].tolist(),
-            boxes["distance_m"].tolist(),
-            boxes["occlusion"].tolist(),
-            boxes["detectability"].tolist(),
-            attribute_texts(reading),
-            strict=True,
-        ),
-        1,  # id 0 counts as "no match" in COCO's own evaluation
-    ):
-        row = {
-            "id": number,
-            "image_id": image_id,
-            "category_id": kind,
-            "bbox": box,
-            "area": box[2] * box[3],
-            "iscrowd": 0,
-            "ignore": int(ignore),
-        }
-        if track != NO_TRACK:
-            row["track_id"] = track
-        if np.isfinite(distance):
-            row["distance_m"] = distance
-        if occlusion != UNKNOWN_OCCLUSION:
-            row["occlusion"] = occlusion
-        if np.isfinite(seen):
-            row["detectability"] = seen
-        if isinstance(texts, str):
-            row["attributes"] = texts
-        rows.append(row)
+    columns = {
+        "id": np.arange(1, len(boxes) + 1),  # 0 counts as "no match" in COCO's own evaluation
+        "image_id": ids,
+        "category_id": category,
+        "bbox": sides.tolist(),
+        "area": sides[:, 2] * sides[:, 3],
+        "iscrowd": 0,
+        "ignore": boxes["ignore"].astype(int),
+        "track_id": _known(boxes["track"], NO_TRACK),
+        "distance_m": _known(boxes["distance_m"]),
+        "occlusion": _known(boxes["occlusion"], UNKNOWN_OCCLUSION),
+        "detectability": _known(boxes["detectability"]),
+        "attributes": attribute_texts(reading),
+    }
     return {
         "videos": [
-            {"id": number, "name": name} | _known(facts, name, ("width", "height", "fps"))
+            {"id": number, "name": name} | _facts_of(facts, name, ("width", "height", "fps"))
             for name, number in videos.items()
         ],
         "images": entries,
-        "annotations": rows,
+        "annotations": _rows(columns, boxes.index),
         "categories": [{"id": number, "name": name} for name, number in id_of.items()],
     }
 
@@ -126,23 +104,30 @@ def _coco_results(
         key = "image_filepath"
         names = zip(boxes["recording"].tolist(), boxes["frame"].tolist(), strict=True)
         places = [_file_name(recording, frame) for recording, frame in names]
-    rows = []
-    # one object a box is what JSON wants: a loop
-    for place, kind, box, score, track in zip(
-        places,
-        category_ids(reading, truth, objects),
-        sides.tolist(),
-        boxes["score"].tolist(),
-        boxes["track"].tolist(),
-        strict=True,
-    ):
-        row: dict[str, object] = {key: place, "category_id": kind, "bbox": box}
-        if np.isfinite(score):
-            row["score"] = score
-        if track != NO_TRACK:
-            row["track_id"] = track
-        rows.append(row)
-    return rows
+    columns = {
+        key: places,
+        "category_id": category_ids(reading, truth, objects),
+        "bbox": sides.tolist(),
+        "score": _known(boxes["score"]),
+        "track_id": _known(boxes["track"], NO_TRACK),
+    }
+    return _rows(columns, boxes.index)
+
+
+def _known(column: pd.Series, unknown: int | None = None) -> pd.Series:
+    """The column, with None in place of numbers that are not finite, or of this one."""
+    is_known = np.isfinite(column) if unknown is None else column != unknown
+    return column.astype(object).where(is_known, None)
+
+
+def _rows(columns: Mapping[str, object], index: pd.Index) -> list[dict[str, object]]:
+    """JSON objects, one a row, without what is missing."""
+    table = pd.DataFrame(columns, index=index).astype(object)
+    rows = table.where(table.notna(), None).itertuples(index=False, name=None)
+    return [
+        {name: value for name, value in zip(columns, row, strict=True) if value is not None}
+        for row in rows
+    ]
 
 
 def _image_list(reading: Reading) -> pd.DataFrame:
@@ -178,7 +163,7 @@ def _file_name(recording: str, frame: int) -> str:
     return f"{recording}/{frame:06d}.png"
 
 
-def _known(facts: pd.DataFrame, recording: str, names: tuple[str, ...]) -> dict[str, object]:
+def _facts_of(facts: pd.DataFrame, recording: str, names: tuple[str, ...]) -> dict[str, object]:
     """What is known of a recording, whole numbers as such."""
     if recording not in facts.index:
         return {}

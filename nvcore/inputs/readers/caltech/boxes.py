@@ -39,9 +39,8 @@ RULE = ClassRule(
 )
 
 
-def recognise(name: str, head: str, role: Role) -> bool:
+def recognise(_name: str, head: str, role: Role) -> bool:
     """Whether the text begins with the bbGt header, or has 10 fields as version 0 has them."""
-    del name
     has_header = head.removeprefix("\ufeff").startswith(HEADER)
     return role == "truth" and (has_header or replace(LAYOUT, n_columns=(10,)).fits(head))
 

@@ -39,12 +39,11 @@ LAYOUT = TextLayout((6,), "image number or frame,x,y,w,h,score", whole=(0,))
 _SEQUENCE = re.compile(r"V\d+", re.IGNORECASE)
 
 
-def recognise(name: str, head: str, role: Role) -> bool:
+def recognise(_name: str, head: str, role: Role) -> bool:
     """Whether the rows have 6 numbers, the first of them whole and at least 1.
 
     Corners (``frame,x1,y1,x2,y2,score``) look the same: ``kitti-detections`` is tried first.
     """
-    del name
     n_rows = 50
     return (
         role == "detections"

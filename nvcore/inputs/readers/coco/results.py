@@ -73,18 +73,14 @@ KIND: Final = "category_name"
 _WRAPPED = re.compile(r'"annotations"\s*:\s*\[')
 
 
-def recognise(name: str, head: str, role: Role) -> bool:
+def recognise(_name: str, head: str, _role: Role) -> bool:
     """Whether the text is a JSON list of objects with bbox and image, wrapped or not, or empty."""
-    del name
     text = head.lstrip("\ufeff \t\r\n")
-    if role != "detections":
-        return False
     if text.startswith("{"):
         return _WRAPPED.search(text) is not None and foreign_format(text) is None
-    if re.match(r"\[\s*\]\s*$", text):
-        return True
     has_fields = _FIELDS.search(text) is not None and _IMAGE.search(text) is not None
-    return re.match(r"\[\s*\{", text) is not None and has_fields
+    is_empty = re.match(r"\[\s*\]\s*$", text) is not None
+    return is_empty or (re.match(r"\[\s*\{", text) is not None and has_fields)
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:

@@ -73,9 +73,8 @@ _HIGH_SHARE: Final = 0.8
 """Share of masks in such a file that are not wider than high; crowds are wide. (Our choice.)"""
 
 
-def recognise(name: str, head: str, role: Role) -> bool:
+def recognise(_name: str, head: str, role: Role) -> bool:
     """Whether the text is a JSON object with COCO's lists."""
-    del name
     text = head.lstrip("\ufeff \t\r\n")
     has_lists = text.startswith("{") and _LIST.search(text) is not None
     return role == "truth" and has_lists and foreign_format(text) is None

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from array import array
-from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Final
@@ -22,7 +21,7 @@ from nvcore.inputs.readers.base import (
     best_overlaps,
     conversion_text,
     joined_findings,
-    warning,
+    rows_finding,
 )
 from nvcore.inputs.readers.meaning.classes import (
     choose_classes,
@@ -452,9 +451,12 @@ def boxes_reading(
     sides = _upright(boxes[CORNERS].to_numpy(), column["rotation"])
     is_double = _is_double(boxes.assign(**dict(zip("xywh", sides, strict=True))))
     keep = choice.keep & ~is_double
-    n_rotated = int((keep & (np.nan_to_num(column["rotation"]) != 0)).sum())
-    n_outlines = int((keep & column["is_outline"]).sum())
-    n_doubles = int((choice.keep & is_double).sum())
+    changed = {
+        "rotated boxes replaced by the upright box around them": keep
+        & (np.nan_to_num(column["rotation"]) != 0),
+        "polygons, ellipses or masks replaced by the box around them": keep & column["is_outline"],
+        "polygons, ellipses or masks on a box of the same label left out": choice.keep & is_double,
+    }
     upright = lines.boxes(
         sides,
         keep=keep,
@@ -475,13 +477,7 @@ def boxes_reading(
         choice.fact,
         ignoring if is_truth else "",
         "other attributes as classes of encounters" if attributes is not None else "",
-        f"{n_rotated} rotated boxes replaced by the upright box around them" if n_rotated else "",
-        f"{n_outlines} polygons, ellipses or masks replaced by the box around them"
-        if n_outlines
-        else "",
-        f"{n_doubles} polygons, ellipses or masks on a box of the same label left out"
-        if n_doubles
-        else "",
+        *(f"{rows.sum()} {what}" for what, rows in changed.items() if rows.any()),
     ]
     return Reading(
         boxes=upright,
@@ -546,19 +542,15 @@ def _upright(corners: np.ndarray, rotation: np.ndarray) -> np.ndarray:
 def other_shapes(content: CvatContent, file: SourceFile, options: ReadOptions) -> list[Finding]:
     """Return a warning of pedestrians drawn as lines, points and other shapes without a box."""
     shapes = [shape for shape in content.other_shapes if concerns_objects(shape[1], options)]
-    if not shapes:
-        return []
-    kinds = Counter(kind for kind, _, _ in shapes)
-    listed = ", ".join(sorted(kinds))
-    kind, label, line = shapes[0]
-    return [
-        warning(
-            "no-box",
-            len(shapes),
-            options.objects.say("{Many} drawn as ") + f"{listed} were left out.",
-            "Draw boxes, polygons, ellipses or masks in CVAT and export again.",
-            role=options.role,
-            file=file.name,
-            example=f"line {line}: {kind} of {label}",
-        )
-    ]
+    kinds = ", ".join(sorted({kind for kind, _, _ in shapes}))
+    return rows_finding(
+        np.ones(len(shapes), dtype=bool),
+        "no-box",
+        options.objects.say("{Many} drawn as ") + f"{kinds} were left out.",
+        "Draw boxes, polygons, ellipses or masks in CVAT and export again.",
+        role=options.role,
+        place=lambda row: (
+            file.name,
+            f"line {shapes[row][2]}: {shapes[row][0]} of {shapes[row][1]}",
+        ),
+    )

@@ -39,9 +39,8 @@ from nvcore.schema import NO_TRACK
 _ANNOTATION = re.compile(r"<mode>\s*annotation\s*</mode>")
 
 
-def recognise(name: str, head: str, role: Role) -> bool:
+def recognise(_name: str, head: str, _role: Role) -> bool:
     """Whether it is CVAT's XML with images, or with neither images nor tracks from pictures."""
-    del name, role
     if root_of(head) != "annotations" or re.search(r"<track\s", head):
         return False
     return bool(re.search(r"<image\s", head) or _ANNOTATION.search(head))

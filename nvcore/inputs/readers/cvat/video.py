@@ -138,9 +138,8 @@ MAX_FRAMES: Final = 10_000_000
 _INTERPOLATION = re.compile(r"<mode>\s*interpolation\s*</mode>")
 
 
-def recognise(name: str, head: str, role: Role) -> bool:
+def recognise(_name: str, head: str, _role: Role) -> bool:
     """Whether it is CVAT's XML with tracks, or with neither tracks nor images from a video."""
-    del name, role
     if root_of(head) != "annotations" or re.search(r"<image\s", head):
         return False
     return bool(re.search(r"<track\s", head) or _INTERPOLATION.search(head))

@@ -70,6 +70,10 @@ def first_other(values: Sequence[object], allowed: set[type]) -> int | None:
 
 
 _NO_BOX: Final = [math.nan] * 4
+_MASKS: Final = (
+    "masks (RLE) alone, which are not read: add the box around each mask, as "
+    "pycocotools.mask.toBbox gives it"
+)
 
 
 class Records:
@@ -185,20 +189,13 @@ class Records:
                 for value, shape, lacks in zip(values, shapes, is_lacking, strict=True)
             ]
             if all(is_lacking) and values == [_NO_BOX] * len(values):
-                is_mask = isinstance(shapes[0], dict)
-                content = "none"
-                if is_mask:
-                    content = (
-                        "masks (RLE) alone, which are not read: add the box around each mask, as "
-                        "pycocotools.mask.toBbox gives it"
-                    )
-                raise self.error(0, f'expected the field "bbox", found {content}')
+                found = _MASKS if isinstance(shapes[0], dict) else "none"
+                raise self.error(0, f'expected the field "bbox", found {found}')
         expected = "bbox [x, y, width, height]"
         self.check_types(values, {list}, expected)
         boxes: list[list[object]] = values  # type: ignore[assignment]
         if not set(map(len, boxes)) <= {4}:
-            first = next(i for i, box in enumerate(boxes) if len(box) != 4)
-            box = boxes[first]
+            first, box = next((i, box) for i, box in enumerate(boxes) if len(box) != 4)
             raise self.error(
                 first, f"expected {expected}, found {len(box)} values: {short_json(box)}"
             )
@@ -237,15 +234,13 @@ def _line_of_record(text: str, key: str, index: int) -> int | None:
     start = re.search(rf'"{key}"\s*:\s*\[', text) if key else re.search(r"\[", text)
     if start is None:
         return None
-    position = start.end()
-    decoder = json.JSONDecoder()
-    begin = position
+    begin = position = start.end()
     for _ in range(index + 1):
         separator = re.compile(r"[\s,]*").match(text, position)
         assert separator is not None
         begin = separator.end()
         try:
-            position = decoder.raw_decode(text, begin)[1]
+            position = json.JSONDecoder().raw_decode(text, begin)[1]
         except ValueError:
             return None
     return text.count("\n", 0, begin) + 1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from io import StringIO
@@ -113,6 +113,12 @@ class TextTable:
         """An error that names the line of a row, for the caller to raise."""
         return FormatError(message, file=self.name, line=int(self.lines[row]))
 
+    def refuse(self, is_wrong: NDArray[np.bool_], message: Callable[[int], str]) -> None:
+        """Raise FormatError for the first row that is wrong, with what `message` says of it."""
+        if is_wrong.any():
+            row = int(np.argmax(is_wrong))
+            raise self.fault(row, message(row))
+
     def texts(self, column: str, *, may_be_empty: bool = False) -> NDArray[np.object_]:
         """The column as text, without the apostrophe that keeps spreadsheets from running it.
 
@@ -122,9 +128,8 @@ class TextTable:
             With the first line where it is empty.
         """
         texts = self.fields[column]
-        is_empty = texts == ""
-        if not may_be_empty and is_empty.any():
-            raise self.fault(int(np.argmax(is_empty)), f"{column} is empty")
+        if not may_be_empty:
+            self.refuse(texts == "", lambda _row: f"{column} is empty")
         return texts
 
     def numbers(
@@ -175,11 +180,10 @@ class TextTable:
         numbers = self.numbers(column, low=low, high=MAX_INTEGER, may_be_empty=may_be_empty)
         if may_be_empty:
             numbers[np.isnan(numbers)] = if_empty
-        is_broken = numbers != np.floor(numbers)
-        if is_broken.any():
-            row = int(np.argmax(is_broken))
-            text = f"{column}: expected a whole number, found {self.fields[column][row]}"
-            raise self.fault(row, text)
+        self.refuse(
+            numbers != np.floor(numbers),
+            lambda row: f"{column}: expected a whole number, found {self.fields[column][row]}",
+        )
         return numbers.astype(np.int64)
 
     def flags(self, column: str) -> NDArray[np.bool_]:
@@ -191,9 +195,10 @@ class TextTable:
             With the first line of another field.
         """
         texts = [text.lower() for text in self.fields[column]]
-        for row, text in enumerate(texts):
-            if text not in _FLAGS:
-                raise self.fault(row, f"{column}: expected 1 or 0, found {shortened(text, 40)!r}")
+        self.refuse(
+            np.array([text not in _FLAGS for text in texts], dtype=np.bool_),
+            lambda row: f"{column}: expected 1 or 0, found {shortened(texts[row], 40)!r}",
+        )
         return np.array([_FLAGS[text] for text in texts], dtype=np.bool_)
 
     def unique(self, columns: Sequence[str], message: str) -> None:
@@ -299,23 +304,21 @@ def read_series(
     """
     table = read_table(path, what=what, required=("time_s", column))
     time_s = table.numbers("time_s")
-    is_absurd = np.abs(time_s) > LONGEST_S
-    if is_absurd.any():
-        row = int(is_absurd.argmax())
-        raise table.fault(
-            row,
+    table.refuse(
+        np.abs(time_s) > LONGEST_S,
+        lambda row: (
             f"time_s: expected seconds from {zero} of the recording, {-LONGEST_S:g} to "
-            f"{LONGEST_S:g}, found {time_s[row]:g}; subtract the time of {zero}",
-        )
+            f"{LONGEST_S:g}, found {time_s[row]:g}; subtract the time of {zero}"
+        ),
+    )
     readings = table.numbers(column, low=0, high=high)
-    backwards = np.flatnonzero(np.diff(time_s) <= 0)
-    if len(backwards):
-        row = int(backwards[0]) + 1
-        raise table.fault(
-            row,
+    table.refuse(
+        np.diff(time_s, prepend=-np.inf) <= 0,
+        lambda row: (
             f"time_s: expected a time after {time_s[row - 1]:g} of the row before, "
-            f"found {time_s[row]:g}",
-        )
+            f"found {time_s[row]:g}"
+        ),
+    )
     return time_s, readings
 
 
