@@ -74,11 +74,14 @@ def with_files(
     """
     rows = pd.DataFrame({"file": files, "sha256": digests})
     rows = rows.assign(subject=subject, format=form, conversion=conversion)[list(dataset.inputs)]
-    changed = changed_input(subject, files, digests, session.hashes)
     return replace(
         dataset,
         inputs=pd.concat([dataset.inputs, rows], ignore_index=True),
-        findings=(*dataset.findings, *changed, *findings),
+        findings=(
+            *dataset.findings,
+            *changed_input(subject, files, digests, session.hashes),
+            *findings,
+        ),
         fingerprint=hashlib.sha256(f"{dataset.fingerprint}\n".encode() + says).hexdigest(),
         **changes,
     )

@@ -14,11 +14,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+
 from nvcore.codes import COLUMNS, CodedInterval
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, ParameterError
 from nvcore.findings import Finding
-from nvcore.inputs.readers.base import warning
+from nvcore.inputs.readers.base import rows_finding
 from nvcore.inputs.readers.parse.table import read_table
 from nvcore.inputs.session import Session
 from nvcore.schema import SAME_S
@@ -57,8 +59,8 @@ def with_codes(session: Session, names: Sequence[str]) -> Session:
             if line:
                 raise InputError(text, file=file, line=line)
             raise InputError(f"[[code]]: {text}")
-    called = (replace(of, recording=title_of[of.recording]) for of, _ in rows)
-    return replace(session, codes=tuple(dict.fromkeys(called)), codes_file=None)
+    called = dict.fromkeys(replace(of, recording=title_of[of.recording]) for of, _ in rows)
+    return replace(session, codes=tuple(called), codes_file=None)
 
 
 def codes_beyond(dataset: Dataset, codes: Sequence[CodedInterval]) -> list[Finding]:
@@ -72,20 +74,16 @@ def codes_beyond(dataset: Dataset, codes: Sequence[CodedInterval]) -> list[Findi
         or of.start_s > span["max"] + SAME_S
         or of.end_s < span["min"] - SAME_S
     ]
-    if not beyond:
-        return []
-    first = beyond[0]
-    return [
-        warning(
-            "code-beyond-recording",
-            len(beyond),
-            f"{count_text(len(beyond), 'coded interval')} of {len(codes):,} "
-            f"{'lies' if len(beyond) == 1 else 'lie'} outside of the evaluated frames.",
-            "Give times in seconds since the recording's first evaluated frame.",
-            role="codes",
-            example=f"{first.recording}, {first.start_s:g} to {first.end_s:g} s, {first.code}",
-        )
-    ]
+    shown = [f"{of.recording}, {of.start_s:g} to {of.end_s:g} s, {of.code}" for of in beyond]
+    return rows_finding(
+        np.ones(len(beyond), dtype=bool),
+        "code-beyond-recording",
+        f"{count_text(len(beyond), 'coded interval')} of {len(codes):,} "
+        f"{'lies' if len(beyond) == 1 else 'lie'} outside of the evaluated frames.",
+        "Give times in seconds since the recording's first evaluated frame.",
+        role="codes",
+        place=lambda row: ("", shown[row]),
+    )
 
 
 def read_codes(path: Path) -> list[tuple[CodedInterval, int]]:

@@ -133,8 +133,7 @@ def convert(arguments: ConvertArguments) -> Conversion:
         steps += [Step(Remedy.OPTION, "", "frames_out")] * (frames_out is None)
     lists: list[Path] = []
     if lost is not None and frames_out is not None:
-        files_involved = [*inputs, *outputs]
-        lists = write_frame_lists(lost.frames, frames_out, inputs=files_involved, force=force)
+        lists = write_frame_lists(lost.frames, frames_out, inputs=[*inputs, *outputs], force=force)
     return Conversion(
         files=tuple(outputs),
         frame_files=tuple(lists),
@@ -197,24 +196,21 @@ def _with_size(reading: Reading, size: tuple[int, int] | None) -> tuple[Reading,
     is_unknown = ~(table[sides] > 0).all(axis=1)
     table.loc[is_unknown, sides] = [float(side) for side in size]
     n_others = int((table[sides].to_numpy() != size).any(axis=1).sum())
-    warnings = []
-    if n_others:
-        warnings.append(
-            f"the data say another size than the given one for {n_others} of {len(table)} "
-            "recordings; theirs is written"
-        )
-    return replace(reading, recordings=table), warnings
+    text = (
+        f"the data say another size than the given one for {n_others} of {len(table)} "
+        "recordings; theirs is written"
+    )
+    return replace(reading, recordings=table), [text] * (n_others > 0)
 
 
 def _unknown_sizes(reading: Reading) -> list[str]:
     """A warning about recordings whose size is not known, if there are any."""
     n_unknown = int((~(reading.recordings[["width", "height"]] > 0).all(axis=1)).sum())
-    if not n_unknown:
-        return []
-    return [
+    text = (
         f"the image size of {n_unknown} of {len(reading.recordings)} recordings is not known, and "
         "their images have no width and height, which many tools want"
-    ]
+    )
+    return [text] * (n_unknown > 0)
 
 
 def _lost(lost: LostFrames, to: str) -> str:

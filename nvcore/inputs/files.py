@@ -52,13 +52,10 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
         If the format cannot be recognised.
     """
     declared = None if source.format is None else format_named(source.format)
-    listed: list[SourceFile] = []
-    for text in source.path:
-        listed += _expand(text, folder, role, declared)
+    listed = [file for text in source.path for file in _expand(text, folder, role, declared)]
     for file in listed:
         _check_name(file.path)
-    unique = {file.path: file for file in listed}
-    files = list(unique.values())
+    files = list({file.path: file for file in listed}.values())
     # a seqinfo.ini sent along is read as what it is: facts about the recording beside it
     files = [file for file in files if file.path.name.lower() != "seqinfo.ini"] or files
     if declared is not None and role not in declared.roles:
@@ -112,9 +109,9 @@ def _is_frame_list(files: Sequence[SourceFile]) -> bool:
         return False
     lines = head.removeprefix(b"\xef\xbb\xbf").splitlines()
     if len(head) == HEAD_BYTES:
-        lines = lines[:-1]  # cut off
-    lines = [line for line in lines if line.strip()]
-    return bool(lines) and all(re.fullmatch(rb"\s*-?\d{1,15}\s*", line) for line in lines)
+        lines.pop()  # cut off
+    numbers = [line for line in lines if line.strip()]
+    return bool(numbers) and all(re.fullmatch(rb"\s*-?\d{1,15}\s*", line) for line in numbers)
 
 
 def _expand(text: str, folder: Path, role: Role, declared: Format | None) -> list[SourceFile]:
@@ -280,8 +277,7 @@ def located(files: Sequence[SourceFile]) -> Iterator[None]:
 def path_to_show(path: Path) -> str:
     """The path of one file, relative to the current folder for a file below it."""
     path = Path(os.path.abspath(path))  # noqa: PTH100  # as in _shown
-    is_near = path.is_relative_to(Path.cwd())
-    return (path.relative_to(Path.cwd()) if is_near else path).as_posix()
+    return (path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path).as_posix()
 
 
 def _check_name(path: Path) -> None:

@@ -41,12 +41,13 @@ def changed_input(
     if before is None or before == source_hash(digests):
         return []
     which = "" if len(files) == 1 else f": one or more of its {len(files):,} files"
-    finding = warning(
-        "input-changed",
-        len(digests),
-        f"The input has changed since the session file was written{which}.",
-        "The results will differ from those of then; find out which files are meant.",
-        role=subject,
-        file=files[0] if len(files) == 1 else "",
-    )
-    return [finding]
+    return [
+        warning(
+            "input-changed",
+            len(digests),
+            f"The input has changed since the session file was written{which}.",
+            "The results will differ from those of then; find out which files are meant.",
+            role=subject,
+            file=files[0] if len(files) == 1 else "",
+        )
+    ]

@@ -14,7 +14,7 @@ from nvcore.errors import InputError, MissingFactError
 from nvcore.file_kinds import as_stored
 from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
 from nvcore.inputs.evaluated_frames import MIN_SAMPLED
-from nvcore.inputs.readers.base import Reading, warning
+from nvcore.inputs.readers.base import Reading, rows_finding, warning
 from nvcore.inputs.session import Session
 from nvcore.wording import MOST_NAMED, count_text, did_you_mean, listed
 
@@ -63,15 +63,16 @@ def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding
             continue
         first = int(np.argmax(differs))
         given_text, stated_text = ("x".join(f"{v:g}" for v in row[first]) for row in (ours, theirs))
-        finding = warning(
-            "contradicted-fact",
-            int(np.count_nonzero(differs)),
-            f"The {quantity} given ({given_text}) is not that of the data ({stated_text}).",
-            "Do not give it where the data hold it.",
-            role="truth",
-            example=f"recording {recordings['name'].iloc[first]}",
+        findings.append(
+            warning(
+                "contradicted-fact",
+                int(np.count_nonzero(differs)),
+                f"The {quantity} given ({given_text}) is not that of the data ({stated_text}).",
+                "Do not give it where the data hold it.",
+                role="truth",
+                example=f"recording {recordings['name'].iloc[first]}",
+            )
         )
-        findings.append(finding)
     return findings
 
 
@@ -86,29 +87,22 @@ def is_missing(session: Session, path: str) -> bool:
 
 def missing_pictures(session: Session, names: Sequence[str]) -> list[Finding]:
     """Pictures that the session names for a recording and that are not there."""
-    entries = session.entries(list(names))
     missing = [
-        (name, path)
-        for name, entry in entries.items()
+        (path, f"recording {name}")
+        for name, entry in session.entries(list(names)).items()
         for path in (entry.pictures, entry.visible)
         if path is not None and is_missing(session, path)
     ]
-    if not missing:
-        return []
-    name, path = missing[0]
-    return [
-        warning(
-            "missing-pictures",
-            len(missing),
-            f"{count_text(len(missing), 'recording has', 'recordings have')} pictures named that "
-            "are not there: no file or folder has that path.",
-            "Correct the path, which starts from the folder of the file that names it. The numbers "
-            "need no pictures.",
-            role="truth",
-            file=path,
-            example=f"recording {name}",
-        )
-    ]
+    return rows_finding(
+        np.ones(len(missing), dtype=bool),
+        "missing-pictures",
+        f"{count_text(len(missing), 'recording has', 'recordings have')} pictures named that "
+        "are not there: no file or folder has that path.",
+        "Correct the path, which starts from the folder of the file that names it. The numbers "
+        "need no pictures.",
+        role="truth",
+        place=missing.__getitem__,
+    )
 
 
 def single_frames(truth: Reading, names: Sequence[str], n_frames: np.ndarray) -> list[Finding]:

@@ -147,13 +147,10 @@ def read_recordings_file(path: Path, name: str) -> dict[str, tuple[int, Recordin
 
 def _rows(file: SourceFile) -> Iterator[tuple[int, list[str]]]:
     """Line number and cells of each row that is not empty, white space around cells removed."""
-    with file.open() as stream:
-        is_large = len(stream.read(MAX_BYTES + 1)) > MAX_BYTES
-    if is_large:
+    if file.is_larger_than(MAX_BYTES):
         raise file.fault(f"expected a table of recordings, found more than {MAX_BYTES >> 20} MiB")
     text = read_text(file)
-    first = text.lstrip().split("\n", 1)[0]
-    delimiter = max(",;\t", key=first.count)
+    delimiter = max(",;\t", key=text.lstrip().split("\n", 1)[0].count)
     reader = csv.reader(StringIO(text, newline=""), delimiter=delimiter, strict=True)
     try:
         for cells in reader:

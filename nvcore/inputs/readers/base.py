@@ -114,6 +114,12 @@ class Lines:
         file: SourceFile = self.files[self.file[row]]
         return file.fault(message, self.line[row], steps)
 
+    def refuse(self, is_wrong: np.ndarray, message: Callable[[int], str]) -> None:
+        """Raise FormatError for the first row that is wrong, with what `message` says of it."""
+        if is_wrong.any():
+            row = int(np.argmax(is_wrong))
+            raise self.fault(row, message(row))
+
     def boxes(
         self, box: Iterable[object], *, keep: np.ndarray | None = None, **columns: object
     ) -> pd.DataFrame:
@@ -391,7 +397,7 @@ def rows_finding(
     message: str,
     advice: str,
     *,
-    role: Role,
+    role: str,
     place: Callable[[int], tuple[str, str]],
     severity: Severity = Severity.WARNING,
     steps: tuple[Step, ...] = (),

@@ -86,7 +86,12 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     assert table.label is not None
     left, top, right, bottom, kind = table.columns
     frame = _frames(table.label, table.lines)
-    label = _labels(whole_numbers(kind, table.lines, "class number"), table.lines)
+    number = whole_numbers(kind, table.lines, "class number")
+    table.lines.refuse(
+        (number < 0) | (number >= len(CLASSES)),
+        lambda row: f"expected a class from 0 to {len(CLASSES) - 1}, found {number[row]}",
+    )
+    label = object_array(CLASSES)[number]
     rule = rule_for(ClassRule((), (), CLASSES), label, options)
     _check_objects(tables[0], options)
     numbers = {str(number): name for number, name in enumerate(CLASSES)}
@@ -134,16 +139,6 @@ def _frames(picture: np.ndarray, lines: Lines) -> np.ndarray:
         numbers[i] = place[1]
     frame: np.ndarray = numbers[codes]
     return frame
-
-
-def _labels(kind: np.ndarray, lines: Lines) -> np.ndarray:
-    """Name of each row's class."""
-    is_known = (kind >= 0) & (kind < len(CLASSES))
-    if not is_known.all():
-        row = int(np.argmin(is_known))
-        raise lines.fault(row, f"expected a class from 0 to {len(CLASSES) - 1}, found {kind[row]}")
-    label: np.ndarray = object_array(CLASSES)[kind]
-    return label
 
 
 def _check_objects(file: SourceFile, options: ReadOptions) -> None:

@@ -187,7 +187,7 @@ def recognise_detections(_name: str, head: str, role: Role) -> bool:
         return role == "detections" and long.fits(head, n_rows=n_rows)
     rows = rows_of_text(head)
     edges = np.array([[number_of(field) for field in row[1:5]] for row in rows], dtype=float)
-    return _first_without_corners(*edges.T) is None
+    return not _lack_corners(*edges.T).any()
 
 
 def read_detections(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
@@ -254,36 +254,31 @@ def _is_long(table: NumberTable) -> np.ndarray:
 
 def _check(table: NumberTable) -> None:
     """Raise FormatError for a file that mixes the layouts or whose 6 columns are no corners."""
-    is_long = _is_long(table)
-    if not len(table):
-        return
-    if is_long.any():
-        if not is_long.all():
-            raise table.lines.fault(
-                np.argmax(is_long != is_long[0]),
-                "expected the same number of columns in all rows, found both 6 and 15 "
-                f"({DETECTIONS.what})",
-            )
-        whole_numbers(table.columns[1], table.lines, "type")
-        return
-    edges = table.columns[1:5]
-    first = _first_without_corners(*edges)
-    if first is not None:
-        raise table.lines.fault(
-            first,
+    is_long, edges = _is_long(table), table.columns[1:5]
+    table.lines.refuse(
+        is_long != is_long[:1],
+        lambda _row: (
+            "expected the same number of columns in all rows, found both 6 and 15 "
+            f"({DETECTIONS.what})"
+        ),
+    )
+    whole_numbers(table.columns[1][is_long], table.lines[is_long], "type")
+    table.lines.refuse(
+        ~is_long & _lack_corners(*edges),
+        lambda row: (
             "expected corners x1,y1,x2,y2 with x2 > x1 and y2 > y1, found "
-            f"{','.join(f'{edge[first]:g}' for edge in edges)}; if the columns are x,y,w,h, the "
-            "format is kaist-results",
-        )
+            f"{','.join(f'{edge[row]:g}' for edge in edges)}; if the columns are x,y,w,h, the "
+            "format is kaist-results"
+        ),
+    )
 
 
-def _first_without_corners(
+def _lack_corners(
     left: np.ndarray, top: np.ndarray, right: np.ndarray, bottom: np.ndarray
-) -> int | None:
-    """First row whose second corner is not to the lower right of the first; NaN rows pass."""
+) -> np.ndarray:
+    """Whether the second corner is not to the lower right of the first; NaN rows pass."""
     with np.errstate(invalid="ignore"):
-        wrong = (right <= left) | (bottom <= top)
-    return int(np.argmax(wrong)) if wrong.any() else None
+        return (right <= left) | (bottom <= top)
 
 
 KITTI_TRACKING = Format(

@@ -150,8 +150,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         file=position[file],
         label=kind,
     )
-    extras = [other for other in files if _is_extra(other.name)]
-    passed = sorted({PurePosixPath(extra.name).name for extra in extras})
+    passed = sorted({PurePosixPath(of.name).name for of in files if _is_extra(of.name)})
     facts = [
         "frame numbers from the file names",
         f"shares of the picture to pixels of {width} x {height} (0-based)",
@@ -225,14 +224,14 @@ def _check_shares(table: NumberTable) -> None:
     """Raise FormatError for the first row with a coordinate that can be no share."""
     values = np.column_stack(table.columns[1:5])
     with np.errstate(invalid="ignore"):
-        wrong = np.abs(values) > MAX_SHARE
-    if wrong.any():
-        row = int(np.argmax(wrong.any(axis=1)))
-        raise table.lines.fault(
-            row,
+        is_wrong = np.abs(values) > MAX_SHARE
+    table.lines.refuse(
+        is_wrong.any(axis=1),
+        lambda row: (
             f"expected shares of the picture in 0..1 ({LAYOUT.what}), found "
-            f"{values[row][wrong[row]][0]:g}; are these pixels?",
-        )
+            f"{values[row][is_wrong[row]][0]:g}; are these pixels?"
+        ),
+    )
 
 
 def _identified(table: NumberTable, options: ReadOptions) -> _Fields:
@@ -258,8 +257,7 @@ def _identified(table: NumberTable, options: ReadOptions) -> _Fields:
             # rows of five fields have no confidence and keep their places
             box = [np.where(has_sixth, s, b) for s, b in zip(shifted, box, strict=True)]
             score = np.where(has_sixth, second, np.nan)
-        place = "second" if n_second < n_last else "last"
-        facts.append(f"confidence in the {place} field")
+        facts.append(f"confidence in the {'second' if n_second < n_last else 'last'} field")
         if n_last == n_second:
             facts[-1] += " (could not be told from the content)"
             findings = table.lines.finding(

@@ -323,9 +323,7 @@ def whole_numbers(values: np.ndarray, lines: Lines, what: str) -> np.ndarray:
         is_good = (whole > -MAX_INTEGER) & (whole < MAX_INTEGER)
         if whole is not values:
             is_good &= whole == values
-        if not is_good.all():
-            first = int(np.argmin(is_good))
-            raise lines.fault(first, f"expected a whole number as {what}, found {values[first]:g}")
+    lines.refuse(~is_good, lambda row: f"expected a whole number as {what}, found {values[row]:g}")
     return whole
 
 
