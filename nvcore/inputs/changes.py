@@ -54,8 +54,11 @@ def override_recordings(
     values = {name: value for name, value in given.items() if value is not None}
     own = [name for name in values if name != "size"] + ["width", "height"] * ("size" in values)
     dropped: dict[str, Any] = dict.fromkeys(own)
-    recordings = tuple(replace(facts, **dropped) for facts in session.recordings)
-    return replace(session, recordings=recordings, **values)
+    return replace(
+        session,
+        recordings=tuple(replace(facts, **dropped) for facts in session.recordings),
+        **values,
+    )
 
 
 def applied(session: Session, step: Step, systems: Sequence[str]) -> Session | None:
@@ -104,12 +107,12 @@ def stated(session: Session, dataset: Dataset) -> Session:
     dataset
         What was loaded from the session.
     """
-    systems = zip(dataset.systems, session.systems, strict=True)
     return replace(
         session,
         truth=_stated(session, session.truth, TRUTH_NAME, dataset),
         systems=tuple(
-            replace(_stated(session, source, name, dataset), name=name) for name, source in systems
+            replace(_stated(session, source, name, dataset), name=name)
+            for name, source in zip(dataset.systems, session.systems, strict=True)
         ),
     )
 

@@ -65,11 +65,10 @@ def parse_frames(text: str, folder: Path, own: np.ndarray | None = None) -> np.n
         ) from error
     numbers = []
     for number, line in enumerate(lines, 1):
-        if not line.strip():
-            continue
-        if re.fullmatch(r"\s*-?\d{1,15}\s*", line) is None:
+        if line.strip() and re.fullmatch(r"\s*-?\d{1,15}\s*", line) is None:
             raise file.fault(f"expected a frame number, found {line[:40]!r}", number)
-        numbers.append(int(line.strip()))  # int takes less for a space than str does
+        # int takes less for a space than str does
+        numbers += [int(line.strip())] if line.strip() else []
     if not numbers:
         raise InputError("holds no frame number", file=text)
     return np.unique(np.array(numbers, dtype=np.int64))
@@ -148,14 +147,12 @@ def infer_frames(annotated: np.ndarray) -> tuple[np.ndarray, str]:
             "Correct the frame numbers (are they times?), or say which frames are evaluated",
             facts=("frames",),
         )
-    if step > 1:
-        reason = (
-            f"every {nth(step)} frame from {first} to {last}: annotation is sampled at that step"
-        )
-        return np.arange(first, last + 1, step), reason
-    return np.arange(
-        first, last + 1
-    ), f"every frame from the first to the last annotated, {first} to {last}"
+    reason = (
+        f"every {nth(step)} frame from {first} to {last}: annotation is sampled at that step"
+        if step > 1
+        else f"every frame from the first to the last annotated, {first} to {last}"
+    )
+    return np.arange(first, last + 1, step), reason
 
 
 def own_frames(

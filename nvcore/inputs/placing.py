@@ -32,7 +32,7 @@ from nvcore.inputs.recordings import (
     missing_pictures,
     single_frames,
 )
-from nvcore.inputs.session import SYSTEM_KEYS_OF_SUBJECTS, Session, Source
+from nvcore.inputs.session import SYSTEM_KEYS_OF_SUBJECTS, Session
 from nvcore.memory import check_room
 from nvcore.schema import BOX_DTYPES, TRUTH
 from nvcore.wording import listed
@@ -174,13 +174,12 @@ def place_sources(
         tables.append(placed)
         left_out.append(lost)
         n_files += len(source.files)
+    own_names = recordings["name"].tolist()
     findings = [finding for source in loaded for finding in source.reading.findings]
     for source in loaded:
         names = [file.name for file in source.files]
         findings += changed_input(source.subject, names, source.digests, session.hashes)
-    findings += contradicted_facts(truth, recordings)
-    findings += missing_pictures(session, recordings["name"].tolist())
-    own_names = recordings["name"].tolist()
+    findings += [*contradicted_facts(truth, recordings), *missing_pictures(session, own_names)]
     if session.frames is None:
         findings += single_frames(truth, own_names, np.array([*map(len, frames)]))
     if truth.named is not None and len(loaded[0].files) >= len(truth.named.table):
@@ -191,7 +190,21 @@ def place_sources(
         pd.DataFrame(_joined(tables), copy=False),
         [source.subject for source in loaded[1:]],
         fingerprint=_fingerprint(session, loaded, recordings, frames),
-        inputs=pd.concat([_input_rows(source) for source in loaded], ignore_index=True),
+        inputs=pd.concat(
+            [
+                pd.DataFrame(
+                    {
+                        "subject": source.subject,
+                        "file": [file.name for file in source.files],
+                        "sha256": source.digests,
+                        "format": source.format.name,
+                        "conversion": source.reading.conversion,
+                    }
+                )
+                for source in loaded
+            ],
+            ignore_index=True,
+        ),
         left_out=pd.concat(left_out, ignore_index=True),
         findings=tuple(findings),
         notes=tuple(notes),
@@ -273,19 +286,6 @@ def _placed(
     return columns, left_out
 
 
-def _input_rows(source: LoadedSource) -> pd.DataFrame:
-    """The rows of `Dataset.inputs` of a source's files."""
-    return pd.DataFrame(
-        {
-            "subject": source.subject,
-            "file": [file.name for file in source.files],
-            "sha256": source.digests,
-            "format": source.format.name,
-            "conversion": source.reading.conversion,
-        }
-    )
-
-
 def _frames(
     session: Session,
     truth: LoadedSource,
@@ -293,8 +293,8 @@ def _frames(
     is_compared: Callable[[str, Collection[str]], bool],
 ) -> tuple[list[np.ndarray], list[str]]:
     """Listed frames of every recording, and in words how they were chosen."""
-    entries = session.entries(recordings["name"].tolist())
-    texts = {name: entry.frames for name, entry in entries.items() if entry.frames is not None}
+    entries = session.entries(recordings["name"].tolist()).items()
+    texts = {name: entry.frames for name, entry in entries if entry.frames is not None}
     given = {name: texts.get(name, session.frames) for name in recordings["name"]}
     asked = dict.fromkeys(text for text in (session.frames, *texts.values()) if text is not None)
     lists = {text: parse_frames(text, session.folder) for text in asked if not is_open_range(text)}
@@ -326,8 +326,7 @@ def _frames(
     if not any(map(len, frames)) or not any(counts[name] for name in compress(counts, compared)):
         there = {name: own[name][0] for name in compress(counts, compared) if name in own}
         if any(map(len, there.values())):
-            texts_given = listed([*map(repr, asked)])
-            raise InputError(f"no frame is in {texts_given}: {frames_there(there)}")
+            raise InputError(f"no frame is in {listed([*map(repr, asked)])}: {frames_there(there)}")
     if not any(map(len, frames)):
         path = session.truth.path[0]
         text = session.objects.say(NO_BOX)
@@ -340,8 +339,7 @@ def _fingerprint(
 ) -> str:
     """sha256 over the input bytes and the reader settings."""
     digest = hashlib.sha256()
-    sources: list[Source] = [session.truth, *session.systems]
-    for item, source in zip(loaded, sources, strict=True):
+    for item, (source, _) in zip(loaded, session.sources, strict=True):
         settings = {**asdict(source), "path": None, "format": item.format.name}
         settings |= {"threshold": None, "name": None}
         for name, default in (("frame_names", None), ("frame_step", 1.0)):

@@ -261,8 +261,7 @@ def _check_known(table: pd.DataFrame, entries: Collection[str]) -> None:
     entries
         Names of the recordings that the session describes.
     """
-    values = table[["width", "height", "fps"]].to_numpy(dtype=float)
-    is_unknown = ~(values > 0)
+    is_unknown = ~(table[["width", "height", "fps"]].to_numpy(dtype=float) > 0)
     is_incomplete = is_unknown.any(axis=1)
     if not is_incomplete.any():
         return

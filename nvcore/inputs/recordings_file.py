@@ -156,8 +156,7 @@ def _rows(file: SourceFile) -> Iterator[tuple[int, list[str]]]:
         for cells in reader:
             row = [without_safeguard(cell.strip()) for cell in cells]
             if any(row):
-                comma = delimiter == ";"
-                yield reader.line_num, [_with_point(cell) if comma else cell for cell in row]
+                yield reader.line_num, [*map(_with_point, row)] if delimiter == ";" else row
     except csv.Error as error:
         raise file.fault(f"is no CSV: {error}", reader.line_num) from error
 

@@ -395,21 +395,21 @@ class Session(TablesOfSubjects, Settings):
         """
         table = self.recordings_file if self.has_unread_recordings else None
 
-        def of_system(system: SystemSource) -> SystemSource:
-            return replace(with_paths_in(system, rename), path=tuple(map(rename, system.path)))
-
         def of_frames(frames: str | None) -> str | None:
             return frames if frames is None or is_frame_range(frames) else rename(frames)
-
-        def of_entry(entry: RecordingEntry) -> RecordingEntry:
-            return replace(with_paths_in(entry, rename), frames=of_frames(entry.frames))
 
         return replace(
             self,
             folder=folder,
             truth=replace(self.truth, path=tuple(map(rename, self.truth.path))),
-            systems=tuple(map(of_system, self.systems)),
-            recordings=tuple(map(of_entry, self.recordings)),
+            systems=tuple(
+                replace(with_paths_in(system, rename), path=tuple(map(rename, system.path)))
+                for system in self.systems
+            ),
+            recordings=tuple(
+                replace(with_paths_in(entry, rename), frames=of_frames(entry.frames))
+                for entry in self.recordings
+            ),
             recordings_file=None if table is None else RecordingsFile(rename(table.path)),
             frames=of_frames(self.frames),
             codes_file=None if self.codes_file is None else rename(self.codes_file),

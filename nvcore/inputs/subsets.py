@@ -59,8 +59,7 @@ def with_subsets_joined(reading: Reading, options: ReadOptions) -> Reading:
     }
     if not titles:
         return reading
-    parts = ", ".join(titles)
-    fact = f"{parts} taken for parts of one set: no frame number is in two of them"
+    fact = f"{', '.join(titles)} taken for parts of one set: no frame number is in two of them"
     conversion = "; ".join(filter(None, (reading.conversion, fact)))
     return replace(renamed_reading(reading, titles), conversion=conversion)
 

@@ -79,7 +79,7 @@ def test_a_format_by_another_name_is_suggested(name: str, meant: str):
 
 @pytest.mark.parametrize("name", ["", "8", "sqlite"])
 def test_where_no_format_is_near_all_are_named(name: str):
-    with pytest.raises(UnknownFormatError, match="; the formats are bbgt, coco, "):
+    with pytest.raises(UnknownFormatError, match="; the formats are bbgt, boxmot, coco, "):
         format_named(name)
 
 

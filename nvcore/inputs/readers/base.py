@@ -153,9 +153,8 @@ class Lines:
         """`rows_finding`, with the line and, where given, the row as an example ("class 99")."""
 
         def place(row: int) -> tuple[str, str]:
-            where = f"line {self.line[row]}"
-            text = where if example is None else f"{where}: {example(row)}"
-            return self.files[self.file[row]].name, text
+            text = "" if example is None else f": {example(row)}"
+            return self.files[self.file[row]].name, f"line {self.line[row]}{text}"
 
         return rows_finding(
             is_odd, code, message, advice, role=role, place=place, severity=severity, steps=steps
@@ -224,10 +223,9 @@ class NamedPictures:
 
         So results of Caltech and KAIST number the images.
         """
-        table = self.with_empty.table
-        images = table.sort_values(["recording", "frame"], ignore_index=True)
-        images = images.assign(image_id=np.arange(1, len(images) + 1))
-        return images.rename(columns={"name": "file_name"})
+        images = self.with_empty.table.sort_values(["recording", "frame"], ignore_index=True)
+        numbered = images.assign(image_id=np.arange(1, len(images) + 1))
+        return numbered.rename(columns={"name": "file_name"})
 
 
 @dataclass(frozen=True)
@@ -430,8 +428,7 @@ def joined_findings(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """Findings of one kind about several files as one: all rows counted, the first file named."""
     groups: dict[Finding, list[Finding]] = {}
     for finding in findings:
-        kind = replace(finding, count=0, file="", example="")
-        groups.setdefault(kind, []).append(finding)
+        groups.setdefault(replace(finding, count=0, file="", example=""), []).append(finding)
     joined = []
     for group in groups.values():
         first, n_files = group[0], len({finding.file for finding in group})
@@ -520,8 +517,7 @@ def concat_boxes(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
     if len(filled) == 1:
         return filled[0]
     names = union_categoricals([table["recording"] for table in filled])
-    others = [table.drop(columns="recording") for table in filled]
-    boxes = pd.concat(others, ignore_index=True)
+    boxes = pd.concat([table.drop(columns="recording") for table in filled], ignore_index=True)
     boxes.insert(0, "recording", pd.Series(names))
     return boxes
 
@@ -545,8 +541,8 @@ def recordings_table(
     table = pd.DataFrame(
         {"name": object_array(names), "width": width, "height": height, "fps": fps}
     )
-    table = table.astype({"name": object, "width": float, "height": float, "fps": float})
-    return table.drop_duplicates("name", ignore_index=True)
+    types = {"name": object, "width": float, "height": float, "fps": float}
+    return table.astype(types).drop_duplicates("name", ignore_index=True)
 
 
 def conversion_text(facts: Iterable[str]) -> str:

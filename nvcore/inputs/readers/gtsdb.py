@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import islice
 from pathlib import PurePosixPath
 from typing import Final
 
@@ -164,8 +165,8 @@ def _scenes(
         every = pd.Series(read_text(listed).splitlines(), dtype=object).str.strip()
         names = every[every != ""]
         lines = Lines.of(listed, names.index.to_numpy() + 1)
-        fact = f"scenes as {SCENES} lists them"
-        return np.union1d(_frames(names.to_numpy(), lines), annotated), fact
+        own = _frames(names.to_numpy(), lines)
+        return np.union1d(own, annotated), f"scenes as {SCENES} lists them"
     pictures = _pictures_beside(file)
     if len(pictures):
         return np.union1d(pictures, annotated), "a scene for each picture beside the file"
@@ -175,9 +176,7 @@ def _scenes(
 def _pictures_beside(file: SourceFile) -> np.ndarray:
     """Frame numbers of the pictures in the file's folder."""
     numbers = []
-    for number, path in enumerate(file.path.parent.iterdir()):
-        if number == _MOST_PICTURES:
-            break
+    for path in islice(file.path.parent.iterdir(), _MOST_PICTURES):
         place = recording_and_frame_of(path.name) if path.suffix.lower() in PICTURES else None
         numbers += [] if place is None else [place[1]]
     return np.array(numbers, np.int64)

@@ -79,8 +79,12 @@ def read_object(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     table = stacked([read_numbers(file, OBJECT) for file in files])
     places = named.table.iloc[table.lines.file]
     reading = _labels(table, places, options, ["frame numbers from the file names"])
-    recordings = recordings_table(named.recording)
-    return replace(reading, recordings=recordings, images=named.images, named=named)
+    return replace(
+        reading,
+        recordings=recordings_table(named.recording),
+        images=named.images,
+        named=named,
+    )
 
 
 def read_tracking(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
@@ -104,8 +108,11 @@ def read_tracking(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     places = pd.DataFrame({"recording": object_array(names)[table.lines.file], "frame": frame})
     facts = ["frame numbers kept (0-based)", *assumed]
     reading = _labels(table, places, options, facts, track=np.where(track < 0, NO_TRACK, track))
-    annotated = places.drop_duplicates(ignore_index=True)
-    return replace(reading, recordings=recordings_table(names), annotated=annotated)
+    return replace(
+        reading,
+        recordings=recordings_table(names),
+        annotated=places.drop_duplicates(ignore_index=True),
+    )
 
 
 def _labels(

@@ -95,8 +95,12 @@ class _Decoder:
         FormatError
             If it is damaged, ends the process, lacks a column or would take too much memory.
         """
-        limits = {"ratio": MAX_RATIO, "ratio_from": RATIO_FROM_BYTES}
-        limits |= {"unpacked": MAX_UNPACKED_BYTES, "text": MAX_TEXT_BYTES}
+        limits = {
+            "ratio": MAX_RATIO,
+            "ratio_from": RATIO_FROM_BYTES,
+            "unpacked": MAX_UNPACKED_BYTES,
+            "text": MAX_TEXT_BYTES,
+        }
         content = read_bytes(file)
         with self._lock:
             header = header_of([name.strip() for name in self._ask(file, content, None, None)])
@@ -104,8 +108,7 @@ class _Decoder:
             if problem is not None:
                 known = foreign_format(",".join(header.names))
                 raise file.fault(f"it is {known}" if known else f"expected {problem}")
-            places = sorted(header.place.values())
-            return header, self._ask(file, None, places, limits)
+            return header, self._ask(file, None, sorted(header.place.values()), limits)
 
     def end(self) -> None:
         """Let it end, if it runs."""
@@ -137,9 +140,10 @@ class _Decoder:
         if state == "fine":
             return value
         reason = shortened(" ".join(value.split()), 120)
-        is_fault = state == "fault"
         raise file.fault(
-            f"expected a whole Parquet table, found a fault: {reason}" if is_fault else value
+            f"expected a whole Parquet table, found a fault: {reason}"
+            if state == "fault"
+            else value
         )
 
     def _started(self) -> subprocess.Popen[bytes]:
@@ -198,8 +202,7 @@ def _series(column: pa.ChunkedArray | np.ndarray) -> pd.Series:
     if pa.types.is_decimal(kind) or pa.types.is_float16(kind):
         column = column.cast(pa.float64())
     if pa.types.is_dictionary(kind) and not is_text(kind.value_type):
-        column = column.cast(kind.value_type)
-        return _series(column)
+        return _series(column.cast(kind.value_type))
     if is_text(kind):
         column = column.dictionary_encode()
     series: pd.Series = column.to_pandas()

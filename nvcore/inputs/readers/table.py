@@ -137,9 +137,7 @@ def _numbers(column: pd.Series, title: str, file: SourceFile) -> pd.Series:
     doubtful = (numbers.isna() & column.notna()).to_numpy(dtype=bool)
     if doubtful.any():
         doubtful = doubtful & ~_texts(column).isin(MISSING).to_numpy()
-    if doubtful.any():
-        row = int(np.argmax(doubtful))
-        raise _fault(f"a number as {title}", column, row, file)
+    _refuse(doubtful, f"a number as {title}", column, file)
     return numbers
 
 
@@ -149,9 +147,7 @@ def _claims(column: pd.Series, title: str, file: SourceFile) -> pd.Series:
     texts = _texts(column)
     is_true = texts.isin(TRUE)
     is_odd = ~(is_true | texts.isin([*FALSE, *MISSING])).to_numpy()
-    if is_odd.any():
-        row = int(np.argmax(is_odd))
-        raise _fault(f"0, 1, true or false as {title}", column, row, file)
+    _refuse(is_odd, f"0, 1, true or false as {title}", column, file)
     return is_true
 
 
@@ -168,9 +164,11 @@ def _whole(column: pd.Series) -> pd.Series | None:
     return ids if is_whole.all() else None
 
 
-def _fault(expected: str, column: pd.Series, row: int, file: SourceFile) -> FormatError:
-    value = repr(shortened(str(column.iloc[row]), 60))
-    return file.fault(f"expected {expected}, found {value}", row + 1)
+def _refuse(is_odd: np.ndarray, expected: str, column: pd.Series, file: SourceFile) -> None:
+    if is_odd.any():
+        row = int(np.argmax(is_odd))
+        value = repr(shortened(str(column.iloc[row]), 60))
+        raise file.fault(f"expected {expected}, found {value}", row + 1)
 
 
 def _no_files(files: Sequence[SourceFile], options: ReadOptions) -> Reading:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import lzma
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -120,8 +120,8 @@ def write(
         raise UnknownFormatError(
             f"{format_name!r} cannot be written; the formats to write are {', '.join(FORMATS)}"
         )
-    contents = writers[format_name]()
-    packed = {target: packed_as(target.name, content) for target, content in contents.items()}
+    contents = writers[format_name]().items()
+    packed = {target: packed_as(target.name, content) for target, content in contents}
     return _write_files(packed, inputs, force)
 
 
@@ -190,14 +190,13 @@ def _table(reading: Reading, role: Role, objects: Objects) -> pd.DataFrame:
         track=table["track"].astype("Int64").mask(table["track"] == NO_TRACK),
         occlusion=table["occlusion"].astype("Int64").mask(table["occlusion"] == UNKNOWN_OCCLUSION),
     )
-    names = class_names(reading, objects)
-    if names is not None:
-        table = table.assign(**{"class": names})
-    if role == "truth" and reading.boxes["detectability"].notna().any():
-        table = table.assign(detectability=reading.boxes["detectability"])
-    if reading.attributes is None:
-        return table
-    return table.assign(attributes=attribute_texts(reading))
+    seen = reading.boxes["detectability"]
+    more: dict[str, Any] = {
+        "class": class_names(reading, objects),
+        "detectability": seen if role == "truth" and seen.notna().any() else None,
+        "attributes": None if reading.attributes is None else attribute_texts(reading),
+    }
+    return table.assign(**{name: column for name, column in more.items() if column is not None})
 
 
 def packed_as(name: str, content: bytes) -> bytes:

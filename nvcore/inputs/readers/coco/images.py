@@ -134,9 +134,7 @@ def image_ids(records: Records, *keys: str) -> pd.Series:
         With the first record that has none or one that is neither number nor text.
     """
     values = records.required(*(keys or ("id",)))
-    wrong = first_other(values, {int, float, str})
-    if wrong is not None:
-        raise records.error(wrong, "expected a number or text as image id")
+    records.check_types(values, {int, float, str}, "a number or text as image id")
     has_text = first_other(values, {int, float}) is not None
     if not has_text and all(-(2**53) < value < 2**53 for value in values):  # type: ignore[operator]
         numbers = np.array(values, dtype=float)
@@ -186,9 +184,7 @@ def places_of_rows(
 def _names(images: Records) -> list[str]:
     """File name of each picture, empty where it has none."""
     values = images.values(*NAME_KEYS) or [None] * len(images)
-    wrong = first_other(values, {str, type(None)})
-    if wrong is not None:
-        raise images.error(wrong, "expected text as file_name")
+    images.check_types(values, {str, type(None)}, "text as file_name")
     return [str(value or "") for value in values]
 
 
@@ -311,13 +307,12 @@ def _videos(images: Records, document: dict[str, object]) -> list[str] | None:
     ids = images.values(*VIDEO_KEYS)
     if not ids or None in ids or not set(map(type, ids)) <= {int, float, str}:
         return None
-    names = {}
+    names: dict[str, str] = {}
     if document.get("videos") is not None:
         videos = Records(document["videos"], images.file, "video", "videos")
-        if len(videos):
-            titles = videos.values("name", "file_name") or [None] * len(videos)
-            for key, title in zip(videos.required("id"), titles, strict=True):
-                names[id_text(key)] = title if isinstance(title, str) and title else id_text(key)
+        titles = videos.values("name", "file_name") or [None] * len(videos)
+        for key, title in zip(videos.required("id"), titles, strict=True):
+            names[id_text(key)] = title if isinstance(title, str) and title else id_text(key)
     return [names.get(id_text(key), id_text(key)) for key in ids]
 
 

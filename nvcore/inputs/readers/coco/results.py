@@ -130,8 +130,8 @@ def _boxes(
     """Boxes of a file, the conversion, what is odd; class of boxes, empty if unknown; the rest."""
     n_rows = len(columns)
     if not n_rows:
-        empty = np.empty(0, dtype=object)
-        return reading_boxes(0), ["an empty list: nothing was detected"], [], empty, ()
+        facts = ["an empty list: nothing was detected"]
+        return reading_boxes(0), facts, [], np.empty(0, dtype=object), ()
     is_wanted, facts, findings = np.ones(n_rows, dtype=bool), ["no category_id: all count"], []
     kind = np.full(n_rows, "", dtype=object)
     left_out: tuple[LeftOut, ...] = ()
@@ -144,8 +144,8 @@ def _boxes(
         keys = category.map(dict(zip(ids, map(id_text, ids), strict=True)))
         choice, named = _choice(keys, own_names, file, options)
         is_wanted = keys.isin(choice.counted).to_numpy()
-        name_of = {key: named.names.get(key, "") for key in choice.counted}
-        kind = keys.map(name_of).fillna("").to_numpy()
+        counted = {key: named.names.get(key, "") for key in choice.counted}
+        kind = keys.map(counted).fillna("").to_numpy()
         facts, findings, left_out = [choice.conversion], [*choice.findings], choice.left_out
     with in_file(file):
         places = _places(columns, is_wanted, file, images, options)

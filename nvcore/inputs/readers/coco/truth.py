@@ -88,7 +88,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     FormatError
         With file and record of the first thing that is not COCO, or is not clear.
     """
-    tables, images, recordings, attributes, kinds, named = [], [], [], [], [], []
+    tables, lists, attributes, kinds = [], [], [], []
     left_out: Counter[Any] = Counter()
     categories: dict[str, str] = {}
     used, passed_over = files_of_one_task(files)
@@ -111,32 +111,30 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         for key, name in names.items():  # one name for an id, or none
             categories[key] = name if categories.get(key, name) == name else ""
         attributes.append(texts)
-        recordings.append(listed.recordings)
-        images.append(listed.table)
-        named.append(listed.named)
+        lists.append(listed)
         facts += [listed.conversion, *new_facts]
         findings += [*listed.findings, *oddities]
     facts.append("evaluated frames from the image list")
-    kind = np.concatenate(kinds) if kinds else np.empty(0, dtype=object)
+    kind = np.concatenate(kinds)
     codes, labels = labelled(kind, kind != "", options.objects)
     return Reading(
         boxes=concat_boxes(tables).assign(label=codes),
-        recordings=pd.concat(recordings).drop_duplicates("name", ignore_index=True),
+        recordings=pd.concat([listed.recordings for listed in lists]).drop_duplicates(
+            "name", ignore_index=True
+        ),
         conversion=conversion_text(facts),
-        images=_all_images(images, [file for _, file in used]),
+        images=_all_images([listed.table for listed in lists], [file for _, file in used]),
         findings=tuple(findings),
         attributes=joined_attributes(attributes),
         labels=labels,
         categories=categories,
-        named=joined_named(named),
+        named=joined_named([listed.named for listed in lists]),
         left_out=classes_left_out(left_out),
     )
 
 
-def _all_images(images: list[pd.DataFrame], files: Sequence[SourceFile]) -> pd.DataFrame | None:
+def _all_images(images: list[pd.DataFrame], files: Sequence[SourceFile]) -> pd.DataFrame:
     """Image list of all files; a frame in two of them is an error."""
-    if not images:
-        return None
     table = pd.concat(images, ignore_index=True)
     double = table.duplicated(["recording", "frame"])
     if double.any():
@@ -299,14 +297,11 @@ def _attribute_texts(records: Records) -> np.ndarray:
 
 def category_names(document: dict[str, object], file: SourceFile) -> dict[str, str]:
     """The names that a file gives its categories, by their ids as text."""
-    names: dict[str, str] = {}
-    if document.get("categories") is not None:
-        categories = Records(document["categories"], file, "category", "categories")
-        if len(categories):
-            labels = categories.required("name")
-            for key, label in zip(categories.required("id"), labels, strict=True):
-                names[id_text(key)] = str(label)
-    return names
+    if document.get("categories") is None:
+        return {}
+    categories = Records(document["categories"], file, "category", "categories")
+    pairs = zip(categories.required("name"), categories.required("id"), strict=True)
+    return {id_text(key): str(label) for label, key in pairs}
 
 
 def _classes(
@@ -325,8 +320,7 @@ def _classes(
         raise records.error(
             first, f"expected a category_id of the categories {listed}; found {keys[first]}"
         )
-    used = set(keys)
-    if "0" not in used and names.get("0") == "ignore":
+    if names.get("0") == "ignore" and "0" not in set(keys):
         del names["0"]
     counts: dict[Any, int] = keys.value_counts().to_dict()
     choice = choose_categories(
@@ -351,8 +345,8 @@ def _occlusion(records: Records, lines: Lines) -> tuple[np.ndarray, list[str], l
             return levels_of_visible_share(np.array(share)), [fact], []
         if kinds <= {int, float, bool}:
             numbers = records.to_floats(values, key)
-            odd = odd_levels(numbers, lines, "truth")
-            return levels_of_numbers(numbers), [f"{key} 0, 1, 2 kept"], odd
+            fact = f"{key} 0, 1, 2 kept"
+            return levels_of_numbers(numbers), [fact], odd_levels(numbers, lines, "truth")
         if kinds == {str}:
             words = pd.Series(values, dtype=object).map(level_of_words, na_action="ignore")
             level = words.fillna(UNKNOWN_OCCLUSION).to_numpy(dtype=np.int8)

@@ -181,8 +181,8 @@ class CvatContent:
     def owner_table(self) -> pd.DataFrame:
         """The owners, one row each, with the fields of `Owner` as columns."""
         table = pd.DataFrame(self.owners, columns=[spec.name for spec in fields(Owner)])
-        numbers = dict.fromkeys(("line", "track", "number"), np.int64)
-        return table.astype({**numbers, "width": float, "height": float})
+        whole = dict.fromkeys(("line", "track", "number"), np.int64)
+        return table.astype({**whole, "width": float, "height": float})
 
 
 class _Parser:
@@ -346,8 +346,7 @@ class _Parser:
         match = _TASK.fullmatch(element.path)
         if match is None:
             return
-        if self.task is None:
-            self.task = CvatTask()
+        self.task = self.task or CvatTask()
         fact = match["fact"]
         if fact is None:  # the end of the task
             in_project = "/project/" in element.path

@@ -193,7 +193,9 @@ def stacked(tables: Sequence[NumberTable]) -> NumberTable:
     return NumberTable(columns, lines, np.concatenate(labels) if labels else None)
 
 
-def _fast(content: bytes, file: SourceFile, layout: TextLayout) -> NumberTable | None:
+def _fast(
+    content: bytes, file: SourceFile, layout: TextLayout, first_line: int = 1
+) -> NumberTable | None:
     """The table by pyarrow, or None where the careful parser must look."""
     begin = len(content) - len(content.lstrip())
     end = content.find(b"\n", begin)
@@ -218,9 +220,9 @@ def _fast(content: bytes, file: SourceFile, layout: TextLayout) -> NumberTable |
         return None
     columns = [column.to_numpy() for column in table.columns]
     label = None if layout.label_at is None else columns.pop(layout.label_at)
-    missing = layout.n_numbers - len(columns)
-    columns += [np.full(table.num_rows, np.nan) for _ in range(missing)]
-    return NumberTable(columns, Lines.of(file, _lines(content, table.num_rows)), label)
+    columns += [np.full(table.num_rows, np.nan) for _ in range(layout.n_numbers - len(columns))]
+    line = _lines(content, table.num_rows) + (first_line - 1)
+    return NumberTable(columns, Lines.of(file, line), label)
 
 
 def line_blocks(content: bytes) -> Iterator[tuple[int, bytes]]:
@@ -237,17 +239,14 @@ def _by_blocks(content: bytes, file: SourceFile, layout: TextLayout) -> NumberTa
     """The table, row by row only where a block of lines has an odd one."""
     if not content.isascii():
         _decode(content, file)
-    tables, lines = [], []
+    tables = []
     for n_before, block in line_blocks(content):
-        table = _fast(block, file, layout)
+        table = _fast(block, file, layout, n_before + 1)
         if table is None:
             table = _careful(block.decode(), file, layout, n_before + 1)
-            lines.append(table.lines.line)
-        else:
-            lines.append(table.lines.line + n_before)
         tables.append(table)
     joined = stacked(tables)
-    return replace(joined, lines=Lines.of(file, np.concatenate(lines)))
+    return replace(joined, lines=Lines.of(file, joined.lines.line))
 
 
 def _lines(content: bytes, n_rows: int) -> np.ndarray:

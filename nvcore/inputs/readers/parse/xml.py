@@ -69,8 +69,8 @@ class Element:
 class _Collector:
     """Target of the parser: keeps the open elements and hands out the closed ones."""
 
-    def __init__(self, file: SourceFile):
-        self.file = file
+    def __init__(self, file: SourceFile, root: str):
+        self.file, self.root = file, root
         self.expat: Any = None
         self.open: list[Element] = []
         self.closed: list[Element] = []
@@ -82,6 +82,10 @@ class _Collector:
                 f"expected annotations, found elements nested more than {MAX_DEPTH} deep", line
             )
         parent = self.open[-1] if self.open else None
+        if parent is None and tag != self.root:
+            raise self.file.fault(
+                f"expected <{self.root}> as the outermost element, found <{tag[:60]}>", line
+            )
         path = tag if parent is None else f"{parent.path}/{tag}"
         self.open.append(Element(path, attributes, line, parent))
 
@@ -113,10 +117,9 @@ def read_elements(file: SourceFile, *, root: str) -> Iterator[Element]:
     FormatError
         If it is not well-formed XML, declares a DTD or entities, or has another root element.
     """
-    collector = _Collector(file)
+    collector = _Collector(file, root)
     parser = DefusedXMLParser(target=collector, forbid_dtd=True)
     collector.expat = parser.parser
-    checked = False
     for piece in _pieces(file):
         try:
             if piece:
@@ -138,14 +141,6 @@ def read_elements(file: SourceFile, *, root: str) -> Iterator[Element]:
             raise file.fault(
                 f"expected XML in UTF-8, found another encoding: {error}", 1
             ) from error
-        if not checked and (collector.closed or collector.open):
-            checked = True
-            first = collector.open[0] if collector.open else collector.closed[-1]
-            if first.path != root:
-                raise file.fault(
-                    f"expected <{root}> as the outermost element, found <{first.path[:60]}>",
-                    first.line,
-                )
         closed, collector.closed = collector.closed, []
         yield from closed
 
