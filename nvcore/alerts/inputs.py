@@ -19,6 +19,7 @@ from nvcore.inputs.readers.base import SourceFile, warning
 from nvcore.inputs.readers.csv_columns import (
     ALERTED,
     NUMBERS,
+    Header,
     csv_content,
     read_columns,
     read_header,
@@ -76,7 +77,7 @@ def with_alerts(dataset: Dataset, session: Session) -> Dataset:
             file = SourceFile(session.folder / source.alerts, source.alerts)
             logs[number] = _read_log(file, dataset, session, own, name)
             files[f"log of {name}"] = file
-        elif any(map(_may_have_flags, own.values())):
+        elif any(map(_has_flags, own.values())):
             try:
                 logs[number] = _flagged(own)
             except FormatError as error:
@@ -122,9 +123,18 @@ def _own_files(
     return dict(zip(rows.tolist(), files, strict=True))
 
 
-def _may_have_flags(file: SourceFile) -> bool:
+def _has_flags(file: SourceFile) -> bool:
+    """Whether a plain CSV file has the column `ALERTED`."""
     with file.open() as stream:
-        return ALERTED.encode() in stream.read(1 << 14).lower()  # no header is longer
+        head = stream.read(1 << 14).lower()  # no header is longer
+    return ALERTED.encode() in head and _place_of_flags(csv_content(file, role="detections"))[1] >= 0
+
+
+def _place_of_flags(content: bytes) -> tuple[Header, int]:
+    """The header of a plain CSV file, and the place of the column `ALERTED`; -1 without it."""
+    header = read_header(content.partition(b"\n")[0].decode())
+    columns = [column.lower() for column in header.names]
+    return header, columns.index(ALERTED) if ALERTED in columns else -1
 
 
 def _flagged(files: Mapping[int, SourceFile]) -> np.ndarray:
@@ -138,10 +148,9 @@ def _flagged(files: Mapping[int, SourceFile]) -> np.ndarray:
     places = []
     for row, file in files.items():
         content = csv_content(file, role="detections")
-        header = read_header(content.partition(b"\n")[0].decode())
-        columns = [column.lower() for column in header.names]
-        if ALERTED in columns:
-            known = replace(header, place=header.place | {ALERTED: columns.index(ALERTED)})
+        header, place = _place_of_flags(content)
+        if place >= 0:
+            known = replace(header, place=header.place | {ALERTED: place})
             number = next(column for column in header.place if column in NUMBERS)
             values, line, _ = read_columns(file, known, content, [number, ALERTED])
             flags = values[ALERTED].to_numpy(dtype=bool)
@@ -163,8 +172,7 @@ def _read_log(
     Rows of a table with one begin, end and track are one alert.
     """
     content = csv_content(file, role="detections")
-    header = read_header(content.partition(b"\n")[0].decode())
-    if ALERTED in map(str.lower, header.names):
+    if _place_of_flags(content)[1] >= 0:
         path = file.path.resolve()
         same = {row: known for row, known in own.items() if known.path.resolve() == path}
         if not same:

@@ -214,6 +214,13 @@ def test_a_column_that_is_no_log_is_left_unused_with_a_warning(night: Path):
         nv.load(session(night.parent, 'alerts = "x.csv"'))
 
 
+def test_a_column_with_a_longer_name_is_no_log(night: Path):
+    lines = [f"{line},?" for line in rows(only(approach(ALL, 5), range(4, 6)))]
+    for boxes in ([], lines):
+        write(night.parent / "x.csv", f"{HEAD},alerted_by", *boxes)
+        assert "alerted-unused" not in {finding.code for finding in nv.load(night).findings}
+
+
 def test_a_policy_is_a_file_that_begins_from_a_named_one(night: Path):
     write(night.parent / "ours.toml", 'base = "eager"', "alert_on_s = 3.4")
     view = nv.judge_alerts(night, policy=night.parent / "ours.toml")
