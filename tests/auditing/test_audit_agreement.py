@@ -155,6 +155,12 @@ def test_the_truth_given_as_a_system_is_no_comparison() -> None:
     assert (said.headline, said.doubt) == (Headline("truth as system"), None)
 
 
+def test_a_verdict_is_given_beside_the_truth_as_a_further_system() -> None:
+    made = exact(BOXES, walk())
+    said = verdict(compare(made, x="x", y="x"), audit(made, x="x", y="x"))
+    assert said.headline != Headline("truth as system")
+
+
 @pytest.mark.parametrize(
     ("boxes", "n"),
     [

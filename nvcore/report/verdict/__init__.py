@@ -182,7 +182,8 @@ def verdict(
         and finding.code not in NO_COMPARISON  # the headline says it
     ]
     doubt = _doubt(serious) if serious else None
-    codes = {finding.code for finding in findings}
+    others = {*result.dataset.systems} - {result.x.name, result.y.name}
+    codes = {finding.code for finding in findings if finding.subject not in others}
     if kinds := [kind for code, kind in NO_COMPARISON.items() if code in codes]:
         return Verdict(Headline(kinds[0]), (), (), Basis.NONE, doubt, result.objects)
     if any(finding.severity is Severity.ERROR for finding in serious):
