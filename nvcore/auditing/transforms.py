@@ -205,8 +205,10 @@ class Trial:
     @classmethod
     def of(cls, dataset: Dataset, name: str, boxes: BoxColumns) -> Trial:
         """The boxes of a system that count, against the evaluated frames."""
-        truth = dataset.truth.only(~dataset.truth.ignore) if dataset.truth.ignore.any() else None
-        of_truth = FrameBoxes.placed(dataset, truth or dataset.truth)
+        truth = dataset.truth
+        if truth.ignore.any():
+            truth = truth.only(~truth.ignore)
+        of_truth = FrameBoxes.placed(dataset, truth)
         system = FrameBoxes.placed(dataset, boxes)
         n_pairs = int((np.diff(of_truth.offsets) * np.diff(system.offsets)).sum())
         every = max(1, -(-n_pairs // MAX_PAIRS))
