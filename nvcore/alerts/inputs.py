@@ -127,7 +127,9 @@ def _has_flags(file: SourceFile) -> bool:
     """Whether a plain CSV file has the column `ALERTED`."""
     with file.open() as stream:
         head = stream.read(1 << 14).lower()  # no header is longer
-    return ALERTED.encode() in head and _place_of_flags(csv_content(file, role="detections"))[1] >= 0
+    return (
+        ALERTED.encode() in head and _place_of_flags(csv_content(file, role="detections"))[1] >= 0
+    )
 
 
 def _place_of_flags(content: bytes) -> tuple[Header, int]:
