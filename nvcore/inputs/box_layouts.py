@@ -191,8 +191,8 @@ def with_layout(reading: Reading, source: Source, given: Sizes, truth: Reading |
         )
     boxes = reading.boxes
     size = None
-    is_same_order = was.is_score_first == wanted.is_score_first
-    if was.unit == wanted.unit and is_same_order:  # the size makes no difference
+    if (was.unit, was.is_score_first) == (wanted.unit, wanted.is_score_first):
+        # the size makes no difference
         was, wanted = replace(was, unit=""), replace(wanted, unit="")
     else:
         names = boxes["recording"].array
@@ -207,11 +207,11 @@ def with_layout(reading: Reading, source: Source, given: Sizes, truth: Reading |
         size = width, height, width, height
     x, y, w, h, score = (boxes[name].to_numpy() for name in (*"xywh", "score"))
     box, score = wanted.boxes(was.numbers((x, y, w, h), score, size), size)
-    facts = reading.conversion, f"each box read as {parse_layout(source.boxes).text}"
+    fact = f"each box read as {parse_layout(source.boxes).text}"
     return replace(
         reading,
         boxes=boxes.assign(**dict(zip("xywh", box, strict=True)), score=score),
-        conversion="; ".join(filter(None, facts)),
+        conversion="; ".join(filter(None, (reading.conversion, fact))),
         layout=source.boxes,
         is_laid_out=True,
     )

@@ -8,7 +8,7 @@ from typing import Final
 
 from nvcore.errors import NvcoreError
 from nvcore.inputs.files import find_files
-from nvcore.inputs.readers.base import Format, Role
+from nvcore.inputs.readers.base import BOTH_ROLES, Format, Role
 from nvcore.inputs.session import Source
 
 KITTI_SIZES: Final = ((1242, 375), (1241, 376), (1238, 374), (1224, 370))
@@ -46,8 +46,7 @@ def looks_like(path: Path) -> tuple[Format, Role] | None:
 
     What may be both is taken for ground truth.
     """
-    roles: tuple[Role, ...] = ("truth", "detections")
-    for role in roles:
+    for role in BOTH_ROLES:
         try:
             files, file_format = find_files(Source((str(path),)), Path.cwd(), role)
         except NvcoreError:

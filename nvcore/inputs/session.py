@@ -313,8 +313,11 @@ class Session(TablesOfSubjects, Settings):
     @property
     def parts(self) -> tuple[object, ...]:
         """What names files one by one: recordings, systems, and tables that subjects add."""
-        added = (getattr(self, name) for name in TABLES_OF_SUBJECTS)
-        return (*self.recordings, *self.systems, *added)
+        return (
+            *self.recordings,
+            *self.systems,
+            *(getattr(self, name) for name in TABLES_OF_SUBJECTS),
+        )
 
     @property
     def of_all(self) -> Session:

@@ -62,8 +62,10 @@ def with_speeds(dataset: Dataset, session: Session) -> Dataset:
     if not paths:  # those of recordings without frames
         return dataset
     n_known = np.count_nonzero(~np.isnan(speed_kmh))
-    words = f"speed of the car in {n_known:,} of {count_text(n_frames, 'frame')} of "
-    words += count_text(len(paths), "recording")
+    words = (
+        f"speed of the car in {n_known:,} of {count_text(n_frames, 'frame')} of "
+        f"{count_text(len(paths), 'recording')}"
+    )
     if n_known < n_frames:
         words += (
             "; in the others, outside of the readings or between two more than "

@@ -60,8 +60,10 @@ def with_subsets_joined(reading: Reading, options: ReadOptions) -> Reading:
     if not titles:
         return reading
     fact = f"{', '.join(titles)} taken for parts of one set: no frame number is in two of them"
-    conversion = "; ".join(filter(None, (reading.conversion, fact)))
-    return replace(renamed_reading(reading, titles), conversion=conversion)
+    return replace(
+        renamed_reading(reading, titles),
+        conversion="; ".join(filter(None, (reading.conversion, fact))),
+    )
 
 
 def renamed_reading(reading: Reading, titles: Mapping[str, str]) -> Reading:

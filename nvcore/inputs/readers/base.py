@@ -416,10 +416,17 @@ def rows_finding(
     if not is_odd.any():
         return []
     file, example = place(int(np.argmax(is_odd)))
-    count = int(np.count_nonzero(is_odd))
     return [
         Finding(
-            severity, code, role, count, message, advice, file=file, example=example, steps=steps
+            severity,
+            code,
+            role,
+            int(np.count_nonzero(is_odd)),
+            message,
+            advice,
+            file=file,
+            example=example,
+            steps=steps,
         )
     ]
 

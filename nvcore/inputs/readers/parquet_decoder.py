@@ -82,8 +82,9 @@ class ParquetTable:
         for place in places:
             name, kind = self.names[place], schema.field(place).type
             if self.names.count(name) > 1:
-                n_found = self.names.count(name)
-                raise RefusedError(f"expected one column {_short(name)}, found {n_found}")
+                raise RefusedError(
+                    f"expected one column {_short(name)}, found {self.names.count(name)}"
+                )
             if not _is_simple(kind):
                 raise RefusedError(
                     f"expected numbers or text in column {_short(name)}, found {_short(str(kind))}"

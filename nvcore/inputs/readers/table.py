@@ -77,8 +77,10 @@ def read_table(table: pd.DataFrame, file: SourceFile, options: ReadOptions) -> R
 
 def with_row(finding: Finding) -> Finding:
     """The finding with the row, counted from 0, where its example has a line."""
-    example = re.sub(r"^line (\d+)", lambda line: f"row {int(line[1]) - 1}", finding.example)
-    return replace(finding, example=example)
+    return replace(
+        finding,
+        example=re.sub(r"^line (\d+)", lambda line: f"row {int(line[1]) - 1}", finding.example),
+    )
 
 
 def parse_columns(

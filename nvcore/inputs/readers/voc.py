@@ -87,8 +87,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     column = {name: table[:, i] for i, name in enumerate(_COLUMNS)}
     lines = Lines(files, column["file"].astype(np.int64), column["line"].astype(np.int64))
     label = object_array(objects.label)
-    declared = {shape[0] for shape in objects.shapes}
-    choice = choose_classes(label, free_labels({*label, *declared}, options), options, lines)
+    rule = free_labels({*label, *(shape[0] for shape in objects.shapes)}, options)
+    choice = choose_classes(label, rule, options, lines)
     codes, labels = labelled(label, choice.keep & ~choice.ignore, options.objects)
     is_truth = options.role == "truth"
     x, y = column["xmin"] - base, column["ymin"] - base

@@ -249,8 +249,9 @@ class _Decoder:
         try:
             return _typed(kind, value)
         except (TypeError, ValueError) as error:
-            words = f"expected {_WORDS[kind]}, found {reprlib.repr(value)}"
-            raise self.fail(f"{where}: {words}") from error
+            raise self.fail(
+                f"{where}: expected {_WORDS[kind]}, found {reprlib.repr(value)}"
+            ) from error
 
     def check_keys(self, table: dict[str, Any], known: Collection[str], where: str) -> None:
         for key in table:

@@ -85,8 +85,10 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
 
 
 def _recording_table(entry: RecordingEntry) -> dict[str, Any]:
-    context = None if entry.context is None else context_word(entry.context)
-    own = {"context": context, "tags": list(entry.tags) or None}
+    own = {
+        "context": None if entry.context is None else context_word(entry.context),
+        "tags": list(entry.tags) or None,
+    }
     first = {name: getattr(entry, name) for name in ("name", "visible", "visible_map")}
     return _given(first | vars(entry) | own)
 

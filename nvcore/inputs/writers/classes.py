@@ -62,9 +62,10 @@ def category_ids(reading: Reading, truth: Reading | None, objects: Objects) -> l
             "write csv",
             steps=(Step(Remedy.OPTION, "", "truth"),) if truth is None else (),
         )
-    of_label = [ids.get(label, 1) for label in reading.labels]
-    without = ids.get(objects.label_of(objects.singular), 1)
-    of_box: list[int | str] = np.array([*of_label, without], object)[_places(reading)].tolist()
+    labels = [*reading.labels, objects.label_of(objects.singular)]
+    of_box: list[int | str] = np.array([ids.get(label, 1) for label in labels], object)[
+        _places(reading)
+    ].tolist()
     return of_box
 
 

@@ -144,10 +144,8 @@ def _image_list(reading: Reading) -> pd.DataFrame:
 def _ids(boxes: pd.DataFrame, images: pd.DataFrame) -> list[object]:
     """Image id of every box."""
     keys = ["recording", "frame"]
-    listed = images[[*keys, "image_id"]]
-    image_id = boxes[keys].merge(listed.astype({"image_id": object}), how="left", on=keys)[
-        "image_id"
-    ]
+    listed = images[[*keys, "image_id"]].astype({"image_id": object})
+    image_id = boxes[keys].merge(listed, how="left", on=keys)["image_id"]
     unknown = image_id.isna().to_numpy()
     if unknown.any():
         first = boxes[unknown].iloc[0]

@@ -330,8 +330,10 @@ def _places_by_id(
                 "image ids stand for different images in the truth's files; expected results in "
                 "one file per recording, named by it"
             )
-    places = places_of_rows(images, rows_by_id(ids, images["image_id"]))
-    return _Places(*places, "recording and frame from the image list by image_id")
+    return _Places(
+        *places_of_rows(images, rows_by_id(ids, images["image_id"])),
+        "recording and frame from the image list by image_id",
+    )
 
 
 def _are_ids_repeated(images: pd.DataFrame | None) -> bool:
@@ -359,8 +361,10 @@ def _places_by_stem(ids: pd.Series, images: pd.DataFrame | None) -> _Places:
             row = rows_by_text([*texts], numbers)
     else:
         images = pd.DataFrame()
-    places = places_of_rows(images, row[codes])
-    return _Places(*places, "recording and frame from the image list by image_id = file name")
+    return _Places(
+        *places_of_rows(images, row[codes]),
+        "recording and frame from the image list by image_id = file name",
+    )
 
 
 def _fit(box: np.ndarray, places: _Places, rows: np.ndarray, truth: pd.DataFrame) -> float:
@@ -500,8 +504,6 @@ def _fast(file: SourceFile) -> ResultColumns | None:
 
 def _schema(first: object) -> pa.Schema | None:
     """Types of the fields that are taken, from the first record; None if it is not usual."""
-    if not isinstance(first, dict):
-        return None
     usual: dict[str, tuple[type, ...]] = {
         "bbox": (list,),
         "score": (int, float),
@@ -511,16 +513,19 @@ def _schema(first: object) -> pa.Schema | None:
         "track_id": (int, str),
         KIND: (str,),
     }
-    kinds = {list: pa.list_(pa.float64()), int: pa.int64(), str: pa.string()}
-    if "bbox" not in first or any(
+    kinds: dict[type, pa.DataType] = {
+        list: pa.list_(pa.float64()),
+        int: pa.int64(),
+        float: pa.float64(),
+        str: pa.string(),
+    }
+    if not (isinstance(first, dict) and "bbox" in first) or any(
         type(value) not in usual[name] for name, value in first.items() if name in usual
     ):
         return None
-    fields = []
-    for name, allowed in usual.items():
-        kind = type(first[name]) if name in first else allowed[0]
-        fields.append((name, pa.float64() if name == "score" else kinds[kind]))
-    return pa.schema(fields)
+    of_first = {name: type(first[name]) for name in usual if name in first}
+    types = {name: kinds[of_first.get(name, allowed[0])] for name, allowed in usual.items()}
+    return pa.schema({**types, "score": pa.float64()})
 
 
 def _careful(file: SourceFile, options: ReadOptions) -> tuple[ResultColumns, pd.DataFrame | None]:

@@ -349,8 +349,8 @@ def _occlusion(records: Records, lines: Lines) -> tuple[np.ndarray, list[str], l
             return levels_of_numbers(numbers), [fact], odd_levels(numbers, lines, "truth")
         if kinds == {str}:
             words = pd.Series(values, dtype=object).map(level_of_words, na_action="ignore")
-            level = words.fillna(UNKNOWN_OCCLUSION).to_numpy(dtype=np.int8)
-            return level, [f"{key} from words (such as none, part, full)"], []
+            fact = f"{key} from words (such as none, part, full)"
+            return words.fillna(UNKNOWN_OCCLUSION).to_numpy(dtype=np.int8), [fact], []
         records.check_types(values, {bool, int, float, type(None)}, f'0, 1, 2 as "{key}"')
     return np.full(len(records), UNKNOWN_OCCLUSION, dtype=np.int8), [], []
 

@@ -269,10 +269,9 @@ def _careful(text: str, file: SourceFile, layout: TextLayout, first: int = 1) ->
             continue
         fields = stripped.split() if layout.delimiter == " " else raw.split(layout.delimiter)
         if len(fields) not in layout.n_columns:
-            expected = " or ".join(str(n) for n in layout.n_columns)
             raise file.fault(
-                f"expected {expected} fields ({layout.what}), found {len(fields)}: "
-                f"{shortened(stripped, 60)!r}",
+                f"expected {' or '.join(map(str, layout.n_columns))} fields ({layout.what}), "
+                f"found {len(fields)}: {shortened(stripped, 60)!r}",
                 number,
             )
         if layout.label_at is not None:
@@ -339,8 +338,11 @@ def rows_of_text(head: str, *, delimiter: str = ",") -> list[list[str]]:
     lines = head.removeprefix("\ufeff").splitlines()
     if len(lines) > 1 and not head.endswith(("\n", "\r")):
         lines.pop()
-    rows = (line for line in lines if line.strip())
-    return [row.split() if delimiter == " " else row.split(delimiter) for row in rows]
+    return [
+        line.split() if delimiter == " " else line.split(delimiter)
+        for line in lines
+        if line.strip()
+    ]
 
 
 def are_numbers(fields: Sequence[str]) -> bool:
