@@ -1,8 +1,8 @@
-"""The search for the transform under which a system's boxes overlap the truth best.
+"""Search for the transform under which a system's boxes overlap the truth best.
 
-Candidates are guessed from the data: from frame numbers, sizes of pictures and boxes, and from
-where boxes stand to one another. Combinations are built on the best single ones. The best fit is
-proposed, the simplest where several fit alike, and none if it may be chance.
+Candidates come from the data: frame numbers, sizes of pictures and boxes, and distances between
+boxes. The best single transforms are then combined. The search proposes the best fit, the simplest
+of several equal ones, and none if the gain may be chance.
 """
 
 from __future__ import annotations
@@ -64,9 +64,9 @@ SIZES: Final = (
 INPUT_SIDES: Final = (300, 320, 416, 512, 608, 640, 768, 800, 960, 1024, 1280, 1536)
 """Model input sizes (longer side, px) that use letterboxing."""
 STRIDE: Final = 32
-"""By which the sides of inputs can be divided."""
+"""Model inputs have sides that are multiples of this, px."""
 SNAP: Final = 0.015
-"""A measured ratio of sizes that is as near to a usual one as this is taken for it."""
+"""Largest relative distance at which a measured ratio of sizes is rounded to a usual one."""
 MAX_ASPECT: Final = 0.1
 """Measured ratios of widths and heights that differ by more are of other objects."""
 LOOSE: Final = (0.1, 0.3, 0.3)
@@ -115,18 +115,18 @@ MANY: Final = 100
 
 @dataclass(frozen=True)
 class Search:
-    """What was found of a system.
+    """Result of the search for one system.
 
     Attributes
     ----------
     as_is
         The fit without a transform.
     best
-        The best fit; None: the boxes are best left as they are.
+        The best fit; None if no transform is better than none.
     tried
         Most pedestrians that fit, by kind of transform.
     every
-        1: judged by all frames with pedestrians; n: by every n-th.
+        Sampling step, see `Trial`.
     """
 
     as_is: Fit
@@ -136,12 +136,12 @@ class Search:
 
 
 def trial_of(dataset: Dataset, name: str, threshold: float | None = None) -> Trial:
-    """A system's detections that pass a threshold, against the truth."""
+    """Compare a system's detections that pass a threshold with the truth."""
     return Trial.of(dataset, name, above_threshold(dataset.system(name), threshold))
 
 
 def search(dataset: Dataset, name: str, threshold: float | None = None) -> Search:
-    """Look for the transform that makes a system's boxes fit best; kept with the dataset."""
+    """Find the transform under which a system's boxes fit best; cached in the dataset."""
     kept: dict[tuple[str, float | None], Search] = dataset.derived.setdefault("transforms", {})
     if (name, threshold) not in kept:
         kept[name, threshold] = _search(trial_of(dataset, name, threshold))
@@ -189,9 +189,9 @@ def _search(trial: Trial) -> Search:
 
 
 def is_better(trial: Trial, best: Fit, as_is: Fit, *, is_of_layout: bool = False) -> bool:
-    """Whether a fit is so much better than without a transform that it is no chance.
+    """Whether a fit is better than without a transform by more than chance.
 
-    `is_of_layout`: it is by another meaning of the numbers, of which there are few.
+    Set `is_of_layout` for another layout or format: these are few, so that less gain is needed.
     """
     transform = best.transform
     if best.rank <= as_is.rank:
@@ -216,7 +216,7 @@ def is_better(trial: Trial, best: Fit, as_is: Fit, *, is_of_layout: bool = False
 
 
 def _worth(fit: Fit) -> float:
-    """How well a transform fits, less what each of its parts has to bring."""
+    """Rank of a fit minus a penalty for each part of its transform."""
     transform = fit.transform
     parts = transform.frame_step != 1, transform.scale != (1.0, 1.0), any(transform.offset_px)
     n_parts = sum(parts) + (transform.boxes is not None) + bool(transform.format)
@@ -225,7 +225,7 @@ def _worth(fit: Fit) -> float:
 
 
 def _of_other_formats(trial: Trial) -> list[Fit]:
-    """Fits if the files were in another format that their content may be in; read once."""
+    """Score other formats that the files' content may be in; they are read once."""
     dataset, name = trial.dataset, trial.name
     settings, key = dataset.settings, ("fits of other formats", name)
     if not isinstance(settings, Session) or key in dataset.derived:
@@ -252,7 +252,7 @@ def _gap(trial: Trial) -> int:
 
 
 def _beside(trial: Trial, transform: Transform, most: int = MAX_SHIFT) -> Iterator[Transform]:
-    """Small changes of a transform: frame numbers moved, a drift of clocks measured finer."""
+    """Vary a transform slightly: shift its frame numbers, refine its clock drift."""
     for k in sorted(range(-most, most + 1), key=abs)[1:]:
         yield replace(transform, offset_frames=transform.offset_frames + k * _gap(trial))
     if 0 < abs(transform.frame_step - 1) <= MAX_DRIFT:
@@ -263,7 +263,7 @@ def _beside(trial: Trial, transform: Transform, most: int = MAX_SHIFT) -> Iterat
 
 
 def _ends(trial: Trial) -> list[tuple[int, int, int, int]]:
-    """First and last listed frame, first and last number of the system, of some recordings."""
+    """First and last frame of the truth and of the system, for up to three recordings."""
     frames, ends = trial.dataset.frame_columns, []
     has_box = trial.system.key[np.diff(trial.system.offsets) > 0]
     recording, number = recording_and_frame(has_box)
@@ -275,7 +275,7 @@ def _ends(trial: Trial) -> list[tuple[int, int, int, int]]:
 
 
 def _clip_starts(trial: Trial) -> list[Transform]:
-    """Offsets of a system that counts the frames of a clip from its own first, or from 0 or 1."""
+    """Offsets if the system numbers a clip's frames from its own first frame, from 0 or from 1."""
     offsets = [
         offset
         for first, last, own_first, own_last in _ends(trial)
@@ -285,9 +285,9 @@ def _clip_starts(trial: Trial) -> list[Transform]:
 
 
 def _rates(trial: Trial) -> Iterator[Transform]:
-    """Other frame rates: usual ones, that of the evaluated frames, and clocks that drift apart.
+    """Other frame rates: usual ones, that of the evaluated frames, and drifting clocks.
 
-    Numbers count from 0, from the first evaluated frame, or as an offset says that was taken.
+    Numbers count from 0, from the first evaluated frame, or from an offset given before.
     """
     taken, gap = source_of(trial.dataset, trial.name).offset_frames, _gap(trial)
     for rate in dict.fromkeys([*map(float, RATES), float(gap), 1.0 / gap]):
@@ -301,13 +301,13 @@ def _rates(trial: Trial) -> Iterator[Transform]:
 
 
 def _drift_step(trial: Trial) -> float:
-    """Half a frame over the recordings, or more where these are long."""
+    """Step between tried drifts: half a frame over the recording, or more if it is long."""
     span = max((last for _, _, _, last in _ends(trial)), default=1)
     return max(0.5 * _gap(trial) / max(span, 1), MAX_DRIFT / MOST_DRIFTS)
 
 
 def _scaled(trial: Trial) -> Iterator[Transform]:
-    """Factors that bring boxes to the picture's size, with the bars of letterboxing undone."""
+    """Scales from usual, measured and network input sizes, the latter with letterboxing undone."""
     for ratio in SCALES:
         for factor in (float(ratio), float(1 / ratio)):
             yield Transform(scale=(factor, factor))
@@ -329,7 +329,7 @@ def _scaled(trial: Trial) -> Iterator[Transform]:
 
 
 def _measured_scale(trial: Trial) -> float:
-    """Ratio of the median sizes of the boxes of truth and system; 1 where sides differ in it."""
+    """Ratio of median box sizes, truth to system; 1 if those of widths and heights differ."""
     sizes = [np.median(side) for boxes in (trial.truth, trial.system) for side in boxes.box[2:]]
     across, down = sizes[0] / max(sizes[2], 1e-9), sizes[1] / max(sizes[3], 1e-9)
     if abs(across / down - 1) > MAX_ASPECT:
@@ -340,7 +340,7 @@ def _measured_scale(trial: Trial) -> float:
 
 
 def _placed(trial: Trial, transform: Transform, is_far: bool) -> Iterator[Transform]:
-    """A transform with the constant offsets in the picture that the boxes point to."""
+    """Extend a transform by pixel offsets measured from the boxes."""
     least = max(MIN_OFFSET_PX, MIN_OFFSET_SHARE * float(np.median(trial.truth.box[2])))
     for start in [transform.offset_px, *(_voted(trial, transform) if is_far else [])]:
         offset = start
@@ -361,7 +361,7 @@ def _placed(trial: Trial, transform: Transform, is_far: bool) -> Iterator[Transf
 
 
 def _voted(trial: Trial, transform: Transform) -> list[tuple[float, float]]:
-    """Offsets that most pairs of a pedestrian and a detection have, also where none overlaps."""
+    """Most frequent offsets between pedestrians and detections, which need not overlap."""
     _, _, lo, hi = trial.overlaps(transform)
     frame = np.repeat(np.arange(len(trial.truth.key)), np.diff(trial.truth.offsets))
     g, d = rows_in_ranges(lo[frame], (hi - lo)[frame])

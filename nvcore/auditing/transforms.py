@@ -1,7 +1,7 @@
-"""Transforms of a system's boxes, and how well the boxes overlap the truth under each.
+"""Transforms of a system's boxes, scored by their overlap with the truth.
 
-A transform is what a user can correct: frame numbers, scale, position, the meaning of a box's
-numbers, the format of the files. All transforms of a system are scored on the same draw of frames.
+A transform is a correction that a user can apply: of frame numbers, scale, position, box layout or
+file format. All transforms of a system are scored on the same sample of frames.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from nvcore.inputs.session import Session, SystemSource
 from nvcore.metrics.kernels.checks import best_overlaps
 
 MAX_PAIRS: Final = 30_000
-"""Pairs of a pedestrian and a detection that one transform may cost; above, frames are drawn."""
+"""Most pairs of a pedestrian and a detection per transform; frames are sampled above this."""
 FIT_IOU: Final = 0.5
-"""Overlap from which on a box fits a pedestrian."""
+"""Least IoU of a box that fits a pedestrian."""
 NEAR_IOU: Final = 0.3
-"""Smaller overlaps say nothing for a transform."""
+"""Smaller overlaps do not count in favour of a transform."""
 LARGEST: Final = 1.2
 """Numbers up to this many times the whole may be shares of it: boxes stick out of pictures."""
 LARGE: Final = 0.1
@@ -64,7 +64,7 @@ class Transform:
 
     @property
     def kinds(self) -> list[str]:
-        """What it corrects, the most serious first, in words."""
+        """Names of the corrections, the most serious first."""
         has = {
             "another format": bool(self.format),
             "another meaning of a box's numbers": self.boxes is not None,
@@ -78,20 +78,21 @@ class Transform:
 
 @dataclass(frozen=True)
 class Fit:
-    """How well a system's boxes overlap the drawn pedestrians under a transform.
+    """Overlap of a system's boxes with the sampled pedestrians under a transform.
 
     Attributes
     ----------
     transform
-        What was done to the boxes.
+        The transform that was applied.
     n, n_fitting
-        Pedestrians looked at; those with a box that overlaps by `FIT_IOU` or more.
+        Number of pedestrians, and of those with a box that overlaps by `FIT_IOU` or more.
     mean
         Mean IoU of each pedestrian's best box, 0..1.
     rank
-        The same without overlaps below `NEAR_IOU`: the higher, the better the transform.
+        As `mean`, with overlaps below `NEAR_IOU` taken as 0; the higher, the better the transform.
     n_possible
-        The smaller of two numbers: pedestrians in frames with detections, and these detections.
+        Most pedestrians that can fit: the smaller number of pedestrians and detections in frames
+        that have both.
     """
 
     transform: Transform
@@ -120,13 +121,13 @@ class FrameBoxes(NamedTuple):
 
     @classmethod
     def placed(cls, dataset: Dataset, boxes: BoxColumns) -> FrameBoxes:
-        """The boxes that stand in evaluated frames."""
+        """Return the boxes in evaluated frames."""
         frames = dataset.frame_columns
         key = _key(frames.recording, frames.frame)
         return cls(key, boxes.offsets, boxes.xywh, boxes.score)
 
     def with_left_out(self, dataset: Dataset, name: str, reasons: tuple[str, ...]) -> FrameBoxes:
-        """These boxes and those of a source that were left out for some reasons."""
+        """Add the boxes of a source that were left out for the given reasons."""
         lost = dataset.left_out
         lost = lost[(lost["subject"] == name) & lost["reason"].isin(reasons)]
         recording = pd.Index(dataset.recordings["name"]).get_indexer(pd.Index(lost["recording"]))
@@ -156,14 +157,14 @@ class FrameBoxes(NamedTuple):
         return width, height, width, height
 
     def laid_out(self, dataset: Dataset, was: BoxLayout, layout: BoxLayout) -> FrameBoxes:
-        """The boxes with another meaning of their numbers."""
+        """Return the boxes with their numbers interpreted by another layout."""
         size = self.sizes(dataset)
         box, score = layout.boxes(was.numbers(self.box, self.score, size), size)
         x, y, w, h = map(_frozen, box)
         return FrameBoxes(self.key, self.offsets, (x, y, w, h), score)
 
     def every(self, n: int) -> FrameBoxes:
-        """The boxes of every n-th frame that has some."""
+        """Return the boxes of every n-th non-empty frame."""
         frames = np.flatnonzero(np.diff(self.offsets))[::n]
         n_boxes = np.diff(self.offsets)[frames]
         rows = rows_in_ranges(self.offsets[frames], n_boxes)[1]
@@ -172,7 +173,7 @@ class FrameBoxes(NamedTuple):
         return FrameBoxes(self.key[frames], offsets, (x, y, w, h), self.score[rows])
 
     def believable(self, dataset: Dataset) -> float:
-        """Share of boxes that have an area, lie in the picture, and stand if of people; 0..1."""
+        """Share of boxes with an area, in the picture, and upright if of pedestrians; 0..1."""
         (x, y, w, h), (width, height, *_) = self.box, self.sizes(dataset)
         is_so = (w > 0) & (h > 0) & (x > -LARGE * width) & (y > -LARGE * height)
         is_so &= (x + w < (1 + LARGE) * width) & (y + h < (1 + LARGE) * height)
@@ -181,18 +182,18 @@ class FrameBoxes(NamedTuple):
 
 @dataclass(frozen=True)
 class Trial:
-    """A system's boxes, to be held against a draw of the truth's under transforms.
+    """A system's boxes and a sample of the truth's frames, to compare under transforms.
 
     Attributes
     ----------
     dataset
-        What they are from.
+        The dataset with both.
     name
-        Of the system.
+        Name of the system.
     truth, system
-        The drawn boxes of the truth, and all of the system's that count.
+        Sampled boxes of the truth, and all of the system's that count.
     every
-        1: all frames with pedestrians are drawn; n: every n-th.
+        Sampling step: every n-th frame with pedestrians is compared.
     """
 
     dataset: Dataset
@@ -204,7 +205,7 @@ class Trial:
 
     @classmethod
     def of(cls, dataset: Dataset, name: str, boxes: BoxColumns) -> Trial:
-        """The boxes of a system that count, against the evaluated frames."""
+        """Compare a system's boxes with the truth, sampled if there are many pairs."""
         truth = dataset.truth
         if truth.ignore.any():
             truth = truth.only(~truth.ignore)
@@ -215,18 +216,23 @@ class Trial:
         return cls(dataset, name, of_truth.every(every), system, every)
 
     def with_left_out(self) -> Trial:
-        """The trial with the rows that have no place: in other frames, or without an area."""
+        """Add the rows that were left out: in frames not evaluated, or without an area."""
         reasons = (NOT_LISTED, NO_AREA)
         system = self.system.with_left_out(self.dataset, self.name, reasons)
         truth = self.truth.with_left_out(self.dataset, TRUTH_NAME, (NO_AREA,))
-        return replace(self, truth=truth, system=system, _by_layout={})
+        # a transform may bring frames together that have no pair as they are
+        n_frames = max(np.count_nonzero(np.diff(system.offsets)), 1)
+        n_pairs = len(truth.score) * len(system.score) // n_frames
+        every = max(1, -(-n_pairs // MAX_PAIRS))
+        truth = truth.every(every)
+        return replace(self, truth=truth, system=system, every=self.every * every, _by_layout={})
 
     def was(self, name: str) -> ReadAs:
-        """How a source was read."""
+        """Return how a source was read."""
         return self.dataset.read_as.get(name, ReadAs())
 
     def other_layouts(self, name: str) -> list[BoxLayout]:
-        """Meanings that the numbers of the truth or the system can have instead."""
+        """Other layouts that the numbers of the truth's or the system's boxes may have."""
         boxes, read_as = self.truth if name == TRUTH_NAME else self.system, self.was(name)
         was = parse_layout(read_as.boxes)
         numbers = was.numbers(boxes.box, boxes.score, boxes.sizes(self.dataset))[:4]
@@ -240,12 +246,12 @@ class Trial:
         return [layout for layout in layouts(units, orders) if layout != was]
 
     def with_truth_as(self, layout: BoxLayout) -> Trial:
-        """The trial with another meaning of the numbers of the truth's boxes."""
+        """Return the trial with the truth's boxes interpreted by another layout."""
         was = parse_layout(self.was(TRUTH_NAME).boxes)
         return replace(self, truth=self.truth.laid_out(self.dataset, was, layout))
 
     def boxes_under(self, transform: Transform) -> FrameBoxes:
-        """The system's boxes by the transform's meaning of their numbers, else untransformed."""
+        """Return the system's boxes in the transform's layout, without its other corrections."""
         layout = transform.boxes
         if layout is None:
             return self.system
@@ -257,14 +263,14 @@ class Trial:
     def overlaps(
         self, transform: Transform
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Best boxes of the drawn pedestrians under a transform.
+        """Find the best box of each sampled pedestrian under a transform.
 
         Returns
         -------
         iou, box
             IoU of each pedestrian's best box and the row of that, 0 and -1 without any; shape (n,).
         lo, hi
-            Rows of the system's boxes that each drawn frame is held against; shape (n_frames,).
+            Range of the system's rows that each sampled frame is compared with; shape (n_frames,).
         """
         system, key = self.boxes_under(transform), self.truth.key
         recording, frame = recording_and_frame(key)
@@ -287,7 +293,7 @@ class Trial:
         return iou, best, lo, hi
 
     def fit(self, transform: Transform) -> Fit:
-        """How well the boxes fit under a transform."""
+        """Score a transform."""
         iou, _, lo, hi = self.overlaps(transform)
         n = max(len(iou), 1)
         return Fit(
@@ -300,7 +306,7 @@ class Trial:
         )
 
     def is_spread(self, transform: Transform) -> bool:
-        """Whether the pedestrians whose box fits stand in more than one place."""
+        """Whether the pedestrians with a fitting box are spread over the picture."""
         is_fitting = self.overlaps(transform)[0] >= FIT_IOU
         x, y, w, _ = (side[is_fitting] for side in self.truth.box)
         spread = [np.ptp(np.percentile(side, [10, 90])) for side in (x, y) if len(side)]
@@ -308,7 +314,7 @@ class Trial:
 
 
 def source_of(dataset: Dataset, name: str) -> SystemSource:
-    """What the session says of a system; nothing without a session."""
+    """A system's entry in the session; an empty one without a session."""
     settings = dataset.settings
     if not isinstance(settings, Session):
         return SystemSource(name)
@@ -316,19 +322,19 @@ def source_of(dataset: Dataset, name: str) -> SystemSource:
 
 
 def rows_in_ranges(start: np.ndarray, n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The rows of ranges that begin at `start` and have `n` rows: number of the range, and row."""
+    """Expand ranges of `n` rows from `start`: the range's number and the row, one entry per row."""
     end = np.cumsum(n)
     number = np.repeat(np.arange(len(n)), n)
     return number, np.arange(n.sum()) - np.repeat(end - n - start, n)
 
 
 def above_threshold(boxes: BoxColumns, threshold: float | None) -> BoxColumns:
-    """The detections that pass a threshold; those without a score always do."""
+    """Select the detections that pass a threshold; those without a score always do."""
     return boxes if threshold is None else boxes.only(~(boxes.score < threshold))
 
 
 def recording_and_frame(key: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Row of the recording, and frame number (which may be negative), of keys."""
+    """Split keys into the row of the recording and the frame number, which may be negative."""
     recording = (key + (1 << (_RECORDING - 1))) >> _RECORDING
     return recording, key - (recording << _RECORDING)
 
@@ -339,7 +345,7 @@ def _key(recording: np.ndarray, frame: np.ndarray) -> np.ndarray:
 
 
 def _frozen(column: np.ndarray) -> np.ndarray:
-    """The column as a dataset's own: kernels are compiled for one kind of array."""
+    """Return the column as read-only float64, the type that kernels are compiled for."""
     column = np.ascontiguousarray(column, np.float64)
     column.flags.writeable = False
     return column

@@ -9,6 +9,7 @@ import pytest
 from builders import Box, make_dataset
 
 from nvcore.auditing import audit, transforms
+from nvcore.auditing.transform_search import trial_of
 from nvcore.auditing.transforms import above_threshold
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity
@@ -192,6 +193,14 @@ def test_a_large_dataset_is_judged_by_a_sample(monkeypatch: pytest.MonkeyPatch) 
     (finding,) = suspicions(compare(moved(truth, y=12), truth=truth))
     assert "judged by every 4th frame" in finding.message
     assert finding.suggestion == (("offset_x_px", 0.0), ("offset_y_px", -12.0))
+
+
+def test_boxes_that_share_no_frame_are_judged_by_a_sample_too(monkeypatch: pytest.MonkeyPatch):
+    # 20 pedestrians in each of 40 frames, 20 detections in each of the next 40: 16,000 pairs
+    monkeypatch.setattr(transforms, "MAX_PAIRS", 10_000)
+    truth = [Box(f, 30 * i, 200, 24, 60, track=i) for f in range(40) for i in range(20)]
+    trial = trial_of(compare(moved(truth, frames=40), truth=truth), "x")
+    assert (trial.every, trial.with_left_out().every) == (1, 2)
 
 
 def test_a_threshold_keeps_detections_without_a_score() -> None:
