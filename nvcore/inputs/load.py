@@ -109,8 +109,7 @@ def load(
         while name in {*(other.subject for other in loaded), *reserved}:
             name += " (2)"
         progress(len(loaded) / n_steps, f"reading {name}")
-        table = tables.get(source)
-        system = _read(session, source, name, "detections", truth.reading, table)
+        system = _read(session, source, name, "detections", truth.reading, tables.get(source))
         loaded.append(_with_provenance(_corrected(system, source), source, session.folder))
     progress(len(loaded) / n_steps, "placing boxes in frames")
     session = _with_ways_taken(session, loaded)

@@ -101,9 +101,8 @@ _OF_OTHERS: Final[dict[Role, tuple[str, ...]]] = {
 """Columns that are not read in a file of this role."""
 
 
-def recognise(name: str, head: str, role: Role) -> bool:
+def recognise(_name: str, head: str, _role: Role) -> bool:
     """Whether the first line names the columns of a frame and a box."""
-    del name, role
     lines = head.lstrip("\ufeff").splitlines()
     if lines and EXCEL.match(f"{lines[0]}\n".encode()):
         lines = lines[1:]
@@ -476,10 +475,10 @@ def _named(recording: pd.Series, lines: Lines) -> pd.Categorical:
     """The recording of each row; an empty field is an error."""
     names = names_as_categories(recording, len(recording))
     if "" in names.categories:
-        is_empty = names.codes == names.categories.get_loc("")
-        if is_empty.any():
-            message = "expected the name of a recording, found an empty field"
-            raise lines.fault(np.argmax(is_empty), message)
+        lines.refuse(
+            names.codes == names.categories.get_loc(""),
+            lambda _row: "expected the name of a recording, found an empty field",
+        )
     return names
 
 
@@ -488,13 +487,13 @@ def _frames(values: np.ndarray, lines: Lines, base: int | None) -> tuple[np.ndar
     frame = whole_numbers(values, lines, "frame")
     if base is None:
         return frame, "frame numbers as they are"
-    if len(frame) and frame.min() < base:
-        first = int(np.argmax(frame < base))
-        raise lines.fault(
-            first,
+    lines.refuse(
+        frame < base,
+        lambda row: (
             f"expected frame numbers from {base} on, as declared by the frame base; found "
-            f"{frame[first]}",
-        )
+            f"{frame[row]}"
+        ),
+    )
     if base == 0:
         return frame, "frame numbers as they are (0-based)"
     return frame - base, f"frame numbers from {base}-based to 0-based"

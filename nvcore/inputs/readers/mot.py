@@ -75,9 +75,8 @@ DISTRACTORS = frozenset({2, 7, 8, 12, 13})
 """Classes that look like pedestrians: detecting them is neither right nor wrong."""
 
 
-def recognise(name: str, head: str, role: Role) -> bool:
+def recognise(_name: str, head: str, _role: Role) -> bool:
     """Whether the text has 7 to 10 numbers a line, between commas or blanks; whole frame and id."""
-    del name, role
     return LAYOUT.fits(head) or BLANKS.fits(head)
 
 

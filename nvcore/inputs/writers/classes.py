@@ -63,9 +63,8 @@ def category_ids(reading: Reading, truth: Reading | None, objects: Objects) -> l
             steps=(Step(Remedy.OPTION, "", "truth"),) if truth is None else (),
         )
     labels = [*reading.labels, objects.label_of(objects.singular)]
-    of_box: list[int | str] = np.array([ids.get(label, 1) for label in labels], object)[
-        _places(reading)
-    ].tolist()
+    of_label = np.array([ids.get(label, 1) for label in labels], object)
+    of_box: list[int | str] = of_label[_places(reading)].tolist()
     return of_box
 
 

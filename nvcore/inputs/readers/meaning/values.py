@@ -111,10 +111,8 @@ def checked_numbers(
         With the line of the first that is outside.
     """
     is_good = np.isnan(values) | ((values >= 0) & (values <= high) & ~np.isinf(values))
-    if not is_good.all():
-        row = int(np.argmin(is_good))
-        expected = f"from 0 to {high:g}" if np.isfinite(high) else "of 0 or more"
-        raise lines.fault(row, f"expected a {name} {expected}, found {values[row]:g}")
+    expected = f"from 0 to {high:g}" if np.isfinite(high) else "of 0 or more"
+    lines.refuse(~is_good, lambda row: f"expected a {name} {expected}, found {values[row]:g}")
     return values
 
 
