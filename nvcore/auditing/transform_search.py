@@ -144,11 +144,11 @@ def search(dataset: Dataset, name: str, threshold: float | None = None) -> Searc
     """Find the transform under which a system's boxes fit best; cached in the dataset."""
     kept: dict[tuple[str, float | None], Search] = dataset.derived.setdefault("transforms", {})
     if (name, threshold) not in kept:
-        kept[name, threshold] = _search(trial_of(dataset, name, threshold))
+        kept[name, threshold] = _search(trial_of(dataset, name, threshold), threshold)
     return kept[name, threshold]
 
 
-def _search(trial: Trial) -> Search:
+def _search(trial: Trial, threshold: float | None) -> Search:
     as_is = trial.fit(Transform())
     fits_well = as_is.share >= WELL
     if not fits_well:
@@ -158,7 +158,7 @@ def _search(trial: Trial) -> Search:
         return Search(as_is, None, {}, trial.every)
     most = MAX_SHIFT if fits_well else FARTHEST_SHIFT
     transforms = [*_beside(trial, Transform(), most), *_placed(trial, Transform(), not fits_well)]
-    fits = [as_is, *_of_other_formats(trial)]
+    fits = [as_is, *_of_other_formats(trial, threshold)]
     if not fits_well:
         starts = [*_clip_starts(trial)]
         transforms += [Transform(boxes=layout) for layout in trial.other_layouts(trial.name)]
@@ -224,14 +224,22 @@ def _worth(fit: Fit) -> float:
     return fit.rank - PART_GAIN * n_parts - TIME_GAIN * bool(transform.offset_frames)
 
 
-def _of_other_formats(trial: Trial) -> list[Fit]:
-    """Score other formats that the files' content may be in; they are read once."""
-    dataset, name = trial.dataset, trial.name
-    settings, key = dataset.settings, ("fits of other formats", name)
-    if not isinstance(settings, Session) or key in dataset.derived:
-        kept: list[Fit] = dataset.derived.get(key, [])
-        return kept
-    fits = dataset.derived[key] = []
+def _of_other_formats(trial: Trial, threshold: float | None) -> list[Fit]:
+    """Score other formats that the files' content may be in, at the same threshold."""
+    derived, key = trial.dataset.derived, ("other formats", trial.name)
+    if key not in derived:
+        derived[key] = [*_in_other_formats(trial.dataset, trial.name)]
+    return [
+        replace(trial_of(read, system, threshold).fit(Transform()), transform=Transform(format=of))
+        for of, read, system in derived[key]
+    ]
+
+
+def _in_other_formats(dataset: Dataset, name: str) -> Iterator[tuple[str, Dataset, str]]:
+    """Other formats of a system's files, the inputs read so, and the name of the system there."""
+    settings = dataset.settings
+    if not isinstance(settings, Session):
+        return
     number, systems = dataset.systems.index(name), [*settings.systems]
     source = systems[number]
     with suppress(NvcoreError):  # a table in memory, or files that only look like that format
@@ -241,9 +249,7 @@ def _of_other_formats(trial: Trial) -> list[Fit]:
             if other is not taken:
                 systems[number] = replace(source, format=other.name)
                 read = load(replace(settings, systems=tuple(systems)))
-                fit = trial_of(read, read.systems[number]).fit(Transform())
-                fits.append(replace(fit, transform=Transform(format=other.name)))
-    return fits
+                yield other.name, read, read.systems[number]
 
 
 def _gap(trial: Trial) -> int:

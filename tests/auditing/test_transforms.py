@@ -18,6 +18,7 @@ from nvcore.findings import Finding, Severity
 from nvcore.inputs.changes import applied
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.params import Params
 
 CODES = {"box-layout", "frame-rate", "time-offset", "pixel-offset", "scale-mismatch"}
 Change = Callable[[pd.DataFrame], pd.DataFrame]
@@ -37,8 +38,8 @@ def session_of(folder: Path, **changes: Change) -> Session:
     return Session(folder, Source("truth.csv"), systems, size=SIZE, fps=FPS)
 
 
-def transforms_of(session: Session) -> list[Finding]:
-    return [finding for finding in audit(load(session)) if finding.code in CODES]
+def transforms_of(session: Session, params: Params | None = None) -> list[Finding]:
+    return [finding for finding in audit(load(session), params) if finding.code in CODES]
 
 
 def followed(session: Session, findings: list[Finding]) -> Session:
@@ -197,6 +198,19 @@ def test_two_systems_read_in_a_wrong_format_do_not_outvote_the_truth(tmp_path, l
     right = followed(session, findings)
     assert transforms_of(right) == []
     assert found(compare(load(right)))["matched"] == (55, 65)
+
+
+def test_another_format_is_judged_at_the_same_threshold(tmp_path):
+    frames = range(1, 101)
+    truth = [f"{f},{3 + f % 3},{10 + f % 5},120,300,1" for f in frames]
+    (tmp_path / "truth.csv").write_text("\n".join(["frame,x,y,w,h,track", *truth]))
+    # corners; as sizes they would fit nearly as well
+    rows = [f"{f},{3 + f % 3},{10 + f % 5},{122 + f % 3},{309 + f % 5},{f / 100}" for f in frames]
+    (tmp_path / "x.txt").write_text("\n".join(rows))
+    source = SystemSource("x.txt", name="x")
+    session = Session(tmp_path, Source("truth.csv"), (source,), fps=FPS, size=SIZE)
+    assert transforms_of(session) == []
+    assert transforms_of(session, Params(threshold_x=0.9)) == []
 
 
 @pytest.mark.parametrize("seed", range(4))
