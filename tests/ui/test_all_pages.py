@@ -27,8 +27,10 @@ def situation(name: str, folder: Path) -> Path:
     if name == "nobody detected":
         return write(folder, {"one": "", "two": detections(300)}, truth=truth)
     if name == "frames pass for encounters":
+        # apart, as ids that occur once each are linked by overlap
         single = "".join(
-            rows(300, track=frame).splitlines(keepends=True)[frame] for frame in FRAMES
+            rows(100 + 120 * (frame % 4), track=frame).splitlines(keepends=True)[frame]
+            for frame in FRAMES
         )
         return write(folder, {"one": detections(300), "two": detections(310)}, truth=single)
     # five frames off, and boxes of no area
