@@ -14,7 +14,7 @@ from typing import Any, Final
 
 from nvcore.errors import InputError, ParameterError
 from nvcore.inputs.readers.base import SourceFile
-from nvcore.inputs.readers.parse.toml import parse_toml
+from nvcore.inputs.toml_text import parse_toml
 from nvcore.params import SETTINGS
 from nvcore.wording import did_you_mean, listed, one_line
 

@@ -29,8 +29,8 @@ from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units
 from nvcore.extras import needs
 from nvcore.findings import Finding, worst_first
-from nvcore.inputs.readers.parse.toml import parse_toml
 from nvcore.inputs.session import Session
+from nvcore.inputs.toml_text import parse_toml
 from nvcore.measures.entry import MeasureTable
 from nvcore.metrics.venn import BoxVenn, Exclusivity, Venn
 from nvcore.params import Params

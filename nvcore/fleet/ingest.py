@@ -18,8 +18,8 @@ from nvcore.errors import InputError, NvcoreError, StoreError
 from nvcore.extras import needs
 from nvcore.findings import TRUTH_NAME, Finding
 from nvcore.fleet.session import time_of
-from nvcore.inputs.readers.parse.toml import parse_toml
 from nvcore.inputs.session import RecordingEntry, Session
+from nvcore.inputs.toml_text import parse_toml
 from nvcore.metrics.encounter_classes import texts_of_truth
 from nvcore.progress import Progress, no_progress
 from nvcore.schema import NO_LABEL

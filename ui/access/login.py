@@ -28,7 +28,7 @@ import streamlit as st
 
 from nvcore.errors import InputError
 from nvcore.extras import needs
-from nvcore.inputs.readers.parse.toml import parse_toml
+from nvcore.inputs.toml_text import parse_toml
 from ui.settings.start import argument, base_path
 from ui.streamlit_inside.login import CALLBACK, has_authlib, section_of_secrets
 

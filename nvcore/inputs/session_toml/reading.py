@@ -20,7 +20,6 @@ from typing import Any, Final, TypeVar, get_args, get_origin, get_type_hints
 from nvcore.codes import CodedInterval
 from nvcore.errors import ParameterError, SessionError
 from nvcore.inputs.facts import check_path, parse_size
-from nvcore.inputs.readers.parse.toml import parse_toml
 from nvcore.inputs.session import (
     TABLES_OF_SUBJECTS,
     RecordingEntry,
@@ -29,6 +28,7 @@ from nvcore.inputs.session import (
     Source,
     SystemSource,
 )
+from nvcore.inputs.toml_text import parse_toml
 from nvcore.objects import PEDESTRIAN, objects_from
 from nvcore.params import params_from
 from nvcore.params.traffic import parse_context

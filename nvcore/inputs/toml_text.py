@@ -15,7 +15,7 @@ _MOST_DOTS: Final = 20_000
 def parse_toml(
     content: bytes, *, file: str | Path, error: type[InputError] = InputError
 ) -> dict[str, Any]:
-    """The tables of a TOML file.
+    """Return the tables of a TOML file.
 
     Parameters
     ----------
