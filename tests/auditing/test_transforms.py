@@ -203,12 +203,13 @@ def test_two_systems_read_in_a_wrong_format_do_not_outvote_the_truth(tmp_path, l
 def test_another_format_is_judged_at_the_same_threshold(tmp_path):
     frames = range(1, 101)
     truth = [f"{f},{3 + f % 3},{10 + f % 5},120,300,1" for f in frames]
-    (tmp_path / "truth.csv").write_text("\n".join(["frame,x,y,w,h,track", *truth]))
+    (tmp_path / "drive.csv").write_text("\n".join(["frame,x,y,w,h,track", *truth]))
     # corners; as sizes they would fit nearly as well
     rows = [f"{f},{3 + f % 3},{10 + f % 5},{122 + f % 3},{309 + f % 5},{f / 100}" for f in frames]
-    (tmp_path / "x.txt").write_text("\n".join(rows))
-    source = SystemSource("x.txt", name="x")
-    session = Session(tmp_path, Source("truth.csv"), (source,), fps=FPS, size=SIZE)
+    (tmp_path / "x").mkdir()
+    (tmp_path / "x" / "drive.txt").write_text("\n".join(rows))
+    source = SystemSource("x/drive.txt", name="x")
+    session = Session(tmp_path, Source("drive.csv"), (source,), fps=FPS, size=SIZE)
     assert transforms_of(session) == []
     assert transforms_of(session, Params(threshold_x=0.9)) == []
 
