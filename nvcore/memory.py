@@ -39,8 +39,8 @@ def check_room(n_frames: int, n_boxes: int) -> None:
         )
     if n_frames > SPARSE * n_boxes:
         raise InputError(
-            f"there are {n_frames:,} evaluated frames, but only {n_boxes:,} boxes; expected a box "
-            f"in {SPARSE:,} of so many. Correct the frame numbers"
+            f"there are {n_frames:,} evaluated frames, but only {n_boxes:,} boxes; expected at "
+            f"least one per {SPARSE:,} frames. Correct the frame numbers"
         )
 
 

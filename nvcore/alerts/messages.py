@@ -1,4 +1,4 @@
-"""What there is to say of alerts in every medium: facts, their templates, which of them hold."""
+"""Messages about alerts: facts, their templates, and which facts hold."""
 
 from __future__ import annotations
 

@@ -135,7 +135,7 @@ class AlertsView:
         return row
 
     def in_time(self, system: SystemResult) -> np.ndarray:
-        """Those of `is_to_alert` alerted before the last chance; bool, shape (n_encounters,)."""
+        """Encounters of `is_to_alert` alerted in time; bool, shape (n_encounters,)."""
         return self._is_in_time(self.first_alert(system))
 
     def _is_in_time(self, row: np.ndarray) -> np.ndarray:
@@ -145,10 +145,10 @@ class AlertsView:
 
     @cached_property
     def is_to_alert(self) -> np.ndarray:
-        """Urgent encounters, of which an alert can be in time; bool, shape (n_encounters,).
+        """Urgent encounters for which an alert can be in time; bool, shape (n_encounters,).
 
-        An oracle holds back the alerts about those that the driver sees: the driver needs none, so
-        those seen in time are left out.
+        The oracle suppresses alerts about pedestrians whom the driver sees. With it on, encounters
+        that the driver sees in time are left out.
         """
         is_seen = is_driver_in_time(self.result) & (self.result.params.alert_oracle == "on")
         is_to_alert: np.ndarray = time_left_in(self.result).is_urgent & ~is_seen
@@ -319,4 +319,4 @@ OF_URGENCY: Final = Condition(
     lambda result: ASKED.holds(result) and alerts_in(result).has_urgency,
     "where `alerts` is off, and of objects that are not on the road",
 )
-"""That alerts are judged, and can come in time."""
+"""Condition: alerts are judged, and can come in time."""

@@ -207,7 +207,7 @@ def _read_as(dataset: Dataset, name: str = TRUTH_NAME) -> BoxLayout:
 
 
 def _in_words(dataset: Dataset, name: str, transform: Transform) -> str:
-    """What the boxes seem to be."""
+    """Describe what the boxes seem to be, for the message."""
     parts, frames, (sx, sy) = [], transform.offset_frames, transform.scale
     if transform.format:
         title, taken = format_named(transform.format).title, dataset.read_as[name].format
@@ -237,7 +237,7 @@ def _frame_numbers(dataset: Dataset, name: str, transform: Transform) -> tuple[f
 
 
 def _suggestion(dataset: Dataset, name: str, transform: Transform) -> tuple[tuple[str, float], ...]:
-    """What the session has to say of the system, whatever corrections it says already."""
+    """Settings of the system that apply the transform, combined with those it already has."""
     own, values = source_of(dataset, name), {}
     step, offset = _frame_numbers(dataset, name, transform)
     if step != own.frame_step:
@@ -338,7 +338,7 @@ def audit_no_match(
 
 
 def _classes_left_out(dataset: Dataset, subjects: Sequence[str]) -> dict[str, str]:
-    """What each source has of other classes, in words; none that has nothing else."""
+    """Describe the boxes of other classes, by source; sources without any are left out."""
     texts = {}
     for subject in subjects:
         classes = [

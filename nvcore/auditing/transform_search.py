@@ -70,8 +70,8 @@ SNAP: Final = 0.015
 MAX_ASPECT: Final = 0.1
 """Measured ratios of widths and heights that differ by more are of other objects."""
 LOOSE: Final = (0.1, 0.3, 0.3)
-"""Overlap from which on a detection is taken for the pedestrian's when offsets are measured; the
-first look favours small offsets, and takes what it can get."""
+"""Least IoU of a detection with its pedestrian when offsets are measured, by iteration; the first
+estimate favours small offsets, so its limit is low."""
 MIN_CLOSE: Final = 20
 """Fewer such detections are too few to measure an offset."""
 MAX_SPREAD: Final = 1.5

@@ -219,7 +219,7 @@ def _corrected(session: Session, options: dict[str, Any]) -> tuple[SystemSource,
 
 
 def _corrections(options: dict[str, Any], letter: str) -> dict[str, Any]:
-    """What the flags of a system say of it alone: corrections, and files of subjects."""
+    """Collect the values of a system's own flags: corrections, and files of subjects."""
     names = ("frame_step", "offset_frames", "offset_px", "scale", *SYSTEM_KEYS_OF_SUBJECTS)
     given = {name: options.get(f"{name}_{letter}") for name in names}
     return {

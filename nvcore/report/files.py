@@ -59,7 +59,7 @@ REPORT_CONTENTS: Final = {
     "summary.json": "all aggregates over all recordings, parameters and version",
     SESSION_FILE: "the session: what to run to get the same report again",
 }
-"""What each file that a report may have holds, its tables as CSV; templates."""
+"""Contents of each file that a report may have, its tables as CSV; templates."""
 REPORT_FILES: Final = (
     *REPORT_CONTENTS,
     *(str(PurePath(name).with_suffix(".parquet")) for name in table_contents()),

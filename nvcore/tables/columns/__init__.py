@@ -281,5 +281,5 @@ def report_columns() -> dict[str, tuple[Column, ...]]:
 
 
 def table_contents() -> dict[str, str]:
-    """What the rows of every CSV file of a report are; templates."""
+    """Contents of every CSV file of a report; templates."""
     return {file: rows for file, (rows, _) in _TABLES.items()}

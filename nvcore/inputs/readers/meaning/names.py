@@ -106,7 +106,7 @@ def _shared_start(texts: Sequence[str]) -> str:
 
 
 def common_beginning(stems: Sequence[str]) -> str:
-    """What all stems begin with, up to the first number that differs."""
+    """Common beginning of the stems, up to the first number that differs."""
     return _shared_start(stems).rstrip("0123456789")
 
 

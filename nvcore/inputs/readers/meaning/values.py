@@ -209,7 +209,7 @@ def is_ambiguous(file: np.ndarray, line: np.ndarray, texts: np.ndarray) -> np.nd
 
 
 TEXT_IDS = "track ids that are no whole numbers were numbered by first appearance in the recording"
-"""What to report as conversion where `track_numbers` had to number text."""
+"""Conversion text if `track_numbers` had to number ids that are text."""
 
 
 def track_numbers(texts: pd.Series, recording: Any) -> tuple[np.ndarray, bool]:
