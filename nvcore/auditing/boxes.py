@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
+import pandas as pd
 
 from nvcore.auditing.cases import BoxSource
 from nvcore.columns import BoxColumns
@@ -30,6 +31,8 @@ FRACTION_EXTENT: Final = 1.5
 """Boxes whose edges all stay below this are fractions of the picture, not pixels."""
 THOUSAND: Final = 1000
 """Boxes outside the picture whose edges all stay below this may be in thousandths of it."""
+CROWDED: Final = 1000
+"""Boxes of a frame above which repeated ones are found by hashing: comparing all pairs takes long."""
 HAIR_PX: Final = 1e-3
 """Narrower boxes may lose their width in rounding."""
 
@@ -209,7 +212,10 @@ def _reused(source: BoxSource, rows: np.ndarray, code: np.ndarray) -> list[Findi
 
 
 def repeated_rows(boxes: BoxColumns) -> np.ndarray:
-    """Rows of boxes that are the same as an earlier one of their frame."""
+    """Return the rows of boxes that are the same as an earlier one of their frame."""
+    if np.diff(boxes.offsets).max(initial=0) > CROWDED:  # the kernel compares all pairs of a frame
+        table = pd.DataFrame(dict(zip("fxywh", (boxes.frame_index, *boxes.xywh), strict=True)))
+        return np.flatnonzero(table.duplicated())
     is_repeat = np.zeros(len(boxes), bool)
     over_ranges(
         mark_repeats,

@@ -109,6 +109,8 @@ def test_repeated_rows_are_found_as_comparing_all_pairs_finds_them() -> None:
     boxes = [Box(frame, *rng.integers(1, 3, 4) / 2) for frame in frames.tolist()]
     expected = [i for i in range(200) if boxes[i] in boxes[:i]]
     assert repeated_rows(make_dataset(boxes, n_frames=8).truth).tolist() == expected
+    crowd = [Box(0, x % 1100, 0.0, 1, 1) for x in range(1103)]
+    assert repeated_rows(make_dataset(crowd).truth).tolist() == [1100, 1101, 1102]
     signed = [Box(0, 0.0, 0, 1, 1), Box(0, -0.0, 0, 1, 1)]
     assert repeated_rows(make_dataset(signed).truth).tolist() == [1]
 
