@@ -32,11 +32,11 @@ def audit_closing_speed(dataset: Dataset, params: Params) -> list[Finding]:
     """
     closing_kmh = closing_speeds(dataset)
     frames = dataset.frame_columns
-    of_recording = pd.Series(frames.speed_kmh).groupby(frames.recording).median()
-    stated_kmh = of_recording.reindex(range(len(closing_kmh))).to_numpy()
+    speed_kmh = pd.Series(frames.speed_kmh).groupby(frames.recording).median()
+    stated_kmh = speed_kmh.reindex(range(len(closing_kmh))).to_numpy()
     used_kmh = np.where(np.isnan(stated_kmh), params.speed_kmh, stated_kmh)
-    is_far = np.maximum(used_kmh, closing_kmh) >= FACTOR * np.minimum(used_kmh, closing_kmh)
-    odd = np.flatnonzero(is_far)
+    slower_kmh, faster_kmh = np.minimum(used_kmh, closing_kmh), np.maximum(used_kmh, closing_kmh)
+    odd = np.flatnonzero(faster_kmh >= FACTOR * slower_kmh)
     if not len(odd):
         return []
     names = dataset.recordings["name"]
@@ -79,10 +79,7 @@ def closing_speeds(dataset: Dataset) -> np.ndarray:
     float64, shape (n_recordings,); NaN with fewer than `MIN_PEDESTRIANS`, and where time left is
     unknown (not every frame is evaluated, or the tracks were linked by us).
     """
-    if "closing_speeds" not in dataset.derived:
-        dataset.derived["closing_speeds"] = _speeds_of(dataset)
-    speeds: np.ndarray = dataset.derived["closing_speeds"]
-    return speeds
+    return dataset.kept("closing_speeds", _speeds_of)
 
 
 def _speeds_of(dataset: Dataset) -> np.ndarray:
@@ -102,8 +99,7 @@ def _speeds_of(dataset: Dataset) -> np.ndarray:
     shared = np.bincount(pedestrian, time_s * centred(truth.distance_m[rows]), n_pedestrians)
     spread = np.bincount(pedestrian, time_s**2, n_pedestrians)
     is_measured = (n >= MIN_BOXES) & (spread > 0)
-    slope = np.divide(shared, spread, out=np.zeros(n_pedestrians), where=is_measured)
-    closing_kmh = -KMH * slope
+    closing_kmh = -KMH * np.divide(shared, spread, out=np.zeros(n_pedestrians), where=is_measured)
     is_given = truth.track[encounters.order[encounters.offsets[:-1]]] != NO_TRACK
     is_nearing = is_given & (closing_kmh > 0) & (frames.sampling_step <= 1)[encounters.recording]
     speeds = np.full(len(frames.fps), np.nan)

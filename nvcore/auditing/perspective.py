@@ -57,10 +57,7 @@ def foot_spread(dataset: Dataset) -> np.ndarray:
     float64, shape (n_recordings,); NaN with fewer than `MIN_BOXES` boxes or `MIN_PEDESTRIANS`, or
     without any spread sideways.
     """
-    if "foot_spread" not in dataset.derived:
-        dataset.derived["foot_spread"] = _spread_of(dataset)
-    spread: np.ndarray = dataset.derived["foot_spread"]
-    return spread
+    return dataset.kept("foot_spread", _spread_of)
 
 
 def _spread_of(dataset: Dataset) -> np.ndarray:

@@ -81,10 +81,7 @@ def find_truth_layout(dataset: Dataset) -> TruthLayout | None:
     misread; else the side whose boxes are less often upright and in the picture; else the truth if
     several systems agree.
     """
-    if "truth layout" not in dataset.derived:
-        dataset.derived["truth layout"] = _find_truth_layout(dataset)
-    found: TruthLayout | None = dataset.derived["truth layout"]
-    return found
+    return dataset.kept("truth layout", _find_truth_layout)
 
 
 def _find_truth_layout(dataset: Dataset) -> TruthLayout | None:
@@ -129,10 +126,15 @@ def audit_truth_layout(dataset: Dataset) -> list[Finding]:
     if found is None or not found.is_certain:
         return _corners_of_all(dataset) or _lying(dataset)
     what = f"{found.layout.text} (taken for {_read_as(dataset).text})"
-    advice = f"{ADVICE['box-layout']} It is the ground truth that needs it: the systems agree."
-    steps = [Step(Remedy.BOXES, str(found.layout), TRUTH_NAME)]
-    message = _gain_text(dataset, what, found.best, found.as_is)
-    return [_of_source(truth_source(dataset), "box-layout", message, advice, steps)]
+    return [
+        _of_source(
+            truth_source(dataset),
+            "box-layout",
+            _gain_text(dataset, what, found.best, found.as_is),
+            f"{ADVICE['box-layout']} It is the ground truth that needs it: the systems agree.",
+            [Step(Remedy.BOXES, str(found.layout), TRUTH_NAME)],
+        )
+    ]
 
 
 def audit_transform(source: BoxSource, threshold: float | None) -> list[Finding]:
@@ -158,10 +160,13 @@ def audit_transform(source: BoxSource, threshold: float | None) -> list[Finding]
             steps.append(Step(Remedy.BOXES, str(of_truth.layout), TRUTH_NAME))
     looked_at = "" if found.every == 1 else f", judged by every {nth(found.every)} frame"
     message = _gain_text(dataset, _in_words(dataset, name, transform), best, as_is, looked_at)
-    finding = _of_source(source, code, message, ADVICE[code], steps)
-    severity = Severity.ERROR if is_wrong else Severity.WARNING
-    suggestion = _suggestion(dataset, name, transform)
-    return [replace(finding, severity=severity, suggestion=suggestion)]
+    return [
+        replace(
+            _of_source(source, code, message, ADVICE[code], steps),
+            severity=Severity.ERROR if is_wrong else Severity.WARNING,
+            suggestion=_suggestion(dataset, name, transform),
+        )
+    ]
 
 
 def _gain_text(dataset: Dataset, what: str, best: Fit, as_is: Fit, looked_at: str = "") -> str:
@@ -293,7 +298,6 @@ def audit_no_match(
         return []
     names, are_all, objects = [*blind], len(blind) == len(systems), dataset.objects
     is_pair = are_all and len(systems) == 2
-    subject = TRUTH_NAME if is_pair else names[0]
     who = "Neither system matches a single" if is_pair else f"{names[0]} matches not a single"
     message = (
         f"{who} {objects.singular}, although {'both detect' if is_pair else 'it detects'} "
@@ -322,13 +326,12 @@ def audit_no_match(
     )
     is_error = are_all and not are_read
     steps = [] if are_read else [Step(Remedy.CLASSES, "", name) for name in left_out]
-    if is_error:
-        steps.append(Step(Remedy.ACCEPT, NO_MATCH))
+    steps += [Step(Remedy.ACCEPT, NO_MATCH)] if is_error else []
     return [
         Finding(
             severity=Severity.ERROR if is_error else Severity.WARNING,
             code=NO_MATCH,
-            subject=subject,
+            subject=TRUTH_NAME if is_pair else names[0],
             count=n,
             message=message,
             advice=advice,
@@ -339,14 +342,16 @@ def audit_no_match(
 
 def _classes_left_out(dataset: Dataset, subjects: Sequence[str]) -> dict[str, str]:
     """Describe the boxes of other classes, by source; sources without any are left out."""
-    texts = {}
-    for subject in subjects:
-        classes = [
-            part for part in dataset.read_as.get(subject, ReadAs()).left_out if part.kind == "class"
-        ]
-        if classes:
-            texts[subject] = f"{subject} {left_out_text(classes)}"
-    return texts
+    left_out = {
+        subject: [part for part in dataset.read_as[subject].left_out if part.kind == "class"]
+        for subject in subjects
+        if subject in dataset.read_as
+    }
+    return {
+        subject: f"{subject} {left_out_text(classes)}"
+        for subject, classes in left_out.items()
+        if classes
+    }
 
 
 def _corners_of_all(dataset: Dataset) -> list[Finding]:
@@ -390,18 +395,16 @@ def _lying(dataset: Dataset) -> list[Finding]:
     All sources may have that in common, so that their boxes fit one another.
     """
     rows = np.flatnonzero(~dataset.truth.ignore)
-    are_wide = dataset.truth.w[rows] > dataset.truth.h[rows]
-    if len(rows) < MIN_CORNERS or not dataset.objects.are_pedestrians:
-        return []
-    if np.mean(are_wide) < NEARLY_ALL:
+    wide = rows[dataset.truth.w[rows] > dataset.truth.h[rows]]
+    are_enough = len(rows) >= MIN_CORNERS and len(wide) >= NEARLY_ALL * len(rows)
+    if not are_enough or not dataset.objects.are_pedestrians:
         return []
     was = _read_as(dataset)
-    n_wide = np.count_nonzero(are_wide)
     return truth_source(dataset).findings(
         Severity.ERROR,
         "lying-pedestrians",
-        rows[are_wide],
-        f"{n_wide:,} of {count_text(len(rows), 'pedestrian')} are wider than tall: they are "
+        wide,
+        f"{len(wide):,} of {count_text(len(rows), 'pedestrian')} are wider than tall: they are "
         "objects of another class, or the vertical number of each pair comes first.",
         "Look at one of them in its picture.",
         steps=(

@@ -142,10 +142,10 @@ def trial_of(dataset: Dataset, name: str, threshold: float | None = None) -> Tri
 
 def search(dataset: Dataset, name: str, threshold: float | None = None) -> Search:
     """Find the transform under which a system's boxes fit best; cached in the dataset."""
-    kept: dict[tuple[str, float | None], Search] = dataset.derived.setdefault("transforms", {})
-    if (name, threshold) not in kept:
-        kept[name, threshold] = _search(trial_of(dataset, name, threshold), threshold)
-    return kept[name, threshold]
+    return dataset.kept(
+        ("transforms", name, threshold),
+        lambda dataset: _search(trial_of(dataset, name, threshold), threshold),
+    )
 
 
 def _search(trial: Trial, threshold: float | None) -> Search:
@@ -180,12 +180,8 @@ def _search(trial: Trial, threshold: float | None) -> Search:
         for kind in fit.transform.kinds[:1]:
             tried[kind] = max(tried.get(kind, 0), fit.n_fitting)
     is_read = best.transform.boxes is not None or bool(best.transform.format)
-    return Search(
-        as_is,
-        best if is_better(trial, best, as_is, is_of_layout=is_read) else None,
-        tried,
-        trial.every,
-    )
+    is_found = is_better(trial, best, as_is, is_of_layout=is_read)
+    return Search(as_is, best if is_found else None, tried, trial.every)
 
 
 def is_better(trial: Trial, best: Fit, as_is: Fit, *, is_of_layout: bool = False) -> bool:
@@ -218,9 +214,16 @@ def is_better(trial: Trial, best: Fit, as_is: Fit, *, is_of_layout: bool = False
 def _worth(fit: Fit) -> float:
     """Rank of a fit minus a penalty for each part of its transform."""
     transform = fit.transform
-    parts = transform.frame_step != 1, transform.scale != (1.0, 1.0), any(transform.offset_px)
-    n_parts = sum(parts) + (transform.boxes is not None) + bool(transform.format)
-    n_parts += 0 < abs(transform.frame_step - 1) <= MAX_DRIFT
+    n_parts = sum(
+        (
+            transform.frame_step != 1,
+            0 < abs(transform.frame_step - 1) <= MAX_DRIFT,
+            transform.scale != (1.0, 1.0),
+            any(transform.offset_px),
+            transform.boxes is not None,
+            bool(transform.format),
+        )
+    )
     return fit.rank - PART_GAIN * n_parts - TIME_GAIN * bool(transform.offset_frames)
 
 
@@ -271,8 +274,7 @@ def _beside(trial: Trial, transform: Transform, most: int = MAX_SHIFT) -> Iterat
 def _ends(trial: Trial) -> list[tuple[int, int, int, int]]:
     """First and last frame of the truth and of the system, for up to three recordings."""
     frames, ends = trial.dataset.frame_columns, []
-    has_box = trial.system.key[np.diff(trial.system.offsets) > 0]
-    recording, number = recording_and_frame(has_box)
+    recording, number = recording_and_frame(trial.system.key[np.diff(trial.system.offsets) > 0])
     for one in np.unique(recording)[:3]:
         listed, own = frames.frame[frames.rows_of(int(one))], number[recording == one]
         if len(listed):

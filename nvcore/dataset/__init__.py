@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import copy
 import hashlib
-from collections.abc import Collection, Hashable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -37,6 +37,8 @@ from nvcore.schema import (
 )
 from nvcore.settings import Settings, as_names
 from nvcore.wording import MOST_NAMED, did_you_mean, listed
+
+Kept = TypeVar("Kept")
 
 MOST_TAGS = 12
 """Tags that an error names: they are short, and few."""
@@ -159,6 +161,13 @@ class Dataset:
     def derived(self) -> dict[Hashable, Any]:
         """What was computed from the data and is soon needed again (audit and comparison)."""
         return {}
+
+    def kept(self, key: Hashable, compute: Callable[[Dataset], Kept]) -> Kept:
+        """What is computed from the data, once; from then on as it is in `derived`."""
+        if key not in self.derived:
+            self.derived[key] = compute(self)
+        kept: Kept = self.derived[key]
+        return kept
 
     @cached_property
     def source_starts(self) -> np.ndarray:

@@ -71,10 +71,7 @@ def estimate_horizons(dataset: Dataset) -> tuple[Horizon | None, ...]:
     """
     if not dataset.objects.is_on_road:
         return (None,) * len(dataset.recordings)
-    if "horizons" not in dataset.derived:
-        dataset.derived["horizons"] = _estimate_all(dataset)
-    horizons: tuple[Horizon | None, ...] = dataset.derived["horizons"]
-    return horizons
+    return dataset.kept("horizons", _estimate_all)
 
 
 def _estimate_all(dataset: Dataset) -> tuple[Horizon | None, ...]:
