@@ -29,12 +29,14 @@ _LAYOUT: Final = frozenset(
 )
 """Folders above which the names of a whole data set lie."""
 _KEY: Final = re.compile(r"""(["']?)names\1\s*:(?:\s+(?P<value>.*))?""")
-_BLANK: Final = re.compile(r"(?:\s|#[^\n]*)*")
-_ENTRY: Final = re.compile(
-    r"""(?:(?P<mark>["']?)(?P<number>\d{1,9})(?P=mark)\s*:\s+)?"""
-    r"""(?P<name>'(?:[^'\n]|'')*'|"(?:[^"\\\n]|\\.)*"|[^\s,\[\]{}'"#&*!|>%@`:?-][^,\[\]{}#:\n]*)"""
+_BLANK: Final = r"(?>(?:\s|#[^\n]*)*)"
+_ENTRY: Final = (
+    r"""(?>(?:(?P<mark>["']?)(?P<number>\d{1,9})(?P=mark)\s*:\s+)?"""
+    r"""(?P<name>'(?:[^'\n]|'')*'|"(?:[^"\\\n]|\\.)*"|[^\s,\[\]{}'"#&*!|>%@`:?-][^,\[\]{}#:\n]*))"""
 )
 """A name, plain or quoted, behind its number in a mapping."""
+_IN_BRACKETS: Final = re.compile(rf"{_ENTRY}{_BLANK}(?:,{_BLANK}|(?=[\]}}]))")
+_ON_A_LINE: Final = re.compile(rf"(?P<dash>- \s*)?{_ENTRY}(?:\s*|(?<=[ '\"])\s*#.*)")
 
 
 def is_class_file(name: str) -> bool:
@@ -143,17 +145,13 @@ def names_of_yaml(text: str, file: SourceFile) -> dict[str, str]:
     entries: list[re.Match[str]] = []
     if value.startswith(("[", "{")):
         closing, inside = {"[": "]", "{": "}"}[value[0]], "\n".join([value[1:], *lines[at + 1 :]])
-        place = _end_of_blank(inside, 0)
+        inside, place = re.sub(_BLANK, "", inside, count=1), 0
         while not inside.startswith(closing, place):
-            entry = _ENTRY.match(inside, place)
+            entry = _IN_BRACKETS.match(inside, place)
             if entry is None or (entry["number"] is None) != (closing == "]"):
                 raise fault(at)
             entries.append(entry)
-            place = _end_of_blank(inside, entry.end())
-            if inside.startswith(",", place):
-                place = _end_of_blank(inside, place + 1)
-            elif not inside.startswith(closing, place):
-                raise fault(at)
+            place = entry.end()
     elif value and not value.startswith("#"):
         raise fault(at)
     else:
@@ -163,15 +161,8 @@ def names_of_yaml(text: str, file: SourceFile) -> dict[str, str]:
                 continue
             if line[0] not in " -":  # the next key
                 break
-            item = stripped.removeprefix("- ")
-            entry = _ENTRY.match(item.strip())
-            is_item = item != stripped
-            if entry is None or (entry["number"] is None) != is_item:
-                raise fault(i)
-            rest = item.strip()[entry.end() :]
-            if rest.strip() and not (
-                rest.lstrip()[0] == "#" and item.strip()[entry.end() - 1 :][0] in " '\""
-            ):
+            entry = _ON_A_LINE.fullmatch(stripped)
+            if entry is None or (entry["number"] is None) != (entry["dash"] is not None):
                 raise fault(i)
             entries.append(entry)
     numbers = [
@@ -179,21 +170,12 @@ def names_of_yaml(text: str, file: SourceFile) -> dict[str, str]:
         for i, entry in enumerate(entries)
     ]
     try:
-        names = dict(
-            zip(numbers, map(_unquoted, (entry["name"] for entry in entries)), strict=True)
-        )
+        texts = [_unquoted(entry["name"]) for entry in entries]
     except ValueError:  # an escape that JSON does not have
         raise fault(at) from None
-    if len(names) < len(numbers):
+    if len({*numbers}) < len(numbers):
         raise fault(at)
-    return names
-
-
-def _end_of_blank(text: str, start: int) -> int:
-    """Where white space and comments from a place on end."""
-    match = _BLANK.match(text, start)
-    assert match is not None
-    return match.end()
+    return dict(zip(numbers, texts, strict=True))
 
 
 def _unquoted(name: str) -> str:
