@@ -70,11 +70,13 @@ def times_in(stems: Sequence[str], *, is_stated: bool = False) -> NamedTimes | N
     >>> times.prefix[0], np.diff(times.ns).tolist(), times.unit
     ('a_', [100000000, 100000000], 'milliseconds')
     """
-    for read in (_of_seconds, _of_ticks, _of_dates):
-        times = read(stems)
+    ways = ((_SECONDS, _of_seconds), (_TICKS, _of_ticks), (_DATE, _of_dates))
+    for pattern, read in (*ways, *[(_SHORT_TICKS, _of_ticks)] * is_stated):
+        matches = _all_matches(pattern, stems)
+        times = read(matches, [match["prefix"] for match in matches]) if matches else None
         if times is not None:
             return times
-    return _of_ticks(stems, _SHORT_TICKS) if is_stated else None
+    return None
 
 
 def _all_matches(pattern: re.Pattern[str], stems: Sequence[str]) -> list[re.Match[str]]:
@@ -88,26 +90,19 @@ def _all_matches(pattern: re.Pattern[str], stems: Sequence[str]) -> list[re.Matc
     return matches
 
 
-def _of_seconds(stems: Sequence[str]) -> NamedTimes | None:
-    matches = _all_matches(_SECONDS, stems)
-    if not matches:
-        return None
+def _of_seconds(matches: Sequence[re.Match[str]], prefix: list[str]) -> NamedTimes | None:
     # after a point digits are a fraction; else nanoseconds may lack their leading zeros
     is_fraction = matches[0]["sign"] == "." or len({len(match["part"]) for match in matches}) == 1
     parts = [match["part"].ljust(9, "0") if is_fraction else match["part"] for match in matches]
     whole = np.array([int(match["whole"]) for match in matches], np.int64)
     ns = whole * 10**9 + np.array([*map(int, parts)], np.int64)
-    prefix = [match["prefix"] for match in matches]
     is_time = whole.max() < _EPOCH[1] and _is_plausible(ns, prefix)
     return NamedTimes(prefix, ns, "seconds and their fractions") if is_time else None
 
 
-def _of_ticks(stems: Sequence[str], pattern: re.Pattern[str] = _TICKS) -> NamedTimes | None:
-    matches = _all_matches(pattern, stems)
-    if not matches or any(int(match["whole"]) >= 2**63 for match in matches):
-        return None
-    prefix = [match["prefix"] for match in matches]
-    return times_of_numbers(np.array([int(match["whole"]) for match in matches], np.int64), prefix)
+def _of_ticks(matches: Sequence[re.Match[str]], prefix: list[str]) -> NamedTimes | None:
+    ticks = [int(match["whole"]) for match in matches]
+    return times_of_numbers(np.array(ticks, np.int64), prefix) if max(ticks) < 2**63 else None
 
 
 def times_of_numbers(numbers: np.ndarray, prefix: list[str]) -> NamedTimes | None:
@@ -140,16 +135,12 @@ def times_of_numbers(numbers: np.ndarray, prefix: list[str]) -> NamedTimes | Non
 
 def _in_ns(numbers: np.ndarray, ns: int) -> np.ndarray:
     if numbers.dtype.kind == "f":
-        numbers = np.rint(numbers * ns)
-        ns = 1
+        numbers, ns = np.rint(numbers * ns), 1
     whole: np.ndarray = numbers.astype(np.int64)
     return whole * ns
 
 
-def _of_dates(stems: Sequence[str]) -> NamedTimes | None:
-    matches = _all_matches(_DATE, stems)
-    if not matches:
-        return None
+def _of_dates(matches: Sequence[re.Match[str]], prefix: list[str]) -> NamedTimes | None:
     names = ("year", "month", "day", "hour", "minute", "second")
     columns = {name: [int(match[name]) for match in matches] for name in names}
     moments = pd.to_datetime(pd.DataFrame(columns), errors="coerce")
@@ -157,7 +148,6 @@ def _of_dates(stems: Sequence[str]) -> NamedTimes | None:
         return None
     parts = np.array([int((match["part"] or "").ljust(9, "0")) for match in matches], np.int64)
     ns = moments.to_numpy().astype("datetime64[ns]").astype(np.int64) + parts
-    prefix = [match["prefix"] for match in matches]
     return NamedTimes(prefix, ns, "date and time") if _is_plausible(ns, prefix) else None
 
 

@@ -326,7 +326,9 @@ def sequence_info(file: SourceFile) -> SequenceInfo:
     FormatError
         If it has no section [Sequence], or a value that is no positive number.
     """
-    path = _info_path(file)
+    folder = file.path.parent.resolve()
+    paths = [place / "seqinfo.ini" for place in (folder, folder.parent, folder.parent.parent)]
+    path = next(filter(Path.is_file, paths), None)
     if path is None:
         return SequenceInfo()
     source = SourceFile(path, f"seqinfo.ini of {file.name}")
@@ -371,12 +373,3 @@ def _positive(values: configparser.SectionProxy, key: str, file: SourceFile) -> 
             file=file.name,
         )
     return value
-
-
-def _info_path(file: SourceFile) -> Path | None:
-    folder = file.path.parent.resolve()
-    for candidate in (folder, folder.parent, folder.parent.parent):
-        path = candidate / "seqinfo.ini"
-        if path.is_file():
-            return path
-    return None
