@@ -75,10 +75,9 @@ def audit_geometry(source: BoxSource) -> list[Finding]:
     across = np.minimum(x + w, frames.width[recording]) - np.maximum(x, 0)
     down = np.minimum(y + h, frames.height[recording]) - np.maximum(y, 0)
     is_outside = (across <= 0) | (down <= 0)
-    inside_share = np.where(is_outside, 0, across * down) / (w * h)
-    is_off = inside_share < 0.5
-    are_many = int(np.count_nonzero(is_off)) > MANY_OUTSIDE * len(boxes)
-    if source.is_truth and np.count_nonzero(is_off) > MOST_OUTSIDE * len(boxes):
+    is_off = np.where(is_outside, 0, across * down) / (w * h) < 0.5
+    n_off = int(np.count_nonzero(is_off))
+    if source.is_truth and n_off > MOST_OUTSIDE * len(boxes):
         steps = [Step(Remedy.SIZE)]
         if furthest <= THOUSAND:
             steps.append(Step(Remedy.BOXES, str(replace(was, unit="thousandths"))))
@@ -86,12 +85,13 @@ def audit_geometry(source: BoxSource) -> list[Finding]:
             Severity.ERROR,
             "outside-picture",
             rows[is_off],
-            f"{np.count_nonzero(is_off)} of {count_text(len(boxes), 'box', 'boxes')} lie with more "
+            f"{n_off} of {count_text(len(boxes), 'box', 'boxes')} lie with more "
             "than half of their area outside the picture: its size, or what the numbers of a box "
             "were taken for, is wrong.",
             "See at which resolution the boxes were made, or in which unit.",
             steps=tuple(steps),
         )
+    are_many = n_off > MANY_OUTSIDE * len(boxes)
     return _stray(source, rows[is_outside], rows[~is_outside & is_off], are_many=are_many)
 
 
@@ -134,13 +134,16 @@ def audit_doubles(source: BoxSource) -> list[Finding]:
     takes_part = ~(boxes.ignore & source.is_truth)
     people = boxes if takes_part.all() else boxes.only(takes_part)
     doubles = np.flatnonzero(takes_part)[repeated_rows(people)]
-    what = count_text(len(doubles), "box repeats", "boxes repeat")
-    message = f"{what} another one of the same frame exactly."
-    if source.is_truth:
-        advice = "Remove the repeats: one of the two can never be detected."
-    else:
-        advice = "Remove the repeats (two files of one recording?): each counts as a false alarm."
-    return source.findings(Severity.WARNING, "duplicate-box", doubles, message, advice)
+    return source.findings(
+        Severity.WARNING,
+        "duplicate-box",
+        doubles,
+        f"{count_text(len(doubles), 'box repeats', 'boxes repeat')} another one of the same frame "
+        "exactly.",
+        "Remove the repeats: one of the two can never be detected."
+        if source.is_truth
+        else "Remove the repeats (two files of one recording?): each counts as a false alarm.",
+    )
 
 
 def audit_tracks(source: BoxSource) -> list[Finding]:
@@ -155,23 +158,23 @@ def audit_tracks(source: BoxSource) -> list[Finding]:
     if not len(rows):
         return []
     frame_index, code = boxes.frame_index[rows], encounters.encounter_of[rows]
-    findings: list[Finding] = []
-    is_same = code[1:] == code[:-1]
-    doubles = np.sort(rows[1:][is_same & (frame_index[1:] == frame_index[:-1])])
-    if len(doubles):
-        first, objects = int(boxes.track[doubles[0]]), source.dataset.objects
-        findings += source.findings(
+    is_same = (code[1:] == code[:-1]) & (frame_index[1:] == frame_index[:-1])
+    doubles, objects = np.sort(rows[1:][is_same]), source.dataset.objects
+    return [
+        *source.findings(
             Severity.ERROR,
             "duplicate-track",
             doubles,
             f"{count_text(len(doubles), 'box has', 'boxes have')} a track id that another "
-            f"{objects.singular} of the same frame has, too (first: id {first}).",
+            f"{objects.singular} of the same frame has, too (first: id "
+            f"{boxes.track[doubles[0]] if len(doubles) else ''}).",
             objects.say(
                 "Give every {one} of a recording an id of its own: two {people} under one id "
                 "count as one encounter."
             ),
-        )
-    return findings + _reused(source, rows, code)
+        ),
+        *_reused(source, rows, code),
+    ]
 
 
 def _reused(source: BoxSource, rows: np.ndarray, code: np.ndarray) -> list[Finding]:
@@ -195,8 +198,7 @@ def _reused(source: BoxSource, rows: np.ndarray, code: np.ndarray) -> list[Findi
         return []
     n_tracks = len(np.unique(code[again]))
     again = again[np.argsort(rows[again])]
-    gap = longest_gap_s(again[0])
-    first = rows[again]
+    gap, first = longest_gap_s(again[0]), rows[again]
     return source.findings(
         Severity.WARNING,
         "track-reused",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
@@ -85,18 +85,23 @@ class BoxSource:
         """
         if not len(rows):
             return []
-        first = int(rows[0])
-        row = self.boxes.first_row + first
-        file, line = (int(self.dataset.boxes[name].iloc[row]) for name in ("file", "line"))
+        file, line = (
+            int(self.dataset.boxes[name].iloc[self.boxes.first_row + rows[0]])
+            for name in ("file", "line")
+        )
         name = file_name(self.dataset, file, line)
-        frame_index = int(self.boxes.frame_index[first])
-        n = len(rows) if count is None else count
-        example = place_of_frame(self.dataset, frame_index, line=line, file=name)
-        cases = None if is_of_all else Cases("boxes", self.boxes.first_row + rows)
+        frame_index = int(self.boxes.frame_index[rows[0]])
         return [
             Finding(
-                *(severity, code, self.name, n, message, advice, name, example),
-                cases=cases,
+                severity,
+                code,
+                self.name,
+                len(rows) if count is None else count,
+                message,
+                advice,
+                name,
+                place_of_frame(self.dataset, frame_index, line=line, file=name),
+                cases=None if is_of_all else Cases("boxes", self.boxes.first_row + rows),
                 steps=steps,
             )
         ]
@@ -173,10 +178,6 @@ def recording_findings(
         return []
     names = dataset.recordings["name"].iloc[recordings]
     having = count_text(len(recordings), "recording has", "recordings have")
-    example = f"recording {names.iloc[0]}"
-    if frame_index is not None:
-        example = place_of_frame(dataset, frame_index)
-    message = f"{having} {what}: {spelled(names)}."
     if frame_rows is None:
         first = dataset.frame_columns.first
         frame_rows = first[recordings][first[recordings] < first[recordings + 1]]
@@ -186,9 +187,11 @@ def recording_findings(
             code=code,
             subject=subject,
             count=len(recordings),
-            message=message,
+            message=f"{having} {what}: {spelled(names)}.",
             advice=advice,
-            example=example,
+            example=f"recording {names.iloc[0]}"
+            if frame_index is None
+            else place_of_frame(dataset, frame_index),
             cases=Cases("frames", frame_rows),
             steps=steps,
         )
@@ -197,9 +200,8 @@ def recording_findings(
 
 def spelled(names: Iterable[object]) -> str:
     """The first few names; of the others how many."""
-    every: Sequence[str] = [str(name) for name in names]
-    names_text = ", ".join(every[:MOST_NAMES])
-    more = len(every) - MOST_NAMES
+    every = [str(name) for name in names]
+    names_text, more = ", ".join(every[:MOST_NAMES]), len(every) - MOST_NAMES
     return f"{names_text} and {more} more" if more > 0 else names_text
 
 

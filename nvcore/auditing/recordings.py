@@ -104,8 +104,7 @@ def audit_kitti_size(dataset: Dataset) -> list[Finding]:
         return []
     recordings, truth = dataset.recordings, dataset.truth
     recording = dataset.frame_columns.recording[truth.frame_index]
-    right = truth.x + truth.w
-    own = kitti_sizes(recording, right, len(recordings))
+    own = kitti_sizes(recording, truth.x + truth.w, len(recordings))
     given = recordings[["width", "height"]].to_numpy(dtype=float)
     odd = np.flatnonzero((own[:, 0] > 0) & (np.abs(given - own)[:, 0] > KITTI_SLACK_PX))
     if not len(odd):
@@ -141,12 +140,9 @@ def kitti_sizes(recording: np.ndarray, right: np.ndarray, n_recordings: int) -> 
     for row in range(n_recordings):  # a loop over recordings: at most hundreds
         rights = right[recording == row]
         reach = rights.max(initial=0.0)
-        if np.count_nonzero(rights >= reach - KITTI_SLACK_PX) < MIN_AT_EDGE:
-            continue
-        for size in KITTI_SIZES:
-            if abs(reach - size[0]) <= KITTI_SLACK_PX:
-                own[row] = size
-                break
+        if np.count_nonzero(rights >= reach - KITTI_SLACK_PX) >= MIN_AT_EDGE:
+            near = (size for size in KITTI_SIZES if abs(reach - size[0]) <= KITTI_SLACK_PX)
+            own[row] = next(near, (0, 0))
     return own
 
 
@@ -204,8 +200,8 @@ def audit_frame_steps(dataset: Dataset) -> list[Finding]:
                 abs(usual * fps[number] / unit - 1) < SAME_PERIOD for unit in (1e3, 1e6, 1e9)
             )
             is_rising = usual >= LEAST_STEP and is_near.mean() >= NEAR_SHARE
-            has_jitter = is_rising and np.ptp(steps[is_near]) > 0  # gaps of whole steps are none
-            if is_rising and (has_jitter or is_same):
+            # gaps of whole steps are no jitter
+            if is_rising and (is_same or np.ptp(steps[is_near]) > 0):
                 steps_of = steps_of or ", ".join(map(str, numbers[:4]))
                 odd.append(number)
                 is_period |= is_same
@@ -213,8 +209,7 @@ def audit_frame_steps(dataset: Dataset) -> list[Finding]:
     if not odd:
         return []
     how = "in the steps of milliseconds at this frame rate" if is_period else "in nearly even steps"
-    ways = [Step(Remedy.FRAME_NAMES, "times")]
-    ways += [Step(Remedy.ACCEPT, LIKE_TIMES)] if is_period else []
+    accept = (Step(Remedy.ACCEPT, LIKE_TIMES),) if is_period else ()
     return recording_findings(
         dataset,
         Severity.ERROR if is_period else Severity.WARNING,
@@ -223,7 +218,7 @@ def audit_frame_steps(dataset: Dataset) -> list[Finding]:
         np.array(odd),
         f"frame numbers that rise {how} (first: {steps_of}), as times do",
         "If they are times, every length in seconds is wrong by the step: say that they are.",
-        steps=tuple(ways),
+        steps=(Step(Remedy.FRAME_NAMES, "times"), *accept),
     )
 
 
@@ -242,13 +237,11 @@ def audit_frame_list(dataset: Dataset) -> list[Finding]:
     odd = np.flatnonzero(is_before | is_after)
     if not len(odd):
         return []
-    example = odd[0]
-    recording = annotated[example]
-    where = []
-    if is_before[example]:
-        where.append(f"before frame {frames.frame[first[example]]}")
-    if is_after[example]:
-        where.append(f"after frame {frames.frame[last[example]]}")
+    example, recording = odd[0], annotated[odd[0]]
+    ends = ("before", first, is_before), ("after", last, is_after)
+    where = [
+        f"{word} frame {frames.frame[row[example]]}" for word, row, has in ends if has[example]
+    ]
     empty_rows, say = np.where(is_before, start[annotated], last + 1)[odd], dataset.objects.say
     return recording_findings(
         dataset,

@@ -39,13 +39,13 @@ def audit_left_out(dataset: Dataset) -> list[Finding]:
             if reason == "frame not listed":
                 findings += _not_listed(dataset, name, rows)
             elif reason == "unknown recording":
-                findings.append(_unknown_recording(dataset, name, rows))
+                findings += _unknown_recording(dataset, name, rows)
             else:
-                findings.append(_no_box(dataset, name, str(reason), rows))
+                findings += _no_box(dataset, name, str(reason), rows)
     return findings
 
 
-def _no_box(dataset: Dataset, subject: str, reason: str, rows: pd.DataFrame) -> Finding:
+def _no_box(dataset: Dataset, subject: str, reason: str, rows: pd.DataFrame) -> list[Finding]:
     what = count_text(len(rows), "row is left out", "rows are left out")
     box = rows[[*"xywh"]].to_numpy(float)
     if np.all(np.isnan(box) if reason == "not a number" else box == 0):
@@ -72,9 +72,8 @@ def _no_box(dataset: Dataset, subject: str, reason: str, rows: pd.DataFrame) -> 
     return _finding(dataset, Severity.ERROR, code, subject, rows, message, advice)
 
 
-def _unknown_recording(dataset: Dataset, subject: str, rows: pd.DataFrame) -> Finding:
+def _unknown_recording(dataset: Dataset, subject: str, rows: pd.DataFrame) -> list[Finding]:
     names = without_doubles(rows["recording"])
-    spellings = spelled(dataset.recordings["name"])
     message = (
         f"{count_text(len(rows), 'row is', 'rows are')} left out, of "
         f"{count_text(len(names), 'recording')} without ground truth ({spelled(names)})."
@@ -89,71 +88,59 @@ def _unknown_recording(dataset: Dataset, subject: str, rows: pd.DataFrame) -> Fi
         subject,
         rows,
         message,
-        f"The recordings are {spellings}: rename the files to match, or add the ground truth.",
+        f"The recordings are {spelled(dataset.recordings['name'])}: rename the files to match, or "
+        "add the ground truth.",
     )
 
 
 def _not_listed(dataset: Dataset, subject: str, rows: pd.DataFrame) -> list[Finding]:
     first, last, is_sampled = listed_ranges(dataset, rows["recording"])
     frame = rows["frame"].to_numpy()
-    inside = (first < frame) & (frame < last)
-    is_usual = inside & is_sampled & (subject != TRUTH_NAME)
+    is_usual = (first < frame) & (frame < last) & is_sampled & (subject != TRUTH_NAME)
     nothing = _nothing_left(dataset, subject)
     is_wanted = ~is_usual & (not nothing) & _left_out_by_choice(dataset, subject, rows)
     is_odd = ~is_usual & ~is_wanted
-    findings = []
-    if is_odd.any():
-        odd = rows[is_odd]
-        numbers = without_doubles(odd["frame"])
-        message = (
-            f"{count_text(len(odd), 'row is', 'rows are')} left out, in "
-            f"{count_text(len(numbers), 'frame number')} not evaluated."
-        )
-        hardly = not nothing and _hardly_anything_left(dataset, subject, len(odd))
-        if nothing or hardly:
-            message += f" {'Hardly anything' if hardly else 'Nothing'} is left to compare."
-        findings.append(
-            _finding(
-                dataset,
-                Severity.ERROR if nothing or hardly else Severity.WARNING,
-                "frame-not-listed",
-                subject,
-                odd,
-                message,
-                *_advice(dataset.objects, subject, frame[is_odd], first[is_odd], last[is_odd]),
-            )
-        )
-    if is_wanted.any():
-        chosen = rows[is_wanted]
-        findings.append(
-            _finding(
-                dataset,
-                Severity.NOTE,
-                "left-out-by-choice",
-                subject,
-                chosen,
-                f"{count_text(len(chosen), 'row is', 'rows are')} left out, in frames that are not "
-                "among those given.",
-                "Nothing to do if these frames were left out on purpose.",
-                has_cases=False,
-            )
-        )
-    if is_usual.any():
-        between = rows[is_usual]
-        findings.append(
-            _finding(
-                dataset,
-                Severity.NOTE,
-                "between-sampled-frames",
-                subject,
-                between,
-                f"{count_text(len(between), 'row is', 'rows are')} left out, between the annotated "
-                "frames of sampled recordings.",
-                "Nothing to do if only every n-th frame is annotated; else check the frame list.",
-                has_cases=False,
-            )
-        )
-    return findings
+    odd, chosen, between = (rows[is_one] for is_one in (is_odd, is_wanted, is_usual))
+    message = (
+        f"{count_text(len(odd), 'row is', 'rows are')} left out, in "
+        f"{count_text(odd['frame'].nunique(), 'frame number')} not evaluated."
+    )
+    hardly = not nothing and _hardly_anything_left(dataset, subject, len(odd))
+    if nothing or hardly:
+        message += f" {'Hardly anything' if hardly else 'Nothing'} is left to compare."
+    return [
+        *_finding(
+            dataset,
+            Severity.ERROR if nothing or hardly else Severity.WARNING,
+            "frame-not-listed",
+            subject,
+            odd,
+            message,
+            *_advice(dataset.objects, subject, frame[is_odd], first[is_odd], last[is_odd]),
+        ),
+        *_finding(
+            dataset,
+            Severity.NOTE,
+            "left-out-by-choice",
+            subject,
+            chosen,
+            f"{count_text(len(chosen), 'row is', 'rows are')} left out, in frames that are not "
+            "among those given.",
+            "Nothing to do if these frames were left out on purpose.",
+            has_cases=False,
+        ),
+        *_finding(
+            dataset,
+            Severity.NOTE,
+            "between-sampled-frames",
+            subject,
+            between,
+            f"{count_text(len(between), 'row is', 'rows are')} left out, between the annotated "
+            "frames of sampled recordings.",
+            "Nothing to do if only every n-th frame is annotated; else check the frame list.",
+            has_cases=False,
+        ),
+    ]
 
 
 def _left_out_by_choice(dataset: Dataset, subject: str, rows: pd.DataFrame) -> np.ndarray:
@@ -173,8 +160,7 @@ def _left_out_by_choice(dataset: Dataset, subject: str, rows: pd.DataFrame) -> n
             continue
         is_wanted[places] = _is_of_truth(dataset, number_of[str(name)], frame[places])
         if record is not None:
-            ranges = record.frames.get(str(name), ())
-            is_wanted[places] |= is_in_ranges(frame[places], ranges)
+            is_wanted[places] |= is_in_ranges(frame[places], record.frames.get(str(name), ()))
     return is_wanted
 
 
@@ -247,8 +233,7 @@ def _hardly_anything_left(dataset: Dataset, subject: str, n_lost: int) -> bool:
         return False
     system = dataset.system(subject)
     has_truth, has_own = (np.diff(boxes.offsets) > 0 for boxes in (dataset.truth, system))
-    n_frames = np.count_nonzero(has_truth)
-    are_few = np.count_nonzero(has_truth & has_own) < HARDLY * n_frames
+    are_few = np.count_nonzero(has_truth & has_own) < HARDLY * np.count_nonzero(has_truth)
     return bool(are_few and len(system) < HARDLY * (len(system) + n_lost))
 
 
@@ -263,23 +248,28 @@ def _finding(
     steps: tuple[Step, ...] = (),
     *,
     has_cases: bool = True,
-) -> Finding:
+) -> list[Finding]:
+    """A finding about rows, the first of which is the example; none without rows."""
+    if rows.empty:
+        return []
     first = rows.iloc[0]
     file, line = int(first["file"]), int(first["line"])
     name = file_name(dataset, file, line)
     n_files = rows["file"].nunique()
     if n_files > 1:
         message += f" They stand in {n_files} files."
-    return Finding(
-        severity=severity,
-        code=code,
-        subject=subject,
-        count=len(rows),
-        message=message,
-        advice=advice,
-        steps=steps,
-        file=name,
-        example=place(first["recording"], int(first["frame"]), line=line, file=name),
-        # usual rows may be most of the input: nobody looks them up one by one
-        cases=Cases("left_out", rows.index.to_numpy()) if has_cases else None,
-    )
+    return [
+        Finding(
+            severity=severity,
+            code=code,
+            subject=subject,
+            count=len(rows),
+            message=message,
+            advice=advice,
+            steps=steps,
+            file=name,
+            example=place(first["recording"], int(first["frame"]), line=line, file=name),
+            # usual rows may be most of the input: nobody looks them up one by one
+            cases=Cases("left_out", rows.index.to_numpy()) if has_cases else None,
+        )
+    ]
