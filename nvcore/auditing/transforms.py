@@ -221,7 +221,7 @@ class Trial:
         system = self.system.with_left_out(self.dataset, self.name, reasons)
         truth = self.truth.with_left_out(self.dataset, TRUTH_NAME, (NO_AREA,))
         # a transform may bring frames together that have no pair as they are
-        n_frames = max(np.count_nonzero(np.diff(system.offsets)), 1)
+        n_frames = max(int(np.count_nonzero(np.diff(system.offsets))), 1)
         n_pairs = len(truth.score) * len(system.score) // n_frames
         every = max(1, -(-n_pairs // MAX_PAIRS))
         truth = truth.every(every)
