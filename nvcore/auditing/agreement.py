@@ -73,9 +73,8 @@ def audit_same_systems(
         comparison, too.
     """
     of_x, of_y = counting
-    if len(of_x) != len(of_y) or len(of_x) < MIN_BOXES:
-        return []
-    if len(_paired(of_x, of_y, SAME_IOU)) < len(of_x):
+    are_as_many = len(of_x) == len(of_y) >= MIN_BOXES
+    if not are_as_many or len(_paired(of_x, of_y, SAME_IOU)) < len(of_x):
         return []
     return x.findings(
         Severity.WARNING,
@@ -122,8 +121,7 @@ def find_disagreement(
     other frames or pictures.
     """
     truth = dataset.truth
-    alarms = tuple(of_one.is_false_alarm for of_one in matches)
-    agreed = _paired(x.boxes, y.boxes, AGREE_IOU, *alarms)
+    agreed = _paired(x.boxes, y.boxes, AGREE_IOU, *(of_one.is_false_alarm for of_one in matches))
     if not len(agreed):
         return []
     n_truth = int(np.count_nonzero(~truth.ignore))

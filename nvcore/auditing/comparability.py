@@ -47,9 +47,7 @@ def audit_encounter_lengths(dataset: Dataset, params: Params) -> list[Finding]:
     if len(near) < MIN_ENCOUNTERS or not mostly_one_frame(n_frames):
         return []
     short = near[n_frames == 1]
-    n_short = len(short)
-    reasons, many = [], dataset.objects.plural
-    step = int(np.median(frames.gap))
+    reasons, many, step = [], dataset.objects.plural, int(np.median(frames.gap))
     if step > 1:
         reasons.append(f"every {nth(step)} frame is evaluated")
     if len(tracks.linked_recordings):
@@ -60,9 +58,9 @@ def audit_encounter_lengths(dataset: Dataset, params: Params) -> list[Finding]:
             severity=Severity.WARNING,
             code="short-encounters",
             subject=TRUTH_NAME,
-            count=n_short,
+            count=len(short),
             message=(
-                f"{n_short:,} of {len(near):,} encounters that count are one evaluated "
+                f"{len(short):,} of {len(near):,} encounters that count are one evaluated "
                 f"frame long{why}."
             ),
             advice=(

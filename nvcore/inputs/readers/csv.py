@@ -211,8 +211,7 @@ def missing_columns(header: Header) -> str | None:
     missing += [name for name in ("x", "y") if name not in header.place]
     if not header.has_box:
         missing += [name for name in ("w", "h") if name not in header.place]
-    present = ", ".join(header.names)
-    return f"the columns {EXPECTED}; found {present}; missing: {', '.join(missing)}"
+    return f"the columns {EXPECTED}; found {', '.join(header.names)}; missing: {', '.join(missing)}"
 
 
 def _read_one(
@@ -227,8 +226,7 @@ def _read_one(
 ]:
     """All boxes of a file, their classes, the conversion, what is odd, attributes, pictures."""
     header = source.header
-    to_read = _columns_to_read(header, options.role)
-    columns, line, has_decimal_comma = source.parse(to_read)
+    columns, line, has_decimal_comma = source.parse(_columns_to_read(header, options.role))
     lines = Lines.of(source.file, line)
     header, findings = _with_varying_score(columns, source, options.role)
     used = {header.place[str(name)] for name in columns}

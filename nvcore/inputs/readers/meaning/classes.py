@@ -128,25 +128,20 @@ def choose_classes(
         If neither the format nor the files have a class of `ReadOptions.classes`.
     """
     codes, classes = pd.factorize(label)
-    say = options.objects.say
     known = {name.casefold() for name in rule.known}
     folded = pd.Index([str(name).casefold() for name in classes])  # the few different names
-    counted_names = {name.casefold() for name in rule.counted}
-    counted = rule.counted
-    if options.classes is not None:
-        counted = options.classes
-        counted_names = {name.casefold() for name in counted}
-        for name in counted:
-            if name.casefold() not in known | {*folded}:
-                others = sorted(str(other) for other in classes if other.casefold() not in known)
-                raise InputError(
-                    f"there is no class {name!r}; the classes are {', '.join(rule.known)}"
-                    + (f", the files also have {', '.join(others)}" if others else ""),
-                    file=lines.files[0].name if lines.files else None,
-                )
-    neutral = {name.casefold() for name in rule.ignored} - counted_names
-    if options.role == "detections":
-        neutral = set()
+    for name in options.classes or ():
+        if name.casefold() not in known | {*folded}:
+            others = sorted(str(other) for other in classes if other.casefold() not in known)
+            raise InputError(
+                f"there is no class {name!r}; the classes are {', '.join(rule.known)}"
+                + (f", the files also have {', '.join(others)}" if others else ""),
+                file=lines.files[0].name if lines.files else None,
+            )
+    counted = rule.counted if options.classes is None else options.classes
+    counted_names = {name.casefold() for name in counted}
+    of_truth = rule.ignored if options.role == "truth" else ()
+    neutral = {name.casefold() for name in of_truth} - counted_names
     is_wanted, is_neutral = folded.isin(counted_names)[codes], folded.isin(neutral)[codes]
     fact = f"classes: {', '.join(counted)} counted"
     ignored = [name for name in rule.ignored if name.casefold() in neutral]
@@ -158,7 +153,7 @@ def choose_classes(
         "unknown-class",
         "Rows of classes that the format does not have were left out: "
         f"{', '.join(sorted({str(name) for name in label[is_strange]}))}.",
-        say("If one of them is {a_one}, name it as a class that counts."),
+        options.objects.say("If one of them is {a_one}, name it as a class that counts."),
         role=options.role,
         example=lambda row: str(label[row]),
         steps=(Step(Remedy.CLASSES),),
@@ -168,18 +163,20 @@ def choose_classes(
         "no-counted-class",
         f"No row is of a class that counts ({', '.join(counted)}); found "
         f"{', '.join(sorted(str(name) for name in classes))}.",
-        say("Name the classes that are {many}."),
+        options.objects.say("Name the classes that are {many}."),
         role=options.role,
         example=lambda row: str(label[row]),
         steps=(Step(Remedy.CLASSES, ",".join(filter(options.objects.counts, map(str, classes)))),),
     )
     if options.classes is None and len(label):
         present = [name for name in classes if name.casefold() in counted_names]
-        by_name = dict(zip(classes, np.bincount(codes), strict=True))
-        rest = {str(name): int(n) for name, n in by_name.items() if name not in present}
-        severity = Severity.NOTE if rule.is_benchmark else Severity.WARNING
+        by_name = zip(classes, np.bincount(codes), strict=True)
         findings += kinds_finding(
-            present or counted[:1], rest, options, lines.files[0].name, severity
+            present or counted[:1],
+            {str(name): int(n) for name, n in by_name if name not in present},
+            options,
+            lines.files[0].name,
+            Severity.NOTE if rule.is_benchmark else Severity.WARNING,
         )
     keep = is_wanted | is_neutral
     n_boxes = np.bincount(codes[~keep], minlength=len(classes))
@@ -457,12 +454,12 @@ def choose_categories(
     if options.classes is None:
         by_name = {names[key]: n for key, n in counts.items() if key not in counted | {*unknown}}
         findings += kinds_finding([names[key] for key in fates["counted"]], by_name, options, file)
-    conversion = "classes: " + "; ".join(parts)
+    source_text = f"; class names from {source}" if source else ""
     return CategoryChoice(
         counted=fates["counted"],
         ignored=fates["ignored"],
         others=fates["left out"],
-        conversion=conversion + (f"; class names from {source}" if source else ""),
+        conversion=f"classes: {'; '.join(parts)}{source_text}",
         findings=tuple(findings),
         left_out=classes_left_out({names.get(key, key): counts.get(key, 0) for key in others}),
         source=source,
@@ -490,26 +487,21 @@ def _by_number(
         fact = f"{numbers} {keys[0]} throughout: counted (no names)" if keys else ""
         return CategoryChoice(tuple(keys), conversion=fact)
     others = tuple(key for key in keys if key not in given)
-    findings = []
-    if keys and len(others) == len(keys):
-        findings = [
-            warning(
-                "no-counted-class",
-                sum(counts.values()),
-                f"No box is of {numbers} {', '.join(sorted(given))}, which counts; found {boxes}.",
-                options.objects.say("Name the classes that are {many}."),
-                role=options.role,
-                file=file,
-                steps=(Step(Remedy.CLASSES),),
-            )
-        ]
-    parts = [f"{', '.join(sorted(given))} counted"]
-    parts += [f"{', '.join(others)} left out"] if others else []
+    finding = warning(
+        "no-counted-class",
+        sum(counts.values()),
+        f"No box is of {numbers} {', '.join(sorted(given))}, which counts; found {boxes}.",
+        options.objects.say("Name the classes that are {many}."),
+        role=options.role,
+        file=file,
+        steps=(Step(Remedy.CLASSES),),
+    )
+    left_out = f"; {', '.join(others)} left out" if others else ""
     return CategoryChoice(
         counted=tuple(given),
         others=others,
-        conversion="classes: " + "; ".join(parts),
-        findings=tuple(findings),
+        conversion=f"classes: {', '.join(sorted(given))} counted{left_out}",
+        findings=(finding,) if keys and len(others) == len(keys) else (),
         left_out=classes_left_out({key: counts[key] for key in others}),
     )
 

@@ -328,7 +328,7 @@ def _by_scenes(named: NamedPictures, stems: Sequence[str], how: str | None) -> N
     if how == "numbers":
         return named
     table, digits = named.table, [re.search(r"\d*$", stem)[0] for stem in stems]  # type: ignore[index]
-    scene = np.full(len(table), "", dtype=object)
+    scene, frame = np.full(len(table), "", dtype=object), table["frame"].to_numpy(copy=True)
     for recording, rows in _rows_of(table).items():
         order = rows[np.argsort(named.frame[rows], kind="stable")]
         steps = np.diff(named.frame[order])
@@ -341,9 +341,7 @@ def _by_scenes(named: NamedPictures, stems: Sequence[str], how: str | None) -> N
         width = _scene_digits([digits[row] for row in order], part)
         if width:
             scene[order] = [digits[row][:width] for row in order]
-            frame = table["frame"].to_numpy(copy=True)
             frame[order] = [int(digits[row][width:]) for row in order]
-            table = table.assign(frame=frame)
         elif how == "scenes":
             scene[order] = [f"scene_{number + 1}" for number in part]
         else:
@@ -363,11 +361,12 @@ def _by_scenes(named: NamedPictures, stems: Sequence[str], how: str | None) -> N
         f"{name}_{part}".removeprefix(f"{ONLY}_") for name, part in zip(whole, scene, strict=True)
     ]
     names = np.where(is_part, object_array(parts), whole)
-    n_parts = len(set(names[is_part]))
-    fact = f"{n_parts} recordings told apart by gaps in the numbers of the pictures"
+    fact = (
+        f"{len(set(names[is_part]))} recordings told apart by gaps in the numbers of the pictures"
+    )
     return replace(
         named,
-        table=table.assign(recording=names),
+        table=table.assign(recording=names, frame=frame),
         how="scenes",
         facts=(*named.facts, fact),
     )
