@@ -32,7 +32,7 @@ FRACTION_EXTENT: Final = 1.5
 THOUSAND: Final = 1000
 """Boxes outside the picture whose edges all stay below this may be in thousandths of it."""
 CROWDED: Final = 1000
-"""Boxes of a frame above which repeated ones are found by hashing: comparing all pairs takes long."""
+"""Boxes of a frame above which repeated ones are found by hashing: comparing pairs takes long."""
 HAIR_PX: Final = 1e-3
 """Narrower boxes may lose their width in rounding."""
 
