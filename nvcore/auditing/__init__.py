@@ -14,6 +14,7 @@ from nvcore.auditing.agreement import (
     audit_same_as_truth,
     audit_same_systems,
     find_disagreement,
+    find_ignored,
     find_loose,
     find_repeated,
 )
@@ -202,7 +203,7 @@ def audit_pair(
     misread = audit_no_match(dataset, systems, counting, of_each, thresholds)
     findings += misread
     for system, matched in zip(systems, of_each, strict=True):
-        findings += find_repeated(system, matched)
+        findings += [*find_repeated(system, matched), *find_ignored(system, matched)]
     if len(systems) < 2:
         return tuple(findings)
     system_x, system_y = systems

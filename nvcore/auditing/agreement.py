@@ -159,6 +159,26 @@ def find_repeated(source: BoxSource, matches: Matches) -> list[Finding]:
     )
 
 
+def find_ignored(source: BoxSource, matches: Matches) -> list[Finding]:
+    """Report a system that detects more of the truth's ignored boxes than of its pedestrians."""
+    truth, objects = source.dataset.truth, source.dataset.objects
+    rows = _paired(truth, source.boxes, AGREE_IOU, truth.ignore)
+    n_matched = int(np.count_nonzero(matches.is_matched & ~truth.ignore))
+    if len(rows) < max(MIN_BOXES, n_matched + 1):
+        return []
+    return truth_source(source.dataset).findings(
+        Severity.WARNING,
+        "ignored-boxes-detected",
+        rows,
+        f"{source.name} has boxes on {len(rows):,} of {np.count_nonzero(truth.ignore):,} ignored "
+        f"boxes (IoU {AGREE_IOU:g} or more), but matches only "
+        f"{count_text(n_matched, objects.singular, objects.plural)}.",
+        "Look at some: the numbers or names of the classes may mean others. Ignored boxes count "
+        "neither as missed nor as detected.",
+        steps=(Step(Remedy.CLASSES, "", TRUTH_NAME),),
+    )
+
+
 def find_loose(source: BoxSource, matches: Matches, params: Params) -> list[Finding]:
     """A system many of whose false alarms lie on pedestrians that it misses, by too small an IoU.
 

@@ -22,6 +22,8 @@ CAVEATS: Final = Caveats(
         "truth-as-system": "the ground truth was given as a system",
         "boxes-of-truth": "the boxes of a system are exactly those of the ground truth",
         "several-boxes": "a system has several boxes on most {many} whom it matches",
+        "ignored-boxes-detected": "a system detects more of what the ground truth ignores than "
+        "{many} who count",
         "size-too-large": "the image size seems wrong",
         "implausible-fps": "the frame rate seems wrong",
         "box-layout": "boxes seem to be written in another way than they were read",

@@ -12,7 +12,7 @@ from builders import Box, make_dataset
 from nvcore.auditing import audit
 from nvcore.comparison import compare
 from nvcore.dataset import Dataset
-from nvcore.findings import Finding, Severity
+from nvcore.findings import Finding, Remedy, Severity
 from nvcore.params import Params
 from nvcore.report.verdict import verdict
 from nvcore.sentences.facts import Doubt, Headline
@@ -205,6 +205,19 @@ def test_several_boxes_on_most_pedestrians_are_a_warning_and_not_the_truth_s_fau
     ]
     assert "20 of 40 pedestrians matched have several boxes: 40 false" in found[0].message
     assert codes(made, Params(threshold_x=0.5, threshold_y=0.5)) == []
+
+
+@pytest.mark.parametrize(("n_counted", "n_ignored"), [(19, 21), (20, 0)])
+def test_more_ignored_boxes_than_pedestrians_detected_are_a_warning(
+    n_counted: int, n_ignored: int
+) -> None:
+    # as where a tool numbers the classes of MOTChallenge's text in another order
+    truth = [*truth_walk(stop=n_counted), *truth_walk(first=n_counted, ignore=True)]
+    found = [one for one in audit(dataset(truth)) if one.code == "ignored-boxes-detected"]
+    assert [one.count for one in found] == [n_ignored, n_ignored] * bool(n_ignored)
+    if found:
+        assert found[0].message.startswith("x has boxes on 21 of 21 ignored boxes")
+        assert found[0].steps[0].remedy is Remedy.CLASSES
 
 
 def test_a_system_that_repeats_its_own_boxes_does_not_pass_for_the_truth() -> None:
