@@ -84,7 +84,8 @@ def test_unequal_operating_points_are_told_as_on_the_other_pages():
 
 def test_single_frames_are_not_tested_as_if_they_were_persons(tmp_path, monkeypatch):
     frames = session(tmp_path, "fir.csv", "nir.csv")
-    rows = [f"urban,{f},100,200,40,100" for f in range(20)]
+    # apart, as ids that occur once each are linked by overlap
+    rows = [f"urban,{f},{100 * (f % 4)},200,40,100" for f in range(20)]
     numbered = (f"{row},{track}" for track, row in enumerate(rows))
     write(tmp_path / "truth.csv", "recording,frame,x,y,w,h,track", *numbered)
     for name, detected in (("fir", rows), ("nir", rows[:1])):
