@@ -126,12 +126,6 @@ function roundBetween(out, within) {
   return null;
 }
 
-function nextAbove(value) {
-  const bits = new BigInt64Array(new Float64Array([value]).buffer);
-  bits[0] += value > 0 ? 1n : -1n;
-  return value === 0 ? Number.MIN_VALUE : new Float64Array(bits.buffer)[0];
-}
-
 function boxesOf(columns, name) {
   const prefix = `${name}_`;
   const own = Object.entries(columns).filter(([column]) => column.startsWith(prefix));
@@ -157,7 +151,7 @@ class System {
     const scores = (of) => own.score.filter(of).sort().reverse();
     this.scores = scores((score) => !Number.isNaN(score));
     this.alarms = scores((score, i) => own.match[i] < 0 && !Number.isNaN(score));
-    this.hasScores = own.score.some(Number.isFinite);
+    this.hasScores = new Set(own.score.filter(Number.isFinite)).size > 1;
     this.keys = {};
   }
 
@@ -171,14 +165,14 @@ class System {
 
   // As `threshold_with_alarms` of nvcore; every detection counts above minus infinity.
   thresholdWithAlarms(target) {
-    const { alarms } = this;
+    const { alarms, scores: [highest] } = this;
     if (!this.hasScores || !alarms.length) return -Infinity;
-    let left = 0;
+    let left = alarms[0] === highest ? Infinity : 0; // no false alarm would be no detection
     for (let n = 1; n <= alarms.length; n += 1)
       if ((n === alarms.length || alarms[n] !== alarms[n - 1]) && Math.abs(n - target) < Math.abs(left - target)) left = n;
     if (left === alarms.length) return -Infinity;
-    const within = left ? alarms[left - 1] : Infinity;
-    return roundBetween(alarms[left], within) ?? (left ? within : nextAbove(alarms[left]));
+    const within = left ? alarms[left - 1] : highest;
+    return roundBetween(alarms[left], within) ?? within;
   }
 }
 
