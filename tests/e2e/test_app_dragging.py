@@ -94,17 +94,12 @@ WATCH = """() => {
 }"""
 
 
-UNFOLDED = """() => !document.querySelector(".st-key-all_measures")
-  .getAnimations({ subtree: true }).length"""
-
-
 @pytest.mark.parametrize("part", ["", "all measures"])
 def test_the_scorecard_stays_in_its_place_while_alpha_is_dragged(visit, part):
     one = visit("")
     if part:
         one.keyed("all_measures").locator("summary").click()
         one.wait_until_drawn()
-        one.page.wait_for_function(UNFOLDED)
     one.page.locator(".nv-scorecard").last.scroll_into_view_if_needed()
     height = one.page.evaluate(WATCH)
     for share in (-0.4, 0.4):

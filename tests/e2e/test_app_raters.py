@@ -39,6 +39,7 @@ def begin_session(one: Visit) -> tuple[str, str, int]:
     n_alerts = int(told.inner_text().partition(" ")[0])
     one.wait_until_drawn()
     one.keyed("rating_terms").locator("summary").click()
+    one.wait_until_drawn()
     one.keyed("rating_has_form").get_by_text("Ask for age").click()
     questions = one.page.get_by_label("Own questions")
     questions.fill("Glasses")

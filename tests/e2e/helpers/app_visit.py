@@ -15,10 +15,13 @@ SIZE = {"width": 1280, "height": 800}
 GROUND = {"light": "rgb(255, 255, 255)", "dark": "rgb(17, 22, 27)"}
 # Streamlit looks for its server below the page's own path first
 HARMLESS = re.compile(r"/(_stcore/health|_stcore/host-config)$")
+# While an expander unfolds, what is in it moves away from a click.
 IS_DRAWN = """() => document.querySelector('[data-testid="stApp"]')
       ?.dataset.testScriptState === "notRunning"
   && document.querySelector("h1")
-  && !document.querySelector('[data-testid="stSkeleton"], [data-stale="true"]')"""
+  && !document.querySelector('[data-testid="stSkeleton"], [data-stale="true"]')
+  && [...document.querySelectorAll('[data-testid="stExpander"] details')]
+    .every((part) => !part.getAnimations().length)"""
 
 
 # A click is heard once the plot is reachable by keys, too; and a plot is drawn a second time when
