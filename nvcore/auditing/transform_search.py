@@ -319,9 +319,9 @@ def _scaled(trial: Trial) -> Iterator[Transform]:
     for ratio in SCALES:
         for factor in (float(ratio), float(1 / ratio)):
             yield Transform(scale=(factor, factor))
-    factor = _measured_scale(trial)
-    measured = Transform(scale=(factor, factor))
-    yield from (measured, *_placed(trial, measured, True))
+    for factor in dict.fromkeys(_measured_scales(trial)):
+        measured = Transform(scale=(factor, factor))
+        yield from (measured, *_placed(trial, measured, True))
     frames = trial.dataset.frame_columns
     if np.ptp(frames.width) or np.ptp(frames.height):
         return
@@ -336,13 +336,37 @@ def _scaled(trial: Trial) -> Iterator[Transform]:
                 yield Transform(scale=(factor, factor), offset_px=(-factor * x, -factor * y))
 
 
-def _measured_scale(trial: Trial) -> float:
-    """Ratio of median box sizes, truth to system; 1 if those of widths and heights differ."""
+def _measured_scales(trial: Trial) -> Iterator[float]:
+    """Ratios of sizes, truth to system: of the median boxes, and of distances between centres.
+
+    A system that detects only near pedestrians has larger boxes than the truth. The centres of the
+    pairs that overlap after an offset are as far apart as in the truth, times the ratio.
+    """
     sizes = [np.median(side) for boxes in (trial.truth, trial.system) for side in boxes.box[2:]]
     across, down = sizes[0] / max(sizes[2], 1e-9), sizes[1] / max(sizes[3], 1e-9)
-    if abs(across / down - 1) > MAX_ASPECT:
-        return 1.0
-    factor = float(np.sqrt(across * down))
+    if abs(across / down - 1) <= MAX_ASPECT:
+        yield _usual(float(np.sqrt(across * down)))
+    for offset in [(0.0, 0.0), *_voted(trial, Transform())]:
+        factor = 1.0
+        for loose in LOOSE:
+            iou, best, *_ = trial.overlaps(Transform(scale=(factor, factor), offset_px=offset))
+            close = iou >= loose
+            if np.count_nonzero(close) < MIN_CLOSE:
+                break
+            ours, theirs = (
+                np.stack([boxes.box[k][rows] + boxes.box[k + 2][rows] / 2 for k in (0, 1)])
+                for boxes, rows in ((trial.truth, close), (trial.system, best[close]))
+            )
+            away = theirs - theirs.mean(axis=1, keepdims=True)
+            factor = float((ours * away).sum() / max((away**2).sum(), 1e-9))
+            x, y = np.median(ours - factor * theirs, axis=1)
+            offset = float(x), float(y)
+        else:
+            yield _usual(factor)
+
+
+def _usual(factor: float) -> float:
+    """Round a measured ratio of sizes to a usual one close by, else to a thousandth."""
     usual = [float(of) for ratio in SCALES for of in (ratio, 1 / ratio)]
     return next((of for of in usual if abs(factor / of - 1) < SNAP), round(factor, 3))
 

@@ -158,6 +158,15 @@ def test_an_unusual_scale_is_measured() -> None:
     assert dict(finding.suggestion) == {"scale": pytest.approx(1 / 0.37, abs=0.002)}
 
 
+def test_an_unusual_scale_is_measured_where_only_the_near_are_detected() -> None:
+    far = [box._replace(x=box.x + 60, w=8, h=20, track=box.track + 2) for box in WALKS]
+    x = moved(WALKS, scale=1.1, x=-8, y=4)
+    (finding,) = suspicions(compare(x, truth=[*WALKS, *far, *far]))
+    found = dict(finding.suggestion)
+    assert found.pop("scale") == 0.909
+    assert found == pytest.approx({"offset_x_px": 8 / 1.1, "offset_y_px": -4 / 1.1}, abs=1)
+
+
 def test_different_scales_across_and_down_are_found() -> None:
     squeezed = [
         box._replace(x=box.x / 2, w=box.w / 2, y=box.y * 2 / 3, h=box.h * 2 / 3)
