@@ -248,3 +248,12 @@ def test_the_sample_drives_have_an_alert_of_each_kind():
     summary = speeding.summary()
     assert summary["system"].tolist() == ["Mono", "Stereo"]
     assert summary["right_limit"].tolist() == pytest.approx([0.7674, 0.4945], abs=1e-4)
+
+
+def test_nothing_is_said_of_urgency_where_no_object_is_braked_for():
+    session = SAMPLE.parent / "speed_signs" / "session.toml"
+    result = run("alerts", session, "--policy", "eager")
+    assert result.exit_code == 0, result.output
+    assert "alerted" in result.output
+    assert "in time" not in result.output
+    assert "urgent" not in result.output
