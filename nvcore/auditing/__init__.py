@@ -202,8 +202,10 @@ def audit_pair(
     ]
     misread = audit_no_match(dataset, systems, counting, of_each, thresholds)
     findings += misread
+    is_blind = bool(misread)  # nothing is to be compared with what was matched
     for system, matched in zip(systems, of_each, strict=True):
-        findings += [*find_repeated(system, matched), *find_ignored(system, matched)]
+        findings += find_repeated(system, matched)
+        findings += [] if is_blind else find_ignored(system, matched)
     if len(systems) < 2:
         return tuple(findings)
     system_x, system_y = systems
@@ -217,7 +219,7 @@ def audit_pair(
     if np.any(~dataset.truth.ignore) and not is_misread:
         for system, matched in zip((system_x, system_y), matches, strict=True):
             findings += find_loose(system, matched, params)
-        findings += find_disagreement(dataset, system_x, system_y, matches)
+        findings += [] if is_blind else find_disagreement(dataset, system_x, system_y, matches)
         findings += audit_operating_points(system_x, system_y, matches, params)
     return tuple(findings)
 

@@ -317,9 +317,9 @@ def audit_no_match(
     for kind in () if are_read else CODES:
         if any(kind in found.tried for found in blind.values()):
             tried[kind] = [found.tried.get(kind, 0) for found in blind.values()]
-    n_seen = max(found.as_is.n for found in blind.values())
+    seen = [f"{found.as_is.n:,}" for found in blind.values()]  # frames are sampled for each
     message += (
-        f" Tried, with how many of {count_text(n_seen, objects.singular, objects.plural)} then "
+        f" Tried, with how many of {' and '.join(dict.fromkeys(seen))} {objects.plural} then "
         f"overlap a box of {' and '.join(names)} by an IoU of {FIT_IOU:g} or more: "
         + "; ".join(f"{what} {' and '.join(map(str, values))}" for what, values in tried.items())
         + "."

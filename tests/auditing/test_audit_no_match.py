@@ -75,6 +75,17 @@ def test_a_rule_of_matching_that_nobody_can_meet_is_told_from_wrong_files(tmp_pa
     assert (finding.severity, finding.steps) == (Severity.WARNING, ())
 
 
+def test_where_nothing_matches_by_the_settings_no_other_cause_is_named(tmp_path):
+    session = session_of(tmp_path)
+    for name in ("x", "y"):  # beside their own boxes, both have those of two people not annotated
+        own = detections(name)
+        far = detections("x").assign(x=1.5 * detections("x")["x"] + 20, w=16, h=40)
+        written(tmp_path, name, pd.concat([own, far]), "sizes")
+    found = [finding.code for finding in audit(load(session), Params(iou=1.0))]
+    assert "no-match" in found
+    assert "agreed-by-both-alone" not in found
+
+
 def test_where_a_cause_is_found_it_is_reported_instead(tmp_path):
     session = session_of(tmp_path, x="corners", y="corners")
     assert no_match(session) == []
