@@ -111,7 +111,7 @@ def from_csv(folder: str, n_frames: int) -> dict[str, Any]:
     """Ingest of CSV files with a session each."""
     from bench.csv_files import write_csv
     from bench.sets import make_set
-    from nvcore.fleet.face import ingest as run
+    from nvcore.fleet.calls import ingest as run
 
     parts = n_frames // 20_000
     for part in range(parts):
@@ -126,11 +126,10 @@ def from_csv(folder: str, n_frames: int) -> dict[str, Any]:
 
 def scan(store: str, out: str, workers: int, alpha: float | None) -> dict[str, Any]:
     """A scan by so many processes, and what its parts take."""
+    from nvcore.fleet.folder import begin, finish
     from nvcore.fleet.location import Location
-    from nvcore.fleet.plan import begin
-    from nvcore.fleet.pool import in_pool
     from nvcore.fleet.results import ScanParams
-    from nvcore.fleet.scan import Job, drive, finish
+    from nvcore.fleet.scan import Job, drive, in_pool
     from nvcore.fleet.store import Store
     from nvcore.params import Params
 
@@ -191,8 +190,8 @@ def names(folder: str, recordings: int) -> dict[str, Any]:
 
 def metadata(folder: str) -> dict[str, Any]:
     """What recordings take before the first is compared."""
+    from nvcore.fleet.folder import begin
     from nvcore.fleet.location import Location
-    from nvcore.fleet.plan import begin
     from nvcore.fleet.results import ScanParams
     from nvcore.fleet.scan import Job
     from nvcore.fleet.store import Snapshot, Store

@@ -93,8 +93,8 @@ class Dataset:
         How the files of each source were read, by ``truth`` or the system's name; empty for data
         made in memory.
     each_alone
-        Whether each recording is described as if it were the only one: nothing that is said of it
-        depends on which others are there, and tables have all columns that they can have.
+        Whether no value of a recording depends on the others: what compares recordings (z-scores,
+        children by stature) is left out, and tables have all columns that they can have.
     """
 
     recordings: pd.DataFrame

@@ -7,12 +7,12 @@ SUBJECT = Subject(
     recording_keys="session:FleetEntry",
     commands="commands:COMMANDS",
     names={
-        "ingest": "face:ingest",
-        "open_store": "face:open_store",
-        "scan": "face:scan",
-        "scan_status": "face:scan_status",
-        "top": "face:top",
-        "export_recording": "face:export_recording",
+        "ingest": "calls:ingest",
+        "open_store": "calls:open_store",
+        "scan": "calls:scan",
+        "scan_status": "calls:scan_status",
+        "top": "calls:top",
+        "export_recording": "calls:export_recording",
     },
     extras={
         "fleet": ("deltalake", "duckdb", "obstore", "sqlglot"),

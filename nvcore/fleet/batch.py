@@ -1,14 +1,13 @@
-"""Some recordings of a store, compared: whole ones, the same numbers however they are put together.
+"""Comparison of some recordings of a store, by the library's own `compare`.
 
-`scan_batch` calls the library's own `compare`. Each recording is described as if it were the only
-one (`nvcore.dataset.Dataset.each_alone`), so that results of batches only have to be put together.
+No number of a recording depends on the others (`nvcore.dataset.Dataset.each_alone`), so that the
+results of batches only have to be concatenated.
 """
 
 from __future__ import annotations
 
-import copy
 import hashlib
-from collections.abc import Iterator, Mapping, MutableMapping, Sequence
+from collections.abc import Mapping, MutableMapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any, Final
@@ -18,13 +17,11 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from nvcore.comparison import Result, compare
+from nvcore.comparison import compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
 from nvcore.errors import InputError, NvcoreError, StoreError
-from nvcore.fleet.cutting import can_be_cut, compare_pieces
 from nvcore.fleet.results import ScanParams, Summary, gather, result_tables
-from nvcore.fleet.reuse import Frozen, can_reuse, freeze, stage_key, tables_again, thaw
 from nvcore.fleet.tables import MISSING, TRUTH_KINDS
 from nvcore.objects import PEDESTRIAN, objects_from
 from nvcore.params import Params
@@ -40,16 +37,15 @@ from nvcore.settings import Settings
 
 __all__ = ["ScanParams", "dataset_of", "scan_batch"]
 
+MAX_FRAMES: Final = 2_000_000
+"""Most frames of a recording."""
 _BOX_COLUMNS: Final = ["x", "y", "w", "h", "score", "track", "ignore", "distance_m", "occlusion"]
 
 
 def scan_batch(
-    tables: Mapping[str, pa.Table],
-    params: ScanParams,
-    *,
-    stages: MutableMapping[str, Frozen] | None = None,
+    tables: Mapping[str, pa.Table], params: ScanParams
 ) -> tuple[dict[str, pa.Table], Summary]:
-    """Compare the recordings of a batch; every number is that of the recording by itself.
+    """Compare the recordings of a batch, each with the numbers that it has by itself.
 
     Parameters
     ----------
@@ -57,10 +53,6 @@ def scan_batch(
         ``recordings``, ``sources``, ``frames`` and ``boxes`` with the columns of
         `nvcore.fleet.tables`, whole recordings only; `source` as `params` names it. Frames are
         sorted by recording and frame, boxes of one source in one frame are in the file's order.
-    stages
-        What earlier scans of these very recordings and versions kept, by `stage_key`: where it has
-        that of `params`, ``boxes`` is not looked at, else it gets it. About as large as the boxes.
-        No number depends on it.
 
     Returns
     -------
@@ -69,66 +61,30 @@ def scan_batch(
         and ``frames`` if asked for, with the columns of `nvcore.fleet.results.schema`, sorted by
         recording. A recording that cannot be compared is in ``quarantine`` alone, with the reason.
     summary
-        Of these recordings, to be merged with those of other batches.
+        Measures of these recordings, to be merged with those of other batches.
 
     Raises
     ------
     InputError
         If a recording is there twice.
     StoreError
-        If tables that are read when they are asked for cannot be.
+        If a table cannot be read.
     """
-    refused: dict[str, str] = {}
-    key = stage_key(params) if stages is not None and can_reuse(params) else ""
-    try:
-        parts = [*_again(tables, params, refused, stages[key])] if stages and key in stages else []
-    except StoreError:  # no fault of a recording
-        raise
-    except NvcoreError:  # what is kept does not do for these settings
-        parts, refused = [], {}
-    if not parts and not refused:
-        batch, results = BatchTables(tables), []
-        for result in _compared(batch, params, refused):
-            names = result.dataset.recordings["name"].tolist()
-            parts.append(result_tables(result, batch.truth_kinds(names, params), params.frames))
-            results += [result] if key else []
-            result.forget()
-        lengths = [np.diff(of.dataset.frame_columns.first).max(initial=0) for of in results]
-        if stages is not None and key and max(lengths, default=0) <= params.max_frames:
-            stages[key] = freeze(results, parts, refused)
-    tables_made = gather(parts, refused, has_frames=params.frames)
-    return tables_made, Summary.of(tables_made, params)
-
-
-def _again(
-    tables: Mapping[str, pa.Table],
-    params: ScanParams,
-    refused: MutableMapping[str, str],
-    kept: Frozen,
-) -> Iterator[dict[str, pa.Table]]:
-    groups, earlier = thaw(kept)
-    refused.update(earlier)
-    names = tables["recordings"]["recording"].to_pylist()
-    if sorted(names) != sorted([*earlier, *(name for of in groups for name in of.names)]):
-        raise InputError("what is kept is of other recordings")
-    yield from (tables_again(of, params) for of in groups)
-
-
-def _compared(
-    batch: BatchTables, params: ScanParams, refused: MutableMapping[str, str]
-) -> Iterator[Result]:
+    batch, refused, parts = BatchTables(tables), dict[str, str](), []
     waiting = batch.alike(params, refused)
     while waiting:
         names = waiting.pop()
         try:
-            yield batch.compare(names, params)
+            parts.append(batch.compare(names, params))
         except StoreError:  # no fault of a recording
             raise
         except NvcoreError as error:
             if len(names) == 1:
                 refused[names[0]] = str(error)
-            else:  # one of them is to blame: each half by itself
+            else:  # find the one at fault: compare each half by itself
                 waiting += [names[: len(names) // 2], names[len(names) // 2 :]]
+    results = gather(parts, refused, has_frames=params.frames)
+    return results, Summary.of(results, params)
 
 
 def dataset_of(tables: Mapping[str, pa.Table], params: ScanParams) -> Dataset:
@@ -186,78 +142,42 @@ class BatchTables:
         self._rows: dict[str, _Rows] = {}
         self._columns: dict[tuple[str, str], np.ndarray] = {}
 
-    def part(self, name: str, listed: np.ndarray, sources: Sequence[str]) -> BatchTables:
-        """A recording with these of its listed frames, one after another, and these sources alone.
-
-        Raises
-        ------
-        InputError
-            If its boxes are not in the order of the frames.
-        """
-        part = copy.copy(self)
-        part._tables, part._rows, part._columns = {**self._tables}, {}, {}
-        keys: dict[str, list[tuple[str, ...]]] = {
-            "frames": [(name,)],
-            "boxes": [(name, of) for of in sources],
-        }
-        for table, of_table in keys.items():
-            slices = [self._within(table, key, listed) for key in of_table]
-            part._tables[table] = pa.concat_tables(
-                self._tables[table].slice(rows.start, rows.stop - rows.start) for rows in slices
-            )
-        return part
-
-    def _within(self, table: str, key: tuple[str, ...], listed: np.ndarray) -> slice:
-        """Rows of a key from the first to the last of these frames."""
-        number = self._column(table, "frame", key)
-        runs = self._rows_of(table).get(key, [slice(0, 0)])
-        if len(runs) > 1 or (number[1:] < number[:-1]).any():
-            raise InputError(f"{', '.join(key)}: its {table} are not in order; ingest it again")
-        start, stop = np.searchsorted(number, [listed[0], listed[-1] + 1]).tolist()
-        return slice(runs[0].start + start, runs[0].start + stop)
-
     def alike(self, params: ScanParams, refused: MutableMapping[str, str]) -> list[list[str]]:
-        """Recordings that one comparison can hold, each group by name; others are `refused`.
+        """Group recordings that one comparison can hold, by name; the others are `refused`.
 
-        They are of the same objects, and their systems have the same thresholds. One that is too
-        long is by itself.
+        They are of the same objects, and their systems have the same thresholds.
         """
         stored = self._sources["threshold"].to_dict()
         groups: dict[tuple[str, ...], list[str]] = {}
         for name, objects in self.recordings["objects"].items():
             missing = [of for of in (params.x, params.y) if (name, of) not in stored]
+            n_frames = self._count("frames", (str(name),))
             if missing:
                 refused[str(name)] = f"there are no results of {missing[0]} for it"
+                continue
+            if n_frames > MAX_FRAMES:
+                refused[str(name)] = (
+                    f"it has {n_frames:,} frames; a scan compares at most {MAX_FRAMES:,} of one "
+                    "recording: divide it"
+                )
                 continue
             given = params.params.threshold_x, params.params.threshold_y
             own = [
                 repr(stored[name, of]) if value is None else ""
                 for of, value in zip((params.x, params.y), given, strict=True)
             ]
-            is_long = self._count("frames", (str(name),)) > params.max_frames
-            whose = str(name) if is_long else ""
-            groups.setdefault((*_listed(objects), *own, whose), []).append(str(name))
+            groups.setdefault((*_listed(objects), *own), []).append(str(name))
         return [*groups.values()]
 
-    def truth_kinds(self, names: Sequence[str], params: ScanParams) -> list[str]:
-        """Whether the truth of each recording is annotated, automatic or absent."""
+    def compare(self, names: Sequence[str], params: ScanParams) -> dict[str, pa.Table]:
+        """Compare recordings that are `alike`; see `result_tables`."""
+        result = compare(self.dataset(names, params, each_alone=True))
         kinds = self._sources["kind"].to_dict()
-        return [kinds.get((name, params.truth), "absent") or TRUTH_KINDS[0] for name in names]
-
-    def compare(self, names: Sequence[str], params: ScanParams) -> Result:
-        """The comparison of recordings that are `alike`; one that is too long is cut."""
-        listed = self._column("frames", "frame", *((name,) for name in names))
-        if len(names) > 1 or len(listed) <= params.max_frames or not can_be_cut(params.params):
-            return compare(self.dataset(names, params, each_alone=True))
-
-        def piece(frames: np.ndarray, *sources: str) -> Dataset:
-            return self.part(names[0], frames, sources).dataset(names, params, each_alone=True)
-
-        return compare_pieces(
-            piece(listed, params.truth),
-            lambda start, stop: piece(listed[start:stop], *params.sources),
-            params.max_frames,
-        )
+        # annotated, automatic or absent
+        truth = [kinds.get((name, params.truth), "absent") or TRUTH_KINDS[0] for name in names]
+        tables = result_tables(result, truth, params.frames)
+        result.forget()  # it holds itself: free it now
+        return tables
 
     def dataset(
         self, names: Sequence[str], params: ScanParams, *, each_alone: bool = False

@@ -31,7 +31,7 @@ from nvcore.cli.progress import ShareProgress, step_lines
 from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import EXIT_FINDINGS, errors_of
 from nvcore.errors import InputError
-from nvcore.fleet.arguments import RUN, OpenArguments, ScanArguments, TopArguments
+from nvcore.fleet.calls import RUN, OpenArguments, ScanArguments, TopArguments
 from nvcore.output.files import write_whole
 from nvcore.params import SETTINGS, params_from
 from nvcore.wording import count_text, one_line
@@ -155,10 +155,11 @@ def ingest(
 def _show_status(context: click.Context, _: click.Parameter, out: str | None) -> None:
     """Callback of the flag that asks how far a scan is, and for no scan."""
     if out is not None:
-        from nvcore.fleet.face import scan_status
+        from nvcore.fleet.calls import scan_status
 
-        click.echo(scan_status(out))
-        context.exit()
+        status = scan_status(out)
+        click.echo(status)
+        context.exit(EXIT_FINDINGS if status.n_quarantined else 0)
 
 
 @click.command(
@@ -189,9 +190,9 @@ def scan(**options: Any) -> None:
     Batches of recordings are compared by processes of this machine, by the tasks of an array job,
     or by a Dask cluster; whichever it is, the results are the same. A scan that was stopped goes
     on where it was. Exit code 0: fine, 1: some recordings could not be compared (table quarantine;
-    tasks of an array job end with 0 all the same), 2: bad input.
+    also with --status, and of tasks of an array job), 2: bad input.
     """
-    from nvcore.fleet.face import scan as run_scan
+    from nvcore.fleet.calls import scan as run_scan
     from nvcore.fleet.scan import end_on_request
 
     end_on_request()
@@ -204,7 +205,7 @@ def scan(**options: Any) -> None:
         raise
     click.echo(done)
     click.echo(one_line(f"written to {options['out']}"), err=True)
-    if done.status.n_quarantined and options["shard"] is None:
+    if done.status.n_quarantined:
         raise SystemExit(EXIT_FINDINGS)
 
 
@@ -232,7 +233,7 @@ def top(out: Path | None, **options: Any) -> None:
     Of each row the command is shown that opens its recording in the dashboard, at the frame to
     look at. Exit code 0: fine, 2: bad input.
     """
-    from nvcore.fleet.face import top as find_top
+    from nvcore.fleet.calls import top as find_top
     from nvcore.output.csv_text import to_csv_bytes
 
     found = find_top(**options)
@@ -277,7 +278,7 @@ def open_(at: int | None, port: int | None, no_browser: bool, **options: Any) ->
     RESULTS is what nvcore scan wrote: its systems, settings and versions are shown. Of a STORE
     the newest versions are, with the settings by default. Exit code 0: ended, 2: bad input.
     """
-    from nvcore.fleet.face import export_recording
+    from nvcore.fleet.calls import export_recording
 
     if options["out"] is not None:
         if at is not None or port is not None or no_browser:

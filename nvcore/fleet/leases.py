@@ -1,7 +1,8 @@
-"""Leases: which worker has the right to a batch, and what became of those who had it before."""
+"""Leases: which worker has the right to a batch, and how earlier attempts ended."""
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import secrets
@@ -18,6 +19,24 @@ from nvcore.fleet.location import Location
 from nvcore.wording import one_line
 
 
+def seal(content: Mapping[str, Any]) -> bytes:
+    """Write JSON with a checksum of the content."""
+    return json.dumps({"content": content, "sha256": _checksum(content)}).encode()
+
+
+def unseal(text: bytes) -> dict[str, Any] | None:
+    """Read what `seal` wrote; None: it is damaged."""
+    with suppress(ValueError, TypeError, KeyError):
+        sealed = json.loads(text)
+        content: dict[str, Any] = sealed["content"]
+        return content if sealed["sha256"] == _checksum(content) else None
+    return None
+
+
+def _checksum(content: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
 class Lease:
     """The right to work on a batch, renewed by a thread as long as the work goes on.
 
@@ -26,7 +45,7 @@ class Lease:
     n_killed
         Earlier attempts that ended without a word.
     killed_at
-        Recordings at which they were, where they took them one at a time.
+        Recordings at which they were, where they compared them one at a time.
     """
 
     def __init__(
@@ -50,10 +69,15 @@ class Lease:
         }
         self._lock, self._is_over = threading.Lock(), threading.Event()
 
+    @property
+    def most_killed(self) -> int:
+        """Largest number of attempts that one recording has ended."""
+        return max(map(self.killed_at.count, self.killed_at), default=0)
+
     def content(self, **changes: Any) -> bytes:
         """What its file says from now on, with a new time of expiry."""
         self._state |= {"expires": self._clock() + self._lease_s, **changes}
-        return json.dumps(self._state).encode()
+        return seal(self._state)
 
     def tell(self, **changes: str) -> None:
         """Say at which recording the work is (`at`), or why the batch failed as a whole."""
@@ -99,9 +123,9 @@ def claim(out: Location, key: str, lease_s: float, clock: Callable[[], float]) -
 
 
 def attempt_of(content: bytes) -> dict[str, Any]:
-    """What a lease's file says; one that a machine left empty as it failed is of a lost attempt."""
+    """Read the file of a lease; a damaged one counts as an attempt that was lost."""
     lost = {"host": "", "pid": 0, "at": None, "ended": None, "expires": 0.0}
-    return json.loads(content) if content else lost
+    return unseal(content) or lost
 
 
 @cache

@@ -15,8 +15,8 @@ from nvcore.dataset import Dataset
 from nvcore.errors import InputError
 from nvcore.findings import Remedy, Step
 from nvcore.fleet.batch import dataset_of
+from nvcore.fleet.folder import plan_shown
 from nvcore.fleet.location import Location
-from nvcore.fleet.plan import plan_shown
 from nvcore.fleet.results import ScanParams
 from nvcore.fleet.store import Snapshot, Store
 from nvcore.fleet.tables import FACTS

@@ -1,39 +1,103 @@
-"""Plans of scans: which recordings are compared, by which programs, and in which batches."""
+"""Plans of scans: which recordings are compared, by which program, and in which batches."""
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import json
+import sys
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from functools import cache
 from importlib.metadata import version
-from typing import Any, Final
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Final
 
 import numpy as np
 
-from nvcore import __version__
 from nvcore.errors import InputError
-from nvcore.fleet.arguments import FRAMES_PER_BATCH
-from nvcore.fleet.location import Location
+from nvcore.fleet.calls import FRAMES_PER_BATCH
 from nvcore.fleet.results import ScanParams
-from nvcore.fleet.store import Snapshot, Store
+from nvcore.fleet.store import Snapshot
+from nvcore.subjects import subjects
 from nvcore.wording import count_text, listed
 
-SUMMARY: Final = "summary.json"
-"""In a folder of results: which plan they are of, and the version of each table."""
-_NEWEST: Final = "newest.json"
-"""Which plan was begun last."""
 BOXES_A_FRAME: Final = 12
 """Recordings with more boxes a frame than these count as longer."""
+_STARTS: Final = ("nvcore.fleet.batch", "nvcore.fleet.store", "nvcore.subjects")
+"""Modules that a batch imports first."""
+_OF_BATCHES: Final = (
+    *("settings", "steps", "view", "miss_weights", "restrict", "measures", "counts", "columns"),
+    *("recording_keys", "system_keys", "session_tables"),
+)
+"""References of subjects (`nvcore.subjects.Subject`) that a comparison resolves."""
 
 
 @cache
 def programs() -> dict[str, str]:
-    """Versions of what results, and the bytes of their files, depend on."""
-    return {
-        "nvcore": __version__,
-        **{name: version(name) for name in ("numba", "numpy", "pandas", "pyarrow", "scipy")},
-    }
+    """Return what results depend on: a hash of nvcore's code, and versions of libraries."""
+    libraries = ("numba", "numpy", "pandas", "pyarrow", "scipy")
+    code = hashlib.sha256()
+    for name, tree in sorted(modules_of_batches().items()):
+        code.update(f"{name}\n{ast.dump(_without_docstrings(tree))}\n".encode())
+    return {"nvcore": code.hexdigest()[:16], **{name: version(name) for name in libraries}}
+
+
+def modules_of_batches() -> dict[str, ast.Module]:
+    """Parse the modules of nvcore that a comparison imports, by name."""
+    waiting, trees = [*_STARTS], dict[str, ast.Module]()
+    for package, subject in subjects().values():
+        references = [getattr(subject, kind) for kind in _OF_BATCHES]
+        waiting += [package, *(f"{package}.{of.partition(':')[0]}" for of in references if of)]
+    while waiting:
+        name = waiting.pop()
+        path = None if name in trees else _source_of(name)
+        if path is not None:
+            trees[name] = ast.parse(path.read_bytes())
+            waiting += [*_imported(trees[name]), *filter(None, [name.rpartition(".")[0]])]
+    return trees
+
+
+def _source_of(name: str) -> Path | None:
+    """Find the file of a module of nvcore; None: it is no module."""
+    if name.partition(".")[0] != "nvcore":
+        return None
+    try:
+        spec = sys.modules[name].__spec__ if name in sys.modules else find_spec(name)
+    except ModuleNotFoundError:  # a name in a module
+        return None
+    return Path(spec.origin) if spec is not None and spec.origin else None
+
+
+def _imported(tree: ast.Module) -> Iterator[str]:
+    """List the modules that a module imports when it is loaded, and names that may be modules."""
+    waiting = [*tree.body]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, ast.With | ast.Try):
+            waiting += node.body
+        elif isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module is not None:
+            yield node.module
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def _without_docstrings(tree: ast.Module) -> ast.Module:
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if isinstance(body, list) and body:
+            node.body = [  # type: ignore[attr-defined]
+                statement
+                for statement in body
+                if not (
+                    isinstance(statement, ast.Expr)
+                    and isinstance(statement.value, ast.Constant)
+                    and isinstance(statement.value.value, str)
+                )
+            ]
+    return tree
 
 
 @dataclass(frozen=True)
@@ -45,31 +109,28 @@ class Batch:
     key
         Hash of all that its results depend on.
     recordings
-        Their names, in the order of the names.
+        Their names, sorted.
     n_frames
-        Of all of them.
-    inputs
-        Hash of what is compared, by which programs: the key without the settings.
+        Number of frames of all of them.
     """
 
     key: str
     recordings: tuple[str, ...]
     n_frames: int
-    inputs: str
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A scan as it is to be done: what of the store is compared, how, and in which batches.
+    """A scan to be done: what of the store is compared, how, and in which batches.
 
     Attributes
     ----------
     store
-        Its URI.
+        URI of the store.
     versions
-        Of the store's tables.
+        Versions of the store's tables.
     params
-        Of the comparison.
+        What is compared.
     programs
         See `programs`.
     batches
@@ -87,22 +148,22 @@ class Plan:
 
     @property
     def key(self) -> str:
-        """Hash of all of it."""
-        return _hash(self.to_json())
+        """Hash of the plan."""
+        return hash_of(self.to_json())
 
     @property
     def n_frames(self) -> int:
-        """Frames of all batches."""
+        """Number of frames of all batches."""
         return sum(batch.n_frames for batch in self.batches)
 
     def to_json(self) -> bytes:
-        """All of it as JSON."""
+        """Return the plan as JSON."""
         known = {**asdict(self), "params": self.params.given()}
         return json.dumps(known, sort_keys=True).encode()
 
     @classmethod
     def from_json(cls, text: bytes) -> Plan:
-        """The plan that was written as JSON."""
+        """Read a plan that `to_json` wrote."""
         known = json.loads(text)
         params = ScanParams.parse(known.pop("params"))
         batches = [
@@ -111,25 +172,18 @@ class Plan:
         ]
         return cls(params=params, batches=tuple(batches), **known)
 
-    def check_programs(self) -> None:
-        """Refuse to work on it with other programs.
-
-        Raises
-        ------
-        InputError
-            If a version differs.
-        """
+    def check_programs(self, advice: str) -> None:
+        """Raise InputError, with advice, if the plan was made by other programs."""
         here = programs()
         others = [
-            f"{name} {self.programs.get(name)} (here: {own})"
+            f"another {name} (its code differs)"
+            if name == "nvcore"
+            else f"{name} {self.programs.get(name)} (here: {own})"
             for name, own in here.items()
             if self.programs.get(name) != own
         ]
         if others:
-            raise InputError(
-                f"this scan was begun with {listed(others)}; all workers need the same versions. "
-                "Install these, or write the results of the new ones elsewhere"
-            )
+            raise InputError(f"this scan was begun with {listed(others)}; {advice}")
 
 
 def plan(
@@ -139,11 +193,11 @@ def plan(
     *,
     frames_per_batch: int = FRAMES_PER_BATCH,
 ) -> Plan:
-    """The batches of a scan; the same store gives the same plan.
+    """Divide the recordings of a store into batches; the same store gives the same plan.
 
     A batch ends where the hash of a recording's name says so, if it is half full, and where it
-    would be too large: recordings that are added or changed move few of the others into another
-    batch, and a batch that has the same recordings as before need not be done again.
+    would be too large. So few recordings move into another batch when others are added or changed,
+    and a batch with the same recordings as before need not be done again.
 
     Raises
     ------
@@ -173,7 +227,7 @@ def plan(
         )
     chosen = np.flatnonzero(is_compared)
     size = np.maximum(recordings["n_rows"].to_numpy(), n_boxes / BOXES_A_FRAME)[chosen]
-    hashes = [int(_hash(name)[:8], 16) / 2**32 for name in names.iloc[chosen]]
+    hashes = [int(hash_of(name)[:8], 16) / 2**32 for name in names.iloc[chosen]]
     may_end = np.array(hashes) < size / (frames_per_batch / 4)
     starts, total = [0], 0.0
     for i, n in enumerate(size):  # each end depends on the one before: a loop over recordings
@@ -184,76 +238,17 @@ def plan(
         if total >= frames_per_batch / 2 and may_end[i] and i + 1 < len(size):
             starts.append(i + 1)
             total = 0.0
-    used = programs()
+    of_all = json.dumps([programs(), params.given()], sort_keys=True)
     lines = ["\0".join(line) for line in zip(*(of.iloc[chosen] for of in facts), strict=True)]
     batches = []
     for lo, hi in zip(starts, [*starts[1:], len(size)], strict=True):
         rows = recordings.iloc[chosen[lo:hi]]
-        inputs = _hash("\n".join([json.dumps(used), *sorted(lines[lo:hi])]))
-        batches.append(
-            Batch(
-                _hash(params.key + inputs),
-                tuple(sorted(rows["recording"])),
-                int(rows["n_rows"].sum()),
-                inputs,
-            )
-        )
-    return Plan(store, dict(snapshot.versions), params, used, tuple(batches), left_out)
+        key = hash_of("\n".join([of_all, *sorted(lines[lo:hi])]))
+        batches.append(Batch(key, tuple(sorted(rows["recording"])), int(rows["n_rows"].sum())))
+    return Plan(store, dict(snapshot.versions), params, programs(), tuple(batches), left_out)
 
 
-def begin(store: Store, out: Location, params: ScanParams, **plan_options: Any) -> Plan:
-    """The plan of a scan of the store as it is now, written to the folder of the results.
-
-    Raises
-    ------
-    InputError
-        If the same scan was begun with other programs and is not finished.
-    """
-    made = plan(store.snapshot(), params, store.location.uri, **plan_options)
-    newest = newest_plan(out)
-    if newest is None or newest.key != made.key:
-        is_same = newest is not None and (newest.store, newest.params) == (made.store, params)
-        if newest is not None and is_same and not is_finished(out, newest):
-            newest.check_programs()
-        out.write(_path_of(made.key), made.to_json())
-        out.write(_NEWEST, json.dumps({"plan": made.key}).encode())
-    return made
-
-
-def tables_in(out: Location) -> dict[str, Any] | None:
-    """What `SUMMARY` says of the tables of results; None: no scan was finished."""
-    content = out.find(SUMMARY)
-    tables: dict[str, Any] | None = None if content is None else json.loads(content)
-    return tables
-
-
-def plan_shown(out: Location) -> Plan | None:
-    """The plan that the tables of results are of; without any the one that was begun last."""
-    tables = tables_in(out)
-    return newest_plan(out) if tables is None else plan_in(out, tables["plan"])
-
-
-def newest_plan(out: Location) -> Plan | None:
-    """The plan that was begun last; None: there is none."""
-    content = out.find(_NEWEST)
-    return None if content is None else plan_in(out, json.loads(content)["plan"])
-
-
-def plan_in(out: Location, key: str) -> Plan | None:
-    """The plan of this key; None: it is not there."""
-    content = out.find(_path_of(key))
-    return None if content is None else Plan.from_json(content)
-
-
-def is_finished(out: Location, its_plan: Plan) -> bool:
-    """Whether the tables of results were written."""
-    return out.find(f"finished/{its_plan.key}.json") is not None
-
-
-def _path_of(key: str) -> str:
-    return f"plans/{key}.json"
-
-
-def _hash(text: str | bytes) -> str:
+def hash_of(text: str | bytes) -> str:
+    """Return the first 32 digits of a sha256."""
     content = text.encode() if isinstance(text, str) else text
     return hashlib.sha256(content).hexdigest()[:32]

@@ -17,7 +17,6 @@ import duckdb
 import pandas as pd
 import pyarrow as pa
 import sqlglot
-from deltalake import DeltaTable
 from duckdb import CaseExpression, Expression
 from duckdb import ColumnExpression as Column
 from duckdb import ConstantExpression as Constant
@@ -27,8 +26,9 @@ from sqlglot import exp
 from sqlglot.errors import SqlglotError
 
 from nvcore.errors import InputError
+from nvcore.fleet.folder import SUMMARY, has_tables, plan_shown, table_of
 from nvcore.fleet.location import LONGEST_REASON, Location
-from nvcore.fleet.plan import SUMMARY, tables_in
+from nvcore.fleet.plan import Plan
 from nvcore.tables.columns import report_columns
 from nvcore.wording import aligned, did_you_mean, listed, number, one_line, shortened
 
@@ -153,9 +153,9 @@ def worst(
     InputError
         If there are no results, no such table or column, or the filter cannot be used.
     """
-    versions = (tables_in(results) or {"tables": {}})["tables"]
-    rows = _dataset(results, table, versions)
-    recordings = rows if table == "recordings" else _dataset(results, "recordings", versions)
+    its_plan = plan_shown(results)
+    rows = _dataset(results, table, its_plan)
+    recordings = rows if table == "recordings" else _dataset(results, "recordings", its_plan)
     own = dict(zip(rows.schema.names, rows.schema.types, strict=True))
     of_recordings = dict(zip(recordings.schema.names, recordings.schema.types, strict=True))
     usual, frame, timed, time_s = MOMENTS[table]
@@ -204,7 +204,7 @@ def results_in(location: Location) -> Location:
     InputError
         If there are none, or several.
     """
-    if tables_in(location) is not None:
+    if has_tables(location):
         return location
     paths = [entry.path.rpartition("/") for entry in location.list()]
     folders = [folder for folder, _, name in paths if name == SUMMARY]
@@ -228,19 +228,18 @@ _CONFINED: Final[dict[str, Any]] = {
 }
 
 
-def _dataset(results: Location, table: str, versions: Mapping[str, int]) -> Any:
-    """A table of the results as a data set of Arrow: nothing of it is read yet."""
+def _dataset(results: Location, table: str, its_plan: Plan | None) -> Any:
+    """Open a table of the results as a data set of Arrow, of verified files."""
     if table not in MOMENTS:
         raise InputError(did_you_mean(table, MOMENTS, f"the tables are {listed([*MOMENTS])}"))
-    folder = results.child(table)
-    if table not in versions:
+    if its_plan is None or not (
+        has_tables(results) and (table != "frames" or its_plan.params.frames)
+    ):
         raise InputError(
             "there is no such table of results; is the scan finished, and was it asked for?",
-            file=folder.uri,
+            file=results.child(table).uri,
         )
-    with folder.at("", "read"):
-        delta = DeltaTable(folder.uri, versions[table], storage_options=folder.delta_options)
-        return delta.to_pyarrow_dataset()
+    return table_of(results, its_plan, table)
 
 
 def _columns_by(name: str, own: Mapping[str, pa.DataType]) -> tuple[str, ...]:

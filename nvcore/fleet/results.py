@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -15,7 +13,6 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from nvcore import __version__
 from nvcore.comparison import Result
 from nvcore.errors import InputError, ParameterError
 from nvcore.evidence.units import RECORDINGS, Units, sum_units
@@ -74,7 +71,8 @@ _SPANS: Final = {
     "intervals": intervals_table,
     "episodes": episodes_table,
 }
-
+_COMPARING: Final = "aspect_z"
+"""Column of encounters that compares recordings, and so is in no result of a scan."""
 _RATIOS: Final = {
     "false_alarms_per_frame": ("false_alarms", "n_frames", 1.0),
     "false_alarms_per_minute": ("false_alarms", "duration_s", 60.0),
@@ -107,13 +105,11 @@ class ScanParams:
         system in each recording.
     frames
         Whether results have the table of frames.
-    max_frames
-        Recordings with more listed frames are cut (`nvcore.fleet.cutting`).
 
     Raises
     ------
     ParameterError
-        If two sources are the same, or `max_frames` is not a positive whole number.
+        If two sources are the same.
     """
 
     x: str
@@ -121,7 +117,6 @@ class ScanParams:
     truth: str = "truth"
     params: Params = field(default_factory=Params)
     frames: bool = False
-    max_frames: int = 2_000_000
 
     def __post_init__(self) -> None:
         if len({*self.sources}) < 3:
@@ -129,23 +124,15 @@ class ScanParams:
                 f"expected three different sources, got {', '.join(self.sources)}; name two "
                 "systems, or two versions of one"
             )
-        if self.max_frames < 1:
-            raise ParameterError(f"max_frames: expected 1 or more, got {self.max_frames}")
 
     @property
     def sources(self) -> tuple[str, str, str]:
         """Truth, X and Y."""
         return self.truth, self.x, self.y
 
-    @property
-    def key(self) -> str:
-        """sha256 over all that results depend on, beside the recordings: nvcore's version, too."""
-        text = json.dumps([__version__, self.given()], sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()
-
     def given(self) -> dict[str, Any]:
         """For JSON; `ScanParams.parse` reads it."""
-        own = {name: getattr(self, name) for name in ("x", "y", "truth", "frames", "max_frames")}
+        own = {name: getattr(self, name) for name in ("x", "y", "truth", "frames")}
         return own | {"params": self.params.given()}
 
     @staticmethod
@@ -166,11 +153,11 @@ def _both(names: Iterable[str]) -> list[str]:
 
 @cache
 def schema(table: str) -> pa.Schema:
-    """Columns of a result; those of a report's file of that name, with the recording first.
+    """Return the columns of a table of results: those of the report's file, recording first.
 
-    ``encounters`` has the frame in which to look at each, and its time. ``recordings`` has the tags
-    and the kind of the truth, too, and what measures over several are made of: counts, sums
-    (``sum_`` and the key of the measure) and extremes.
+    ``encounters`` also has the frame to look at, and its time, but no column that compares
+    recordings. ``recordings`` also has the tags, the kind of the truth, and the counts, sums
+    (``sum_`` and the key of the measure) and extremes that measures of several are computed from.
     """
     if table == "quarantine":
         fields = {"recording": pa.string(), "reason": pa.string()}
@@ -183,6 +170,7 @@ def schema(table: str) -> pa.Schema:
         fields = {"recording": pa.string()}
         fields |= {of.name: _TYPES[of.kind] for of in report_columns()[f"{table}.csv"]}
     if table == "encounters":
+        del fields[_COMPARING]
         fields |= {"shown_frame": pa.int64(), "shown_s": pa.float64()}
     if table == "recordings":
         fields |= {"tags": pa.list_(pa.string()), "truth": pa.string()}
@@ -194,7 +182,7 @@ def schema(table: str) -> pa.Schema:
 
 
 def result_tables(result: Result, truth: Sequence[str], has_frames: bool) -> dict[str, pa.Table]:
-    """The result tables of a comparison of recordings that are each alone, by recording.
+    """Make the result tables of a comparison of recordings that are each alone, by recording.
 
     Parameters
     ----------
@@ -211,17 +199,12 @@ def result_tables(result: Result, truth: Sequence[str], has_frames: bool) -> dic
             shown_frame=shown["frame"].to_numpy(), shown_s=shown["time_s"].to_numpy()
         ),
     }
+    for name, make in _SPANS.items():
+        of_both = [getattr(system, name)["recording"] for _, system in result.sides]
+        made[name] = make(result).iloc[np.argsort(np.concatenate(of_both), kind="stable")]
     if has_frames:
         made["frames"] = frames_table(result)
-    tables = {name: typed(table, schema(name)) for name, table in made.items()}
-    return tables | {name: spans_table(result, name) for name in _SPANS}
-
-
-def spans_table(result: Result, name: str) -> pa.Table:
-    """The table of events, intervals or episodes, by recording and system."""
-    of_both = [getattr(system, name)["recording"] for _, system in result.sides]
-    order = np.argsort(np.concatenate(of_both), kind="stable")
-    return typed(_SPANS[name](result).iloc[order], schema(name))
+    return {name: typed(table, schema(name)) for name, table in made.items()}
 
 
 def typed(table: pd.DataFrame, columns: pa.Schema) -> pa.Table:
@@ -235,8 +218,8 @@ def typed(table: pd.DataFrame, columns: pa.Schema) -> pa.Table:
     return pa.Table.from_arrays(known, schema=columns)
 
 
-def each_recording(result: Result) -> Units:
-    """Each recording as a unit; those without frames are in none."""
+def _each_recording(result: Result) -> Units:
+    """Take each recording as a unit; those without frames are in none."""
     frames = result.dataset.frame_columns
     number, has_frames = np.arange(len(frames.fps)), np.diff(frames.first) > 0
     n_with_frames = int(np.count_nonzero(has_frames))
@@ -254,7 +237,7 @@ def each_recording(result: Result) -> Units:
 def _sums(result: Result) -> dict[str, np.ndarray]:
     """What measures over several recordings are made of, of each recording."""
     frames, n = result.dataset.frame_columns, len(result.dataset.recordings)
-    sums = sum_units(result, each_recording(result))
+    sums = sum_units(result, _each_recording(result))
     columns = {name: sums[name].to_numpy() for name in ("n_encounters", *counted())}
     columns["share_of_recording"] = sums["share_of_recording"].to_numpy()
     columns |= {

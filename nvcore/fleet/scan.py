@@ -1,66 +1,53 @@
 """Scans: the comparison of all recordings of a store, batch by batch, on whatever runs them.
 
-A scan keeps all it knows in the folder of its results, so that any number of processes on any
-number of machines can work on it, and any of them may die:
-
-    plans/<plan>.json              what is compared, by which programs, and in which batches
-    stages/<inputs>-<settings>.zip what a later scan with other settings reuses of a batch
-    leases/<batch>/<attempt>.json  who is at work on a batch, and until when the others wait
-    done/<batch>.json              which files a batch has given
-    <table>/<batch>-<hash>.parquet its rows of each table of results, listed in a Delta table
-    newest.json                    which plan was begun last
-    summary.json                   which plan the tables are of, and their versions
-    finished/<plan>.json           the same of each plan that was finished
-
-A batch is named by all its results depend on, a file by its content: what two processes do twice is
-the same. Leases and what is done are created on condition that they are not there yet.
+A scan keeps its state in the folder of its results (`nvcore.fleet.folder`), so that any number of
+processes on any number of machines can work on it, and any of them may die.
 """
 
 from __future__ import annotations
 
 import ctypes
-import hashlib
-import json
+import multiprocessing
+import os
 import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
-from dataclasses import dataclass
+import traceback
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from typing import Any, Final
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from typing import Any, Final, NamedTuple
 
 import pyarrow as pa
-import pyarrow.parquet as pq
-from deltalake import DeltaTable
-from deltalake.exceptions import CommitFailedError, TableNotFoundError
-from deltalake.transaction import AddAction, RemoveAction
 from obstore.exceptions import BaseError
 
 from nvcore.errors import InputError, NvcoreError, StoreError
 from nvcore.fleet.batch import scan_batch
-from nvcore.fleet.leases import Lease, attempt_of, claim, is_held
+from nvcore.fleet.folder import done_in, plan_in, write_batch
+from nvcore.fleet.leases import Lease, claim, seal
 from nvcore.fleet.location import LONGEST_REASON, Location
-from nvcore.fleet.plan import SUMMARY, Batch, Plan, is_finished, newest_plan, plan_in
+from nvcore.fleet.plan import Batch, Plan
 from nvcore.fleet.results import ScanParams, Summary, gather
-from nvcore.fleet.reuse import Frozen, can_reuse, stage_key
 from nvcore.fleet.store import Snapshot
-from nvcore.wording import count_text, one_line, shortened
+from nvcore.metrics.kernels import thread_count
+from nvcore.wording import one_line, shortened
 
 WHOLE_ATTEMPTS: Final = 2
-"""Attempts at a whole batch; afterwards its recordings are taken one at a time."""
+"""Attempts at a whole batch; afterwards its recordings are compared one at a time."""
 ATTEMPTS: Final = 2
-"""Workers that a single recording may end before it is left out."""
-COMMIT_ATTEMPTS: Final = 30
-"""At the version of a table of results, of processes that finish at once."""
+"""Workers that a recording may end before its batch has to wait for all others. After one more it
+is left out."""
+STILLBORN: Final = 3
+"""Workers in a row that may die before they begin to work."""
 _M_ARENA_MAX: Final = -8
 """Of mallopt(3)."""
 
-
-Clock = Callable[[], float]
-"""Seconds since 1970."""
+Read = Callable[[Sequence[str]], dict[str, pa.Table]]
+"""Reads recordings of a store."""
 
 
 @dataclass(frozen=True)
@@ -79,99 +66,140 @@ class Options:
     patience_s
         How long a scheduler that does not answer is waited for.
     clock
-        Seconds since 1970, for leases.
-    keep
-        Whether each batch keeps what a later scan with other settings reuses.
+        Returns seconds since 1970, for leases.
     run
-        What is called on the tables of whole recordings: `scan_batch`.
+        Compares the tables of whole recordings: `scan_batch`.
+    is_checked
+        Whether the process that started this one has checked the programs.
     """
 
     storage: tuple[tuple[str, str], ...] = ()
     lease_s: float = 120.0
     poll_s: float = 0.2
     patience_s: float = 300.0
-    clock: Clock = time.time
-    keep: bool = True
-    run: Callable[..., tuple[dict[str, pa.Table], Summary]] = scan_batch
+    clock: Callable[[], float] = time.time
+    run: Callable[[dict[str, pa.Table], ScanParams], tuple[dict[str, pa.Table], Summary]] = (
+        scan_batch
+    )
+    is_checked: bool = False
 
 
-def run_batch(
-    store_uri: str, out_uri: str, plan_key: str, batch_key: str, options: Options = Options()
-) -> str:
-    """Compare the recordings of a batch and write what comes out; harmless if it was done before.
+@dataclass(frozen=True)
+class Job:
+    """What a worker needs to know: where a scan is, and how to run it."""
 
-    The one function that every engine calls.
+    store: str
+    out: str
+    plan: str
+    options: Options = Options()
 
-    Parameters
-    ----------
-    store_uri, out_uri
-        Where the store and the results are.
-    plan_key, batch_key
-        `Plan.key`, `Batch.key`.
+    def run(self, batch: str) -> str:
+        """Compare the recordings of a batch and write the results; harmless if done before.
 
-    Returns
-    -------
-    str
-        ``done``, or ``busy`` if another worker is at it.
+        All engines call this method.
 
-    Raises
-    ------
-    InputError
-        If the programs are others than the plan's.
-    StoreError
-        If storage cannot be written to or read from, as where a disk is full; what is done stays.
-    """
-    out, read, its_plan, batches = _opened(store_uri, out_uri, plan_key, options.storage)
-    its_plan.check_programs()
-    done = f"done/{batch_key}.json"
-    if out.find(done):
-        return "done"
-    lease = claim(out, batch_key, options.lease_s, options.clock)
-    if lease is None:
-        return "busy"
-    with lease:
-        if not out.find(done):  # its last worker may just have ended
-            parts = _compared(batches[batch_key], read, its_plan.params, out, lease, options)
-            out.create(done, _write(out, batch_key, *parts))
+        Parameters
+        ----------
+        batch
+            `Batch.key`.
+
+        Returns
+        -------
+        str
+            ``done``, or ``busy`` if another worker is at it, or others have to be done first.
+
+        Raises
+        ------
+        InputError
+            If the programs are others than the plan's.
+        StoreError
+            If storage cannot be written or read, as where a disk is full; what is done stays.
+        """
+        out, options = self._opened.out, self.options
+        if out.find(f"done/{batch}.json"):
+            return "done"
+        late = {entry.path[len("late/") : -len(".json")] for entry in out.list("late/")}
+        if batch not in late:
+            return self._run(batch, is_last=False)
+        if {*self.missing()} - late:
+            return "busy"
+        alone = claim(out, "last", options.lease_s, options.clock)
+        if alone is None:
+            return "busy"
+        with alone:
+            return self._run(batch, is_last=True)
+
+    def _run(self, batch: str, *, is_last: bool) -> str:
+        opened, options = self._opened, self.options
+        out, done = opened.out, f"done/{batch}.json"
+        lease = claim(out, batch, options.lease_s, options.clock)
+        if lease is None:
+            return "busy"
+        with lease:
+            if out.find(done):  # its last worker may just have ended
+                return "done"
+            if lease.most_killed >= ATTEMPTS and not is_last:
+                out.write(f"late/{batch}.json", seal({}))
+                return "busy"
+            params = opened.plan.params
+            parts = _compared(opened.batches[batch], opened.read, params, lease, options)
+            out.create(done, write_batch(out, batch, *parts))
             del parts
             _give_back_memory()
-    return "done"
+        return "done"
+
+    def missing(self, among: slice = slice(None)) -> list[str]:
+        """List the keys of batches, or of these of the plan, that are not done, in its order."""
+        done = done_in(self._opened.out)
+        return [batch for batch in [*self._opened.batches][among] if batch not in done]
+
+    @property
+    def _opened(self) -> _Opened:
+        options = self.options
+        return _open(self.store, self.out, self.plan, options.storage, options.is_checked)
+
+
+class _Opened(NamedTuple):
+    out: Location
+    read: Read
+    plan: Plan
+    batches: dict[str, Batch]
 
 
 @lru_cache(maxsize=2)
-def _opened(
-    store_uri: str, out_uri: str, plan_key: str, storage: tuple[tuple[str, str], ...]
-) -> tuple[Location, Callable[..., dict[str, pa.Table]], Plan, dict[str, Batch]]:
-    """Results, reader of the store, plan and its batches: once a process."""
+def _open(
+    store: str, out_uri: str, plan_key: str, storage: tuple[tuple[str, str], ...], is_checked: bool
+) -> _Opened:
+    """Open store and results, once a process."""
     _use_one_heap()
     out = Location(out_uri, dict(storage))
     found = plan_in(out, plan_key)
     if found is None:
         raise StoreError("cannot be read (the plan of the scan is not there)", file=out.uri)
-    snapshot = Snapshot(Location(store_uri, dict(storage)), found.versions)
+    if not is_checked:
+        found.check_programs("all workers need the same: install these")
+    snapshot = Snapshot(Location(store, dict(storage)), found.versions)
     read = partial(snapshot.read, sources=found.params.sources)
-    return out, read, found, {batch.key: batch for batch in found.batches}
+    return _Opened(out, read, found, {batch.key: batch for batch in found.batches})
 
 
 def _compared(
-    batch: Batch,
-    read: Callable[[Sequence[str]], dict[str, pa.Table]],
-    params: ScanParams,
-    out: Location,
-    lease: Lease,
-    options: Options,
+    batch: Batch, read: Read, params: ScanParams, lease: Lease, options: Options
 ) -> tuple[dict[str, pa.Table], Summary]:
-    """Results of a batch, of its recordings one at a time if they fail together."""
+    """Compare the recordings of a batch, one at a time if they fail together."""
     if lease.n_killed < WHOLE_ATTEMPTS:
         try:
-            return _compared_at_once(batch, read, params, out, options)
+            tables = read(batch.recordings)
+            tables["boxes"]  # read now: a damaged file is no fault of all of these recordings
+            pa.default_memory_pool().release_unused()  # the pieces they were put together from
+            return options.run(tables, params)
         except Exception as error:  # noqa: BLE001  # whatever it is: which recording is it about?
             _give_up_without_storage(error)
             lease.tell(failed=_reason(error))
     parts, reasons, faults = [], {}, 0
     for name in batch.recordings:
         n_killed = lease.killed_at.count(name)
-        if n_killed >= ATTEMPTS:
+        if n_killed > ATTEMPTS:
             reasons[name] = f"{n_killed} workers ended without a word while they compared it"
             continue
         lease.tell(at=name)
@@ -187,33 +215,6 @@ def _compared(
         reasons |= dict(zip(*part["quarantine"].to_pydict().values(), strict=True))
     results = gather(parts, reasons, has_frames=params.frames)
     return results, Summary.of(results, params)
-
-
-def _compared_at_once(
-    batch: Batch,
-    read: Callable[[Sequence[str]], dict[str, pa.Table]],
-    params: ScanParams,
-    out: Location,
-    options: Options,
-) -> tuple[dict[str, pa.Table], Summary]:
-    """Results of a batch, with what an earlier scan has kept of it, or keeping that for others."""
-    key = stage_key(params)
-    path = f"stages/{batch.inputs}-{key[:16]}.zip"
-    stages: dict[str, Frozen] | None = {} if options.keep and can_reuse(params) else None
-    if stages is not None:
-        with suppress(FileNotFoundError):
-            # from far away in one piece: a request takes longer than what it saves
-            stages[key] = out.open(path) if out.path else out.read(path)
-    kept = None if stages is None else stages.get(key)
-    tables = read(batch.recordings)
-    if kept is None:
-        tables["boxes"]  # read now: a damaged file is no fault of all of these recordings
-        pa.default_memory_pool().release_unused()  # the pieces that they were put together from
-    results = options.run(tables, params, stages=stages)
-    content = stages.get(key) if stages else None
-    if isinstance(content, bytes) and content is not kept:
-        out.write(path, content)
-    return results
 
 
 def _use_one_heap() -> None:
@@ -245,48 +246,6 @@ def _give_up_without_storage(error: Exception) -> None:
         is_of_system and not isinstance(error, FileNotFoundError)
     ):
         raise error
-
-
-def _write(out: Location, key: str, tables: dict[str, pa.Table], summary: Summary) -> bytes:
-    """Write the results of a batch; what is to be known of them, as JSON."""
-    files = {}
-    for name, table in tables.items():
-        content = _as_parquet(table)
-        sha256 = hashlib.sha256(content).hexdigest()
-        path = f"{name}/{key}-{sha256[:8]}.parquet"
-        out.write(path, content)
-        files[name] = {"path": path, "size": len(content), "sha256": sha256, "rows": len(table)}
-    known = {"files": files, "summary": summary.given()}
-    return json.dumps(known, sort_keys=True).encode()
-
-
-@dataclass(frozen=True)
-class Job:
-    """What a worker has to know: where a scan is, and how to run it."""
-
-    store: str
-    out: str
-    plan: str
-    options: Options = Options()
-
-    def run(self, batch: str) -> str:
-        """See `run_batch`."""
-        return run_batch(self.store, self.out, self.plan, batch, self.options)
-
-    def missing(self, among: slice = slice(None)) -> list[str]:
-        """Keys of the batches, or of these of the plan, that are not done, in the plan's order."""
-        out, _, _, batches = _opened(self.store, self.out, self.plan, self.options.storage)
-        done = _done_in(out)
-        return [batch for batch in [*batches][among] if batch not in done]
-
-
-def _done_in(out: Location) -> set[str]:
-    entries = out.list("done/")
-    for entry in entries:
-        if not entry.size:  # of a machine that failed
-            out.delete(entry.path)
-    names = (entry.path for entry in entries if entry.size)
-    return {name.removeprefix("done/").removesuffix(".json") for name in names}
 
 
 def end_on_request() -> None:
@@ -322,172 +281,124 @@ def in_process(job: Job, part: int = 0, n_parts: int = 1) -> Iterator[str]:
     yield from (batch for batch in left[start:] + left[:start] if job.run(batch) == "done")
 
 
-def finish(out: Location, its_plan: Plan) -> Summary:
-    """Merge what the batches of a plan gave, and list their files in Delta tables.
-
-    Any number of processes may do so. Tables with the results of a plan that was begun later, and
-    is finished, stay.
+def in_pool(job: Job, n_workers: int) -> Iterator[str]:
+    """Run all batches that are missing in so many processes; keys of batches as they are done.
 
     Raises
     ------
     InputError
-        If batches are missing.
+        What a worker gave up with, or if workers die before they begin. The others are ended then;
+        finished batches stay.
     """
-    with ThreadPoolExecutor(16) as pool:
-        paths = [f"done/{batch.key}.json" for batch in its_plan.batches]
-        try:
-            done = [json.loads(text) for text in pool.map(out.read, paths)]
-        except FileNotFoundError as error:
-            raise InputError("some batches of the scan are missing", file=out.uri) from error
-    summary = Summary.merge([Summary.parse(batch["summary"]) for batch in done])
-    newest = newest_plan(out)
-    if newest is None or newest.key == its_plan.key or not is_finished(out, newest):
-        versions = {
-            name: _list_files(out.child(name), [batch["files"][name] for batch in done])
-            for name in done[0]["files"]
-        }
-        known = {"plan": its_plan.key, "tables": versions, "left_out": its_plan.left_out}
-        out.write("summary.parquet", _as_parquet(pa.table(dict(summary.measures()))))
-        for path in (SUMMARY, f"finished/{its_plan.key}.json"):
-            out.write(path, json.dumps(known, indent=1).encode())
-    return summary
+    context = multiprocessing.get_context("spawn")
+    workers: dict[Connection, tuple[BaseProcess, int]] = {}
+    begun: set[Connection] = set()
+    missing = set(job.missing())
+    of_worker = replace(job, options=replace(job.options, is_checked=True))
+
+    def start(part: int) -> None:
+        ours, theirs = context.Pipe(duplex=False)
+        process = context.Process(
+            target=_work, args=(theirs, of_worker, part, n_workers), daemon=True
+        )
+        with _without_main(), _threads(max(thread_count() // n_workers, 1)):
+            process.start()
+        theirs.close()  # so that ours ends with the process
+        workers[ours] = (process, part)
+
+    n_stillborn = 0
+    n_workers = min(n_workers, len(missing))
+    for part in range(n_workers):
+        start(part)
+    try:
+        while workers:
+            for messages in wait(list(workers)):
+                assert isinstance(messages, Connection)
+                process, part = workers[messages]
+                try:
+                    message = messages.recv()
+                except EOFError:  # it has ended, or was killed: then another takes its place
+                    del workers[messages]
+                    process.join()
+                    if process.exitcode != 0:
+                        n_stillborn += messages not in begun
+                        start(part)
+                    if n_stillborn == STILLBORN:
+                        raise InputError(
+                            f"workers die before they begin (exit code {process.exitcode}); is "
+                            "there memory for so many workers?"
+                        ) from None
+                    continue
+                begun.add(messages)
+                n_stillborn = 0
+                if isinstance(message, Exception):
+                    raise message
+                if message:
+                    yield message
+                    missing.discard(message)
+                    if not missing:  # the others wait in vain
+                        return
+    finally:
+        for process, _ in workers.values():
+            process.terminate()
+        for process, _ in workers.values():
+            process.join()
 
 
-def _list_files(folder: Location, files: Sequence[Mapping[str, Any]]) -> int:
-    """Version of a folder's Delta table that holds these files alone."""
-    wanted = {file["path"].rpartition("/")[2]: file for file in files}
-    with folder.open(next(iter(wanted))) as file:
-        schema = pq.read_schema(file)
-    storage: dict[str, Any] = {"storage_options": folder.delta_options}
-    for attempt in range(COMMIT_ATTEMPTS):
-        with folder.at("", "written"), suppress(CommitFailedError):  # another was faster
-            try:
-                table = DeltaTable(folder.uri, **storage)
-            except TableNotFoundError:
-                table = DeltaTable.create(folder.uri, schema, mode="ignore", **storage)
-            there = {uri.rpartition("/")[2] for uri in table.file_uris()}
-            if there == wanted.keys():
-                return table.version()
-            now = int(time.time() * 1000)
-            actions: list[AddAction | RemoveAction] = [
-                *(
-                    AddAction(name, of["size"], {}, 0, True, json.dumps({"numRecords": of["rows"]}))
-                    for name, of in wanted.items()
-                    if name not in there
-                ),
-                *(RemoveAction(name, True, now) for name in sorted(there - wanted.keys())),
-            ]
-            table.create_write_transaction(actions, "append", schema)
-            continue
-        time.sleep(0.1 * attempt)
-    raise StoreError("cannot be written (other processes are always faster)", file=folder.uri)
+@contextmanager
+def _threads(n: int) -> Iterator[None]:
+    """Within it, a process that starts uses so many threads, also within libraries."""
+    before = os.environ.get("OMP_NUM_THREADS")
+    os.environ["OMP_NUM_THREADS"] = str(n)
+    try:
+        yield
+    finally:
+        del os.environ["OMP_NUM_THREADS"]
+        if before is not None:
+            os.environ["OMP_NUM_THREADS"] = before
 
 
-@dataclass(frozen=True)
-class Status:
-    """How far a scan is.
+@contextmanager
+def _without_main() -> Iterator[None]:
+    """Within it, a process that starts does not run the user's script: workers need none of it.
 
-    Attributes
-    ----------
-    plan
-        Of the scan.
-    n_done, n_frames_done
-        Batches that are done, and their frames.
-    n_running
-        Batches at which a worker may be.
-    n_lost
-        Attempts at them, or at batches that wait, that ended without a word.
-    n_quarantined
-        Recordings that could not be compared, of the batches that are done.
-    is_finished
-        Whether all is done and the tables were written.
-    reason
-        Why one of the recordings could not be compared, after its name.
+    Nor does it end by Ctrl+C, which its parent has, too, and ends it.
     """
-
-    plan: Plan
-    n_done: int
-    n_frames_done: int
-    n_running: int
-    n_lost: int
-    n_quarantined: int
-    is_finished: bool
-    reason: str = ""
-
-    def __str__(self) -> str:
-        plan = self.plan
-        lines = [
-            f"{plan.params.x} and {plan.params.y} of {plan.store}: {self.n_done:,} of "
-            f"{count_text(len(plan.batches), 'batch', 'batches')} done, {self.n_frames_done:,} of "
-            f"{count_text(plan.n_frames, 'frame')}"
-        ]
-        if not self.is_finished:
-            n = count_text(self.n_running, "batch", "batches")
-            is_idle = "; run the scan again to go on" if not self.n_running else ""
-            lines += [f"at work on {n}{is_idle}"]
-        if self.n_lost:
-            lines += [f"{count_text(self.n_lost, 'attempt')} ended without a word; others go on"]
-        lines += [
-            f"{count_text(n, 'recording')} without {source}, or with one of another version of the "
-            "recording, left out"
-            for source, n in plan.left_out.items()
-        ]
-        if self.n_quarantined:
-            n = count_text(self.n_quarantined, "recording")
-            lines += [f"{n} in quarantine (table quarantine), such as {self.reason}"]
-        return "\n".join(map(one_line, lines))
+    script = vars(sys.modules["__main__"])
+    names = ("__file__", "__spec__")
+    hidden: dict[str, Any] = {name: script[name] for name in names if name in script}
+    script.pop("__file__", None)
+    script["__spec__"] = None
+    is_main = threading.current_thread() is threading.main_thread()
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN) if is_main else None
+    try:
+        yield
+    finally:
+        script.update(hidden)
+        if handler is not None:
+            signal.signal(signal.SIGINT, handler)
 
 
-def status(out: Location, its_plan: Plan | None = None, clock: Clock = time.time) -> Status:
-    """How far a scan is, if none is given the one that was begun last.
+def _work(messages: Connection, job: Job, part: int, n_parts: int) -> None:
+    """Life of a worker, which ends with its parent's."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
 
-    Raises
-    ------
-    InputError
-        If there is none.
-    """
-    its_plan = its_plan or newest_plan(out)
-    if its_plan is None:
-        raise InputError("there is no scan", file=out.uri)
-    is_done = _done_in(out)
-    done = [batch for batch in its_plan.batches if batch.key in is_done]
-    left = {batch.key for batch in its_plan.batches} - is_done
-    leases = [entry.path for entry in out.list("leases/") if entry.path.split("/")[1] in left]
-    with ThreadPoolExecutor(16) as pool:
-        attempts = [*map(attempt_of, pool.map(out.read, leases))]
-        of_done = map(json.loads, pool.map(out.read, [f"done/{batch.key}.json" for batch in done]))
-        refused = [of for of in (batch["files"]["quarantine"] for batch in of_done) if of["rows"]]
-    held = [is_held(attempt, clock()) for attempt in attempts]
-    first = None
-    if refused:
-        with out.open(refused[0]["path"]) as file:
-            first = pq.read_table(file).slice(0, 1).to_pylist()[0]
-    return Status(
-        its_plan,
-        len(done),
-        sum(batch.n_frames for batch in done),
-        sum(held),
-        sum(attempt["ended"] is None for attempt in attempts) - sum(held),
-        sum(of["rows"] for of in refused),
-        not left and is_finished(out, its_plan),
-        f"{first['recording']}: {first['reason']}" if first else "",
-    )
+    def end() -> None:
+        parent.join()
+        os.kill(os.getpid(), signal.SIGTERM)
 
-
-def forget_quarantined(out: Location, its_plan: Plan) -> None:
-    """Have the batches run anew that have recordings in quarantine."""
-    stages = out.list("stages/")
-    for batch in its_plan.batches:
-        done = f"done/{batch.key}.json"
-        with suppress(FileNotFoundError):
-            if json.loads(out.read(done))["files"]["quarantine"]["rows"]:
-                own = [entry for entry in stages if batch.inputs in entry.path]
-                for entry in (*own, *out.list(f"leases/{batch.key}/")):
-                    out.delete(entry.path)
-                out.delete(done)
-
-
-def _as_parquet(table: pa.Table) -> bytes:
-    sink = pa.BufferOutputStream()
-    pq.write_table(table, sink, compression="zstd", use_dictionary=False)
-    return bytes(sink.getvalue())
+    threading.Thread(target=end, daemon=True).start()
+    end_on_request()
+    try:
+        messages.send("")
+        for batch in drive(job, partial(in_process, part=part, n_parts=n_parts)):
+            messages.send(batch)
+    except KeyboardInterrupt:  # the parent has it, too, and says so
+        pass
+    except NvcoreError as error:  # the parent raises it
+        messages.send(error)
+    except Exception as error:  # noqa: BLE001  # which need not pickle
+        messages.send(RuntimeError("".join(traceback.format_exception(error))))
+    finally:  # to be ended at the end is no error
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)

@@ -16,7 +16,7 @@ import pandas as pd
 from nvcore.codes import NO_CODE
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.dataset import Dataset
-from nvcore.metrics.encounters import Encounters, compared_with, encounters_of
+from nvcore.metrics.encounters import Encounters, encounters_of
 from nvcore.schema import CLASS_SEPARATOR, SAME_S
 
 CROSSING: Final = "crossing"
@@ -93,8 +93,9 @@ def classes_of(dataset: Dataset) -> EncounterClasses:
             CROSSING: find_crossing(encounters, truth, frames),
             IN_ROAD: find_in_road(encounters, truth, frames),
             GROUP: find_groups(encounters, truth),
-            CHILD: find_children(encounters, truth, frames, each_alone=dataset.each_alone),
         }
+        if not dataset.each_alone:
+            derived[CHILD] = find_children(encounters, truth, frames)
         if not dataset.objects.are_pedestrians:  # the rules are about people who walk
             derived = {}
         members, coded = dict(named), find_coded(encounters, dataset)
@@ -252,15 +253,12 @@ def find_groups(encounters: Encounters, truth: BoxColumns) -> np.ndarray:
         shift += 1
 
 
-def find_children(
-    encounters: Encounters, truth: BoxColumns, frames: FrameColumns, *, each_alone: bool = False
-) -> np.ndarray:
-    """Who is small for where he stands, as far as distance or horizon say where; bool.
+def find_children(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:
+    """Find pedestrians who are small for where they stand, by distance or horizon; bool.
 
     Stature is height times distance, else height over the foot point's depth below the horizon,
-    each relative to the median of all encounters (with `each_alone` those of the recording) of
-    which it is known in the same way (at least `LEAST_COMPARED`, and the same camera throughout).
-    Boxes cut by the picture's edge have none.
+    each relative to the median of all encounters of which it is known in the same way (at least
+    `LEAST_COMPARED`, and the same camera throughout). Boxes cut by the picture's edge have none.
     """
     rows = encounters.order
     x, y, w, h = (side[rows] for side in truth.xywh)
@@ -276,11 +274,10 @@ def find_children(
     for stature in (by_distance, by_horizon):
         of_encounter = _medians(encounters, stature)
         known = np.flatnonzero(is_open & np.isfinite(of_encounter))
-        for part in compared_with(encounters.recording[known], each_alone):
-            of_part = of_encounter[known[part]]
-            if len(of_part) >= LEAST_COMPARED:
-                is_child[known[part]] = of_part <= CHILD_SHARE * np.median(of_part)
-                is_open[known[part]] = False
+        if len(known) >= LEAST_COMPARED:
+            stature_known = of_encounter[known]
+            is_child[known] = stature_known <= CHILD_SHARE * np.median(stature_known)
+            is_open[known] = False
     return is_child
 
 

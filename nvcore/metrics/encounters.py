@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -113,7 +112,7 @@ def find_encounters(
     occlusion
         0 none, 1 partial, 2 heavy, -1 unknown; int8, shape (n_truth,).
     each_alone
-        Whether z-scores are of the encounters of one recording, not of all.
+        Whether recordings are not compared with each other: then there are no z-scores.
     """
     recording = frames.recording[truth.frame_index]
     code, key_recording, key_track = _number_encounters(recording, track, ~truth.ignore)
@@ -151,9 +150,7 @@ def find_encounters(
         lateral_position=_sum(signed_offset, starts) / counts,
         peak_height=np.maximum.reduceat(truth.h[order], starts) if len(starts) else np.empty(0),
         aspect_ratio=mean_aspect,
-        aspect_z=np.concatenate(
-            [_z_scores(mean_aspect[part]) for part in compared_with(key_recording, each_alone)]
-        ),
+        aspect_z=np.full(len(counts), np.nan) if each_alone else _z_scores(mean_aspect),
         occluded_share=occluded_share,
     )
 
@@ -186,22 +183,6 @@ def _number_encounters(
     if track_ids is not None:
         tracks = np.asarray(track_ids, dtype=np.int64)[tracks]
     return code, (keys >> 32).astype(np.int32), tracks
-
-
-def compared_with(recording: np.ndarray, each_alone: bool) -> list[slice]:
-    """Encounters that are measured by one another: all, or those of each recording.
-
-    Parameters
-    ----------
-    recording
-        Of each encounter, ascending; shape (n,).
-    each_alone
-        `nvcore.dataset.Dataset.each_alone`.
-    """
-    edges: list[int] = []
-    if each_alone:
-        edges = (np.flatnonzero(np.diff(recording)) + 1).tolist()
-    return [slice(a, b) for a, b in pairwise([0, *edges, len(recording)])]
 
 
 def _z_scores(values: np.ndarray) -> np.ndarray:

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,17 +15,19 @@ import pytest
 from approach import approach
 from builders import NAN, Box, Place, make_dataset
 from fleet_tables import Tables, assert_same, joined, only
+from places import SAMPLE
 from scenes import draw_scene
 
 from nvcore.comparison import compare
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, ParameterError, StoreError
+from nvcore.fleet import batch
 from nvcore.fleet.batch import ScanParams, dataset_of, scan_batch
 from nvcore.fleet.ingest import tables_of
 from nvcore.fleet.results import Summary, exact_sum, typed
-from nvcore.fleet.reuse import stage_key
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
+from nvcore.inputs.session_toml import read_session
 from nvcore.measures.table import MEASURES, hides_rate
 from nvcore.params import Params
 from nvcore.schema import ATTRIBUTE_DTYPES, conform
@@ -138,6 +139,10 @@ def assert_as_compared(whole: Tables, summary: Summary, dataset: Dataset, params
         for table, make in MADE_BY.items():
             known = make(result)
             own = whole[table].filter(pa.compute.equal(whole[table]["recording"], name))
+            if table == "encounters":  # without children by stature, who need all recordings
+                alone = compare(replace(dataset.only(names=name), each_alone=True), params)
+                known["classes"] = encounters_table(alone)["classes"]
+                del known["aspect_z"]
             for column in known.columns:
                 expected = typed(known, pa.schema([own.schema.field(column)]))[column]
                 assert own[column].combine_chunks().equals(expected.combine_chunks()), column
@@ -169,6 +174,18 @@ def test_the_same_bytes_however_recordings_are_put_together(
     assert_as_compared(whole, summary, dataset, params)
 
 
+def test_nothing_is_said_of_an_encounter_that_needs_all_recordings():
+    dataset = load(read_session(SAMPLE))
+    table = encounters_table(compare(dataset))
+    assert table["classes"].str.contains("child").sum() == 3
+    assert table["aspect_z"].notna().all()
+    scan = ScanParams(*dataset.systems[:2])
+    encounters = scan_batch(tables_of(dataset), scan)[0]["encounters"].to_pandas()
+    assert len(encounters) == len(table)
+    assert not encounters["classes"].str.contains("child").any()
+    assert "aspect_z" not in encounters
+
+
 def test_summaries_merge_to_the_same_bytes_in_any_order_and_nesting(tables: Tables):
     names = tables["recordings"]["recording"].to_pylist()
     parts = [scan_batch(only(tables, of), SCAN)[1] for of in chunks(names, 4)]
@@ -189,79 +206,6 @@ def test_sums_are_not_rounded_on_the_way():
     values = np.array([0.1, 1e300, -1e300, 5e-324, 0.0])
     assert exact_sum(values) == Fraction(0.1) + Fraction(5e-324)
     assert exact_sum(values[:0]) == 0
-
-
-CUT = [
-    Params(window=3, saliency_of="each", saliency_scope="encounter"),
-    Params(proximity="distance", pairing="matched", driver_weighting="on", threshold_x=0.4),
-]
-
-
-@pytest.mark.parametrize("params", CUT)
-def test_where_a_long_recording_is_cut_changes_no_bit(tables: Tables, params: Params):
-    names = tables["recordings"]["recording"].to_pylist()
-    some = only(tables, names[::2])
-    whole, summary = scan_batch(some, replace(SCAN, params=params))
-    for most in (3, 7):
-        cut, of_cut = scan_batch(some, replace(SCAN, params=params, max_frames=most))
-        assert_same(cut, whole)
-        assert replace(of_cut, params=summary.params).given() == summary.given()
-    for name in ("encounters", "events", "intervals", "episodes"):  # some of each lie across
-        spans = whole[name].to_pandas()
-        assert (spans["first_frame"] // 7 < spans["last_frame"] // 7).any(), name
-
-
-@pytest.mark.parametrize("params", [SETTINGS[1], SETTINGS[2]])
-def test_what_needs_all_boxes_at_once_is_not_cut(tables: Tables, params: Params):
-    scan = replace(SCAN, params=params)
-    assert_same(scan_batch(tables, replace(scan, max_frames=5))[0], scan_batch(tables, scan)[0])
-
-
-REUSED = [
-    (Params(), [{}, {"alpha": 0.5}, {"midpoint": 20.0}, {"spread": 5.0}, {"low": 0.7, "window": 3},
-                {"tolerance": 0.2, "coverage": 0.9, "ttc_window": 2, "speed_kmh": 90}]),
-    (Params(proximity="horizon", edge_weight=0.3), [{"alpha": 0.2, "midpoint": 5.0}]),
-    (Params(proximity="distance", pairing="matched", driver_weighting="on", threshold_x=0.3),
-     [{"midpoint_m": 10.0, "spread_m": 3.0}, {"alpha": 1.0}]),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("first", "changes"), REUSED)
-@pytest.mark.parametrize("has_frames", [False, True])
-def test_a_second_scan_needs_no_boxes_and_gives_the_bytes_of_a_fresh_one(
-    tables: Tables, first: Params, changes: list[dict[str, Any]], has_frames: bool
-):
-    kept: dict[str, Any] = {}
-    scan_batch(tables, replace(SCAN, params=first, frames=has_frames), stages=kept)
-    without = {name: table for name, table in tables.items() if name != "boxes"}
-    for change in changes:
-        scan = replace(SCAN, params=replace(first, **change), frames=has_frames)
-        fresh, of_fresh = scan_batch(tables, scan)
-        again, of_again = scan_batch(without, scan, stages=kept)
-        assert_same(again, fresh)
-        assert of_again.given() == of_fresh.given()
-    assert [*kept] == [stage_key(replace(SCAN, params=first))]
-
-
-def test_what_matching_depends_on_is_not_reused(tables: Tables):
-    kept: dict[str, Any] = {}
-    for params in (Params(), Params(iou=0.3), Params(threshold_y=0.5), Params(edge_weight=1)):
-        scan = replace(SCAN, params=params)
-        assert_same(scan_batch(tables, scan, stages=kept)[0], scan_batch(tables, scan)[0])
-    assert len(kept) == 4
-    scan_batch(tables, replace(SCAN, params=SETTINGS[2]), stages=kept)  # alerts look at all boxes
-    scan_batch(tables, replace(SCAN, max_frames=3), stages={})
-    assert len(kept) == 4
-
-
-def test_kept_stages_of_other_recordings_are_made_anew(tables: Tables):
-    kept: dict[str, Any] = {}
-    scan_batch(only(tables, ["r0", "r1"]), SCAN, stages=kept)
-    other = only(tables, ["r2", "r3"])
-    assert_same(scan_batch(other, SCAN, stages=kept)[0], scan_batch(other, SCAN)[0])
-    for content in (b"", kept[stage_key(SCAN)][:-1]):
-        damaged = {stage_key(SCAN): content}
-        assert_same(scan_batch(other, SCAN, stages=damaged)[0], scan_batch(other, SCAN)[0])
 
 
 def test_thresholds_are_those_of_each_recording_unless_they_are_given(tables: Tables):
@@ -341,6 +285,21 @@ def test_a_damaged_recording_is_quarantined_and_the_rest_is_as_without_it(
     assert replace(summary, quarantined=0).given() == of_rest.given()
 
 
+def test_a_recording_of_too_many_frames_is_refused(tables: Tables, monkeypatch):
+    n_frames = dict(
+        tables["recordings"].select(["recording", "n_rows"]).to_pandas().itertuples(index=False)
+    )
+    longest = max(n_frames, key=n_frames.__getitem__)
+    most = max(n for name, n in n_frames.items() if n < n_frames[longest])
+    monkeypatch.setattr(batch, "MAX_FRAMES", most)
+    results, summary = scan_batch(tables, SCAN)
+    refused = {name for name, n in n_frames.items() if n > most}
+    assert {*results["quarantine"]["recording"].to_pylist()} == refused
+    reason = results["quarantine"]["reason"][0].as_py()
+    assert reason.startswith(f"it has {n_frames[longest]:,} frames; a scan compares at most")
+    assert summary.recordings == len(n_frames) - len(refused)
+
+
 def test_a_recording_that_a_system_was_not_run_on_is_quarantined(tables: Tables):
     sources = tables["sources"].to_pandas()
     is_gone = (sources["recording"] == "r1") & (sources["source"] == "y")
@@ -382,15 +341,11 @@ def test_no_recordings_give_empty_tables_that_merge(tables: Tables):
     assert Summary.merge([summary, of_all]).given() == of_all.given()
 
 
-def test_params_survive_json_and_their_key_tells_them_apart():
-    scan = ScanParams("a@1", "a@2", "gt", Params(alpha=0.5, threshold_x=0.1), True, 10)
+def test_params_survive_json_and_are_of_different_sources():
+    scan = ScanParams("a@1", "a@2", "gt", Params(alpha=0.5, threshold_x=0.1), True)
     assert ScanParams.parse(scan.given()) == scan
-    others = [replace(scan, x="b"), replace(scan, frames=False), replace(scan, params=Params())]
-    assert len({of.key for of in (scan, *others)}) == 4
     with pytest.raises(ParameterError, match="three different sources"):
         ScanParams("a", "a")
-    with pytest.raises(ParameterError, match="max_frames"):
-        ScanParams("a", "b", max_frames=0)
 
 
 @pytest.fixture(scope="module")
@@ -415,7 +370,7 @@ def real(realdata: Path) -> list[Dataset]:
 
 
 @pytest.mark.realdata
-def test_real_recordings_by_themselves_in_batches_cut_and_reused(real: list[Dataset]):
+def test_real_recordings_by_themselves_and_in_batches(real: list[Dataset]):
     for number in (0, 2):
         of_camera = real[number : number + 2]
         x, y = of_camera[0].systems
@@ -424,12 +379,7 @@ def test_real_recordings_by_themselves_in_batches_cut_and_reused(real: list[Data
         parts = [tables_of(dataset) for dataset in of_camera]
         tables = {name: pa.concat_tables([part[name] for part in parts]) for name in parts[0]}
         scan = ScanParams(x, y, params=params, frames=True)
-        whole, _ = assert_batches_agree(tables, scan)
-        assert_same(scan_batch(tables, replace(scan, max_frames=100))[0], whole)
-        kept: dict[str, Any] = {}
-        scan_batch(tables, scan, stages=kept)
-        other = replace(scan, params=replace(params, alpha=0.7, midpoint=60.0))
-        assert_same(scan_batch(tables, other, stages=kept)[0], scan_batch(tables, other)[0])
+        assert_batches_agree(tables, scan)
         for dataset in of_camera:
             name = dataset.recordings["name"][0]
             own, summary = scan_batch(only(tables, [name]), scan)

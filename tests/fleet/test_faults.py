@@ -16,6 +16,7 @@ from pathlib import Path
 
 import pytest
 from fleet_runs import (
+    PARAMS,
     append_to,
     attempts_of,
     begin_scan,
@@ -33,20 +34,13 @@ from fleet_runs import (
 from object_store import make_bucket, options, served, troubled
 
 from nvcore.errors import InputError, StoreError
-from nvcore.fleet.leases import claim
+from nvcore.fleet.folder import begin, finish, forget_quarantined, status
+from nvcore.fleet.leases import claim, seal, unseal
 from nvcore.fleet.location import Location
 from nvcore.fleet.on_dask import on_dask
 from nvcore.fleet.plan import Plan
-from nvcore.fleet.pool import in_pool
-from nvcore.fleet.scan import (
-    Options,
-    _opened,
-    drive,
-    finish,
-    forget_quarantined,
-    in_process,
-    status,
-)
+from nvcore.fleet.scan import Job, Options, drive, in_pool, in_process
+from nvcore.fleet.store import Store
 
 ELSEWHERE = """
 import socket, sys
@@ -62,8 +56,8 @@ import sys
 from pathlib import Path
 from fleet_runs import begin_scan, stopped_at
 from nvcore.fleet.location import Location
-from nvcore.fleet.pool import in_pool
-from nvcore.fleet.scan import finish
+from nvcore.fleet.folder import finish
+from nvcore.fleet.scan import in_pool
 if __name__ == "__main__":
     store, out, marks = map(Path, sys.argv[1:])
     plan, job = begin_scan(store, out, run=stopped_at("r4", marks))
@@ -177,7 +171,7 @@ def test_a_lease_is_written_in_the_order_of_what_is_said(tmp_path):
         for number in range(100):
             lease.tell(at=f"r{number}")
     assert place.n_at_once == 0
-    assert json.loads(place.written)["ended"] == "done"
+    assert (unseal(place.written) or {})["ended"] == "done"
     (tmp_path / "leases/a/0001.json").write_bytes(b"")  # of a machine that lost its power
     again = claim(place, "a", 60, time.time)
     assert again is not None
@@ -187,15 +181,28 @@ def test_a_lease_is_written_in_the_order_of_what_is_said(tmp_path):
 def test_a_recording_that_kills_its_workers_is_set_aside(store, undisturbed, out, tmp_path):
     plan, job = begin_scan(store, out, run=killed_at("r4", tmp_path, times=99))
     list(in_pool(job, 1))
-    deaths = [(tmp_path / f"killed-{i}").read_text() for i in range(4)]
-    assert deaths == ["r4 r5", "r4 r5", "r4", "r4"]
-    assert not (tmp_path / "killed-4").exists()
+    deaths = [(tmp_path / f"killed-{i}").read_text() for i in range(5)]
+    assert deaths == ["r4 r5", "r4 r5", "r4", "r4", "r4"]
+    assert not (tmp_path / "killed-5").exists()
     files = finished(out, plan)
     own = batch_of(plan, "r4")
     others = [name for name in undisturbed if own not in name and "/" in name]
     assert len(others) > len(undisturbed) / 2
     assert all(files[name] == undisturbed[name] for name in others)
-    assert quarantine_of(out) == {"r4": "2 workers ended without a word while they compared it"}
+    assert quarantine_of(out) == {"r4": "3 workers ended without a word while they compared it"}
+    shown = status(Location(out), plan)
+    assert (shown.n_frames_done, plan.n_frames) == (11 * 40, 12 * 40)
+    assert "440 of 480 frames compared" in str(shown)
+
+
+def test_a_healthy_recording_that_was_killed_four_times_is_tried_once_more_at_the_end(
+    store, undisturbed, out, tmp_path
+):
+    plan, job = begin_scan(store, out, run=killed_at("r4", tmp_path, times=4))
+    batches = list(in_pool(job, 1))
+    assert batches[-1] == batch_of(plan, "r4")
+    assert finished(out, plan) == undisturbed
+    assert quarantine_of(out) == {}
 
 
 def test_a_scan_that_is_killed_as_a_whole_goes_on_where_it_was(
@@ -338,11 +345,13 @@ def test_a_server_that_refuses_and_cuts_costs_attempts_alone(store, undisturbed)
 
 
 def test_other_versions_are_refused(store, out):
-    plan, job = begin_scan(store, out)
-    job.run(plan.batches[0].key)
-    path = out / "plans" / f"{plan.key}.json"
-    known = json.loads(path.read_text())
-    path.write_text(json.dumps(known | {"programs": known["programs"] | {"numba": "0.1"}}))
-    _opened.cache_clear()
-    with pytest.raises(InputError, match=r"numba 0\.1 \(here: .*same versions"):
-        job.run(plan.batches[1].key)
+    plan, _ = begin_scan(store, out)
+    other = replace(plan, programs=plan.programs | {"numba": "0.1"})
+    path = out / "plans" / f"{other.key}.json"
+    path.write_bytes(other.to_json())
+    with pytest.raises(InputError, match=r"numba 0\.1 \(here: .*install these"):
+        Job(plan.store, str(out), other.key).run(plan.batches[0].key)
+    (out / "newest.json").write_bytes(seal({"plan": other.key}))
+    with pytest.raises(InputError, match="compute them anew with --recompute"):
+        begin_scan(store, out)
+    begin(Store(store), Location(out), PARAMS, recompute=True)

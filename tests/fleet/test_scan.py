@@ -29,11 +29,10 @@ from fleet_runs import (
 from nvcore.cli import main
 from nvcore.comparison import compare
 from nvcore.errors import InputError
+from nvcore.fleet.folder import finish, status
 from nvcore.fleet.location import Location
 from nvcore.fleet.plan import plan
-from nvcore.fleet.pool import in_pool
-from nvcore.fleet.results import ScanParams
-from nvcore.fleet.scan import drive, finish, in_process, status
+from nvcore.fleet.scan import drive, in_pool, in_process
 from nvcore.fleet.store import Store
 from nvcore.params import Params
 
@@ -175,34 +174,12 @@ def test_the_tables_are_those_of_the_scan_that_was_begun_last(store, undisturbed
     assert status(out).is_finished
 
 
-def test_what_a_scan_keeps_changes_nothing_for_the_next(store, tmp_path):
-    def files_with(folder: str, params: ScanParams, keep: bool) -> dict[str, bytes]:
-        its_plan, job = begin_scan(store, tmp_path / folder, params, keep=keep)
-        list(drive(job, in_process))
-        assert not failures_of(tmp_path / folder)
-        finish(Location(tmp_path / folder), its_plan)
-        return files_of(tmp_path / folder)
-
-    params = ScanParams("x", "y", params=Params(alpha=0.5, midpoint=30))
-    files_with("kept", ScanParams("x", "y"), keep=True)
-    stages = [*(tmp_path / "kept/stages").iterdir()]
-    assert len(stages) == 6
-    written = [path.read_bytes() for path in stages]
-    times = [path.stat().st_mtime_ns for path in stages[1:]]
-    stages[0].write_bytes(written[0][:100] + bytes([written[0][100] ^ 1]) + written[0][101:])
-    anew = files_with("anew", params, keep=False)
-    assert not (tmp_path / "anew/stages").exists()
-    assert files_with("kept", params, keep=True).items() >= anew.items()
-    assert [path.stat().st_mtime_ns for path in stages[1:]] == times
-    assert stages[0].read_bytes() not in (written[0], b"")  # was damaged, and is made anew
-
-
 def test_the_command_scans_and_says_how_far_it_is(store, tmp_path):
     out = str(tmp_path / "out")
     arguments = ("--x", "x", "--y", "y", "--out", out)
     done = CliRunner().invoke(main, ["scan", store, *arguments, "--shard", "2/3"])
     assert done.exit_code == 0, done.output
-    expected = f"x and y of {store}: 1 of 1 batch done, 480 of 480 frames"
+    expected = f"x and y of {store}: 1 of 1 batch done, 480 of 480 frames compared"
     assert expected in done.output
     assert CliRunner().invoke(main, ["scan", "--status", out]).output.strip() == expected
     result = compare(small_fleet())

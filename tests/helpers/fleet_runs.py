@@ -7,7 +7,6 @@ starve the process that calls them. What happened to whom they leave as files in
 from __future__ import annotations
 
 import gc
-import json
 import os
 import resource
 import signal
@@ -33,9 +32,11 @@ from places import ROOT
 
 from nvcore.dataset import Dataset
 from nvcore.fleet.batch import scan_batch
+from nvcore.fleet.folder import begin
 from nvcore.fleet.ingest import tables_of
+from nvcore.fleet.leases import unseal
 from nvcore.fleet.location import Location
-from nvcore.fleet.plan import Plan, begin
+from nvcore.fleet.plan import Plan
 from nvcore.fleet.results import ScanParams
 from nvcore.fleet.scan import Job, Options
 from nvcore.fleet.store import Store
@@ -110,7 +111,7 @@ def attempts_of(out: Path) -> dict[str, int]:
 
 def failures_of(out: Path) -> set[str]:
     """Why batches failed as a whole, so that their recordings were taken one at a time."""
-    attempts = [json.loads(path.read_text()) for path in out.glob("leases/*/*.json")]
+    attempts = [unseal(path.read_bytes()) or {} for path in out.glob("leases/*/*.json")]
     return {attempt["failed"] for attempt in attempts if "failed" in attempt}
 
 
@@ -146,14 +147,13 @@ def _killed_at(
     times: int,
     tables: Mapping[str, pa.Table],
     params: ScanParams,
-    **more: Any,
 ) -> Any:
     if recording in ("", *named(tables)):
         number = len([*folder.glob("killed-*")])
         if number < times:
             (folder / f"killed-{number}").write_text(" ".join(named(tables)))
             os.kill(os.getpid(), signal.SIGKILL)
-    return scan_batch(tables, params, **more)
+    return scan_batch(tables, params)
 
 
 def stopped_at(recording: str, folder: Path) -> Callable[..., Any]:
@@ -162,13 +162,13 @@ def stopped_at(recording: str, folder: Path) -> Callable[..., Any]:
 
 
 def _stopped_at(
-    recording: str, folder: Path, tables: Mapping[str, pa.Table], params: ScanParams, **more: Any
+    recording: str, folder: Path, tables: Mapping[str, pa.Table], params: ScanParams
 ) -> Any:
     if recording in named(tables):
         (folder / "stops").write_text(str(os.getpid()))
         (folder / "stops").rename(folder / "stopped")
         until((folder / "on").exists, "the file that lets this worker go on")
-    return scan_batch(tables, params, **more)
+    return scan_batch(tables, params)
 
 
 def starved_at(recording: str, n_bytes: int) -> Callable[..., Any]:
@@ -177,12 +177,12 @@ def starved_at(recording: str, n_bytes: int) -> Callable[..., Any]:
 
 
 def _starved_at(
-    recording: str, n_bytes: int, tables: Mapping[str, pa.Table], params: ScanParams, **more: Any
+    recording: str, n_bytes: int, tables: Mapping[str, pa.Table], params: ScanParams
 ) -> Any:
     if recording in named(tables):
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, n_bytes))
-    return scan_batch(tables, params, **more)
+    return scan_batch(tables, params)
 
 
 def compiled_in(folder: Path) -> Callable[..., Any]:
@@ -190,10 +190,8 @@ def compiled_in(folder: Path) -> Callable[..., Any]:
     return partial(_compiled_in, folder)
 
 
-def _compiled_in(
-    folder: Path, tables: Mapping[str, pa.Table], params: ScanParams, **more: Any
-) -> Any:
-    results = scan_batch(tables, params, **more)
+def _compiled_in(folder: Path, tables: Mapping[str, pa.Table], params: ScanParams) -> Any:
+    results = scan_batch(tables, params)
     loops = [of for of in gc.get_objects() if isinstance(of, Dispatcher)]
     stats = [of.stats for of in loops if "nvcore" in of.py_func.__module__]
     misses, hits = (
@@ -210,12 +208,12 @@ def broken_at(recordings: Sequence[str]) -> Callable[..., Any]:
 
 
 def _broken_at(
-    recordings: Sequence[str], tables: Mapping[str, pa.Table], params: ScanParams, **more: Any
+    recordings: Sequence[str], tables: Mapping[str, pa.Table], params: ScanParams
 ) -> Any:
     for name in named(tables):
         if name in recordings:
             raise ZeroDivisionError(f"of {name}")
-    return scan_batch(tables, params, **more)
+    return scan_batch(tables, params)
 
 
 class UnpicklableError(Exception):
@@ -225,7 +223,7 @@ class UnpicklableError(Exception):
         raise TypeError("does not pickle")
 
 
-def unpicklable(*_: Any, **more: Any) -> Any:
+def unpicklable(*_: Any) -> Any:
     """Nothing can be compared."""
     raise UnpicklableError("of all")
 

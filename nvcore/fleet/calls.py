@@ -1,45 +1,166 @@
-"""The calls of Python users: `nvcore.ingest`, `open_store`, `scan`, `top`, ..."""
+"""The calls of Python users, `nvcore.ingest`, `open_store`, `scan`, `top`, and their arguments.
+
+The commands read the arguments: numpy, and what stores need, are imported within the calls.
+"""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from nvcore.api.inputs import load
-from nvcore.arguments import PathLike, called_with
-from nvcore.dataset import Dataset
+import click
+
+from nvcore.arguments import INPUTS, OUTPUT, PathLike, argument, arguments, called_with
 from nvcore.errors import InputError, ParameterError
-from nvcore.fleet.arguments import FRAMES_PER_BATCH, OpenArguments, ScanArguments, TopArguments
-from nvcore.fleet.ingest import Ingested, ingest_all, sessions_in
-from nvcore.fleet.location import Location
-from nvcore.fleet.opening import recording_of, write_recording
-from nvcore.fleet.plan import begin
-from nvcore.fleet.pool import in_pool
-from nvcore.fleet.query import Top, results_in, worst
-from nvcore.fleet.results import ScanParams, Summary
-from nvcore.fleet.scan import (
-    Engine,
-    Job,
-    Options,
-    Status,
-    drive,
-    finish,
-    forget_quarantined,
-    in_process,
-    status,
-)
-from nvcore.fleet.store import Store
-from nvcore.inputs.session import Session
-from nvcore.memory import free_bytes
 from nvcore.params import Params
-from nvcore.progress import with_time_left
+from nvcore.progress import Progress, no_progress, with_time_left
 from nvcore.wording import aligned, number, one_line
 
+if TYPE_CHECKING:
+    from nvcore.dataset import Dataset
+    from nvcore.fleet.folder import Status
+    from nvcore.fleet.ingest import Ingested
+    from nvcore.fleet.query import Top
+    from nvcore.fleet.results import Summary
+    from nvcore.fleet.scan import Engine
+    from nvcore.fleet.store import Store
+    from nvcore.inputs.session import Session
+
 BYTES_OF_WORKER: Final = 1_000_000_000
+RUN: Final = "How it is run"
+SELECTION: Final = "Selection"
+FRAMES_PER_BATCH: Final = 100_000
+"""A worker with so many frames takes some 0.9 GB, if there are 11 boxes in each."""
+
+
+@arguments
+class ScanArguments:
+    """See `nvcore.scan`."""
+
+    store: PathLike | Store
+    out: PathLike = argument(
+        OUTPUT,
+        "Folder of the results: a path, or a URI such as s3://bucket/results.",
+        metavar="URI",
+    )
+    _: KW_ONLY
+    x: str = argument(
+        INPUTS,
+        "System X, by its name in the store: its newest version, or FIR@2, or FIR@name.",
+        metavar="SYSTEM",
+    )
+    y: str = argument(INPUTS, "System Y, likewise.", metavar="SYSTEM")
+    truth: str = argument(
+        INPUTS, "The truth, likewise, such as truth@1.", default="truth", metavar="SOURCE"
+    )
+    params: Params | None = None
+    frames: bool = argument(
+        OUTPUT, "Keep the table with a row for each frame, too.", default=False, is_flag=True
+    )
+    workers: int | None = argument(
+        RUN,
+        "Processes on this machine. Default: one for each core and each free GB of memory.",
+        default=None,
+        type=click.IntRange(min=1),
+    )
+    frames_per_batch: int = argument(
+        RUN,
+        "Frames that a worker compares at a time. Smaller batches take less memory and lose less "
+        "when a worker dies, larger ones make fewer files.",
+        default=FRAMES_PER_BATCH,
+        type=click.IntRange(min=1_000),
+    )
+    shard: str | None = argument(
+        RUN,
+        "In this process alone, beginning with its part of the batches: 17/300 is task 17 of an "
+        "array job with 300 (counted from 0 or 1). A task ends when all batches are done; those of "
+        "tasks that died are done by others.",
+        default=None,
+        metavar="I/N",
+    )
+    scheduler: str | None = argument(
+        RUN, "Address of a Dask scheduler, whose workers do it.", default=None, metavar="ADDRESS"
+    )
+    engine: Engine | None = None
+    retry: bool = argument(
+        RUN,
+        "Try again the recordings that are in quarantine.",
+        default=False,
+        is_flag=True,
+    )
+    recompute: bool = argument(
+        RUN,
+        "Compute anew what another program, or other versions of the libraries, wrote there.",
+        default=False,
+        is_flag=True,
+    )
+    storage: Mapping[str, str] = field(default_factory=dict)
+    progress: Progress = no_progress
+
+
+@arguments
+class TopArguments:
+    """See `nvcore.top`."""
+
+    results: PathLike
+    _: KW_ONLY
+    table: str = argument(
+        SELECTION,
+        "Which results: encounters, events, intervals, episodes, recordings, or frames where the "
+        "scan has kept them.",
+        default="encounters",
+        metavar="TABLE",
+    )
+    by: str | None = argument(
+        SELECTION,
+        "A column, with or without its unit and the letter of a system: severity is the larger one "
+        "of both. Default: severity; saliency of events, depth of intervals, duration of episodes, "
+        "similarity of frames.",
+        default=None,
+        metavar="COLUMN",
+    )
+    where: str = argument(
+        SELECTION,
+        "Only rows for which this holds, such as \"tag.road = 'rural' and n_frames > 10\" "
+        "(docs/fleet.md).",
+        default="",
+        metavar="CONDITION",
+    )
+    n: int = argument(
+        SELECTION, "Number of rows.", flag="-n", default=20, type=click.IntRange(min=1), metavar="N"
+    )
+    reverse: bool = argument(SELECTION, "The best first.", default=False, is_flag=True)
+    storage: Mapping[str, str] = field(default_factory=dict)
+
+
+@arguments
+class OpenArguments:
+    """See `nvcore.export_recording`."""
+
+    source: PathLike
+    recording: str
+    out: PathLike | None = argument(
+        OUTPUT,
+        "Write the recording as a session into this folder, and start nothing.",
+        default=None,
+        metavar="DIR",
+    )
+    _: KW_ONLY
+    force: bool = argument(OUTPUT, "Replace files of that folder.", default=False, is_flag=True)
+    x: str | None = argument(
+        INPUTS,
+        "System X of a store, as for scan. Default: those of the scan, or the recording's only two "
+        "systems.",
+        default=None,
+        metavar="SYSTEM",
+    )
+    y: str | None = argument(INPUTS, "System Y, likewise.", default=None, metavar="SYSTEM")
+    truth: str | None = argument(INPUTS, "The truth, likewise.", default=None, metavar="SOURCE")
+    storage: Mapping[str, str] = field(default_factory=dict)
 
 
 def ingest(
@@ -91,6 +212,10 @@ def ingest(
     >>> len(done.recordings), done.errors  # doctest: +SKIP
     (10, {})
     """
+    from nvcore.fleet.ingest import ingest_all
+    from nvcore.fleet.location import Location
+    from nvcore.fleet.store import Store
+
     if not isinstance(store, Store):
         store = Store(Location(store, storage), partition=partition)
     elif partition is not None or storage is not None:
@@ -101,6 +226,11 @@ def ingest(
 def _named(
     inputs: tuple[PathLike | Session | Dataset, ...],
 ) -> Iterator[tuple[str, Callable[[], Dataset]]]:
+    from nvcore.api.inputs import load
+    from nvcore.dataset import Dataset
+    from nvcore.fleet.ingest import sessions_in
+    from nvcore.inputs.session import Session
+
     for place, of in enumerate(inputs):
         if isinstance(of, Session | Dataset):
             yield f"input {place + 1}", partial(load, of)
@@ -109,7 +239,7 @@ def _named(
 
 
 def open_store(uri: PathLike, *, storage: Mapping[str, str] | None = None) -> Store:
-    """A store of recordings: `Store.snapshot` shows what it holds, `ingest` appends to it.
+    """Open a store of recordings: `Store.snapshot` shows its content, `ingest` appends to it.
 
     Parameters
     ----------
@@ -124,23 +254,29 @@ def open_store(uri: PathLike, *, storage: Mapping[str, str] | None = None) -> St
     InputError
         If there can be no store at such a place. Whether there is one is asked for later.
     """
+    from nvcore.fleet.location import Location
+    from nvcore.fleet.store import Store
+
     return Store(Location(uri, storage))
 
 
 @dataclass(frozen=True, eq=False)
 class Scan:
-    """What a scan came to.
+    """Result of a scan.
 
     Attributes
     ----------
     summary
-        Of all recordings; `measures` is its table.
+        Measures of all recordings; `measures` is the table.
     status
-        With the plan, and how many recordings could not be compared.
+        The plan, and how many recordings could not be compared.
+    repaired
+        Damaged files of earlier results, whose batches were computed anew.
     """
 
     summary: Summary
     status: Status
+    repaired: Sequence[str] = ()
 
     def __str__(self) -> str:
         measures = self.summary.measures()
@@ -151,8 +287,9 @@ class Scan:
         ]
         given = self.summary.params.params.given().items() - Params().given().items()
         settings = ", ".join(f"{name} {value}" for name, value in sorted(given))
-        settings = f"with {settings}" if settings else "with the settings by default"
-        return "\n".join([*aligned(rows), "", one_line(settings), str(self.status)])
+        lines = [f"with {settings}" if settings else "with the settings by default"]
+        lines += [f"computed anew: {fault}" for fault in self.repaired]
+        return "\n".join([*aligned(rows), "", *map(one_line, lines), str(self.status)])
 
 
 @called_with(ScanArguments)
@@ -160,16 +297,16 @@ def scan(arguments: ScanArguments) -> Scan:
     """Compare two systems on all recordings of a store; what was done before is not done again.
 
     Each run of the same scan goes on where the last one ended, also several at a time; a store that
-    has grown, or another setting, is a new scan, for which the same folder serves.
+    has grown, or another setting, is a new scan, which may use the same folder.
 
     Parameters
     ----------
     store
         Folder or URI of a store, as ``nvcore ingest`` makes it, or what `open_store` returns.
     params
-        Settings of the comparison; None: by default.
+        Settings of the comparison; None: the default ones.
     engine
-        What runs the batches otherwise: a function of a job (`nvcore.fleet.scan.Engine`).
+        A function of a job that runs the batches (`nvcore.fleet.scan.Engine`).
     storage
         Keys and values for the object store, as object_store has them; else by the environment.
     progress
@@ -183,21 +320,28 @@ def scan(arguments: ScanArguments) -> Scan:
     Raises
     ------
     InputError
-        If the store or `out` cannot be used, no recording has both systems, or a part of the same
-        scan was made with other versions of nvcore, numba, numpy, pandas, pyarrow or scipy.
+        If the store or `out` cannot be used, no recording has both systems, or the results that
+        are there were made by another program.
     StoreError
-        If storage fails or is full; what is done by then is kept.
+        If storage fails or is full; finished batches are kept.
 
     Examples
     --------
     >>> done = scan("fleet", "night-vision", x="FIR", y="NIR")  # doctest: +SKIP
     >>> done.summary.measures()  # doctest: +SKIP
     """
+    from nvcore.fleet.folder import begin, finish, forget_quarantined, repair, status
+    from nvcore.fleet.location import Location
+    from nvcore.fleet.results import ScanParams
+    from nvcore.fleet.scan import Job, Options, drive
+    from nvcore.fleet.store import Store
+
     ways = (arguments.workers, arguments.shard, arguments.scheduler, arguments.engine)
     if sum(way is not None for way in ways) > 1:
         raise ParameterError("workers, shard, scheduler, engine: give one of them")
     if arguments.retry and arguments.shard is not None:
         raise ParameterError("retry: each task would undo what others have done; run it by itself")
+    part, n_parts = _part(arguments.shard)
     store = arguments.store
     if not isinstance(store, Store):
         store = Store(Location(str(store), arguments.storage))
@@ -205,34 +349,34 @@ def scan(arguments: ScanArguments) -> Scan:
     out = Location(str(arguments.out), storage)
     if out.list("sources/"):
         raise InputError("is a store; write the results elsewhere, or below it", file=out.uri)
-    params = ScanParams(
-        arguments.x,
-        arguments.y,
-        arguments.truth,
-        arguments.params or Params(),
-        frames=arguments.frames,
+    names = arguments.x, arguments.y, arguments.truth
+    params = ScanParams(*names, arguments.params or Params(), frames=arguments.frames)
+    plan = begin(
+        store,
+        out,
+        params,
+        recompute=arguments.recompute,
+        frames_per_batch=arguments.frames_per_batch,
     )
-    plan = begin(store, out, params, frames_per_batch=arguments.frames_per_batch)
+    repaired = repair(out, plan, slice(part, None, n_parts))
     if arguments.retry:
         forget_quarantined(out, plan)
-    engine = _engine(arguments, max(batch.n_frames for batch in plan.batches))
-    options = Options(storage=tuple(storage.items()), keep=arguments.keep)
-    job = Job(plan.store, out.uri, plan.key, options)
+    job = Job(plan.store, out.uri, plan.key, Options(storage=tuple(storage.items())))
     n = len(plan.batches)
     done = {batch.key for batch in plan.batches}.difference(job.missing())
     progress = with_time_left(arguments.progress)
     progress(len(done) / n, f"{len(done)} of {n} batches")
-    for batch in drive(job, engine):
+    for batch in drive(job, _engine(arguments, max(batch.n_frames for batch in plan.batches))):
         done.add(batch)
         progress(len(done) / n, f"{len(done)} of {n} batches")
-    summary = finish(out, plan)
-    if summary.quarantined:
-        return Scan(summary, status(out, plan))
-    return Scan(summary, Status(plan, n, plan.n_frames, 0, 0, 0, is_finished=True))
+    return Scan(finish(out, plan), status(out, plan), repaired)
 
 
 def _engine(arguments: ScanArguments, largest: int) -> Engine:
-    """What runs the batches, of which the largest has so many frames."""
+    """Choose what runs the batches, of which the largest has so many frames."""
+    from nvcore.fleet.scan import in_pool, in_process
+    from nvcore.memory import free_bytes
+
     if arguments.engine is not None:
         return arguments.engine
     if arguments.scheduler is not None:
@@ -250,10 +394,10 @@ def _engine(arguments: ScanArguments, largest: int) -> Engine:
     return partial(in_pool, n_workers=n_workers)
 
 
-def _part(shard: str) -> tuple[int, int]:
-    """Number of the part from 0, and of how many, of ``17/300``."""
+def _part(shard: str | None) -> tuple[int, int]:
+    """Return the part's number, from 0, and the number of parts of ``17/300``."""
     try:
-        part, n_parts = map(int, shard.split("/"))
+        part, n_parts = map(int, (shard or "0/1").split("/"))
     except ValueError:
         part, n_parts = -1, 0
     if not 0 <= part <= n_parts or n_parts < 1:
@@ -262,19 +406,22 @@ def _part(shard: str) -> tuple[int, int]:
 
 
 def scan_status(out: PathLike, *, storage: dict[str, str] | None = None) -> Status:
-    """How far the scan is whose results are written there.
+    """Say how far the scan is whose results are written there.
 
     Raises
     ------
     InputError
-        If there is none.
+        If there is none, or a file of it is damaged.
     """
+    from nvcore.fleet.folder import status
+    from nvcore.fleet.location import Location
+
     return status(Location(str(out), storage or {}))
 
 
 @called_with(TopArguments)
 def top(arguments: TopArguments) -> Top:
-    """The worst rows of the results of a scan, each with the frame to look at.
+    """Find the worst rows of the results of a scan, each with the frame to look at.
 
     Parameters
     ----------
@@ -301,6 +448,9 @@ def top(arguments: TopArguments) -> Top:
     --------
     >>> top("night-vision", by="severity", where="tag.road = 'rural'")  # doctest: +SKIP
     """
+    from nvcore.fleet.location import Location
+    from nvcore.fleet.query import results_in, worst
+
     results = results_in(Location(str(arguments.results), arguments.storage))
     return worst(
         results,
@@ -342,6 +492,9 @@ def export_recording(arguments: OpenArguments) -> Path:
     --------
     >>> dataset = nv.load(export_recording("night-vision", "drive 7", "seven"))  # doctest: +SKIP
     """
+    from nvcore.fleet.location import Location
+    from nvcore.fleet.opening import recording_of, write_recording
+
     if arguments.out is None:
         raise ParameterError("out: expected the folder of the session")
     dataset, shown = recording_of(

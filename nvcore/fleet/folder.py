@@ -1,0 +1,380 @@
+"""Folders of results, which hold all that is known of a scan, each file with its checksum.
+
+    plans/<plan>.json              what is compared, by which program, and in which batches
+    leases/<batch>/<attempt>.json  who works on a batch, and until when the others wait
+    late/<batch>.json              batches that are tried once more when all others are done
+    done/<batch>.json              which files a batch has given, with their checksums
+    <table>/<batch>-<hash>.parquet its rows of each table of results, listed in a Delta table
+    newest.json                    which plan was begun last
+    summary.json                   which plan the tables are of
+    finished/<plan>.json           the same of each plan that was finished
+
+Plans and tables are named by their content; other files hold its checksum. So what two processes do
+twice is the same, and a damaged file is found: its batch is computed anew.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import time
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any, Final
+
+import pyarrow as pa
+import pyarrow.dataset as ds
+import pyarrow.parquet as pq
+from deltalake import DeltaTable
+from deltalake.exceptions import CommitFailedError, TableNotFoundError
+from deltalake.transaction import AddAction, RemoveAction
+
+from nvcore.errors import InputError, StoreError
+from nvcore.fleet.leases import attempt_of, is_held, seal, unseal
+from nvcore.fleet.location import Location
+from nvcore.fleet.plan import Batch, Plan, hash_of, plan
+from nvcore.fleet.results import ScanParams, Summary, schema
+from nvcore.fleet.store import Store
+from nvcore.wording import count_text, one_line
+
+SUMMARY: Final = "summary.json"
+_NEWEST: Final = "newest.json"
+_COMMIT_ATTEMPTS: Final = 30
+"""At the version of a table of results, by processes that finish at once."""
+_THREADS: Final = 16
+_AGAIN: Final = "run the scan again, which computes what is missing"
+
+
+def begin(
+    store: Store, out: Location, params: ScanParams, *, recompute: bool = False, **options: Any
+) -> Plan:
+    """Plan a scan of the store as it is now, and write the plan.
+
+    Parameters
+    ----------
+    recompute
+        Whether to go on where another program has written results.
+    options
+        As of `nvcore.fleet.plan.plan`.
+
+    Raises
+    ------
+    InputError
+        If the results that are there were made by another program.
+    """
+    made = plan(store.snapshot(), params, store.location.uri, **options)
+    newest = None if recompute else newest_plan(out)
+    if newest is not None:
+        newest.check_programs(
+            "its results are not mixed with those of this one: name another folder, or compute "
+            "them anew with --recompute"
+        )
+    out.write(_path_of(made.key), made.to_json())
+    out.write(_NEWEST, seal({"plan": made.key}))
+    return made
+
+
+def plan_shown(out: Location) -> Plan | None:
+    """Read the plan of the finished tables, else the one begun last; None: there is none."""
+    shown = _sealed(out, SUMMARY)
+    return newest_plan(out) if shown is None else plan_in(out, shown["plan"])
+
+
+def newest_plan(out: Location) -> Plan | None:
+    """Read the plan that was begun last; None: there is none."""
+    newest = _sealed(out, _NEWEST)
+    return None if newest is None else plan_in(out, newest["plan"])
+
+
+def plan_in(out: Location, key: str) -> Plan | None:
+    """Read the plan of this key; None: it is not there, or damaged."""
+    content = out.find(_path_of(key))
+    return None if content is None or hash_of(content) != key else Plan.from_json(content)
+
+
+def has_tables(out: Location) -> bool:
+    """Whether a scan was finished here."""
+    return out.find(SUMMARY) is not None
+
+
+def _sealed(out: Location, path: str) -> dict[str, Any] | None:
+    """Read a JSON file with a checksum; None: it is not there, or damaged."""
+    return unseal(out.find(path) or b"")
+
+
+def _path_of(key: str) -> str:
+    return f"plans/{key}.json"
+
+
+def _is_finished(out: Location, its_plan: Plan) -> bool:
+    return out.find(f"finished/{its_plan.key}.json") is not None
+
+
+def write_batch(out: Location, key: str, tables: Mapping[str, pa.Table], summary: Summary) -> bytes:
+    """Write the tables of a batch; return the content of its file in ``done``."""
+    files = {}
+    for name, table in tables.items():
+        content = _as_parquet(table)
+        sha256 = hashlib.sha256(content).hexdigest()
+        path = f"{name}/{key}-{sha256[:8]}.parquet"
+        out.write(path, content)
+        files[name] = {"path": path, "size": len(content), "sha256": sha256, "rows": len(table)}
+    return seal({"files": files, "summary": summary.given()})
+
+
+def done_in(out: Location) -> set[str]:
+    """List the keys of batches that are done; delete empty files, of a machine that failed."""
+    entries = out.list("done/")
+    for entry in entries:
+        if not entry.size:
+            out.delete(entry.path)
+    names = (entry.path for entry in entries if entry.size)
+    return {name.removeprefix("done/").removesuffix(".json") for name in names}
+
+
+def _read_done(out: Location, batches: Sequence[Batch]) -> list[dict[str, Any]]:
+    """Read what batches have given.
+
+    Raises
+    ------
+    InputError
+        If one of them is missing or damaged.
+    """
+
+    def read(batch: Batch) -> dict[str, Any]:
+        path = f"done/{batch.key}.json"
+        done = _sealed(out, path)
+        if done is None:
+            raise InputError(f"is missing or damaged; {_AGAIN}", file=f"{out.uri}/{path}")
+        return done
+
+    with ThreadPoolExecutor(_THREADS) as pool:
+        return [*pool.map(read, batches)]
+
+
+def _content(out: Location, file: Mapping[str, Any]) -> pa.Buffer:
+    """Read a file of a table; a file on a disk is mapped.
+
+    Raises
+    ------
+    InputError
+        If it is missing, or is not what its batch has written.
+    """
+    path = file["path"]
+    try:
+        with out.at(path, "read"):
+            if out.path:
+                content = pa.memory_map(str(out.path / path)).read_buffer()
+            else:
+                content = pa.py_buffer(out.read(path))
+        is_damaged = hashlib.sha256(content).hexdigest() != file["sha256"]
+    except FileNotFoundError:
+        is_damaged = True
+    if is_damaged:
+        raise InputError(f"is missing or damaged; {_AGAIN}", file=f"{out.uri}/{path}")
+    return content
+
+
+def repair(out: Location, its_plan: Plan, among: slice = slice(None)) -> list[str]:
+    """Forget the batches, among these of the plan, of which a file is damaged.
+
+    Returns
+    -------
+    What is wrong with one file of each, with its path.
+    """
+    is_done = done_in(out)
+
+    def check(batch: Batch) -> str:
+        try:
+            [done] = _read_done(out, [batch])
+            for file in done["files"].values():
+                _content(out, file)
+        except InputError as error:
+            out.delete(f"done/{batch.key}.json")
+            return str(error)
+        return ""
+
+    with ThreadPoolExecutor(_THREADS) as pool:
+        batches = [batch for batch in its_plan.batches[among] if batch.key in is_done]
+        return [fault for fault in pool.map(check, batches) if fault]
+
+
+def table_of(out: Location, its_plan: Plan, name: str) -> Any:
+    """Open a table of the results of a plan as a data set of Arrow, once its files are verified.
+
+    Raises
+    ------
+    InputError
+        If a file is missing or damaged.
+    """
+    files = [done["files"][name] for done in _read_done(out, its_plan.batches)]
+    kind = ds.ParquetFileFormat()
+    with ThreadPoolExecutor(_THREADS) as pool:
+        contents = pool.map(lambda file: _content(out, file), files)
+        parts = [kind.make_fragment(pa.BufferReader(content)) for content in contents]
+    return ds.FileSystemDataset(parts, schema(name), kind)
+
+
+def finish(out: Location, its_plan: Plan) -> Summary:
+    """Merge what the batches of a plan gave, and list their files in Delta tables.
+
+    Any number of processes may do so. Tables of a plan that was begun later, and is finished, stay.
+
+    Raises
+    ------
+    InputError
+        If batches are missing or damaged.
+    """
+    done = _read_done(out, its_plan.batches)
+    summary = Summary.merge([Summary.parse(batch["summary"]) for batch in done])
+    newest = newest_plan(out)
+    if newest is None or newest.key == its_plan.key or not _is_finished(out, newest):
+        for name in done[0]["files"]:
+            _list_files(out.child(name), name, [batch["files"][name] for batch in done])
+        out.write("summary.parquet", _as_parquet(pa.table(dict(summary.measures()))))
+        for path in (SUMMARY, f"finished/{its_plan.key}.json"):
+            out.write(path, seal({"plan": its_plan.key}))
+    return summary
+
+
+def _list_files(folder: Location, name: str, files: Sequence[Mapping[str, Any]]) -> None:
+    """Have a folder's Delta table hold these files alone."""
+    wanted = {file["path"].rpartition("/")[2]: file for file in files}
+    storage: dict[str, Any] = {"storage_options": folder.delta_options}
+    for attempt in range(_COMMIT_ATTEMPTS):
+        with folder.at("", "written"), suppress(CommitFailedError):  # another was faster
+            try:
+                table = DeltaTable(folder.uri, **storage)
+            except TableNotFoundError:
+                table = DeltaTable.create(folder.uri, schema(name), mode="ignore", **storage)
+            there = {uri.rpartition("/")[2] for uri in table.file_uris()}
+            if there == wanted.keys():
+                return
+            now = int(time.time() * 1000)
+            actions: list[AddAction | RemoveAction] = [
+                *(
+                    AddAction(path, of["size"], {}, 0, True, json.dumps({"numRecords": of["rows"]}))
+                    for path, of in wanted.items()
+                    if path not in there
+                ),
+                *(RemoveAction(path, True, now) for path in sorted(there - wanted.keys())),
+            ]
+            table.create_write_transaction(actions, "append", schema(name))
+            continue
+        time.sleep(0.1 * attempt)
+    raise StoreError("cannot be written (other processes are always faster)", file=folder.uri)
+
+
+@dataclass(frozen=True)
+class Status:
+    """Progress of a scan.
+
+    Attributes
+    ----------
+    plan
+        Plan of the scan.
+    n_done, n_frames_done
+        Number of batches that are done, and of frames that were compared in them.
+    n_running
+        Number of batches that a worker may be working on.
+    n_lost
+        Number of attempts at other batches that are not done that ended without a word.
+    n_quarantined
+        Number of recordings that could not be compared, of the batches that are done.
+    is_finished
+        Whether all batches are done and the tables were written.
+    reason
+        Name of one of these recordings, and why.
+    """
+
+    plan: Plan
+    n_done: int
+    n_frames_done: int
+    n_running: int
+    n_lost: int
+    n_quarantined: int
+    is_finished: bool
+    reason: str = ""
+
+    def __str__(self) -> str:
+        plan = self.plan
+        lines = [
+            f"{plan.params.x} and {plan.params.y} of {plan.store}: {self.n_done:,} of "
+            f"{count_text(len(plan.batches), 'batch', 'batches')} done, {self.n_frames_done:,} of "
+            f"{count_text(plan.n_frames, 'frame')} compared"
+        ]
+        if not self.is_finished:
+            n = count_text(self.n_running, "batch", "batches")
+            is_idle = "; run the scan again to go on" if not self.n_running else ""
+            lines += [f"at work on {n}{is_idle}"]
+        if self.n_lost:
+            lines += [f"{count_text(self.n_lost, 'attempt')} ended without a word; others go on"]
+        lines += [
+            f"{count_text(n, 'recording')} without {source}, or with one of another version of the "
+            "recording, left out"
+            for source, n in plan.left_out.items()
+        ]
+        if self.n_quarantined:
+            n = count_text(self.n_quarantined, "recording")
+            lines += [f"{n} in quarantine (table quarantine), such as {self.reason}"]
+        return "\n".join(map(one_line, lines))
+
+
+def status(out: Location, its_plan: Plan | None = None, clock: Any = time.time) -> Status:
+    """Say how far a scan is; without a plan, the one that was begun last.
+
+    Parameters
+    ----------
+    clock
+        Returns seconds since 1970.
+
+    Raises
+    ------
+    InputError
+        If there is none, or a file of it is damaged.
+    """
+    its_plan = its_plan or newest_plan(out)
+    if its_plan is None:
+        raise InputError("there is no scan, or its plan is damaged", file=out.uri)
+    is_done = done_in(out)
+    batches = [batch for batch in its_plan.batches if batch.key in is_done]
+    left = {batch.key for batch in its_plan.batches} - is_done
+    leases = [entry.path for entry in out.list("leases/") if entry.path.split("/")[1] in left]
+    done = _read_done(out, batches)
+    with ThreadPoolExecutor(_THREADS) as pool:
+        attempts = [*map(attempt_of, pool.map(out.read, leases))]
+    refused = [of for of in (batch["files"]["quarantine"] for batch in done) if of["rows"]]
+    held = [is_held(attempt, clock()) for attempt in attempts]
+    first = None
+    if refused:
+        [first] = pq.read_table(pa.BufferReader(_content(out, refused[0]))).slice(0, 1).to_pylist()
+    return Status(
+        its_plan,
+        len(done),
+        sum(batch["summary"]["counts"].get("n_frames", 0) for batch in done),
+        sum(held),
+        sum(attempt["ended"] is None for attempt in attempts) - sum(held),
+        sum(of["rows"] for of in refused),
+        not left and _is_finished(out, its_plan),
+        f"{first['recording']}: {first['reason']}" if first else "",
+    )
+
+
+def forget_quarantined(out: Location, its_plan: Plan) -> None:
+    """Have the batches computed anew in which recordings could not be compared."""
+    is_done = done_in(out)
+    batches = [batch for batch in its_plan.batches if batch.key in is_done]
+    for batch, done in zip(batches, _read_done(out, batches), strict=True):
+        if done["files"]["quarantine"]["rows"]:
+            for entry in out.list(f"leases/{batch.key}/"):
+                out.delete(entry.path)
+            for folder in ("late", "done"):
+                out.delete(f"{folder}/{batch.key}.json")
+
+
+def _as_parquet(table: pa.Table) -> bytes:
+    sink = pa.BufferOutputStream()
+    pq.write_table(table, sink, compression="zstd", use_dictionary=False)
+    return bytes(sink.getvalue())
