@@ -29,7 +29,6 @@ from bench.fleet.pages import write_pages
 from bench.measure import peak_beyond, report
 from bench.workers import run_worker
 
-ALPHA: Final = 0.8
 POLL_S: Final = 0.1
 QUESTION: Final = "tag.night and tag.road = 'rural'"
 
@@ -124,17 +123,16 @@ def from_csv(folder: str, n_frames: int) -> dict[str, Any]:
     return {"frames": int(done.recordings["n_rows"].sum()), "s": seconds, "cpu_s": used}
 
 
-def scan(store: str, out: str, workers: int, alpha: float | None) -> dict[str, Any]:
+def scan(store: str, out: str, workers: int) -> dict[str, Any]:
     """A scan by so many processes, and what its parts take."""
     from nvcore.fleet.folder import begin, finish
     from nvcore.fleet.location import Location
     from nvcore.fleet.results import ScanParams
     from nvcore.fleet.scan import Job, drive, in_pool
     from nvcore.fleet.store import Store
-    from nvcore.params import Params
 
     location = Location(out)
-    params = ScanParams("FIR", "NIR", params=Params() if alpha is None else Params(alpha=alpha))
+    params = ScanParams("FIR", "NIR")
     done_at = []
 
     def run() -> tuple[Any, Any]:
@@ -165,8 +163,7 @@ def scan(store: str, out: str, workers: int, alpha: float | None) -> dict[str, A
         **parts,
         "done_at_s": done_at,
         "plan_bytes": len(plan.to_json()),
-        "bytes": _bytes(out) - _bytes(f"{out}/stages"),
-        "kept_bytes": _bytes(f"{out}/stages"),
+        "bytes": _bytes(out),
     }
 
 
@@ -269,9 +266,8 @@ def measure_size(n_frames: int, folder: Path) -> dict[str, Any]:
     costs = {"ingest": measured("ingest", store=store, n_frames=n_frames)}
     for n in (1, 2):
         out = str(folder / f"by {n}")
-        costs[f"scan, {n}"] = measured("scan", store=store, out=out, workers=n, alpha=None)
+        costs[f"scan, {n}"] = measured("scan", store=store, out=out, workers=n)
     costs["top"] = measured("top", out=out)
-    costs["second scan"] = measured("scan", store=store, out=out, workers=2, alpha=ALPHA)
     return costs
 
 

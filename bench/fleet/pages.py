@@ -24,23 +24,21 @@ A synthetic fleet (`bench/fleet/generate.py`: 4 pedestrians a frame, 4 + 4 detec
 1,000 to 3,000 frames) in a store on the local disk. *Ingest* is from boxes in memory to a store,
 drawing them is not in it; *from CSV* reads files first. *Scan* goes from the store to the tables of
 results, in batches of up to 100,000 frames, with its worker processes' start in it; *finishing*
-merges what the batches gave and is in it, too. *Second scan* is the same with another alpha. *Top*
-are the 20 worst encounters by night on rural roads. *Growth* is the slope of log time over log
-frames. The first scan of a checkout compiles loops. Load of the machine when it began: {load:.1f}.
+merges what the batches gave and is in it, too. *Top* are the 20 worst encounters by night on rural
+roads. *Growth* is the slope of log time over log frames. The first scan of a checkout compiles
+loops. Load of the machine when it began: {load:.1f}.
 
 {table}
 
-Bytes a frame: {stored:.0f} in the store, {results:.1f} of results, {kept:.0f} of what a second scan
-reuses. Peak memory of a worker: {peak:.0f} MB, of which {grown:.0f} MB came in the second half of
-its life at the largest size (target: less than 1,000 MB, steady). Two workers are {speedup:.2f}
-times as fast as one; a second scan is {again:.1f} times as fast as the first (target: 10).
+Bytes a frame: {stored:.0f} in the store, {results:.1f} of results. Peak memory of a worker:
+{peak:.0f} MB, of which {grown:.0f} MB came in the second half of its life at the largest size
+(target: less than 1,000 MB, steady). Two workers are {speedup:.2f} times as fast as one.
 """
 LEAST_BATCHES: Final = 4
 """Of the largest size, from which larger ones are simulated."""
 NAMES: Final = {
     "scan, 1": "scan, 1 worker",
     "scan, 2": "scan, 2 workers",
-    "second scan": "second scan, 2 workers",
 }
 PARTS: Final = {
     "time": "total",
@@ -55,10 +53,9 @@ SIMULATED: Final = """\
 
 Measured: one worker compares {rate:,.0f} frames a second in batches of {costs.batch:,.0f} (the
 standard deviation over {n} batches is {spread:.0%}); its start takes {costs.start_s:.1f} s. Of a
-frame {costs.read:.0f} bytes are read and {costs.written:.0f} written, what a second scan reuses
-with them. A recording costs {plan_us:.0f} us in the plan,
-once, and {open_us:.0f} us and {memory:.1f} kB of memory in every worker; a batch {finish:.1f} ms
-when the scan is finished. Assumed of an object store: {total:.1f} GB/s for all workers together,
+frame {costs.read:.0f} bytes are read and {costs.written:.0f} written. A recording costs
+{plan_us:.0f} us in the plan, once, and {open_us:.0f} us and {memory:.1f} kB of memory in every
+worker; a batch {finish:.1f} ms when the scan is finished. Assumed of an object store: {total:.1f} GB/s for all workers together,
 {each:.0f} MB/s for one, {request:.0f} ms a request, {cloud.requests} requests a batch;
 {cloud.slow:.0%} of the batches meet a machine that is {cloud.times:.0f} times slower. Recordings
 have 2,000 frames, a worker is one core.
@@ -109,11 +106,9 @@ def measured_section(known: dict[str, Any]) -> str:
         table=table(head, rows),
         stored=sizes[-1]["ingest"]["bytes"] / n_frames[-1],
         results=sizes[-1]["scan, 1"]["bytes"] / n_frames[-1],
-        kept=sizes[-1]["scan, 1"]["kept_bytes"] / n_frames[-1],
         peak=max(of["peak_mb"] for of in of_scans),
         grown=max(sizes[-1][name]["grown_mb"] for name in ("scan, 1", "scan, 2")),
         speedup=one / two,
-        again=two / sizes[-1]["second scan"]["s"],
     )
 
 

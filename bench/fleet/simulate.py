@@ -75,7 +75,7 @@ def costs_of(known: dict[str, Any]) -> Costs:
         scan["frames"] / scan["batches"],
         max(float(start_s), 0.0),
         ingest["bytes"] / ingest["frames"],
-        (scan["bytes"] + scan["kept_bytes"]) / scan["frames"],
+        scan["bytes"] / scan["frames"],
         *(of / metadata["recordings"] for of in of_recording),
         _finishing([of["scan, 1"] for of in known["sizes"].values()]),
     )
