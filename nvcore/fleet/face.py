@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from nvcore.api.inputs import load
 from nvcore.arguments import PathLike, called_with
@@ -32,14 +33,15 @@ from nvcore.fleet.scan import (
     in_process,
     status,
 )
-from nvcore.fleet.store import Store
+from nvcore.fleet.store import Snapshot, Store, other_settings
 from nvcore.inputs.session import Session
 from nvcore.memory import free_bytes
-from nvcore.params import Params
+from nvcore.params import Params, params_from
 from nvcore.progress import with_time_left
 from nvcore.wording import aligned, number, one_line
 
 BYTES_OF_WORKER: Final = 1_000_000_000
+SCAN_ARGUMENTS: Final = frozenset(inspect.signature(ScanArguments).parameters)
 
 
 def ingest(
@@ -48,6 +50,7 @@ def ingest(
     partition: str | None = None,
     labels: Mapping[str, str] | None = None,
     truth_kind: str = "",
+    newest: bool = False,
     storage: Mapping[str, str] | None = None,
 ) -> Ingested:
     """Append recordings to a store; what is there already is left out, what changed is a version.
@@ -68,6 +71,8 @@ def ingest(
     truth_kind
         Whether the ground truth is ``"annotated"`` by people, ``"automatic"``, or ``"absent"``.
         Empty: as the store has it, else annotated.
+    newest
+        Whether versions that the store has become the newest again.
     storage
         As of `open_store`.
 
@@ -95,7 +100,7 @@ def ingest(
         store = Store(Location(store, storage), partition=partition)
     elif partition is not None or storage is not None:
         raise ParameterError("partition, storage: the store that is given has its own")
-    return ingest_all(_named(inputs), store, truth_kind=truth_kind, labels=labels)
+    return ingest_all(_named(inputs), store, truth_kind=truth_kind, labels=labels, newest=newest)
 
 
 def _named(
@@ -137,10 +142,13 @@ class Scan:
         Of all recordings; `measures` is its table.
     status
         With the plan, and how many recordings could not be compared.
+    note
+        Settings of the ingested sessions that the scan does not use; empty: none.
     """
 
     summary: Summary
     status: Status
+    note: str = ""
 
     def __str__(self) -> str:
         measures = self.summary.measures()
@@ -152,11 +160,19 @@ class Scan:
         given = self.summary.params.params.given().items() - Params().given().items()
         settings = ", ".join(f"{name} {value}" for name, value in sorted(given))
         settings = f"with {settings}" if settings else "with the settings by default"
-        return "\n".join([*aligned(rows), "", one_line(settings), str(self.status)])
+        notes = [one_line(f"note: {self.note}")] if self.note else []
+        return "\n".join([*aligned(rows), "", one_line(settings), *notes, str(self.status)])
+
+
+def scan(*given: Any, params: Params | None = None, **named: Any) -> Scan:
+    settings = {name: named.pop(name) for name in [*named] if name not in SCAN_ARGUMENTS}
+    if settings:
+        params = params_from({**asdict(params or Params()), **settings})
+    return _scan(*given, params=params, **named)
 
 
 @called_with(ScanArguments)
-def scan(arguments: ScanArguments) -> Scan:
+def _scan(arguments: ScanArguments) -> Scan:
     """Compare two systems on all recordings of a store; what was done before is not done again.
 
     Each run of the same scan goes on where the last one ended, also several at a time; a store that
@@ -167,7 +183,8 @@ def scan(arguments: ScanArguments) -> Scan:
     store
         Folder or URI of a store, as ``nvcore ingest`` makes it, or what `open_store` returns.
     params
-        Settings of the comparison; None: by default.
+        Settings of the comparison; None: by default. Each may also be given by its name, as to
+        `nvcore.compare`: ``alpha=0.8``.
     engine
         What runs the batches otherwise: a function of a job (`nvcore.fleet.scan.Engine`).
     storage
@@ -226,9 +243,16 @@ def scan(arguments: ScanArguments) -> Scan:
         done.add(batch)
         progress(len(done) / n, f"{len(done)} of {n} batches")
     summary = finish(out, plan)
+    compared = [name for batch in plan.batches for name in batch.recordings]
+    recordings = Snapshot(store.location, plan.versions).recordings.loc[compared]
+    note = other_settings(recordings, params.params)
     if summary.quarantined:
-        return Scan(summary, status(out, plan))
-    return Scan(summary, Status(plan, n, plan.n_frames, 0, 0, 0, is_finished=True))
+        return Scan(summary, status(out, plan), note)
+    return Scan(summary, Status(plan, n, plan.n_frames, 0, 0, 0, is_finished=True), note)
+
+
+scan.__doc__ = _scan.__doc__
+scan.__signature__ = inspect.signature(_scan)  # type: ignore[attr-defined]
 
 
 def _engine(arguments: ScanArguments, largest: int) -> Engine:

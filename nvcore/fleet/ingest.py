@@ -1,11 +1,12 @@
-"""Sessions into a store: a dataset as the tables of one, many of them a batch at a time."""
+"""Ingest sessions into a store: convert datasets to its tables and append them in batches."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import MISSING as REQUIRED
+from dataclasses import asdict, dataclass, field, fields
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
@@ -18,9 +19,10 @@ from nvcore.errors import InputError, NvcoreError, StoreError
 from nvcore.extras import needs
 from nvcore.findings import TRUTH_NAME, Finding
 from nvcore.fleet.session import time_of
-from nvcore.inputs.session import RecordingEntry, Session
+from nvcore.inputs.session import TABLES_OF_SUBJECTS, RecordingEntry, Session
 from nvcore.inputs.toml_text import parse_toml
 from nvcore.metrics.encounter_classes import texts_of_truth
+from nvcore.params import Params
 from nvcore.progress import Progress, no_progress
 from nvcore.schema import NO_LABEL
 from nvcore.wording import MOST_NAMED, did_you_mean, listed
@@ -28,18 +30,40 @@ from nvcore.wording import MOST_NAMED, did_you_mean, listed
 with needs("fleet", "a store needs"):
     import pyarrow as pa
 
-    from nvcore.fleet.store import Store, keys_of
+    from nvcore.fleet.store import Store
     from nvcore.fleet.tables import FACTS, IN_MEMORY, MISSING, RECORDINGS, SOURCES, TRUTH_KINDS
 
 BATCH_ROWS: Final = 1 << 20
-"""Boxes and frames from which on a batch is appended."""
+"""Boxes and frames after which a batch is appended."""
 MOST_TOML_BYTES: Final = 16 << 20
 _LABEL_LETTERS: Final = 100
 _UNKNOWN: Final = {**MISSING, "label": NO_LABEL, "attributes": -1}
-"""What stands in a column where nothing is known; in one of floats it is NaN."""
+"""Values of unknown cells, by column; NaN in the others."""
+_SESSION_KEYS: Final = {
+    **{"published": "[[published]]", "codes": "[[code]]"},
+    **{"primary": "[primary]", "protocol": "[protocol]"},
+}
+"""Tables of a session file, by the fields of `Session` that hold them; others are of [compare]."""
+CARRIED: Final = {
+    "[compare]": {
+        *("folder", "truth", "systems", "recordings", "recordings_file", "codes_file"),
+        *("size", "fps", "frames", "hashes", "pipes", "params"),
+        *("only_tags", "only", "objects", *TABLES_OF_SUBJECTS),
+    },
+    "[[recording]]": {
+        *("name", "title", "width", "height", "fps", "frames", "horizon", "context"),
+        *("speed_kmh", "speed", "tags", "unit", "recorded_at", "pictures", "first_picture"),
+    },
+    "[[system]]": {
+        *("path", "format", "classes", "frame_base", "box_base", "boxes", "frame_names", "name"),
+        *("threshold", "frame_step", "offset_frames", "offset_px", "scale"),
+    },
+    "[driver]": {"detectability"},
+}
+"""Fields of a session that a store holds, or that are applied when the session is read."""
 
 _Texts = tuple[np.ndarray, list[str]]
-"""A text for each row, as its place among these, which are sorted; -1: none."""
+"""A text for each row, as an index into a sorted list; -1 is none."""
 
 
 def tables_of(
@@ -49,28 +73,28 @@ def tables_of(
     truth_kind: str = "",
     labels: Mapping[str, str] | None = None,
 ) -> dict[str, pa.Table]:
-    """A dataset as tables of a store: recordings, sources, frames and boxes.
+    """Convert a dataset to the tables of a store: recordings, sources, frames and boxes.
 
     Parameters
     ----------
     origin
         URI of the session that it was loaded from.
     truth_kind
-        Whether the truth is ``annotated`` by people, ``automatic`` or ``absent``. Empty: as the
-        store has it, else annotated.
+        ``annotated`` by people, ``automatic`` or ``absent``. Empty: as the store has it, else
+        annotated.
     labels
-        What the user calls these versions, by ``truth`` or the system's name.
+        Labels of these versions, by ``truth`` or the system's name.
 
     Returns
     -------
     dict
-        Frames and boxes are sorted by recording, boxes then by source in the order of the dataset,
-        both then by frame; first_row and n_rows of recordings and sources say where in them.
+        Frames are sorted by recording and frame, boxes by recording, source (in the order of the
+        dataset) and frame. first_row and n_rows of recordings and sources refer to their rows.
 
     Raises
     ------
     InputError
-        If a time of recording is none, a name is no text, or truth that should be absent is there.
+        If a recording time or a name is invalid, or the truth should be absent and has boxes.
     """
     if truth_kind == "absent" and len(dataset.truth):
         raise InputError(
@@ -108,9 +132,9 @@ def tables_of(
 def _boxes_by_recording(
     dataset: Dataset,
 ) -> tuple[dict[str, np.ndarray], dict[str, _Texts], np.ndarray]:
-    """Columns and texts in which anything is known, by recording and source; and which these are.
+    """Return the columns and texts with known values, sorted by recording and source.
 
-    That is recording * sources + source of each row.
+    The third value is recording * number of sources + source, for each row.
     """
     boxes, n_sources = dataset.boxes, len(dataset.systems) + 1
     frame_index = boxes["frame_index"].to_numpy()
@@ -135,7 +159,7 @@ def _boxes_by_recording(
 def _sorted(codes: np.ndarray, texts: Iterable[object]) -> _Texts:
     names = [str(text) for text in texts]
     order = np.array(sorted(range(len(names)), key=names.__getitem__), int)
-    rank = np.full(len(names) + 1, -1, np.int32)  # the last one is that of -1, no text
+    rank = np.full(len(names) + 1, -1, np.int32)  # the last entry is for -1, no text
     rank[order] = np.arange(len(names))
     return rank[codes], [names[place] for place in order]
 
@@ -160,6 +184,9 @@ def _recordings_of(
         "objects": [[dataset.objects.singular, dataset.objects.plural]] * len(names),
     }
     facts = [json.dumps(of, default=str) for of in zip(*columns.values(), strict=True)]
+    default = asdict(Params())
+    given = {of: value for of, value in asdict(settings.params).items() if value != default[of]}
+    given = {of: value for of, value in given.items() if of not in ("threshold_x", "threshold_y")}
     step_s = dataset.frames["step_s"].to_numpy()
     return {
         "recording": names,
@@ -176,6 +203,7 @@ def _recordings_of(
         "duration_s": np.bincount(
             dataset.frames["recording"], weights=step_s, minlength=len(names)
         ).tolist(),
+        "parameters": [json.dumps(given, sort_keys=True) if given else ""] * len(names),
         "source": [origin] * len(names),
         "first_row": first[:-1].tolist(),
         "n_rows": counts.tolist(),
@@ -221,7 +249,7 @@ def _sources_of(
 
 def _is_any_known(name: str, column: np.ndarray) -> bool:
     unknown = _UNKNOWN.get(name)
-    return any(  # mostly the first value says it
+    return any(  # the first value is mostly enough
         bool(np.any(~np.isnan(part) if unknown is None else part != unknown))
         for part in (column[:1], column)
     )
@@ -230,7 +258,7 @@ def _is_any_known(name: str, column: np.ndarray) -> bool:
 def _sha256(
     facts: str, rows: slice, columns: Mapping[str, np.ndarray], texts: Mapping[str, _Texts]
 ) -> str:
-    """sha256 over rows by themselves; a column in which nothing is known does not count."""
+    """Return the sha256 of facts and rows; columns without a known value do not count."""
     digest = hashlib.sha256(facts.encode())
     for name, column in columns.items():
         part = column[rows]
@@ -254,9 +282,8 @@ def _texts(codes: np.ndarray, texts: list[str]) -> pa.DictionaryArray:
 
 def _rows(columns: Mapping[str, list[Any]], schema: pa.Schema) -> pa.Table:
     n = len(columns["recording"])
-    index = {"file": [""] * n, "group": [0] * n}
-    now = {"ingested_at": [pd.Timestamp.now("UTC")] * n}
-    return pa.table({**columns, **index, **now}, schema=schema)
+    own = {"file": [""] * n, "ingested_at": [pd.Timestamp.now("UTC")] * n, "amends": [False] * n}
+    return pa.table({name: {**columns, **own}[name] for name in schema.names}, schema=schema)
 
 
 def _table(
@@ -278,20 +305,22 @@ def _table(
 
 @dataclass
 class Ingested:
-    """What an ingest did.
+    """Result of an ingest.
 
     Attributes
     ----------
     recordings, sources
-        Rows of `nvcore.fleet.tables.RECORDINGS` and `SOURCES` that were appended.
+        Appended rows of `nvcore.fleet.tables.RECORDINGS` and `SOURCES`.
     n_known
-        Sources of recordings that the store had already.
+        Number of sources that the store had already.
     errors
-        What could not be ingested, by its name, and why; nothing of it was.
+        Inputs that could not be ingested, by name; nothing of them is stored.
     findings
-        What was found while the others were read.
+        Findings of the readers, by input.
     not_stored
-        What a store does not take, and in how many inputs it was.
+        Keys of sessions that a store does not hold, and the number of inputs that state them.
+    older
+        Given versions that are not the newest ones: source, version, newest and n_recordings.
     """
 
     recordings: pd.DataFrame
@@ -300,6 +329,7 @@ class Ingested:
     errors: dict[str, NvcoreError] = field(default_factory=dict)
     findings: dict[str, tuple[Finding, ...]] = field(default_factory=dict)
     not_stored: dict[str, int] = field(default_factory=dict)
+    older: pd.DataFrame = field(default_factory=pd.DataFrame)
 
 
 def ingest_all(
@@ -308,23 +338,28 @@ def ingest_all(
     *,
     truth_kind: str = "",
     labels: Mapping[str, str] | None = None,
+    newest: bool = False,
     progress: Progress = no_progress,
 ) -> Ingested:
-    """Append datasets to a store, as few commits as will do.
+    """Append datasets to a store, in batches.
 
     Parameters
     ----------
     inputs
-        Name of each, and what loads it.
+        Name of each input, and a function that loads it.
+    truth_kind, labels
+        As of `tables_of`.
+    newest
+        Whether versions that the store has become the newest again.
     progress
-        Called with the name of the next one; the share is 0 as long as their number is unknown.
+        Called with the name of the next input; the share is always 0, their number is unknown.
 
     Raises
     ------
     InputError
         If a label or the kind of truth is invalid.
     StoreError
-        If the store cannot be read or written. What was appended until then is in it.
+        If the store cannot be read or written. Batches that were appended before stay.
     """
     labels = labels or {}
     if truth_kind not in ("", *TRUTH_KINDS):
@@ -341,7 +376,7 @@ def ingest_all(
     rows: dict[str, list[pa.Table]] = {"recordings": [], "sources": []}
 
     def append() -> None:
-        new = store.append(batch)
+        new = store.append(batch, newest=newest)
         done.n_known += sum(len(of["sources"]) for of in batch) - len(new["sources"])
         for name, tables in rows.items():
             tables.append(new[name])
@@ -360,8 +395,8 @@ def ingest_all(
             continue
         if dataset.findings:
             done.findings[name] = dataset.findings
-        for text in _not_stored(dataset):
-            done.not_stored[text] = done.not_stored.get(text, 0) + 1
+        for key in not_stored(dataset):
+            done.not_stored[key] = done.not_stored.get(key, 0) + 1
         batch.append(tables)
         if sum(len(of["boxes"]) + len(of["frames"]) for of in batch) >= BATCH_ROWS:
             append()
@@ -369,6 +404,10 @@ def ingest_all(
         append()
     if rows["recordings"]:
         done.recordings, done.sources = (pa.concat_tables(of).to_pandas() for of in rows.values())
+    if done.n_known:
+        columns = ["recording", "source", "sha256"]
+        given = [(*key, sha256) for key, (sha256, _) in seen.items()]
+        done.older = store.snapshot().older(pd.DataFrame(given, columns=columns))
     names = {source for _, source in seen} - {""}
     for name in set(labels) - names if names else ():
         known = did_you_mean(name, names, f"they are {listed(sorted(names), most=MOST_NAMED)}")
@@ -380,43 +419,49 @@ def _check_seen(
     tables: Mapping[str, pa.Table], name: str, seen: dict[tuple[str, str], tuple[str, str]]
 ) -> None:
     """Refuse a recording that another input has with other content: it may be another drive."""
+    rows = [*tables["recordings"].to_pylist(), *tables["sources"].to_pylist()]
     own = {
-        (recording, source): sha256
-        for recording, source, sha256 in (
-            *((of, "", sha) for of, sha in keys_of(tables["recordings"], ["recording", "sha256"])),
-            *keys_of(tables["sources"], ["recording", "source", "sha256"]),
-        )
+        (row["recording"], row["source"] if "recording_sha256" in row else ""): row["sha256"]
+        for row in rows
     }
-    for key, sha256 in own.items():
-        if key in seen and seen[key][0] != sha256:
-            recording, source = key
+    for (recording, source), sha256 in own.items():
+        earlier, where = seen.get((recording, source), (sha256, name))
+        if earlier != sha256:
             differs = f"another {source!r}" if source else "other facts or frames"
             raise InputError(
-                f"recording {recording!r} is in {seen[key][1]} as well, with {differs}; if it is "
+                f"recording {recording!r} is in {where} as well, with {differs}; if it is "
                 "another one, give it a title, else ingest one after the other",
                 file=name,
             )
     seen.update({key: (sha256, name) for key, sha256 in own.items()})
 
 
-def _not_stored(dataset: Dataset) -> list[str]:
-    """What of a dataset a store does not take, in words."""
+def not_stored(dataset: Dataset) -> list[str]:
+    """Return the keys that a session states and a store does not hold, as its file has them."""
     settings = dataset.settings
-    entries = settings.recordings if isinstance(settings, Session) else ()
-    kinds = {
-        "codes": settings.codes,
-        "records of how detections were made": dataset.provenance,
-        "operating points of others": settings.published,
-        "pictures of visible light": any(entry.visible for entry in entries),
-        **{f"inputs of {name}": of for name, of in dataset.of_subjects.items()},
-    }
-    return [kind for kind, content in kinds.items() if content]
+    tables: list[tuple[str, object]] = [("[compare]", settings)]
+    if isinstance(settings, Session):
+        tables += [("[[recording]]", of) for of in settings.recordings]
+        tables += [("[[system]]", of) for of in settings.systems]
+        tables += [(f"[{name}]", getattr(settings, name)) for name in TABLES_OF_SUBJECTS]
+    stated = {}
+    for table, of in tables:
+        for spec in fields(of):  # type: ignore[arg-type]
+            factory = spec.default_factory
+            default = spec.default if factory is REQUIRED else factory()
+            if spec.name not in CARRIED.get(table, ()) and getattr(of, spec.name) != default:
+                key = f"{table} {spec.name}"
+                key = _SESSION_KEYS.get(spec.name, key) if of is settings else key
+                stated[key] = True
+    if dataset.of("alerts") and not any(key.startswith("[[system]] alert") for key in stated):
+        stated["alerts in files of detections"] = True
+    return [*stated]
 
 
 def sessions_in(
     paths: Iterable[Path], load: Callable[[Path], Dataset]
 ) -> Iterator[tuple[str, Callable[[], Dataset]]]:
-    """Session files, also those in folders, as `ingest_all` takes them."""
+    """Yield session files, also those in folders, as `ingest_all` takes them."""
     for path in paths:
         try:
             files = session_files(path)
@@ -431,12 +476,14 @@ def _fail(error: InputError) -> Dataset:
 
 
 def session_files(folder: Path) -> list[Path]:
-    """Session files in a folder and its folders: TOML that names ground truth, or cannot be read.
+    """Find session files below a folder: TOML with a table ``truth``, or that cannot be parsed.
+
+    A path that is not a folder is taken for a session file.
 
     Raises
     ------
     InputError
-        If there are none. What is no folder is taken for a session file.
+        If there are none.
     """
     if not folder.is_dir():
         return [folder]

@@ -113,7 +113,8 @@ class ScanParams:
     Raises
     ------
     ParameterError
-        If two sources are the same, or `max_frames` is not a positive whole number.
+        If two sources are the same, `max_frames` is not a positive whole number, or alerts are to
+        be those of logs, which a store does not hold.
     """
 
     x: str
@@ -128,6 +129,11 @@ class ScanParams:
             raise ParameterError(
                 f"expected three different sources, got {', '.join(self.sources)}; name two "
                 "systems, or two versions of one"
+            )
+        if self.params.alerts == "log":
+            raise ParameterError(
+                "alerts: a store holds no alert logs, so a scan cannot use them; scan with alerts "
+                "policy, or compare a session with nvcore compare"
             )
         if self.max_frames < 1:
             raise ParameterError(f"max_frames: expected 1 or more, got {self.max_frames}")
