@@ -165,6 +165,7 @@ class Scan:
 
 
 def scan(*given: Any, params: Params | None = None, **named: Any) -> Scan:
+    """Compare two systems on all recordings of a store; `_scan` has the parameters."""
     settings = {name: named.pop(name) for name in [*named] if name not in SCAN_ARGUMENTS}
     if settings:
         params = params_from({**asdict(params or Params()), **settings})
@@ -251,7 +252,7 @@ def _scan(arguments: ScanArguments) -> Scan:
     return Scan(summary, Status(plan, n, plan.n_frames, 0, 0, 0, is_finished=True), note)
 
 
-scan.__doc__ = _scan.__doc__
+scan.__doc__ = _scan.__doc__  # with all parameters
 scan.__signature__ = inspect.signature(_scan)  # type: ignore[attr-defined]
 
 

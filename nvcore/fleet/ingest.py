@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING as REQUIRED
 from dataclasses import asdict, dataclass, field, fields
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
 
@@ -35,32 +36,26 @@ with needs("fleet", "a store needs"):
 
 BATCH_ROWS: Final = 1 << 20
 """Boxes and frames after which a batch is appended."""
-MOST_TOML_BYTES: Final = 16 << 20
 _LABEL_LETTERS: Final = 100
 _UNKNOWN: Final = {**MISSING, "label": NO_LABEL, "attributes": -1}
-"""Values of unknown cells, by column; NaN in the others."""
-_SESSION_KEYS: Final = {
-    **{"published": "[[published]]", "codes": "[[code]]"},
-    **{"primary": "[primary]", "protocol": "[protocol]"},
-}
-"""Tables of a session file, by the fields of `Session` that hold them; others are of [compare]."""
+"""Values of unknown cells of a dataset, by column; NaN in the others."""
 CARRIED: Final = {
-    "[compare]": {
-        *("folder", "truth", "systems", "recordings", "recordings_file", "codes_file"),
-        *("size", "fps", "frames", "hashes", "pipes", "params"),
-        *("only_tags", "only", "objects", *TABLES_OF_SUBJECTS),
-    },
-    "[[recording]]": {
-        *("name", "title", "width", "height", "fps", "frames", "horizon", "context"),
-        *("speed_kmh", "speed", "tags", "unit", "recorded_at", "pictures", "first_picture"),
-    },
-    "[[system]]": {
-        *("path", "format", "classes", "frame_base", "box_base", "boxes", "frame_names", "name"),
-        *("threshold", "frame_step", "offset_frames", "offset_px", "scale"),
-    },
-    "[driver]": {"detectability"},
+    "[compare]": "folder truth systems recordings recordings_file codes_file size fps frames "
+    f"hashes pipes params only_tags only objects {' '.join(TABLES_OF_SUBJECTS)}",
+    "[[recording]]": "name title width height fps frames horizon context speed_kmh speed tags "
+    "unit recorded_at pictures first_picture",
+    "[[system]]": "path format classes frame_base box_base boxes frame_names name threshold "
+    "frame_step offset_frames offset_px scale",
+    "[driver]": "detectability",
 }
-"""Fields of a session that a store holds, or that are applied when the session is read."""
+"""Fields of a session, by table, that a store holds or that are applied when it is read."""
+_TABLE_OF: Final = {
+    "[compare] published": "[[published]]",
+    "[compare] codes": "[[code]]",
+    "[compare] primary": "[primary]",
+    "[compare] protocol": "[protocol]",
+}
+"""Tables of a session file that are fields of `Session`."""
 
 _Texts = tuple[np.ndarray, list[str]]
 """A text for each row, as an index into a sorted list; -1 is none."""
@@ -100,27 +95,23 @@ def tables_of(
         raise InputError(
             f"the ground truth is to be absent, and has {len(dataset.truth):,} boxes", file=origin
         )
+    sources = [TRUTH_NAME, *dataset.systems]
     frames = {name: dataset.frames[name].to_numpy() for name in ("frame", "speed_kmh")}
-    columns, boxes, stretch = _boxes_by_recording(dataset)
-    n_sources = len(dataset.systems) + 1
-    counts = np.bincount(stretch, minlength=len(dataset.recordings) * n_sources)
+    columns, texts, stretch = _boxes_by_recording(dataset)
+    counts = np.bincount(stretch, minlength=len(dataset.recordings) * len(sources))
     try:
-        recordings = _recordings_of(dataset, frames, origin)
-        names = recordings["recording"]
-        sources = _sources_of(dataset, recordings, columns, boxes, counts)
-        sources["kind"] = [truth_kind, *["system"] * len(dataset.systems)] * len(names)
-        sources["label"] = [(labels or {}).get(name, "") for name in sources["source"]]
-        recording = dataset.frames["recording"].to_numpy()
-        source_names = [TRUTH_NAME, *dataset.systems]
-        texts = {
-            "recording": _texts(stretch // n_sources, names),
-            "source": _texts(stretch % n_sources, source_names),
-            **{name: _texts(*of_rows) for name, of_rows in boxes.items()},
-        }
+        recordings = _recordings_of(dataset, frames).assign(source=origin)
+        names = recordings["recording"].tolist()
+        rows = _sources_of(dataset, recordings, columns, texts, counts)
+        rows["kind"] = [truth_kind, *["system"] * len(dataset.systems)] * len(names)
+        rows["label"] = [(labels or {}).get(name, "") for name in rows["source"]]
+        of_frames = {"recording": (dataset.frames["recording"].to_numpy(), names)}
+        texts["recording"] = stretch // len(sources), names
+        texts["source"] = stretch % len(sources), sources
         return {
             "recordings": _rows(recordings, RECORDINGS),
-            "sources": _rows(sources, SOURCES),
-            "frames": _table(frames, {"recording": _texts(recording, names)}, IN_MEMORY["frames"]),
+            "sources": _rows(rows, SOURCES),
+            "frames": _table(frames, of_frames, IN_MEMORY["frames"]),
             "boxes": _table(columns, texts, IN_MEMORY["boxes"]),
         }
     except UnicodeEncodeError as error:
@@ -164,87 +155,85 @@ def _sorted(codes: np.ndarray, texts: Iterable[object]) -> _Texts:
     return rank[codes], [names[place] for place in order]
 
 
-def _recordings_of(
-    dataset: Dataset, frames: Mapping[str, np.ndarray], origin: str
-) -> dict[str, list[Any]]:
-    table, settings = dataset.recordings, dataset.settings
-    names = table["name"].tolist()
-    stated, folder = {}, Path()
+def _recordings_of(dataset: Dataset, frames: Mapping[str, np.ndarray]) -> pd.DataFrame:
+    settings, objects = dataset.settings, dataset.objects
+    names = dataset.recordings["name"].tolist()
+    entries, folder = [RecordingEntry(name) for name in names], Path()
     if isinstance(settings, Session):
         stated, folder = settings.entries(names), settings.folder
-    entries = {name: stated.get(name, RecordingEntry(name)) for name in names}
+        entries = [stated.get(entry.name, entry) for entry in entries]
     first = dataset.frame_columns.first
-    counts = np.diff(first)
-    times = [time_of(entry.recorded_at) for entry in entries.values()]
-    columns = {name: table[name].tolist() for name in FACTS}
-    columns |= {
-        "tags": [[*tags] for tags in table["tags"]],
-        "unit": table["unit"].tolist(),
-        "recorded_at": times,
-        "objects": [[dataset.objects.singular, dataset.objects.plural]] * len(names),
+    facts = {name: dataset.recordings[name].tolist() for name in FACTS}
+    facts |= {
+        "tags": [[*tags] for tags in dataset.recordings["tags"]],
+        "unit": dataset.recordings["unit"].tolist(),
+        "recorded_at": [time_of(entry.recorded_at) for entry in entries],
+        "objects": [[objects.singular, objects.plural]] * len(names),
     }
-    facts = [json.dumps(of, default=str) for of in zip(*columns.values(), strict=True)]
-    default = asdict(Params())
-    given = {of: value for of, value in asdict(settings.params).items() if value != default[of]}
-    given = {of: value for of, value in given.items() if of not in ("threshold_x", "threshold_y")}
-    step_s = dataset.frames["step_s"].to_numpy()
-    return {
-        "recording": names,
-        "sha256": [
-            _sha256(of, slice(start, start + n), frames, {})
-            for of, start, n in zip(facts, first, counts, strict=False)
+    texts = [json.dumps(of, default=str) for of in zip(*facts.values(), strict=True)]
+    rows = pd.DataFrame({"recording": names, **facts, "first_row": first[:-1]})
+    step_s = dataset.frames["step_s"]
+    return rows.assign(
+        n_rows=np.diff(first),
+        sha256=[
+            _sha256(text, slice(*ends), frames, {})
+            for text, ends in zip(texts, pairwise(first), strict=True)
         ],
-        **columns,
-        "pictures": [
+        pictures=[
             "" if entry.pictures is None else str((folder / entry.pictures).absolute())
-            for entry in entries.values()
+            for entry in entries
         ],
-        "first_picture": [entry.first_picture for entry in entries.values()],
-        "duration_s": np.bincount(
-            dataset.frames["recording"], weights=step_s, minlength=len(names)
-        ).tolist(),
-        "parameters": [json.dumps(given, sort_keys=True) if given else ""] * len(names),
-        "source": [origin] * len(names),
-        "first_row": first[:-1].tolist(),
-        "n_rows": counts.tolist(),
-    }
+        first_picture=pd.array([entry.first_picture for entry in entries], "Int64"),
+        duration_s=np.bincount(dataset.frames["recording"], step_s, minlength=len(names)),
+        parameters=_stated_parameters(settings.params),
+    )
+
+
+def _stated_parameters(params: Params) -> str:
+    """Return the settings that are not the default as JSON; thresholds are facts of sources."""
+    default = asdict(Params(threshold_x=params.threshold_x, threshold_y=params.threshold_y))
+    stated = {name: value for name, value in asdict(params).items() if value != default[name]}
+    return json.dumps(stated, sort_keys=True) if stated else ""
 
 
 def _sources_of(
     dataset: Dataset,
-    recordings: Mapping[str, list[Any]],
+    recordings: pd.DataFrame,
     columns: Mapping[str, np.ndarray],
     texts: Mapping[str, _Texts],
     counts: np.ndarray,
-) -> dict[str, list[Any]]:
-    names, sources = recordings["recording"], [TRUTH_NAME, *dataset.systems]
-    params, (x, y) = dataset.params_of(), dataset.compared()
+) -> pd.DataFrame:
+    systems, (x, y) = dataset.systems, dataset.compared()
+    params = dataset.params_of()
     thresholds: dict[str | None, float | None] = {
-        **dict(zip(dataset.systems, dataset.settings.thresholds, strict=False)),
+        **dict(zip(systems, dataset.settings.thresholds, strict=False)),
         x: params.threshold_x,
         y: params.threshold_y,
     }
-    inputs = {
-        str(subject): group.tolist()
-        for subject, group in dataset.inputs.groupby("subject", sort=False)["sha256"]
-    }
+    inputs = dataset.inputs.groupby("subject")["sha256"].agg(list).to_dict()
     left_out = dataset.left_out.groupby(["recording", "subject"]).size().to_dict()
+    versions = recordings[["recording", "sha256"]].set_axis(["recording", "version"], axis=1)
+    rows = versions.merge(pd.Series([TRUTH_NAME, *systems], name="source"), how="cross")
     starts = np.cumsum(counts) - counts
-    every = [(name, source) for name in names for source in sources]
-    return {
-        "recording": [name for name, _ in every],
-        "source": [source for _, source in every],
-        "sha256": [
-            _sha256(repr(thresholds.get(source)), slice(start, start + n), columns, texts)
-            for (_, source), start, n in zip(every, starts, counts, strict=True)
-        ],
-        "recording_sha256": [of for of in recordings["sha256"] for _ in sources],
-        "threshold": [thresholds.get(source) for _, source in every],
-        "inputs": [inputs.get(source, []) for _, source in every],
-        "n_left_out": [left_out.get(key, 0) for key in every],
-        "first_row": starts.tolist(),
-        "n_rows": counts.tolist(),
-    }
+    return pd.DataFrame(
+        {
+            "recording": rows["recording"],
+            "source": rows["source"],
+            "sha256": [
+                _sha256(repr(thresholds.get(source)), slice(start, start + n), columns, texts)
+                for source, start, n in zip(rows["source"], starts, counts, strict=True)
+            ],
+            "recording_sha256": rows["version"],
+            "threshold": [thresholds.get(source) for source in rows["source"]],
+            "inputs": [inputs.get(source, []) for source in rows["source"]],
+            "n_left_out": [
+                left_out.get(key, 0)
+                for key in rows[["recording", "source"]].itertuples(index=False, name=None)
+            ],
+            "first_row": starts,
+            "n_rows": counts,
+        }
+    )
 
 
 def _is_any_known(name: str, column: np.ndarray) -> bool:
@@ -274,32 +263,26 @@ def _sha256(
     return digest.hexdigest()
 
 
-def _texts(codes: np.ndarray, texts: list[str]) -> pa.DictionaryArray:
-    codes = codes.astype(np.int32, copy=False)
-    places = pa.array(codes, mask=codes < 0)
-    return pa.DictionaryArray.from_arrays(places, pa.array(texts, pa.string()))
-
-
-def _rows(columns: Mapping[str, list[Any]], schema: pa.Schema) -> pa.Table:
-    n = len(columns["recording"])
-    own = {"file": [""] * n, "ingested_at": [pd.Timestamp.now("UTC")] * n, "amends": [False] * n}
-    return pa.table({name: {**columns, **own}[name] for name in schema.names}, schema=schema)
+def _rows(rows: pd.DataFrame, schema: pa.Schema) -> pa.Table:
+    rows = rows.assign(file="", ingested_at=pd.Timestamp.now("UTC"), amends=False)
+    return pa.Table.from_pandas(rows, schema, preserve_index=False)
 
 
 def _table(
-    columns: Mapping[str, np.ndarray], texts: Mapping[str, pa.Array], schema: pa.Schema
+    columns: Mapping[str, np.ndarray], texts: Mapping[str, _Texts], schema: pa.Schema
 ) -> pa.Table:
     n_rows = len(columns["frame"])
     arrays = []
     for of in schema:
         if of.name in texts:
-            arrays.append(texts[of.name])
+            codes, names = texts[of.name]
+            places = pa.array(codes.astype(np.int32, copy=False), mask=codes < 0)
+            array = pa.DictionaryArray.from_arrays(places, pa.array(names, pa.string()))
         elif of.name in columns:
-            arrays.append(pa.array(columns[of.name], of.type, from_pandas=True))
-        elif pa.types.is_floating(of.type) or pa.types.is_dictionary(of.type):
-            arrays.append(pa.nulls(n_rows, of.type))
+            array = pa.array(columns[of.name], of.type, from_pandas=True)
         else:
-            arrays.append(pa.repeat(pa.scalar(_UNKNOWN[of.name], of.type), n_rows))
+            array = pa.repeat(pa.scalar(MISSING.get(of.name), of.type), n_rows)
+        arrays.append(array)
     return pa.table(arrays, schema=schema)
 
 
@@ -439,23 +422,22 @@ def _check_seen(
 def not_stored(dataset: Dataset) -> list[str]:
     """Return the keys that a session states and a store does not hold, as its file has them."""
     settings = dataset.settings
-    tables: list[tuple[str, object]] = [("[compare]", settings)]
+    tables: list[tuple[str, Any]] = [("[compare]", settings)]
     if isinstance(settings, Session):
         tables += [("[[recording]]", of) for of in settings.recordings]
         tables += [("[[system]]", of) for of in settings.systems]
         tables += [(f"[{name}]", getattr(settings, name)) for name in TABLES_OF_SUBJECTS]
-    stated = {}
+    stated = []
     for table, of in tables:
-        for spec in fields(of):  # type: ignore[arg-type]
+        for spec in fields(of):
             factory = spec.default_factory
             default = spec.default if factory is REQUIRED else factory()
-            if spec.name not in CARRIED.get(table, ()) and getattr(of, spec.name) != default:
+            if getattr(of, spec.name) != default and spec.name not in CARRIED[table].split():
                 key = f"{table} {spec.name}"
-                key = _SESSION_KEYS.get(spec.name, key) if of is settings else key
-                stated[key] = True
+                stated.append(_TABLE_OF.get(key, key))
     if dataset.of("alerts") and not any(key.startswith("[[system]] alert") for key in stated):
-        stated["alerts in files of detections"] = True
-    return [*stated]
+        stated.append("alerts in files of detections")
+    return [*dict.fromkeys(stated)]
 
 
 def sessions_in(
@@ -463,40 +445,21 @@ def sessions_in(
 ) -> Iterator[tuple[str, Callable[[], Dataset]]]:
     """Yield session files, also those in folders, as `ingest_all` takes them."""
     for path in paths:
-        try:
-            files = session_files(path)
-        except InputError as error:  # of this one alone
-            yield str(path), partial(_fail, error)
-        else:
-            yield from ((str(file), partial(load, file)) for file in files)
+        files = filter(_is_session, sorted(path.rglob("*.toml"))) if path.is_dir() else [path]
+        file = None
+        for file in files:
+            yield str(file), partial(load, file)
+        if file is None:
+            yield str(path), partial(_refuse_folder, path)
 
 
-def _fail(error: InputError) -> Dataset:
-    raise error
-
-
-def session_files(folder: Path) -> list[Path]:
-    """Find session files below a folder: TOML with a table ``truth``, or that cannot be parsed.
-
-    A path that is not a folder is taken for a session file.
-
-    Raises
-    ------
-    InputError
-        If there are none.
-    """
-    if not folder.is_dir():
-        return [folder]
-    files = [path for path in sorted(folder.rglob("*.toml")) if _is_session(path)]
-    if not files:
-        raise InputError("holds no session file: TOML with [truth] and [[system]]", file=folder)
-    return files
+def _refuse_folder(folder: Path) -> Dataset:
+    raise InputError("holds no session file: TOML with [truth] and [[system]]", file=folder)
 
 
 def _is_session(path: Path) -> bool:
+    """Whether a TOML file has a table ``truth``, or cannot be read: loading it says why."""
     try:
-        if path.stat().st_size > MOST_TOML_BYTES:
-            return True
         return "truth" in parse_toml(path.read_bytes(), file=path)
     except (OSError, InputError):
-        return True  # reading it says what is wrong
+        return True

@@ -16,7 +16,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import asdict
 from datetime import UTC, datetime, timedelta
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
 from urllib.parse import unquote
@@ -38,7 +38,7 @@ with needs("fleet", "a store needs"):
     from deltalake.exceptions import DeltaError, TableNotFoundError
     from deltalake.transaction import AddAction, CommitProperties
 
-    from nvcore.fleet.tables import ADDED_LATER, IN_MEMORY, SCHEMAS, TRUTH_KINDS
+    from nvcore.fleet.tables import ADDED_LATER, IN_MEMORY, RECORDINGS, SCHEMAS, TRUTH_KINDS
 
 GROUP_ROWS: Final = 1 << 18
 """Rows of a Parquet row group."""
@@ -91,9 +91,6 @@ class Store:
         self._wanted = partition
         self._known: dict[str, pa.Table] = {}
 
-    def __reduce__(self) -> Any:
-        return partial(Store, self.location, partition=self._wanted), ()
-
     def __repr__(self) -> str:
         return f"Store({self.location.uri!r})"
 
@@ -108,14 +105,13 @@ class Store:
             If it cannot be read, or the newest file of a Delta log is missing.
         """
         reached = _versions_reached(self.location)
-        versions: dict[str, int] = {}
+        tables = {}
         for name in reversed(SCHEMAS):  # what a source refers to is committed before it
             table = _opened(self.location, name)
             if table is None:
                 raise InputError("there is no store here", file=self.location.uri)
-            versions[name] = table.version()
-        _check_logs(self.location, versions, reached)
-        return Snapshot(self.location, versions, self._known)
+            tables[name] = table
+        return Snapshot(self.location, _checked(self.location, tables, reached), self._known)
 
     @cached_property
     def _broken(self) -> set[str]:
@@ -167,10 +163,9 @@ class Store:
     ) -> dict[str, pa.Table]:
         """Append new versions of recordings and sources, with one commit per table.
 
-        A version that the store has is not written again and does not become the newest. If the
-        input adds a label, a kind of truth, pictures or parameters, a row notes them. Content whose
-        file is missing or truncated is written again. Several writers may append at once. An
-        interrupted append leaves nothing visible.
+        A version that the store has does not become the newest again; a row notes new labels, kinds
+        of truth, pictures and parameters. Content whose file is missing or truncated is written
+        again. Several writers may append at once. An interrupted append leaves nothing visible.
 
         Parameters
         ----------
@@ -196,7 +191,7 @@ class Store:
         with self.location.at("", "read"):
             for table in tables.values():
                 table.update_incremental()
-        _check_logs(self.location, {of: tables[of].version() for of in tables}, reached)
+        _checked(self.location, tables, reached)
         for name, data in ROWS_IN.items():
             given = pa.concat_tables([SCHEMAS[name].empty_table(), *(of[name] for of in batch)])
             stored = self._stored(name, given["recording"])
@@ -241,8 +236,9 @@ class Store:
         """Rows of these recordings, oldest first."""
         paths = [*_files(self.location, name, self._tables[name])]
         rows = _rows(self.location, name, paths, self._known)
-        rows = rows.filter(pc.is_in(rows["recording"], value_set=recordings))
-        return rows.to_pandas().sort_values("ingested_at", kind="stable", ignore_index=True)
+        own = rows.filter(pc.is_in(rows["recording"], value_set=recordings)).to_pandas()
+        stored: pd.DataFrame = own.sort_values("ingested_at", kind="stable", ignore_index=True)
+        return stored
 
     def _write_stretches(
         self,
@@ -255,9 +251,14 @@ class Store:
         partition = _partition_of(self._tables[name])
         owners = [of for of in batch for _ in range(len(of[_REFERS_TO[name]]))]
         chosen = rows[is_written].sort_values(_CONTENT[_REFERS_TO[name]])
-        parts = _parts_of(batch, partition)
+        parts = {
+            row["recording"]: _part_of(row, partition)
+            for of in batch
+            for row in (of["recordings"].to_pylist() if partition else ())
+        }
         actions = []
-        for part, of_part in chosen.groupby(chosen["recording"].map(parts).fillna("")):
+        chosen["part"] = [parts.get(name) or "" for name in chosen["recording"]]
+        for part, of_part in chosen.groupby("part"):
             pieces = [
                 owners[place - len(rows)][name].slice(first, n)
                 for place, first, n in of_part[["first_row", "n_rows"]].itertuples()
@@ -265,7 +266,7 @@ class Store:
             table = pa.concat_tables(pieces)
             rows.loc[of_part.index, "first_row"] = of_part["n_rows"].cumsum() - of_part["n_rows"]
             if len(table):
-                values = {} if partition is None else {partition: part or None}
+                values = {} if partition is None else {partition: str(part) or None}
                 actions.append(self._put(name, table, values))
                 has_rows = of_part.index[of_part["n_rows"] > 0]
                 rows.loc[has_rows, "file"] = actions[-1].path
@@ -306,34 +307,30 @@ class Store:
             )
 
 
-def _says_more(name: str, rows: pd.DataFrame, content: pd.Series) -> np.ndarray:
+def _says_more(name: str, rows: pd.DataFrame, content: pd.Series) -> pd.Series:
     """Whether each row says something else of a version than the rows before it.
 
     Facts that a row does not state are filled in from the rows before it.
     """
     facts = _STATED[name]
-    is_stated = rows[facts[0]] != ""
-    if name == "sources":
-        is_stated |= ~content.duplicated()
-        rows["kind"] = rows["kind"].mask(is_stated & (rows["kind"] == ""), TRUTH_KINDS[0])
-    place = pd.Series(np.where(is_stated, rows.index, -1)).groupby(content).cummax()
-    rows[facts] = rows.loc[place.where(place >= 0, rows.index), facts].to_numpy()
+    place = pd.Series(np.where(rows[facts[0]] != "", rows.index, -1)).groupby(content).cummax()
+    rows[facts] = rows[facts].take(np.where(place < 0, rows.index, place)).to_numpy()
     facts = [*facts, "parameters"] if name == "recordings" else facts
     said = pd.Series([*map(repr, rows[facts].itertuples(index=False, name=None))])
-    says_more = said != said.groupby(content).shift()
+    says_more: pd.Series = said != said.groupby(content).shift()
     if name == "sources":
         says_more |= (rows["label"] != "") & ~rows.duplicated([*_CONTENT[name], "label"])
-    return says_more.to_numpy()
+        rows["kind"] = rows["kind"].replace("", TRUTH_KINDS[0])
+    return says_more
 
 
 def _is_behind(rows: pd.DataFrame, is_given: np.ndarray) -> np.ndarray:
-    """Whether a row of a source, or the version of its recording, is not the newest in the store."""
+    """Whether a version of a source, or of its recording, is not the newest in the store."""
     counting = rows[~is_given & ~rows["amends"].to_numpy(bool)]
     newest = counting.drop_duplicates(["recording", "source"], keep="last")[_PAIR]
     last = counting.drop_duplicates("recording", keep="last")[["recording", "recording_sha256"]]
-    current = newest.merge(last)
-    found = rows[_PAIR].merge(current, how="left", indicator=True)["_merge"]
-    return (found != "both").to_numpy()
+    found = rows[_PAIR].merge(newest.merge(last), how="left", indicator=True)
+    return (found["_merge"] != "both").to_numpy()
 
 
 class Snapshot:
@@ -391,20 +388,20 @@ class Snapshot:
     @cached_property
     def recordings(self) -> pd.DataFrame:
         """The newest version of every recording: the one with which a source came last."""
-        key = ["recording", "recording_sha256"]
-        first = self._counting.groupby(key, sort=False)["ingested_at"].min()
-        newest = self._counting[key].drop_duplicates("recording", keep="last")
-        keys = pd.MultiIndex.from_frame(newest)
+        first = self._counting.drop_duplicates(["recording", "recording_sha256"])
+        newest = self._counting.drop_duplicates("recording", keep="last")
+        newest = newest[["recording", "recording_sha256"]].merge(first)
+        newest = newest[["recording", "recording_sha256", "ingested_at"]]
         rows = self._table("recordings").drop_duplicates(_CONTENT["recordings"], keep="last")
-        rows = rows.set_index(_CONTENT["recordings"])
-        if not keys.isin(rows.index).all():
+        rows = rows.drop(columns="ingested_at").merge(
+            newest, left_on=_CONTENT["recordings"], right_on=["recording", "recording_sha256"]
+        )
+        if len(rows) < len(newest):
             raise StoreError(
                 "a commit is missing: the table sources refers to recordings that are not there",
                 file=f"{self.location.uri}/recordings/_delta_log",
             )
-        rows = rows.loc[keys].reset_index()
-        rows["ingested_at"] = first.loc[keys].to_numpy()
-        return _by_recording(rows.sort_values("recording"))
+        return _by_recording(rows.sort_values("recording")[RECORDINGS.names])
 
     @cached_property
     def sources(self) -> pd.DataFrame:
@@ -415,10 +412,8 @@ class Snapshot:
         first, label = contents["ingested_at"].transform("min"), contents["label"].transform("last")
         rows = rows.assign(ingested_at=first, label=label.fillna(""))
         rows = rows.drop_duplicates(_CONTENT["sources"], keep="last")
-        rows = rows.sort_values(["ingested_at", *_CONTENT["sources"]])
-        numbers = rows.groupby(["recording", "source"], sort=False).cumcount() + 1
-        rows = rows.assign(version=numbers.astype("int64"))
-        return rows.sort_values(["recording", "source", "version"], ignore_index=True)
+        rows = rows.sort_values(["recording", "source", "ingested_at", "sha256"], ignore_index=True)
+        return rows.assign(version=rows.groupby(["recording", "source"]).cumcount() + 1)
 
     def older(self, given: pd.DataFrame) -> pd.DataFrame:
         """Count the given versions that are not the newest ones.
@@ -433,9 +428,10 @@ class Snapshot:
         DataFrame
             Columns source, version, newest (the version that is) and n_recordings.
         """
-        key, of_recordings = ["recording", "source"], ["recording", "recording_sha256"]
-        of_recordings = self._counting[of_recordings].set_axis(["recording", "sha256"], axis=1)
-        came = pd.concat([self._counting[[*key, "sha256"]], of_recordings.assign(source="")])
+        key = ["recording", "source"]
+        came = self._counting[[*key, "sha256"]]
+        of_recordings = self._counting.assign(source="", sha256=self._counting["recording_sha256"])
+        came = pd.concat([came, of_recordings[came.columns]])
         numbered = came.drop_duplicates()
         numbered = numbered.assign(version=numbered.groupby(key).cumcount() + 1)
         last = came.drop_duplicates(key, keep="last").merge(numbered).drop(columns="sha256")
@@ -522,12 +518,13 @@ class Snapshot:
             If the store cannot be read.
         """
         names = sorted({*recordings})
-        chosen = _rows_of(self.recordings, names)
+        chosen = self.recordings[self.recordings.index.isin(names)]
         if len(chosen) < len(names):
             missing = min({*names}.difference(chosen["recording"]))
             raise InputError(f"there is no recording {missing!r}", file=self.location.uri)
-        rows = [_rows_of(self.pick(of), names).assign(source=of) for of in sources]
-        found = pd.concat([self.sources[:0], *rows]).sort_values("recording", kind="stable")
+        picked = [self.pick(of).assign(source=of) for of in sources]
+        picked = [rows[rows.index.isin(names)] for rows in picked]
+        found = pd.concat([self.sources[:0], *picked]).sort_values("recording", kind="stable")
         rows_of = {"recordings": chosen, "sources": found}
 
         def make(name: str) -> pa.Table:
@@ -581,20 +578,21 @@ def other_settings(recordings: pd.DataFrame, params: Params) -> str:
     params
         Settings of the scan.
     """
-    used, n, others = asdict(params), 0, {}
+    used = asdict(params)
+    others: dict[str, dict[str, None]] = {}
+    n = 0
     for text, count in recordings["parameters"].value_counts().sort_index().items():
-        given = json.loads(text or "{}")
-        differing = {name: of for name, of in given.items() if of != used.get(name)}
-        n += count if differing else 0
-        for name, value in differing.items():
-            others.setdefault(name, {})[_shown(value)] = True
+        given = json.loads(str(text) or "{}").items()
+        differing = [(name, value) for name, value in given if value != used.get(name)]
+        n += int(count) if differing else 0
+        for name, value in differing:
+            others.setdefault(name, {})[_shown(value)] = None
     texts = [
         f"{name} {' or '.join(values)} (the scan uses {_shown(used.get(name))})"
         for name, values in sorted(others.items())
     ]
-    ingested = "was ingested" if n == 1 else "were ingested"
-    whole = f"{n:,} of {count_text(len(recordings), 'recording')} {ingested}"
-    return f"{whole} with other settings: {', '.join(texts)}" if n else ""
+    ingested = f"{n:,} of {count_text(len(recordings), 'recording')} {'was' if n == 1 else 'were'}"
+    return f"{ingested} ingested with other settings: {', '.join(texts)}" if n else ""
 
 
 def _shown(value: object) -> str:
@@ -604,12 +602,6 @@ def _shown(value: object) -> str:
 def _by_recording(rows: pd.DataFrame) -> pd.DataFrame:
     """Return rows of one recording each, indexed by its name."""
     return rows.set_axis(rows["recording"].array)
-
-
-def _rows_of(rows: pd.DataFrame, names: Sequence[str]) -> pd.DataFrame:
-    """Return the rows of recordings with these names, in this order; others are skipped."""
-    place = rows.index.get_indexer(pd.Index([*names]))
-    return rows.iloc[place[place >= 0]]
 
 
 class _WhenAsked(dict[str, pa.Table]):
@@ -636,13 +628,9 @@ def _file_of(location: Location, path: str, texts: Sequence[str] = ()) -> Iterat
                     pre_buffer=location.path is None,
                     page_checksum_verification=True,
                 )
-            except MemoryError:
-                raise
-            except OSError as error:
-                if error.errno is not None:
+            except (pa.ArrowException, OSError, KeyError, ValueError) as error:
+                if isinstance(error, MemoryError) or getattr(error, "errno", None) is not None:
                     raise
-                raise FormatError(f"is damaged ({error})", file=uri) from error
-            except (pa.ArrowException, KeyError, ValueError) as error:
                 raise FormatError(f"is damaged ({error})", file=uri) from error
     except FileNotFoundError as error:
         if not location.list("sources/_delta_log/"):  # this machine does not see the store
@@ -670,10 +658,11 @@ def _versions_reached(location: Location) -> dict[str, int]:
         raise StoreError("is damaged; delete it", file=f"{location.uri}/{VERSIONS}") from error
 
 
-def _check_logs(
-    location: Location, versions: Mapping[str, int], reached: Mapping[str, int]
-) -> None:
-    """Raise StoreError if a table is older than it was, because its log has lost a file."""
+def _checked(
+    location: Location, tables: Mapping[str, DeltaTable], reached: Mapping[str, int]
+) -> dict[str, int]:
+    """Return the versions of tables; StoreError if one is older than it was: it lost a file."""
+    versions = {name: table.version() for name, table in tables.items()}
     for name, version in versions.items():
         if version < reached[name]:
             raise StoreError(
@@ -681,6 +670,7 @@ def _check_logs(
                 f"restore the log, or delete {VERSIONS} and ingest again what was lost",
                 file=f"{location.uri}/{name}/_delta_log",
             )
+    return versions
 
 
 def _partition_of(table: DeltaTable) -> str | None:
@@ -716,17 +706,11 @@ def _rows(
     return pa.concat_tables([schema.empty_table(), *(known[path] for path in paths)])
 
 
-def _parts_of(batch: Sequence[Mapping[str, pa.Table]], partition: str | None) -> dict[str, Any]:
-    """Return the part of a divided store for each recording that has one, by its name."""
-    parts: dict[str, Any] = {}
-    columns = ["recording", "unit", "recorded_at", "tags"]
-    for row in (row for of in batch for row in of["recordings"].select(columns).to_pylist()):
-        if partition == "unit":
-            part = row["unit"]
-        elif partition == "month":
-            part = f"{row['recorded_at']:%Y-%m}" if row["recorded_at"] else None
-        else:
-            start = f"{partition}="
-            part = next((tag[len(start) :] for tag in row["tags"] if tag.startswith(start)), None)
-        parts[row["recording"]] = part
-    return parts
+def _part_of(row: Mapping[str, Any], partition: str | None) -> str | None:
+    """Return the part of a divided store for a recording; None: it has no such key."""
+    if partition == "unit":
+        return row["unit"] or None
+    if partition == "month":
+        return f"{row['recorded_at']:%Y-%m}" if row["recorded_at"] else None
+    start = f"{partition}="
+    return next((tag[len(start) :] for tag in row["tags"] if tag.startswith(start)), None)
