@@ -7,6 +7,7 @@ import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING as REQUIRED
 from dataclasses import asdict, dataclass, field, fields
+from datetime import UTC, datetime
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -100,8 +101,8 @@ def tables_of(
     columns, texts, stretch = _boxes_by_recording(dataset)
     counts = np.bincount(stretch, minlength=len(dataset.recordings) * len(sources))
     try:
-        recordings = _recordings_of(dataset, frames).assign(source=origin)
-        names = recordings["recording"].tolist()
+        recordings = _recordings_of(dataset, frames, origin)
+        names = recordings["recording"]
         rows = _sources_of(dataset, recordings, columns, texts, counts)
         rows["kind"] = [truth_kind, *["system"] * len(dataset.systems)] * len(names)
         rows["label"] = [(labels or {}).get(name, "") for name in rows["source"]]
@@ -155,7 +156,9 @@ def _sorted(codes: np.ndarray, texts: Iterable[object]) -> _Texts:
     return rank[codes], [names[place] for place in order]
 
 
-def _recordings_of(dataset: Dataset, frames: Mapping[str, np.ndarray]) -> pd.DataFrame:
+def _recordings_of(
+    dataset: Dataset, frames: Mapping[str, np.ndarray], origin: str
+) -> dict[str, list[Any]]:
     settings, objects = dataset.settings, dataset.objects
     names = dataset.recordings["name"].tolist()
     entries, folder = [RecordingEntry(name) for name in names], Path()
@@ -171,22 +174,25 @@ def _recordings_of(dataset: Dataset, frames: Mapping[str, np.ndarray]) -> pd.Dat
         "objects": [[objects.singular, objects.plural]] * len(names),
     }
     texts = [json.dumps(of, default=str) for of in zip(*facts.values(), strict=True)]
-    rows = pd.DataFrame({"recording": names, **facts, "first_row": first[:-1]})
-    step_s = dataset.frames["step_s"]
-    return rows.assign(
-        n_rows=np.diff(first),
-        sha256=[
+    recording, step_s = dataset.frames["recording"], dataset.frames["step_s"]
+    return {
+        "recording": names,
+        **facts,
+        "sha256": [
             _sha256(text, slice(*ends), frames, {})
             for text, ends in zip(texts, pairwise(first), strict=True)
         ],
-        pictures=[
+        "pictures": [
             "" if entry.pictures is None else str((folder / entry.pictures).absolute())
             for entry in entries
         ],
-        first_picture=pd.array([entry.first_picture for entry in entries], "Int64"),
-        duration_s=np.bincount(dataset.frames["recording"], step_s, minlength=len(names)),
-        parameters=_stated_parameters(settings.params),
-    )
+        "first_picture": [entry.first_picture for entry in entries],
+        "duration_s": np.bincount(recording, step_s, minlength=len(names)).tolist(),
+        "parameters": [_stated_parameters(settings.params)] * len(names),
+        "source": [origin] * len(names),
+        "first_row": first[:-1].tolist(),
+        "n_rows": np.diff(first).tolist(),
+    }
 
 
 def _stated_parameters(params: Params) -> str:
@@ -198,42 +204,36 @@ def _stated_parameters(params: Params) -> str:
 
 def _sources_of(
     dataset: Dataset,
-    recordings: pd.DataFrame,
+    recordings: Mapping[str, list[Any]],
     columns: Mapping[str, np.ndarray],
     texts: Mapping[str, _Texts],
     counts: np.ndarray,
-) -> pd.DataFrame:
-    systems, (x, y) = dataset.systems, dataset.compared()
+) -> dict[str, list[Any]]:
+    sources, (x, y) = [TRUTH_NAME, *dataset.systems], dataset.compared()
     params = dataset.params_of()
     thresholds: dict[str | None, float | None] = {
-        **dict(zip(systems, dataset.settings.thresholds, strict=False)),
+        **dict(zip(dataset.systems, dataset.settings.thresholds, strict=False)),
         x: params.threshold_x,
         y: params.threshold_y,
     }
     inputs = dataset.inputs.groupby("subject")["sha256"].agg(list).to_dict()
     left_out = dataset.left_out.groupby(["recording", "subject"]).size().to_dict()
-    versions = recordings[["recording", "sha256"]].set_axis(["recording", "version"], axis=1)
-    rows = versions.merge(pd.Series([TRUTH_NAME, *systems], name="source"), how="cross")
     starts = np.cumsum(counts) - counts
-    return pd.DataFrame(
-        {
-            "recording": rows["recording"],
-            "source": rows["source"],
-            "sha256": [
-                _sha256(repr(thresholds.get(source)), slice(start, start + n), columns, texts)
-                for source, start, n in zip(rows["source"], starts, counts, strict=True)
-            ],
-            "recording_sha256": rows["version"],
-            "threshold": [thresholds.get(source) for source in rows["source"]],
-            "inputs": [inputs.get(source, []) for source in rows["source"]],
-            "n_left_out": [
-                left_out.get(key, 0)
-                for key in rows[["recording", "source"]].itertuples(index=False, name=None)
-            ],
-            "first_row": starts,
-            "n_rows": counts,
-        }
-    )
+    every = [(name, source) for name in recordings["recording"] for source in sources]
+    return {
+        "recording": [name for name, _ in every],
+        "source": [source for _, source in every],
+        "sha256": [
+            _sha256(repr(thresholds.get(source)), slice(start, start + n), columns, texts)
+            for (_, source), start, n in zip(every, starts, counts, strict=True)
+        ],
+        "recording_sha256": [of for of in recordings["sha256"] for _ in sources],
+        "threshold": [thresholds.get(source) for _, source in every],
+        "inputs": [inputs.get(source, []) for _, source in every],
+        "n_left_out": [left_out.get(key, 0) for key in every],
+        "first_row": starts.tolist(),
+        "n_rows": counts.tolist(),
+    }
 
 
 def _is_any_known(name: str, column: np.ndarray) -> bool:
@@ -263,9 +263,10 @@ def _sha256(
     return digest.hexdigest()
 
 
-def _rows(rows: pd.DataFrame, schema: pa.Schema) -> pa.Table:
-    rows = rows.assign(file="", ingested_at=pd.Timestamp.now("UTC"), amends=False)
-    return pa.Table.from_pandas(rows, schema, preserve_index=False)
+def _rows(columns: Mapping[str, list[Any]], schema: pa.Schema) -> pa.Table:
+    n = len(columns["recording"])
+    own = {"file": [""] * n, "ingested_at": [datetime.now(UTC)] * n, "amends": [False] * n}
+    return pa.table({name: {**own, **columns}[name] for name in schema.names}, schema=schema)
 
 
 def _table(
@@ -402,11 +403,10 @@ def _check_seen(
     tables: Mapping[str, pa.Table], name: str, seen: dict[tuple[str, str], tuple[str, str]]
 ) -> None:
     """Refuse a recording that another input has with other content: it may be another drive."""
-    rows = [*tables["recordings"].to_pylist(), *tables["sources"].to_pylist()]
-    own = {
-        (row["recording"], row["source"] if "recording_sha256" in row else ""): row["sha256"]
-        for row in rows
-    }
+    recordings, sources = tables["recordings"], tables["sources"]
+    keys = recordings.select(["recording", "sha256"]).to_pylist()
+    keys += sources.select(["recording", "source", "sha256"]).to_pylist()
+    own = {(row["recording"], row.get("source", "")): row["sha256"] for row in keys}
     for (recording, source), sha256 in own.items():
         earlier, where = seen.get((recording, source), (sha256, name))
         if earlier != sha256:
@@ -432,7 +432,10 @@ def not_stored(dataset: Dataset) -> list[str]:
         for spec in fields(of):
             factory = spec.default_factory
             default = spec.default if factory is REQUIRED else factory()
-            if getattr(of, spec.name) != default and spec.name not in CARRIED[table].split():
+            if (
+                getattr(of, spec.name) != default
+                and spec.name not in CARRIED.get(table, "").split()
+            ):
                 key = f"{table} {spec.name}"
                 stated.append(_TABLE_OF.get(key, key))
     if dataset.of("alerts") and not any(key.startswith("[[system]] alert") for key in stated):

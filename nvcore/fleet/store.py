@@ -17,6 +17,8 @@ from contextlib import contextmanager
 from dataclasses import asdict
 from datetime import UTC, datetime, timedelta
 from functools import cached_property
+from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, Final
 from urllib.parse import unquote
@@ -388,14 +390,12 @@ class Snapshot:
     @cached_property
     def recordings(self) -> pd.DataFrame:
         """The newest version of every recording: the one with which a source came last."""
-        first = self._counting.drop_duplicates(["recording", "recording_sha256"])
-        newest = self._counting.drop_duplicates("recording", keep="last")
-        newest = newest[["recording", "recording_sha256"]].merge(first)
-        newest = newest[["recording", "recording_sha256", "ingested_at"]]
+        came = self._counting[["recording", "recording_sha256", "ingested_at"]]
+        came = came.set_axis([*_CONTENT["recordings"], "ingested_at"], axis=1)
+        newest = came.drop_duplicates("recording", keep="last").drop(columns="ingested_at")
+        newest = newest.merge(came.drop_duplicates(_CONTENT["recordings"]))
         rows = self._table("recordings").drop_duplicates(_CONTENT["recordings"], keep="last")
-        rows = rows.drop(columns="ingested_at").merge(
-            newest, left_on=_CONTENT["recordings"], right_on=["recording", "recording_sha256"]
-        )
+        rows = rows.drop(columns="ingested_at").merge(newest)
         if len(rows) < len(newest):
             raise StoreError(
                 "a commit is missing: the table sources refers to recordings that are not there",
@@ -508,7 +508,7 @@ class Snapshot:
             ``recordings``, ``sources``, ``frames`` (by recording and frame) and ``boxes`` (by
             recording, source in the order asked for, and frame); first_row and n_rows of the first
             two refer to the last two. The column source holds the names asked for. A table is read
-            when it is first looked up, which can raise the same errors.
+            when it is first looked up, with the same errors.
 
         Raises
         ------
@@ -556,8 +556,9 @@ class Snapshot:
                 lowest = int(np.searchsorted(starts, first, side="right")) - 1
                 highest = int(np.searchsorted(starts, last))
                 table = parquet.read_row_groups([*groups[lowest:highest]], columns=own.names)
-            for _, row in of_file[["place", "first_row", "n_rows"]].iterrows():
-                pieces[row["place"]] = table.slice(row["first_row"] - starts[lowest], row["n_rows"])
+            stretches = of_file[["place", "first_row", "n_rows"]].itertuples(index=False)
+            for place, first, n_rows in stretches:
+                pieces[place] = table.slice(first - starts[lowest], n_rows)
         whole = pa.concat_tables([pieces[place] for place in sorted(pieces)])
         whole = whole.unify_dictionaries().combine_chunks()
         for position, column in enumerate(given):
@@ -578,25 +579,19 @@ def other_settings(recordings: pd.DataFrame, params: Params) -> str:
     params
         Settings of the scan.
     """
-    used = asdict(params)
-    others: dict[str, dict[str, None]] = {}
-    n = 0
-    for text, count in recordings["parameters"].value_counts().sort_index().items():
-        given = json.loads(str(text) or "{}").items()
-        differing = [(name, value) for name, value in given if value != used.get(name)]
+    used, others, n, words = asdict(params), set(), 0, {None: "the default"}
+    for text, count in recordings["parameters"].value_counts().items():
+        given = json.loads(str(text) or "{}")
+        differing = [name for name, value in given.items() if value != used.get(name)]
+        others |= {(name, str(words.get(given[name], given[name]))) for name in differing}
         n += int(count) if differing else 0
-        for name, value in differing:
-            others.setdefault(name, {})[_shown(value)] = None
     texts = [
-        f"{name} {' or '.join(values)} (the scan uses {_shown(used.get(name))})"
-        for name, values in sorted(others.items())
+        f"{name} {' or '.join(value for _, value in values)} "
+        f"(the scan uses {words.get(used.get(name), used.get(name))})"
+        for name, values in groupby(sorted(others), key=itemgetter(0))
     ]
     ingested = f"{n:,} of {count_text(len(recordings), 'recording')} {'was' if n == 1 else 'were'}"
     return f"{ingested} ingested with other settings: {', '.join(texts)}" if n else ""
-
-
-def _shown(value: object) -> str:
-    return "the default" if value is None else str(value)
 
 
 def _by_recording(rows: pd.DataFrame) -> pd.DataFrame:
