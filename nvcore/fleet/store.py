@@ -209,6 +209,9 @@ class Store:
             place = place.groupby(content).first().reindex(content)
             rows["file"] = place["file"].to_numpy()
             rows["first_row"] = place["first_row"].fillna(0).astype("int64").to_numpy()
+            if name == "recordings":  # of several inputs with other parameters the last one counts
+                last = rows["parameters"].groupby([content, is_given]).transform("last")
+                rows["parameters"] = last
             is_kept = is_written | (is_given & _says_more(name, rows, content))
             if name == "sources":
                 is_known = rows.duplicated(_PAIR).to_numpy()

@@ -147,6 +147,16 @@ def test_settings_of_a_session_are_stored_and_a_scan_says_which_it_does_not_use(
     assert nv.open_store(store).snapshot().recordings["parameters"].tolist() == ["", "", ""]
 
 
+def test_inputs_that_differ_in_parameters_alone_are_one_version(tmp_path: Path):
+    plain = recordings("a")
+    asking = plain.with_settings(replace(plain.settings, params=nv.Params(alpha=0.5)))
+    for _ in range(2):
+        done = nv.ingest(plain, asking, store=tmp_path)
+        assert done.errors == {}
+        assert Store(tmp_path).snapshot().recordings["parameters"].tolist() == ['{"alpha": 0.5}']
+    assert len([*(tmp_path / "recordings").glob("*.parquet")]) == 1
+
+
 def test_a_scan_takes_settings_by_name_and_no_alerts_of_logs(tmp_path: Path):
     for settings, error in (
         ({"alpa": 0.5}, r"there is no parameter 'alpa'; did you mean 'alpha'"),
