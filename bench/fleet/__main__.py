@@ -137,7 +137,7 @@ def scan(store: str, out: str, workers: int) -> dict[str, Any]:
 
     def run() -> tuple[Any, Any]:
         start = perf_counter()
-        plan, begin_s, _ = clocked(lambda: begin(Store(store), location, params))
+        plan, begin_s, _ = clocked(lambda: begin(Store(store).snapshot(), location, params))
         job = Job(plan.store, location.uri, plan.key)
         _, open_s, _ = clocked(job.missing)
         with Watch() as watch:
@@ -196,7 +196,7 @@ def metadata(folder: str) -> dict[str, Any]:
     out, params = Location(f"{folder}/results"), ScanParams("FIR", "NIR")
 
     def read() -> tuple[Any, ...]:
-        plan, begin_s, _ = clocked(lambda: begin(Store(folder), out, params))
+        plan, begin_s, _ = clocked(lambda: begin(Store(folder).snapshot(), out, params))
 
         def open_as_worker() -> None:
             Job(plan.store, out.uri, plan.key).missing()

@@ -5,18 +5,19 @@ The commands read the arguments: numpy, and what stores need, are imported withi
 
 from __future__ import annotations
 
+import inspect
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, asdict, dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 from nvcore.arguments import INPUTS, OUTPUT, PathLike, argument, arguments, called_with
 from nvcore.errors import InputError, ParameterError
-from nvcore.params import Params
+from nvcore.params import Params, params_from
 from nvcore.progress import Progress, no_progress, with_time_left
 from nvcore.wording import aligned, number, one_line
 
@@ -169,6 +170,7 @@ def ingest(
     partition: str | None = None,
     labels: Mapping[str, str] | None = None,
     truth_kind: str = "",
+    newest: bool = False,
     storage: Mapping[str, str] | None = None,
 ) -> Ingested:
     """Append recordings to a store; what is there already is left out, what changed is a version.
@@ -189,6 +191,8 @@ def ingest(
     truth_kind
         Whether the ground truth is ``"annotated"`` by people, ``"automatic"``, or ``"absent"``.
         Empty: as the store has it, else annotated.
+    newest
+        Whether versions that the store has become the newest again.
     storage
         As of `open_store`.
 
@@ -220,7 +224,7 @@ def ingest(
         store = Store(Location(store, storage), partition=partition)
     elif partition is not None or storage is not None:
         raise ParameterError("partition, storage: the store that is given has its own")
-    return ingest_all(_named(inputs), store, truth_kind=truth_kind, labels=labels)
+    return ingest_all(_named(inputs), store, truth_kind=truth_kind, labels=labels, newest=newest)
 
 
 def _named(
@@ -270,13 +274,14 @@ class Scan:
         Measures of all recordings; `measures` is the table.
     status
         The plan, and how many recordings could not be compared.
-    repaired
-        Damaged files of earlier results, whose batches were computed anew.
+    notes
+        Damaged files of earlier results, whose batches were computed anew, and settings of the
+        ingested sessions that the scan does not use.
     """
 
     summary: Summary
     status: Status
-    repaired: Sequence[str] = ()
+    notes: Sequence[str] = ()
 
     def __str__(self) -> str:
         measures = self.summary.measures()
@@ -288,12 +293,21 @@ class Scan:
         given = self.summary.params.params.given().items() - Params().given().items()
         settings = ", ".join(f"{name} {value}" for name, value in sorted(given))
         lines = [f"with {settings}" if settings else "with the settings by default"]
-        lines += [f"computed anew: {fault}" for fault in self.repaired]
+        lines += [f"note: {note}" for note in self.notes]
         return "\n".join([*aligned(rows), "", *map(one_line, lines), str(self.status)])
 
 
+def scan(*given: Any, params: Params | None = None, **named: Any) -> Scan:
+    """Compare two systems on all recordings of a store; `_scan` has the parameters."""
+    own = inspect.signature(ScanArguments).parameters
+    settings = {name: named.pop(name) for name in [*named] if name not in own}
+    if settings:
+        params = params_from({**asdict(params or Params()), **settings})
+    return _scan(*given, params=params, **named)
+
+
 @called_with(ScanArguments)
-def scan(arguments: ScanArguments) -> Scan:
+def _scan(arguments: ScanArguments) -> Scan:
     """Compare two systems on all recordings of a store; what was done before is not done again.
 
     Each run of the same scan goes on where the last one ended, also several at a time; a store that
@@ -304,7 +318,8 @@ def scan(arguments: ScanArguments) -> Scan:
     store
         Folder or URI of a store, as ``nvcore ingest`` makes it, or what `open_store` returns.
     params
-        Settings of the comparison; None: the default ones.
+        Settings of the comparison; None: the default ones. Each may also be given by its name, as
+        to `nvcore.compare`: ``alpha=0.8``.
     engine
         A function of a job that runs the batches (`nvcore.fleet.scan.Engine`).
     storage
@@ -334,7 +349,7 @@ def scan(arguments: ScanArguments) -> Scan:
     from nvcore.fleet.location import Location
     from nvcore.fleet.results import ScanParams
     from nvcore.fleet.scan import Job, Options, drive
-    from nvcore.fleet.store import Store
+    from nvcore.fleet.store import Store, other_settings
 
     ways = (arguments.workers, arguments.shard, arguments.scheduler, arguments.engine)
     if sum(way is not None for way in ways) > 1:
@@ -351,14 +366,17 @@ def scan(arguments: ScanArguments) -> Scan:
         raise InputError("is a store; write the results elsewhere, or below it", file=out.uri)
     names = arguments.x, arguments.y, arguments.truth
     params = ScanParams(*names, arguments.params or Params(), frames=arguments.frames)
+    snapshot = store.snapshot()
     plan = begin(
-        store,
+        snapshot,
         out,
         params,
         recompute=arguments.recompute,
         frames_per_batch=arguments.frames_per_batch,
     )
-    repaired = repair(out, plan, slice(part, None, n_parts))
+    notes = [f"computed anew: {of}" for of in repair(out, plan, slice(part, None, n_parts))]
+    compared = [name for batch in plan.batches for name in batch.recordings]
+    notes += filter(None, [other_settings(snapshot.recordings.loc[compared], params.params)])
     if arguments.retry:
         forget_quarantined(out, plan)
     job = Job(plan.store, out.uri, plan.key, Options(storage=tuple(storage.items())))
@@ -369,7 +387,11 @@ def scan(arguments: ScanArguments) -> Scan:
     for batch in drive(job, _engine(arguments, max(batch.n_frames for batch in plan.batches))):
         done.add(batch)
         progress(len(done) / n, f"{len(done)} of {n} batches")
-    return Scan(finish(out, plan), status(out, plan), repaired)
+    return Scan(finish(out, plan), status(out, plan), notes)
+
+
+scan.__doc__ = _scan.__doc__  # with all parameters
+scan.__signature__ = inspect.signature(_scan)  # type: ignore[attr-defined]
 
 
 def _engine(arguments: ScanArguments, largest: int) -> Engine:

@@ -85,6 +85,12 @@ STORE: Final = "Store"
     help="Whether people annotated the ground truth, a program did, or there is none. Default: as "
     "the store has it, else annotated.",
 )
+@grouped_option(
+    STORE,
+    "--newest",
+    is_flag=True,
+    help="Make versions that the store has the newest again.",
+)
 @input_flags
 def ingest(
     inputs: tuple[Path, ...],
@@ -92,6 +98,7 @@ def ingest(
     partition: str | None,
     labels: dict[str, str],
     truth_kind: str | None,
+    newest: bool,
     **options: Any,
 ) -> None:
     """Append recordings with truth and systems to a store.
@@ -124,14 +131,24 @@ def ingest(
         Store(Location(store), partition=partition),
         truth_kind=truth_kind or "",
         labels=labels,
+        newest=newest,
         progress=step_lines(),
     )
     for name, findings in done.findings.items():
         codes = ", ".join(dict.fromkeys(finding.code for finding in findings))
         click.echo(one_line(f"note: {name}: {codes} (nvcore check says more)"), err=True)
-    for kind, n in done.not_stored.items():
-        times = count_text(n, "input", "inputs")
-        click.echo(one_line(f"note: {kind} are not stored ({times} with them)"), err=True)
+    notes = [
+        f"{key} is not stored ({count_text(n, 'input states it', 'inputs state it')})"
+        for key, n in done.not_stored.items()
+    ]
+    for source, version, last, n in done.older.itertuples(index=False):
+        what = f"{source or 'metadata'} of {count_text(n, 'recording', 'recordings')}"
+        notes.append(
+            f"{what} is there as version {version}; version {last} stays the newest "
+            "(--newest changes that)"
+        )
+    for note in notes:
+        click.echo(one_line(f"note: {note}"), err=True)
     for name, error in done.errors.items():
         text = str(error) if name in str(error) else f"{name}: {error}"
         click.echo(one_line(f"error: {text}"), err=True)

@@ -36,7 +36,7 @@ from nvcore.fleet.leases import attempt_of, is_held, seal, unseal
 from nvcore.fleet.location import Location
 from nvcore.fleet.plan import Batch, Plan, hash_of, plan
 from nvcore.fleet.results import ScanParams, Summary, schema
-from nvcore.fleet.store import Store
+from nvcore.fleet.store import Snapshot
 from nvcore.wording import count_text, one_line
 
 SUMMARY: Final = "summary.json"
@@ -48,9 +48,14 @@ _AGAIN: Final = "run the scan again, which computes what is missing"
 
 
 def begin(
-    store: Store, out: Location, params: ScanParams, *, recompute: bool = False, **options: Any
+    snapshot: Snapshot,
+    out: Location,
+    params: ScanParams,
+    *,
+    recompute: bool = False,
+    **options: Any,
 ) -> Plan:
-    """Plan a scan of the store as it is now, and write the plan.
+    """Plan a scan of a store, and write the plan.
 
     Parameters
     ----------
@@ -64,7 +69,7 @@ def begin(
     InputError
         If the results that are there were made by another program.
     """
-    made = plan(store.snapshot(), params, store.location.uri, **options)
+    made = plan(snapshot, params, **options)
     newest = None if recompute else newest_plan(out)
     if newest is not None:
         newest.check_programs(

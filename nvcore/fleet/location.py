@@ -1,4 +1,4 @@
-"""Folders of files, on a disk or in an S3-compatible store."""
+"""Folders of files, on a local disk or in an S3-compatible object store."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from datetime import datetime, timedelta
-from functools import cached_property, partial
-from io import SEEK_CUR, SEEK_END, SEEK_SET, RawIOBase
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Final, NamedTuple, cast
 
@@ -24,13 +23,13 @@ with needs("fleet", "a store needs"):
 
 MAX_RETRIES: Final = 20
 RETRY_TIMEOUT_S: Final = 60
-"""Of a request that the server refuses or cuts; the option `max_retries` goes before the number."""
+"""Retries of a request that the server refuses or cuts; the option `max_retries` overrides it."""
 _MAX_WAIT_S: Final = 5
 LONGEST_REASON: Final = 400
-"""Letters of what a program below says of an error."""
+"""Length of the reason of an error of object_store or deltalake."""
 _NOT_IN_NAMES: Final = re.compile(r"[\[\]\\]|%[0-9a-fA-F]{2}")
 _NOT_IN_URIS: Final = re.compile(rf"[#?]|{_NOT_IN_NAMES.pattern}")
-"""What deltalake and obstore misread in the path of a folder, and in a URI."""
+"""Characters that deltalake or obstore misread in the path of a folder, and in a URI."""
 _ANSWER: Final = re.compile(r"<Code>(\w{1,60})</Code>")
 _LINE_STARTS: Final = re.compile(r"\s*\n(?:\s|\x1b\[\d+m|↳)*")
 _REMOTE: Final = ("s3", "s3a", "gs", "az", "abfs", "abfss")
@@ -43,7 +42,7 @@ _DELTA_OPTIONS: Final = {
 
 
 class Entry(NamedTuple):
-    """A file of a location: its path within it, bytes, time of the last change."""
+    """Path of a file within its location, its size in bytes and modification time."""
 
     path: str
     size: int
@@ -51,27 +50,27 @@ class Entry(NamedTuple):
 
 
 class Location:
-    """A folder, local or S3-compatible. It pickles: another process opens it anew.
+    """A local folder or one in an object store. It can be pickled.
 
     Parameters
     ----------
     uri
         A path, or ``s3://bucket/folder``; ``gs://`` and ``az://`` are passed on, but not tested.
     options
-        Keys as object_store has them, such as ``aws_endpoint_url``; what is not given is taken from
-        the environment (``AWS_ENDPOINT_URL``, ``AWS_ACCESS_KEY_ID``, ...).
+        Options of object_store, such as ``aws_endpoint_url``. The environment sets the others
+        (``AWS_ENDPOINT_URL``, ``AWS_ACCESS_KEY_ID``, ...).
 
     Attributes
     ----------
     uri
-        As given; of a local folder, its absolute path.
+        As given, or the absolute path of a local folder.
     path
-        The folder on a disk; None: it is in an object store.
+        The local folder; None for an object store.
 
     Raises
     ------
     InputError
-        If nothing can read such a URI or path, or an option is unknown.
+        If the URI, the path or an option cannot be used.
     """
 
     def __init__(self, uri: str | Path, options: Mapping[str, str] | None = None):
@@ -104,7 +103,7 @@ class Location:
 
     @property
     def delta_options(self) -> dict[str, str]:
-        """Options with which deltalake opens a table in this location."""
+        """Storage options for deltalake."""
         return dict(self.options) if self.path else _DELTA_OPTIONS | self.options
 
     @cached_property
@@ -129,14 +128,9 @@ class Location:
 
     @contextmanager
     def at(self, path: str, done: str) -> Iterator[None]:
-        """Within it, an error of the storage says where, and what could not be done.
+        """Convert errors of the storage to StoreError with the path and the action that failed.
 
-        Raises
-        ------
-        FileNotFoundError
-            If a file that is read or deleted is not there.
-        StoreError
-            In all other cases: the disk is full, the server is gone, it is not allowed.
+        A missing file is a FileNotFoundError if it was to be read or deleted.
         """
         try:
             yield
@@ -148,33 +142,33 @@ class Location:
             ) from error
 
     def child(self, path: str) -> Location:
-        """A folder within it."""
+        """Return the location of a subfolder."""
         return Location(f"{self.uri}/{path}", self.options)
 
     def read(self, path: str) -> bytes:
-        """The bytes of a file; FileNotFoundError if there is none."""
+        """Return the bytes of a file; FileNotFoundError if there is none."""
         with self.at(path, "read"):
-            if self.path:  # which makes no folder
+            if self.path:  # `_files` would create the folder
                 return (self.path / path).read_bytes()
             return bytes(obstore.get(self._files, path).bytes())
 
     def find(self, path: str) -> bytes | None:
-        """The bytes of a file; None: there is none, or an empty one of a machine that failed."""
+        """Return the bytes of a file; None if it is missing or empty (after a power failure)."""
         try:
             return self.read(path) or None
         except FileNotFoundError:
             return None
 
     def write(self, path: str, content: bytes) -> None:
-        """Write a file whole, in place of one that may be there: nobody sees half of it."""
+        """Write or replace a file atomically."""
         with self.at(path, "written"):
             obstore.put(self._files, path, content)
 
     def create(self, path: str, content: bytes) -> bool:
-        """Write a file unless there is one; whether it now holds this content.
+        """Write a file unless it exists; return whether it now holds this content.
 
-        Of several at once with different contents, such as their names, one alone is told True,
-        also where the answer to its first attempt was lost.
+        Of several callers with different contents one alone gets True, also if the answer to its
+        first attempt was lost.
         """
         with self.at(path, "written"):
             try:
@@ -186,7 +180,7 @@ class Location:
             return True
 
     def list(self, prefix: str = "") -> list[Entry]:
-        """Files within a folder and its folders, by path; none of a folder that is not there."""
+        """Return the files below a folder, by path; none if it does not exist."""
         with self.at(prefix, "listed"):
             if self.path and not (self.path / prefix).is_dir():
                 return []
@@ -198,58 +192,35 @@ class Location:
         return sorted(found)
 
     def delete(self, path: str) -> None:
-        """Delete a file, if it is there."""
+        """Delete a file if it exists."""
         with self.at(path, "deleted"), suppress(FileNotFoundError):
             obstore.delete(self._files, path)
 
     def open(self, path: str) -> Any:
-        """A file for `pyarrow.parquet`, of which only what is asked for is read.
-
-        Raises
-        ------
-        FileNotFoundError
-            If there is none.
-        """
+        """Open a file for `pyarrow.parquet`; FileNotFoundError if there is none."""
         with self.at(path, "read"):
             if self.path:
                 return pa.OSFile(str(self.path / path))
-            return pa.PythonFile(_Ranges(self._files, path), mode="r")
+            return pa.PythonFile(_RemoteFile(obstore.open_reader(self._files, path)), mode="r")
 
 
-class _Ranges(RawIOBase):
-    """A file in an object store, of which the ranges that are read are fetched, and no more.
+class _RemoteFile:
+    """A reader of obstore with the attribute that pyarrow expects of a file."""
 
-    `obstore.open_reader` cannot be used: pyarrow asks whether a file is closed.
-    """
+    closed = False
 
-    def __init__(self, files: Any, path: str):
-        self._fetch = partial(obstore.get_range, files, path)
-        self._size = obstore.head(files, path)["size"]
-        self._place = 0
+    def __init__(self, reader: Any):
+        self._reader = reader
 
-    def readable(self) -> bool:
-        return True
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._reader, name)
 
-    def seekable(self) -> bool:
-        return True
-
-    def tell(self) -> int:
-        return self._place
-
-    def seek(self, offset: int, whence: int = SEEK_SET, /) -> int:
-        self._place = offset + {SEEK_SET: 0, SEEK_CUR: self._place, SEEK_END: self._size}[whence]
-        return self._place
-
-    def read(self, size: int = -1, /) -> bytes:
-        left = self._size - self._place
-        length = left if size < 0 else min(size, left)
-        content = bytes(self._fetch(start=self._place, length=length)) if length > 0 else b""
-        self._place += len(content)
-        return content
+    def read(self, size: int = -1) -> bytes:
+        return bytes(self._reader.read(None if size < 0 else size))
 
 
 def _reason(error: BaseException) -> str:
-    """What an error of object_store or deltalake says, in one line without colours."""
+    """Return the message of an error of object_store or deltalake in one line."""
     text = str(error).strip().partition("\n\nDebug source")[0]
     if answer := _ANSWER.search(text):
         return f"the server says {answer[1]}"

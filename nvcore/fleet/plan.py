@@ -187,11 +187,7 @@ class Plan:
 
 
 def plan(
-    snapshot: Snapshot,
-    params: ScanParams,
-    store: str,
-    *,
-    frames_per_batch: int = FRAMES_PER_BATCH,
+    snapshot: Snapshot, params: ScanParams, *, frames_per_batch: int = FRAMES_PER_BATCH
 ) -> Plan:
     """Divide the recordings of a store into batches; the same store gives the same plan.
 
@@ -223,7 +219,7 @@ def plan(
         raise InputError(
             f"none of {count_text(len(recordings), 'recording')} has detections of both "
             f"{params.x} and {params.y}",
-            file=store,
+            file=snapshot.location.uri,
         )
     chosen = np.flatnonzero(is_compared)
     size = np.maximum(recordings["n_rows"].to_numpy(), n_boxes / BOXES_A_FRAME)[chosen]
@@ -245,7 +241,8 @@ def plan(
         rows = recordings.iloc[chosen[lo:hi]]
         key = hash_of("\n".join([of_all, *sorted(lines[lo:hi])]))
         batches.append(Batch(key, tuple(sorted(rows["recording"])), int(rows["n_rows"].sum())))
-    return Plan(store, dict(snapshot.versions), params, programs(), tuple(batches), left_out)
+    uri, versions = snapshot.location.uri, dict(snapshot.versions)
+    return Plan(uri, versions, params, programs(), tuple(batches), left_out)
 
 
 def hash_of(text: str | bytes) -> str:

@@ -109,7 +109,7 @@ class ScanParams:
     Raises
     ------
     ParameterError
-        If two sources are the same.
+        If two sources are the same, or alerts are to be those of logs, which a store does not hold.
     """
 
     x: str
@@ -123,6 +123,11 @@ class ScanParams:
             raise ParameterError(
                 f"expected three different sources, got {', '.join(self.sources)}; name two "
                 "systems, or two versions of one"
+            )
+        if self.params.alerts == "log":
+            raise ParameterError(
+                "alerts: a store holds no alert logs, so a scan cannot use them; scan with alerts "
+                "policy, or compare a session with nvcore compare"
             )
 
     @property

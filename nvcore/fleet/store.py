@@ -1,8 +1,8 @@
 """Stores of many recordings: appended to, never overwritten, read by whole recordings.
 
-A store is a folder with four Delta tables (`nvcore.fleet.tables`). Their files are named by their
-content and committed with the sources last, from which a reader goes to recordings and files: so
-nothing is seen of what a broken ingest left behind.
+A store is a folder with four Delta tables (`nvcore.fleet.tables`). Data files are named by their
+content. The table `sources` is committed last, and readers start from it, so an interrupted ingest
+leaves nothing visible.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ import hashlib
 import json
 import re
 import time
-from collections import ChainMap, Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import asdict
 from datetime import UTC, datetime, timedelta
-from functools import cache, cached_property, partial
+from functools import cached_property
 from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, Final
 from urllib.parse import unquote
@@ -29,80 +29,57 @@ import pandas as pd
 from nvcore.errors import FormatError, InputError, StoreError
 from nvcore.extras import needs
 from nvcore.fleet.location import Location
-from nvcore.wording import MOST_NAMED, did_you_mean, listed
+from nvcore.params import Params
+from nvcore.wording import MOST_NAMED, count_text, did_you_mean, listed
 
 with needs("fleet", "a store needs"):
     import pyarrow as pa
+    import pyarrow.compute as pc
     import pyarrow.parquet as pq
     from deltalake import DeltaTable, Schema
     from deltalake.exceptions import DeltaError, TableNotFoundError
     from deltalake.transaction import AddAction, CommitProperties
 
-    from nvcore.fleet.tables import IN_MEMORY, INDEX, SCHEMAS, TRUTH_KINDS
+    from nvcore.fleet.tables import ADDED_LATER, IN_MEMORY, RECORDINGS, SCHEMAS, TRUTH_KINDS
 
 GROUP_ROWS: Final = 1 << 18
-"""Rows from which on a row group is full; it holds whole sources, unless one is larger."""
-MAX_GROUP_ROWS: Final = 1 << 20
+"""Rows of a Parquet row group."""
+VERSIONS: Final = "versions.json"
+"""File of a store with the version of each table after the last append; it may be behind."""
 ROWS_IN: Final = {"recordings": "frames", "sources": "boxes"}
-"""Where the rows are that a row of the other table refers to."""
+"""Tables with a row per version, and the table that holds the frames or boxes of each."""
 _REFERS_TO: Final = {rows: name for name, rows in ROWS_IN.items()}
 _CONTENT: Final = {
     "recordings": ["recording", "sha256"],
     "sources": ["recording", "source", "sha256"],
 }
-"""What tells versions apart."""
-_STATED: Final = {
-    "recordings": ["recording", "sha256", "pictures", "first_picture"],
-    "sources": ["recording", "source", "sha256", "recording_sha256", "label", "kind"],
-}
-"""What a row says; it is written if any of it is not so yet."""
-_AMENDABLE: Final = {"recordings": ["pictures", "first_picture"], "sources": ["kind"]}
-"""Facts of a version that it keeps where a later row does not state them."""
-_INDEX: Final = [column.name for column in INDEX]
+"""Columns that identify a version."""
+_PAIR: Final = [*_CONTENT["sources"], "recording_sha256"]
+"""Columns that identify a version of a source with the version of its recording."""
+_STATED: Final = {"recordings": ["pictures", "first_picture"], "sources": ["kind"]}
+"""Facts that a version keeps if a later input with the same content leaves the first one empty."""
 _KEY: Final = re.compile(r"[a-z][a-z0-9_]{0,40}")
 _COMMIT_RETRIES: Final = 100
-"""Writers that may come in between before one gives up."""
+"""Commits of other writers in between before a writer gives up."""
 _THREADS: Final = 8
 _LONGEST_IN_STATS: Final = 200
 
 
-@dataclass
-class _Learned:
-    """What a writer knows of a table.
-
-    Attributes
-    ----------
-    paths
-        Files of which the rows are known.
-    index
-        Where the rows of a content lie.
-    facts
-        What is so, see `_facts_of`.
-    newest
-        Time of the newest row.
-    """
-
-    paths: set[str] = field(default_factory=set)
-    index: dict[tuple[Any, ...], tuple[Any, ...]] = field(default_factory=dict)
-    facts: dict[tuple[Any, ...], Any] = field(default_factory=dict)
-    newest: datetime = datetime.min.replace(tzinfo=UTC)
-
-
 class Store:
-    """A store of recordings, by its location.
+    """A store of recordings at a location.
 
     Parameters
     ----------
     location
-        Its folder; made when it is first appended to.
+        Its folder, created by the first append.
     partition
-        How new files are divided: by ``month``, ``unit`` or the key of a tag. None: as the store
-        is; a new one is not divided.
+        Key that divides the files of a new store: ``month``, ``unit`` or the key of a tag. None: as
+        an existing store is divided; a new one is not.
 
     Raises
     ------
     InputError
-        If a store cannot be divided by that.
+        If `partition` is no such key.
     """
 
     def __init__(self, location: Location | str | Path, *, partition: str | None = None):
@@ -115,35 +92,32 @@ class Store:
             )
         self._wanted = partition
         self._known: dict[str, pa.Table] = {}
-        self._learned = {name: _Learned() for name in ROWS_IN}
-
-    def __reduce__(self) -> Any:
-        return partial(Store, self.location, partition=self._wanted), ()
 
     def __repr__(self) -> str:
         return f"Store({self.location.uri!r})"
 
     def snapshot(self) -> Snapshot:
-        """What the store holds now, whatever is appended later.
+        """Return the store as it is now; later appends do not change it.
 
         Raises
         ------
         InputError
             If there is no store.
         StoreError
-            If it cannot be read.
+            If it cannot be read, or the newest file of a Delta log is missing.
         """
-        versions: dict[str, int] = {}
-        for name in reversed(SCHEMAS):  # so that all is there that a source refers to
+        reached = _versions_reached(self.location)
+        tables = {}
+        for name in reversed(SCHEMAS):  # what a source refers to is committed before it
             table = _opened(self.location, name)
             if table is None:
                 raise InputError("there is no store here", file=self.location.uri)
-            versions[name] = table.version()
-        return Snapshot(self.location, versions, self._known)
+            tables[name] = table
+        return Snapshot(self.location, _checked(self.location, tables, reached), self._known)
 
     @cached_property
     def _broken(self) -> set[str]:
-        """Files of frames and boxes that are not there as the log has them: written anew."""
+        """Files of frames and boxes that are missing or have another size than their log says."""
         broken = set()
         for name in IN_MEMORY:
             there = {entry.path: entry.size for entry in self.location.list(f"{name}/")}
@@ -153,11 +127,11 @@ class Store:
 
     @cached_property
     def _tables(self) -> dict[str, DeltaTable]:
-        """The tables, made where there are none."""
+        """The Delta tables, created if they do not exist."""
         if self.location.list("plans/") and _opened(self.location, "sources") is None:
             uri = self.location.uri
             raise InputError("holds results of a scan; name another folder", file=uri)
-        tables = {name: _opened(self.location, name) or self._made(name) for name in SCHEMAS}
+        tables = {name: _opened(self.location, name) or self._create(name) for name in SCHEMAS}
         if self._wanted not in (None, _partition_of(tables["boxes"])):
             raise InputError(
                 f"the store is divided by {_partition_of(tables['boxes']) or 'nothing'}, not by "
@@ -166,15 +140,17 @@ class Store:
             )
         return tables
 
-    def _made(self, name: str) -> DeltaTable:
-        schema, parts = _divided(name, self._wanted)
+    def _create(self, name: str) -> DeltaTable:
+        schema, parts = SCHEMAS[name], []
+        if self._wanted is not None and name in IN_MEMORY:
+            schema, parts = schema.append(pa.field(self._wanted, pa.string())), [self._wanted]
         with self.location.at(name, "made"):
             if self.location.path:
                 (self.location.path / name).mkdir(parents=True, exist_ok=True)
             try:
                 return DeltaTable.create(
                     f"{self.location.uri}/{name}",
-                    schema,
+                    Schema.from_arrow(schema),
                     partition_by=parts,
                     storage_options=self.location.delta_options,
                 )
@@ -184,175 +160,186 @@ class Store:
                     raise
                 return table
 
-    def append(self, batch: Sequence[Mapping[str, pa.Table]]) -> dict[str, pa.Table]:
-        """Append recordings and sources by one commit of each table; what is there is left out.
+    def append(
+        self, batch: Sequence[Mapping[str, pa.Table]], *, newest: bool = False
+    ) -> dict[str, pa.Table]:
+        """Append new versions of recordings and sources, with one commit per table.
 
-        Of content that is there, a row is written without its boxes or frames if it was not the
-        newest of its source, or if something else is said of it (label, kind of truth, pictures).
-        Content whose file is missing or cut is written again. It is safe beside other writers, and
-        may break off anywhere: then nothing of it is seen.
+        A version that the store has does not become the newest again; a row notes new labels, kinds
+        of truth, pictures and parameters. Content whose file is missing or truncated is written
+        again. Several writers may append at once. An interrupted append leaves nothing visible.
 
         Parameters
         ----------
         batch
             Tables of `nvcore.fleet.ingest.tables_of`.
+        newest
+            Whether versions that the store has become the newest again.
 
         Returns
         -------
         dict
-            The rows of recordings and of sources whose content was not there.
+            Rows of ``recordings`` and ``sources`` whose content was written.
 
         Raises
         ------
         InputError
-            If the store is divided in another way than this one is to be.
+            If the store is divided by another key.
         StoreError
             If it cannot be read or written.
         """
-        tables, appended, new, actions = self._tables, {}, {}, {}
-        partition = _partition_of(tables["boxes"])
+        tables, written, actions = self._tables, {}, {}
+        reached = _versions_reached(self.location)
         with self.location.at("", "read"):
             for table in tables.values():
                 table.update_incremental()
+        _checked(self.location, tables, reached)
         for name, data in ROWS_IN.items():
-            stored = self._stored(name)
-            rows = pa.concat_tables([SCHEMAS[name].empty_table(), *(of[name] for of in batch)])
-            pieces = [
-                (part, of[data].slice(first, n))
-                for of in batch
-                for part, first, n in zip(
-                    _parts_of(of["recordings"], of[name]["recording"], partition),
-                    of[name]["first_row"].to_pylist(),
-                    of[name]["n_rows"].to_pylist(),
-                    strict=True,
-                )
-            ]
-            contents = keys_of(rows, _CONTENT[name])
-            places = {key: place for place, key in enumerate(contents) if key not in stored.index}
-            order = sorted(places, key=lambda key: (pieces[places[key]][0] or "", *key))
-            actions[data], written = self._written(
-                data, [pieces[places[key]] for key in order], partition
-            )
-            self._broken.difference_update(f"{data}/{action.path}" for action in actions[data])
-            index = ChainMap(dict(zip(order, written, strict=True)), stored.index)
-            facts: ChainMap[tuple[Any, ...], Any] = ChainMap({}, stored.facts)
-            chosen, amended = [], []
-            for place, row in enumerate(keys_of(rows, _STATED[name])):
-                own = _facts_of(name, row, facts)
-                if any(facts.get(key) != of for key, of in own.items()):
-                    facts |= own
-                    chosen.append(place)
-                    amended.append(own[contents[place]])
-            taken = rows.take(pa.array(chosen, pa.int64()))
-            taken = _with_columns(taken, _INDEX, [index[contents[place]] for place in chosen])
-            taken = _with_columns(taken, _AMENDABLE[name], amended)
-            # later than all that is there, whatever the clocks of those who wrote it
-            start = max(datetime.now(UTC), stored.newest + timedelta(microseconds=1))
-            repeats: Counter[tuple[Any, ...]] = Counter()
-            times = []
-            for place in chosen:
-                key = contents[place][:-1]
-                times.append((start + timedelta(microseconds=repeats[key]),))
-                repeats[key] += 1
-            appended[name] = _with_columns(taken, ["ingested_at"], times)
-            is_new = [contents[place] in places for place in chosen]
-            new[name] = appended[name].filter(pa.array(is_new, pa.bool_()))
-        for name, rows in appended.items():
-            actions[name] = [self._put(name, [rows.sort_by("recording")], {})] if len(rows) else []
-        for name in SCHEMAS:  # in this order: nothing is seen before the last one
+            given = pa.concat_tables([SCHEMAS[name].empty_table(), *(of[name] for of in batch)])
+            stored = self._stored(name, given["recording"])
+            rows = pd.concat([stored, given.to_pandas()], ignore_index=True)
+            is_given = rows.index >= len(stored)
+            content = rows.groupby(_CONTENT[name], sort=False).ngroup()
+            is_intact = ~is_given & ~(f"{data}/" + rows["file"]).isin(self._broken)
+            is_lacking = is_given & ~content.isin(content[is_intact])
+            is_written = is_lacking & ~content.where(is_lacking).duplicated()
+            actions[data] = self._write_stretches(data, rows, is_written, batch)
+            # every row of a content says where its frames or boxes are
+            place = rows.loc[is_intact | is_written, ["file", "first_row"]]
+            place = place.groupby(content).first().reindex(content)
+            rows["file"] = place["file"].to_numpy()
+            rows["first_row"] = place["first_row"].fillna(0).astype("int64").to_numpy()
+            if name == "recordings":  # of several inputs with other parameters the last one counts
+                last = rows["parameters"].groupby([content, is_given]).transform("last")
+                rows["parameters"] = last
+            is_kept = is_written | (is_given & _says_more(name, rows, content))
+            if name == "sources":
+                is_known = rows.duplicated(_PAIR).to_numpy()
+                if newest:
+                    is_known = is_known & ~_is_behind(rows, is_given)
+                rows["amends"] = rows["amends"].where(~is_given, is_known)
+                is_kept |= is_given & ~is_known
+            # later than what is stored, whatever the clocks of other writers say
+            start = max([pd.Timestamp(datetime.now(UTC)), *stored["ingested_at"].tail(1)])
+            kept = rows[is_kept]
+            order = kept.groupby(_CONTENT[name][:-1]).cumcount() + 1
+            kept = kept.assign(ingested_at=start + order * timedelta(microseconds=1))
+            made = pa.Table.from_pandas(kept, SCHEMAS[name], preserve_index=False)
+            written[name] = made.filter(pa.array(is_written[is_kept]))
+            actions[name] = [self._put(name, made.sort_by("recording"), {})] if len(made) else []
+        for name in SCHEMAS:  # in this order: nothing is visible before the last one
             if actions[name]:
-                self._commit(name, actions[name], partition)
-        return new
+                self._commit(name, actions[name])
+        if any(actions.values()):
+            reached = _versions_reached(self.location)
+            for of, table in tables.items():  # higher by 1, or by more with other writers
+                reached[of] = max(reached[of], table.version() + bool(actions[of]))
+            self.location.write(VERSIONS, json.dumps(reached).encode())
+        return written
 
-    def _stored(self, name: str) -> _Learned:
-        """What is in a table of recordings or sources, of which only new files are looked at."""
-        learned = self._learned[name]
-        paths = _files(self.location, name, self._tables[name])
-        new = [path for path in paths if path not in learned.paths]
-        rows = _rows(self.location, name, new, self._known)
-        if self._broken:
-            files = [f"{ROWS_IN[name]}/{path}" for path in rows["file"].to_pylist()]
-            rows = rows.filter(pa.array([path not in self._broken for path in files], pa.bool_()))
-        rows = rows.sort_by("ingested_at")
-        index = keys_of(rows, _INDEX)
-        learned.index.update(zip(keys_of(rows, _CONTENT[name]), index, strict=True))
-        for row in keys_of(rows, _STATED[name]):
-            learned.facts |= _facts_of(name, row, learned.facts)
-        if len(rows):
-            learned.newest = max(learned.newest, rows["ingested_at"][-1].as_py())
-        learned.paths.update(new)
-        return learned
+    def _stored(self, name: str, recordings: pa.ChunkedArray) -> pd.DataFrame:
+        """Rows of these recordings, oldest first."""
+        paths = [*_files(self.location, name, self._tables[name])]
+        rows = _rows(self.location, name, paths, self._known)
+        own = rows.filter(pc.is_in(rows["recording"], value_set=recordings)).to_pandas()
+        stored: pd.DataFrame = own.sort_values("ingested_at", kind="stable", ignore_index=True)
+        return stored
 
-    def _written(
-        self, name: str, pieces: Sequence[tuple[str | None, pa.Table]], partition: str | None
-    ) -> tuple[list[AddAction], list[tuple[Any, ...]]]:
-        """Write stretches of rows, into a file for each part; where they lie, by `_INDEX`."""
-        actions, places = [], []
-        for part, of_part in groupby(pieces, key=lambda piece: piece[0]):
-            groups: list[list[pa.Table]] = []
-            spots, n_groups, n_in_group, n_rows = [], 0, 0, 0
-            for _, rows in of_part:
-                n = len(rows)
-                if n and (n_in_group >= GROUP_ROWS or n_in_group + n > MAX_GROUP_ROWS):
-                    n_groups, n_in_group = n_groups + -(-n_in_group // MAX_GROUP_ROWS), 0
-                if n:
-                    groups += [[]] * (not n_in_group)
-                    groups[-1].append(rows)
-                spots.append((n_groups, n_rows, n) if n else (0, 0, 0))
-                n_in_group, n_rows = n_in_group + n, n_rows + n
-            path = ""
-            if n_rows:
-                values = {} if partition is None else {partition: part}
-                actions.append(self._put(name, map(pa.concat_tables, groups), values))
-                path = actions[-1].path
-            places += [(path if n else "", group, first, n) for group, first, n in spots]
-        return actions, places
+    def _write_stretches(
+        self,
+        name: str,
+        rows: pd.DataFrame,
+        is_written: pd.Series,
+        batch: Sequence[Mapping[str, pa.Table]],
+    ) -> list[AddAction]:
+        """Write frames or boxes of new versions, a file per part; `rows` says where they are."""
+        partition = _partition_of(self._tables[name])
+        owners = [of for of in batch for _ in range(len(of[_REFERS_TO[name]]))]
+        chosen = rows[is_written].sort_values(_CONTENT[_REFERS_TO[name]])
+        parts = {
+            row["recording"]: _part_of(row, partition)
+            for of in batch
+            for row in (of["recordings"].to_pylist() if partition else ())
+        }
+        actions = []
+        chosen["part"] = [parts.get(name) or "" for name in chosen["recording"]]
+        for part, of_part in chosen.groupby("part"):
+            pieces = [
+                owners[place - len(rows)][name].slice(first, n)
+                for place, first, n in of_part[["first_row", "n_rows"]].itertuples()
+            ]
+            table = pa.concat_tables(pieces)
+            rows.loc[of_part.index, "first_row"] = of_part["n_rows"].cumsum() - of_part["n_rows"]
+            if len(table):
+                values = {} if partition is None else {partition: str(part) or None}
+                actions.append(self._put(name, table, values))
+                has_rows = of_part.index[of_part["n_rows"] > 0]
+                rows.loc[has_rows, "file"] = actions[-1].path
+                self._broken.discard(f"{name}/{actions[-1].path}")
+        return actions
 
-    def _put(
-        self, name: str, groups: Iterable[pa.Table], values: Mapping[str, str | None]
-    ) -> AddAction:
-        """Write a file of rows sorted by recording; what is committed of it."""
+    def _put(self, name: str, rows: pa.Table, values: Mapping[str, str | None]) -> AddAction:
+        """Write a file of rows that are sorted by recording; return what to commit of it."""
         sink = pa.BufferOutputStream()
-        schema = IN_MEMORY.get(name, SCHEMAS[name])
-        n_rows, names = 0, []
         with pq.ParquetWriter(
             sink,
-            schema,
+            IN_MEMORY.get(name, SCHEMAS[name]),
             compression="zstd",
             write_page_checksum=True,
             store_schema=False,
         ) as writer:
-            for rows in groups:
-                writer.write_table(rows.combine_chunks(), row_group_size=MAX_GROUP_ROWS)
-                n_rows += len(rows)
-                names += [rows["recording"][place].as_py() for place in (0, -1)]
+            for start in range(0, len(rows), GROUP_ROWS):
+                writer.write_table(rows.slice(start, GROUP_ROWS).combine_chunks())
         content = sink.getvalue().to_pybytes()
         path = f"part-{hashlib.sha256(content).hexdigest()[:16]}.parquet"
         self.location.write(f"{name}/{path}", content)
-        stats: dict[str, Any] = {"numRecords": n_rows}
-        if max(map(len, names)) <= _LONGEST_IN_STATS:
-            stats |= {
-                "minValues": {"recording": min(names)},
-                "maxValues": {"recording": max(names)},
-            }
-        return AddAction(
-            path, len(content), values, int(time.time() * 1000), True, json.dumps(stats)
-        )
+        stats: dict[str, Any] = {"numRecords": len(rows)}
+        first, last = (rows["recording"][place].as_py() for place in (0, -1))
+        if max(len(first), len(last)) <= _LONGEST_IN_STATS:
+            stats |= {"minValues": {"recording": first}, "maxValues": {"recording": last}}
+        now_ms = int(time.time() * 1000)
+        return AddAction(path, len(content), values, now_ms, True, json.dumps(stats))
 
-    def _commit(self, name: str, actions: list[Any], partition: str | None) -> None:
-        schema, parts = _divided(name, partition)
+    def _commit(self, name: str, actions: list[Any]) -> None:
+        table = self._tables[name]
         with self.location.at(name, "written"):
-            self._tables[name].create_write_transaction(
+            table.create_write_transaction(
                 actions,
                 mode="append",
-                schema=schema,
-                partition_by=parts,
+                schema=table.schema(),
+                partition_by=table.metadata().partition_columns,
                 commit_properties=CommitProperties(max_commit_retries=_COMMIT_RETRIES),
             )
 
 
+def _says_more(name: str, rows: pd.DataFrame, content: pd.Series) -> pd.Series:
+    """Whether each row says something else of a version than the rows before it.
+
+    Facts that a row does not state are filled in from the rows before it.
+    """
+    facts = _STATED[name]
+    place = pd.Series(np.where(rows[facts[0]] != "", rows.index, -1)).groupby(content).cummax()
+    rows[facts] = rows[facts].take(np.where(place < 0, rows.index, place)).to_numpy()
+    facts = [*facts, "parameters"] if name == "recordings" else facts
+    said = pd.Series([*map(repr, rows[facts].itertuples(index=False, name=None))])
+    says_more: pd.Series = said != said.groupby(content).shift()
+    if name == "sources":
+        says_more |= (rows["label"] != "") & ~rows.duplicated([*_CONTENT[name], "label"])
+        rows["kind"] = rows["kind"].replace("", TRUTH_KINDS[0])
+    return says_more
+
+
+def _is_behind(rows: pd.DataFrame, is_given: np.ndarray) -> np.ndarray:
+    """Whether a version of a source, or of its recording, is not the newest in the store."""
+    counting = rows[~is_given & ~rows["amends"].to_numpy(bool)]
+    newest = counting.drop_duplicates(["recording", "source"], keep="last")[_PAIR]
+    last = counting.drop_duplicates("recording", keep="last")[["recording", "recording_sha256"]]
+    found = rows[_PAIR].merge(newest.merge(last), how="left", indicator=True)
+    return (found["_merge"] != "both").to_numpy()
+
+
 class Snapshot:
-    """A store as it was at one time. It pickles small: another process reads it anew.
+    """A store at one time. Its pickle is small; another process reads the rows again.
 
     Parameters
     ----------
@@ -367,7 +354,7 @@ class Snapshot:
         The newest version of every recording, by recording; columns of `tables.RECORDINGS`.
     sources
         Every version of every source, by recording, source and version; columns of
-        `tables.SOURCES`, and version: 1 and up, by when it first came.
+        `tables.SOURCES`, and version: counted from 1 in the order of the first ingest.
     """
 
     def __init__(
@@ -385,9 +372,9 @@ class Snapshot:
         return {"location": self.location, "versions": self.versions, "_known": {}, "_picked": {}}
 
     def _table(self, name: str) -> pd.DataFrame:
-        """Rows of recordings or sources, by when they came."""
+        """Rows of recordings or sources, oldest first."""
         table = _opened(self.location, name, self.versions[name])
-        if table is None:  # where it was when the snapshot was made
+        if table is None:  # it existed when the snapshot was made
             raise StoreError("cannot be read (it is not there)", file=self.location.uri)
         files = [*_files(self.location, name, table)]
         rows: pd.DataFrame = _rows(self.location, name, files, self._known).to_pandas()
@@ -395,19 +382,29 @@ class Snapshot:
 
     @cached_property
     def _stated(self) -> pd.DataFrame:
-        """Rows of sources, by when they came."""
+        """Rows of sources, oldest first."""
         return self._table("sources")
 
     @cached_property
+    def _counting(self) -> pd.DataFrame:
+        """Rows of sources that make a version the newest."""
+        return self._stated[~self._stated["amends"]]
+
+    @cached_property
     def recordings(self) -> pd.DataFrame:
-        """The newest version of every recording: that with which a source came last."""
-        key = ["recording", "recording_sha256"]
-        first = self._stated.groupby(key, sort=False)["ingested_at"].min()
-        keys = pd.MultiIndex.from_frame(self._stated[key].drop_duplicates("recording", keep="last"))
+        """The newest version of every recording: the one with which a source came last."""
+        came = self._counting[["recording", "recording_sha256", "ingested_at"]]
+        came = came.set_axis([*_CONTENT["recordings"], "ingested_at"], axis=1)
+        newest = came.drop_duplicates("recording", keep="last").drop(columns="ingested_at")
+        newest = newest.merge(came.drop_duplicates(_CONTENT["recordings"]))
         rows = self._table("recordings").drop_duplicates(_CONTENT["recordings"], keep="last")
-        rows = rows.set_index(_CONTENT["recordings"]).loc[keys].reset_index()
-        rows["ingested_at"] = first.loc[keys].to_numpy()
-        return _by_recording(rows.sort_values("recording"))
+        rows = rows.drop(columns="ingested_at").merge(newest)
+        if len(rows) < len(newest):
+            raise StoreError(
+                "a commit is missing: the table sources refers to recordings that are not there",
+                file=f"{self.location.uri}/recordings/_delta_log",
+            )
+        return _by_recording(rows.sort_values("recording")[RECORDINGS.names])
 
     @cached_property
     def sources(self) -> pd.DataFrame:
@@ -418,19 +415,44 @@ class Snapshot:
         first, label = contents["ingested_at"].transform("min"), contents["label"].transform("last")
         rows = rows.assign(ingested_at=first, label=label.fillna(""))
         rows = rows.drop_duplicates(_CONTENT["sources"], keep="last")
-        rows = rows.sort_values(["ingested_at", *_CONTENT["sources"]])
-        numbers = rows.groupby(["recording", "source"], sort=False).cumcount() + 1
-        rows = rows.assign(version=numbers.astype("int64"))
-        return rows.sort_values(["recording", "source", "version"], ignore_index=True)
+        rows = rows.sort_values(["recording", "source", "ingested_at", "sha256"], ignore_index=True)
+        return rows.assign(version=rows.groupby(["recording", "source"]).cumcount() + 1)
+
+    def older(self, given: pd.DataFrame) -> pd.DataFrame:
+        """Count the given versions that are not the newest ones.
+
+        Parameters
+        ----------
+        given
+            Columns recording, source (empty: the recording itself) and sha256.
+
+        Returns
+        -------
+        DataFrame
+            Columns source, version, newest (the version that is) and n_recordings.
+        """
+        key = ["recording", "source"]
+        came = self._counting[[*key, "sha256"]]
+        of_recordings = self._counting.assign(source="", sha256=self._counting["recording_sha256"])
+        came = pd.concat([came, of_recordings[came.columns]])
+        numbered = came.drop_duplicates()
+        numbered = numbered.assign(version=numbered.groupby(key).cumcount() + 1)
+        last = came.drop_duplicates(key, keep="last").merge(numbered).drop(columns="sha256")
+        rows = given.merge(numbered).merge(last.rename(columns={"version": "newest"}), on=key)
+        rows = rows[rows["version"] != rows["newest"]]
+        counts = rows.groupby(["source", "version", "newest"])["recording"].size()
+        return counts.rename("n_recordings").reset_index()
 
     def pick(self, source: str) -> pd.DataFrame:
-        """One version of a source in each recording that has it, in the recording's newest version.
+        """Return one version of a source per recording, of the recordings that have it.
+
+        Sources that came with another version of the recording than its newest are left out.
 
         Parameters
         ----------
         source
-            A name, for what came last; with ``@2`` the second version, with ``@label`` the newest
-            that was called so.
+            A name for the newest version, a name with ``@2`` for the second one, or with ``@label``
+            for the newest with that label.
 
         Returns
         -------
@@ -451,13 +473,13 @@ class Snapshot:
         elif name not in names:
             known = did_you_mean(source, names, f"there are {listed(names, most=MOST_NAMED)}")
             raise InputError(f"there is no source {source!r}; {known}", file=self.location.uri)
-        rows, stated = rows[rows["source"] == name], self._stated
-        stated = stated[stated["source"] == name]
+        rows, came = (of[of["source"] == name] for of in (rows, self._counting))
         # what came with another version of its recording is of other frames or another picture
-        newest = self.recordings["sha256"].reindex(stated["recording"]).to_numpy()
-        came = stated[stated["recording_sha256"] == newest][["recording", "sha256"]]
+        newest = self.recordings["sha256"].reindex(came["recording"]).to_numpy()
+        came = came[came["recording_sha256"] == newest][["recording", "sha256"]]
         if at:
-            labelled = stated[(stated["label"] == version) & (version != "")]
+            labelled = self._stated[self._stated["source"] == name]
+            labelled = labelled[(labelled["label"] == version) & (version != "")]
             wanted = pd.concat([rows[rows["version"].map(str) == version], labelled])
             if wanted.empty:
                 labels = sorted({label for label in rows["label"] if label})
@@ -474,22 +496,22 @@ class Snapshot:
         return self._picked[source]
 
     def read(self, recordings: Sequence[str], sources: Sequence[str]) -> dict[str, pa.Table]:
-        """Whole recordings, with these sources alone.
+        """Read whole recordings with some of their sources.
 
         Parameters
         ----------
         recordings
             Names.
         sources
-            As for `pick`. A recording may have some of them only.
+            As for `pick`. A recording need not have all of them.
 
         Returns
         -------
         dict
-            recordings and sources, whose first_row and n_rows say where their rows are in the other
-            two: frames, by recording and frame; boxes, by recording, source in the order asked for,
-            and frame. The column source has the sources as asked for. Each is read when it is first
-            looked up, with these errors, too.
+            ``recordings``, ``sources``, ``frames`` (by recording and frame) and ``boxes`` (by
+            recording, source in the order asked for, and frame); first_row and n_rows of the first
+            two refer to the last two. The column source holds the names asked for. A table is read
+            when it is first looked up, with the same errors.
 
         Raises
         ------
@@ -499,88 +521,89 @@ class Snapshot:
             If the store cannot be read.
         """
         names = sorted({*recordings})
-        chosen = _rows_of(self.recordings, names)
+        chosen = self.recordings[self.recordings.index.isin(names)]
         if len(chosen) < len(names):
             missing = min({*names}.difference(chosen["recording"]))
             raise InputError(f"there is no recording {missing!r}", file=self.location.uri)
-        picked = [(self.pick(of), of) for of in sources]
-
-        @cache
-        def rows_of(name: str) -> pd.DataFrame:
-            if name == "recordings":
-                return chosen
-            rows = [_rows_of(rows, names).assign(source=of) for rows, of in picked]
-            return pd.concat([self.sources[:0], *rows]).sort_values("recording", kind="stable")
+        picked = [self.pick(of).assign(source=of) for of in sources]
+        picked = [rows[rows.index.isin(names)] for rows in picked]
+        found = pd.concat([self.sources[:0], *picked]).sort_values("recording", kind="stable")
+        rows_of = {"recordings": chosen, "sources": found}
 
         def make(name: str) -> pa.Table:
-            rows = rows_of(_REFERS_TO.get(name, name))
             if name in _REFERS_TO:
-                return self._read_rows(name, rows)
-            first_row = rows["n_rows"].cumsum() - rows["n_rows"]
-            own = rows.assign(file="", group=0, first_row=first_row)
+                return self._read_rows(name, rows_of[_REFERS_TO[name]])
+            first_row = rows_of[name]["n_rows"].cumsum() - rows_of[name]["n_rows"]
+            own = rows_of[name].assign(file="", first_row=first_row)
             return pa.Table.from_pandas(own, SCHEMAS[name], preserve_index=False)
 
         return _WhenAsked(make)
 
     def _read_rows(self, name: str, rows: pd.DataFrame) -> pa.Table:
+        """Read the stretches of rows that versions refer to, in their order."""
         schema = IN_MEMORY[name]
-        # which recording and source rows are of is known beforehand, and need not be read
+        # recording and source are known from the versions and need not be read
         given = [column for column in ("recording", "source") if column in schema.names]
-        columns = [column for column in schema.names if column not in given]
-        texts = [column for column in columns if pa.types.is_dictionary(schema.field(column).type)]
-        pieces: list[pa.Table] = [None] * len(rows)
-        firsts, counts = rows["first_row"].to_numpy(), rows["n_rows"].to_numpy()
-        for file, places in rows.assign(place=range(len(rows))).groupby("file", sort=False)[
-            "place"
-        ]:
-            if not file:
-                continue
-            of_file = places.to_numpy()
+        own = pa.schema([column for column in schema if column.name not in given])
+        texts = [column.name for column in own if pa.types.is_dictionary(column.type)]
+        pieces = {-1: own.empty_table()}
+        placed = rows.assign(place=range(len(rows)), stop=rows["first_row"] + rows["n_rows"])
+        for file, of_file in placed[placed["n_rows"] > 0].groupby("file", sort=False):
+            first, last = int(of_file["first_row"].min()), int(of_file["stop"].max())
             with _file_of(self.location, f"{name}/{file!s}", texts) as parquet:
-                sizes = [
-                    parquet.metadata.row_group(i).num_rows for i in range(parquet.num_row_groups)
-                ]
+                groups = range(parquet.num_row_groups)
+                sizes = [parquet.metadata.row_group(group).num_rows for group in groups]
                 starts = np.cumsum([0, *sizes])
-                first, last = firsts[of_file], firsts[of_file] + counts[of_file]
-                if last.max() > starts[-1]:
+                if last > starts[-1]:
                     raise ValueError("it has fewer rows than the store says")
-                group = np.searchsorted(starts, first, side="right") - 1
-                stops = np.searchsorted(starts, last)
-                groups = np.unique(
-                    np.concatenate([np.arange(*ends) for ends in zip(group, stops, strict=True)])
-                )
-                table = parquet.read_row_groups(groups.tolist(), columns=columns)
-            is_read = np.zeros(len(sizes), bool)
-            is_read[groups] = True
-            start_in_table = np.cumsum([0, *np.where(is_read, sizes, 0)])
-            for place, of, start in zip(of_file, group, first, strict=True):
-                pieces[place] = table.slice(start_in_table[of] + start - starts[of], counts[place])
-        own = pa.schema([schema.field(column) for column in columns])
-        whole = pa.concat_tables(
-            [own.empty_table(), *(piece for piece in pieces if piece is not None)]
-        )
+                lowest = int(np.searchsorted(starts, first, side="right")) - 1
+                highest = int(np.searchsorted(starts, last))
+                table = parquet.read_row_groups([*groups[lowest:highest]], columns=own.names)
+            stretches = of_file[["place", "first_row", "n_rows"]].itertuples(index=False)
+            for place, first, n_rows in stretches:
+                pieces[place] = table.slice(first - starts[lowest], n_rows)
+        whole = pa.concat_tables([pieces[place] for place in sorted(pieces)])
         whole = whole.unify_dictionaries().combine_chunks()
         for position, column in enumerate(given):
             codes, names = pd.factorize(rows[column])
-            codes = pa.array(np.repeat(codes.astype(np.int32), counts))
+            codes = pa.array(np.repeat(codes.astype(np.int32), rows["n_rows"]))
             texts = pa.DictionaryArray.from_arrays(codes, pa.array([*names], pa.string()))
             whole = whole.add_column(position, schema.field(column), texts)
         return whole.cast(schema)
 
 
+def other_settings(recordings: pd.DataFrame, params: Params) -> str:
+    """Say which settings of the ingested sessions a scan does not use; empty: it uses all.
+
+    Parameters
+    ----------
+    recordings
+        Rows of `Snapshot.recordings`.
+    params
+        Settings of the scan.
+    """
+    used, others, n, words = asdict(params), set(), 0, {None: "the default"}
+    for text, count in recordings["parameters"].value_counts().items():
+        given = json.loads(str(text) or "{}")
+        differing = [name for name, value in given.items() if value != used.get(name)]
+        others |= {(name, str(words.get(given[name], given[name]))) for name in differing}
+        n += int(count) if differing else 0
+    texts = [
+        f"{name} {' or '.join(value for _, value in values)} "
+        f"(the scan uses {words.get(used.get(name), used.get(name))})"
+        for name, values in groupby(sorted(others), key=itemgetter(0))
+    ]
+    ingested = f"{n:,} of {count_text(len(recordings), 'recording')} {'was' if n == 1 else 'were'}"
+    return f"{ingested} ingested with other settings: {', '.join(texts)}" if n else ""
+
+
 def _by_recording(rows: pd.DataFrame) -> pd.DataFrame:
-    """Rows of one recording each, with its name as index, too."""
+    """Return rows of one recording each, indexed by its name."""
     return rows.set_axis(rows["recording"].array)
 
 
-def _rows_of(rows: pd.DataFrame, names: Sequence[str]) -> pd.DataFrame:
-    """Those of recordings of these names, in this order, as far as they are there."""
-    place = rows.index.get_indexer(pd.Index([*names]))
-    return rows.iloc[place[place >= 0]]
-
-
 class _WhenAsked(dict[str, pa.Table]):
-    """Tables by name, read when they are first looked up."""
+    """Tables by name, each read when it is first looked up."""
 
     def __init__(self, read: Callable[[str], pa.Table]):
         self._read = read
@@ -592,7 +615,7 @@ class _WhenAsked(dict[str, pa.Table]):
 
 @contextmanager
 def _file_of(location: Location, path: str, texts: Sequence[str] = ()) -> Iterator[pq.ParquetFile]:
-    """A Parquet file of a store; that it is damaged or missing is an error of its own."""
+    """Open a Parquet file of a store; raise an error that names it if it is damaged or missing."""
     uri = f"{location.uri}/{path}"
     try:
         with location.at(path, "read"), location.open(path) as source:
@@ -603,13 +626,9 @@ def _file_of(location: Location, path: str, texts: Sequence[str] = ()) -> Iterat
                     pre_buffer=location.path is None,
                     page_checksum_verification=True,
                 )
-            except MemoryError:
-                raise
-            except OSError as error:
-                if error.errno is not None:
+            except (pa.ArrowException, OSError, KeyError, ValueError) as error:
+                if isinstance(error, MemoryError) or getattr(error, "errno", None) is not None:
                     raise
-                raise FormatError(f"is damaged ({error})", file=uri) from error
-            except (pa.ArrowException, KeyError, ValueError) as error:
                 raise FormatError(f"is damaged ({error})", file=uri) from error
     except FileNotFoundError as error:
         if not location.list("sources/_delta_log/"):  # this machine does not see the store
@@ -618,7 +637,7 @@ def _file_of(location: Location, path: str, texts: Sequence[str] = ()) -> Iterat
 
 
 def _opened(location: Location, name: str, version: int | None = None) -> DeltaTable | None:
-    """A table of a store, as it was at a version; None: there is none."""
+    """Open a table of a store at a version; None if it does not exist."""
     with location.at(name, "read"):
         try:
             return DeltaTable(
@@ -628,13 +647,28 @@ def _opened(location: Location, name: str, version: int | None = None) -> DeltaT
             return None
 
 
-def _divided(name: str, partition: str | None) -> tuple[Schema, list[str]]:
-    """Schema of a table and by which columns it is divided: frames and boxes alone are."""
-    schema = SCHEMAS[name]
-    parts = [partition] if partition is not None and name in IN_MEMORY else []
-    for part in parts:
-        schema = schema.append(pa.field(part, pa.string()))
-    return Schema.from_arrow(schema), parts
+def _versions_reached(location: Location) -> dict[str, int]:
+    """Return the versions that the tables had at some time; empty for a store without the file."""
+    try:
+        content = json.loads(location.find(VERSIONS) or b"{}")
+        return {name: int(content.get(name, 0)) for name in SCHEMAS}
+    except (ValueError, TypeError, AttributeError) as error:
+        raise StoreError("is damaged; delete it", file=f"{location.uri}/{VERSIONS}") from error
+
+
+def _checked(
+    location: Location, tables: Mapping[str, DeltaTable], reached: Mapping[str, int]
+) -> dict[str, int]:
+    """Return the versions of tables; StoreError if one is older than it was: it lost a file."""
+    versions = {name: table.version() for name, table in tables.items()}
+    for name, version in versions.items():
+        if version < reached[name]:
+            raise StoreError(
+                f"version {reached[name]} of this table is missing, the newest is {version}; "
+                f"restore the log, or delete {VERSIONS} and ingest again what was lost",
+                file=f"{location.uri}/{name}/_delta_log",
+            )
+    return versions
 
 
 def _partition_of(table: DeltaTable) -> str | None:
@@ -642,7 +676,7 @@ def _partition_of(table: DeltaTable) -> str | None:
 
 
 def _files(location: Location, name: str, table: DeltaTable) -> dict[str, int]:
-    """Files of a table by their path within the location, and their bytes."""
+    """Return the size of each file of a table, by its path within the location."""
     with location.at(name, "read"):
         actions = pa.table(table.get_add_actions(flatten=True))
     paths = [f"{name}/{unquote(path)}" for path in map(str, actions["path"].to_pylist())]
@@ -652,73 +686,29 @@ def _files(location: Location, name: str, table: DeltaTable) -> dict[str, int]:
 def _rows(
     location: Location, name: str, paths: Sequence[str], known: dict[str, pa.Table]
 ) -> pa.Table:
-    """Rows of files of recordings or sources; `known` has those that were read before."""
+    """Read rows of files of recordings or sources; `known` caches them by path."""
+    schema = SCHEMAS[name]
 
     def read(path: str) -> pa.Table:
         with _file_of(location, path) as parquet:
-            return parquet.read().select(SCHEMAS[name].names).cast(SCHEMAS[name])
+            rows = parquet.read()
+            for field in schema:
+                if field.name in ADDED_LATER and field.name not in rows.column_names:
+                    value = pa.scalar(ADDED_LATER[field.name], field.type)
+                    rows = rows.append_column(field, pa.repeat(value, len(rows)))
+            return rows.select(schema.names).cast(schema)
 
     if new := [path for path in paths if path not in known]:
         with ThreadPoolExecutor(_THREADS) as pool:
             known.update(zip(new, pool.map(read, new), strict=True))
-    return pa.concat_tables([SCHEMAS[name].empty_table(), *(known[path] for path in paths)])
+    return pa.concat_tables([schema.empty_table(), *(known[path] for path in paths)])
 
 
-def keys_of(rows: pa.Table, columns: Sequence[str]) -> list[tuple[Any, ...]]:
-    """Cells of these columns, a tuple for each row."""
-    return [*zip(*(rows[name].to_pylist() for name in columns), strict=True)]
-
-
-def _facts_of(
-    name: str, row: tuple[Any, ...], facts: Mapping[tuple[Any, ...], Any]
-) -> dict[tuple[Any, ...], Any]:
-    """What is so once a row with these cells of `_STATED` is written, beside what was before.
-
-    By the content of a version, what is amendable; by a source, its newest content and the version
-    of the recording with which it came; by a source and a label, its content.
-    """
-    if name == "recordings":  # of other pictures another one may be the first
-        recording, sha256, pictures, first_picture = row
-        before = facts.get((recording, sha256), ("", None))
-        return {(recording, sha256): (pictures, first_picture) if pictures else before}
-    recording, source, sha256, recording_sha256, label, kind = row
-    content = recording, source, sha256
-    return {
-        content: (kind or facts.get(content, (TRUTH_KINDS[0],))[0],),
-        (recording, source): (sha256, recording_sha256),
-        **({(recording, source, "label", label): sha256} if label else {}),
-    }
-
-
-def _with_columns(
-    rows: pa.Table, names: Sequence[str], cells: Sequence[tuple[Any, ...]]
-) -> pa.Table:
-    """Rows with other cells in these columns, a tuple of them for each row."""
-    for name, values in zip(names, zip(*cells, strict=True), strict=bool(cells)):
-        place = rows.schema.get_field_index(name)
-        field = rows.schema.field(place)
-        rows = rows.set_column(place, field, pa.array(values, field.type))
-    return rows
-
-
-def _parts_of(
-    recordings: pa.Table, names: pa.ChunkedArray, partition: str | None
-) -> list[str | None]:
-    """In which part of a divided store these recordings are; None: in the one of all others."""
-    units, times = recordings["unit"].to_pylist(), recordings["recorded_at"].to_pylist()
-    parts = {}
-    for name, unit, when, tags in zip(
-        recordings["recording"].to_pylist(),
-        units,
-        times,
-        recordings["tags"].to_pylist(),
-        strict=True,
-    ):
-        of_tags = (tag.partition("=")[2] for tag in tags if tag.startswith(f"{partition}="))
-        part = next(of_tags, None)
-        if partition == "unit":
-            part = unit
-        elif partition == "month" and when is not None:
-            part = f"{when:%Y-%m}"
-        parts[name] = part or None
-    return [parts[name] for name in names.to_pylist()]
+def _part_of(row: Mapping[str, Any], partition: str | None) -> str | None:
+    """Return the part of a divided store for a recording; None: it has no such key."""
+    if partition == "unit":
+        return row["unit"] or None
+    if partition == "month":
+        return f"{row['recorded_at']:%Y-%m}" if row["recorded_at"] else None
+    start = f"{partition}="
+    return next((tag[len(start) :] for tag in row["tags"] if tag.startswith(start)), None)

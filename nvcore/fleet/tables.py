@@ -10,7 +10,6 @@ from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
 
 INDEX: Final = (
     pa.field("file", pa.string()),  # path within the table's folder
-    pa.field("group", pa.int32()),  # first row group that has rows of it
     pa.field("first_row", pa.int64()),  # its first row within the file
     pa.field("n_rows", pa.int64()),
 )
@@ -34,11 +33,12 @@ RECORDINGS: Final = pa.schema(
         pa.field("first_picture", pa.int64()),  # frame that the first one shows; null: not stated
         pa.field("objects", pa.list_(pa.string())),  # what the boxes are of: singular, plural
         pa.field("duration_s", pa.float64()),
+        pa.field("parameters", pa.string()),  # JSON of the session's settings; empty: by default
         pa.field("source", pa.string()),  # URI of the session that it came with
         *INDEX,  # its rows of `frames`
     ]
 )
-"""One row for each version of a recording; the newest one counts."""
+"""Rows of versions of recordings; a later row of a version replaces an earlier one."""
 
 SOURCES: Final = pa.schema(
     [
@@ -52,13 +52,17 @@ SOURCES: Final = pa.schema(
         pa.field("threshold", pa.float64()),  # of a system, by its session; null: none
         pa.field("inputs", pa.list_(pa.string())),  # sha256 of the files that it was read from
         pa.field("n_left_out", pa.int64()),  # rows of these files that could not be placed
+        pa.field("amends", pa.bool_()),  # notes a label or kind; does not make it the newest
         *INDEX,  # its rows of `boxes`
     ]
 )
-"""One row for each version of the truth or a system of a recording.
+"""Rows of versions of the truth or a system; a later row of a version replaces an earlier one.
 
-They are written last: of a recording, a version counts once there is a source that came with it.
+They are written last: a version of a recording counts once there is a source that came with it.
 """
+
+ADDED_LATER: Final = {"parameters": "", "amends": False}
+"""Columns that older stores lack, and their values there."""
 
 FRAMES: Final = pa.schema(
     [

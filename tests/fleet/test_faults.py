@@ -354,4 +354,4 @@ def test_other_versions_are_refused(store, out):
     (out / "newest.json").write_bytes(seal({"plan": other.key}))
     with pytest.raises(InputError, match="compute them anew with --recompute"):
         begin_scan(store, out)
-    begin(Store(store), Location(out), PARAMS, recompute=True)
+    begin(Store(store).snapshot(), Location(out), PARAMS, recompute=True)

@@ -87,8 +87,8 @@ def test_a_damaged_table_is_named_by_top_and_by_the_scan_that_mends_it(store, re
     with pytest.raises(InputError, match=rf"{damaged.name}: is missing or damaged; run the scan"):
         answers(out)
     again = scanned(store, out)
-    assert len(again.repaired) == 1
-    assert f"computed anew: {damaged}: is missing or damaged" in str(again)
+    assert len(again.notes) == 1
+    assert f"note: computed anew: {damaged}: is missing or damaged" in str(again)
     assert damaged.read_bytes() == (results[0] / "encounters" / damaged.name).read_bytes()
 
 
@@ -117,7 +117,8 @@ from nvcore.errors import InputError
 store, out, *recompute = sys.argv[1:]
 scan = ScanParams("x", "y", frames=True)
 try:
-    plan = begin(Store(store), Location(out), scan, recompute=bool(recompute), frames_per_batch=100)
+    made = Store(store).snapshot(), Location(out), scan
+    plan = begin(*made, recompute=bool(recompute), frames_per_batch=100)
     print(len(Job(plan.store, out, plan.key).missing()), "of", len(plan.batches))
 except InputError as error:
     print(error)
@@ -136,7 +137,7 @@ def test_batches_of_another_program_are_refused_or_computed_anew(store, tmp_path
         return done.stdout.strip()
 
     out = tmp_path / "out"
-    plan = begin(Store(store), Location(out), PARAMS, frames_per_batch=100)
+    plan = begin(Store(store).snapshot(), Location(out), PARAMS, frames_per_batch=100)
     for batch in plan.batches:
         Location(out).write(f"done/{batch.key}.json", b"{}")
     shutil.copytree(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +15,15 @@ import nvcore as nv
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, ParameterError, SessionError
 from nvcore.fleet import ingest as ingest_module
-from nvcore.fleet.ingest import tables_of
-from nvcore.fleet.store import Store
-from nvcore.inputs.session import RecordingEntry, Session, Source
+from nvcore.fleet.ingest import CARRIED, tables_of
+from nvcore.fleet.store import Store, other_settings
+from nvcore.inputs.session import (
+    TABLES_OF_SUBJECTS,
+    RecordingEntry,
+    Session,
+    Source,
+    SystemSource,
+)
 
 
 def session(folder: Path, *lines: str) -> Path:
@@ -55,7 +61,7 @@ def test_a_session_is_stored_with_all_that_it_says(tmp_path: Path):
     (tmp_path / "drive" / "seen.mp4").touch()
     done = nv.ingest(path, store=tmp_path / "store", partition="month", labels={"FIR": "spring"})
     assert done.errors == {}
-    assert done.not_stored == {"pictures of visible light": 1}
+    assert done.not_stored == {"[[recording]] visible": 1}
     snapshot = nv.open_store(tmp_path / "store").snapshot()
     rural, urban = snapshot.recordings.to_dict("records")
     assert [*urban["tags"]] == ["night", "road=urban"]
@@ -76,6 +82,117 @@ def test_a_session_is_stored_with_all_that_it_says(tmp_path: Path):
     assert np.isnan(sources.loc[("urban", "NIR"), "threshold"])
     (digest,) = sources.loc[("rural", "truth"), "inputs"]
     assert digest == nv.load(path).inputs.query("subject == 'truth'")["sha256"].item()
+
+
+def test_every_key_of_a_session_is_carried_or_named(tmp_path: Path):
+    tables = {"[compare]": Session, "[[recording]]": RecordingEntry, "[[system]]": SystemSource}
+    tables |= {f"[{name}]": kind for name, kind in TABLES_OF_SUBJECTS.items()}
+    named = {
+        *("[compare] x", "[compare] y", "[compare] accept", "[compare] operating_point"),
+        *("[compare] primary", "[compare] protocol", "[compare] published", "[compare] codes"),
+        *("[[recording]] visible", "[[recording]] visible_map"),
+        *("[[recording]] light", "[[recording]] gaze"),
+        *("[[system]] provenance", "[[system]] alerts", "[[system]] alert_policy"),
+        "[driver] provenance",
+    }
+    carried = {f"{table} {name}" for table, names in CARRIED.items() for name in names.split()}
+    keys = {f"{table} {of.name}" for table, kind in tables.items() for of in fields(kind)}
+    assert carried | named == keys
+    assert not carried & named
+    path = session(
+        tmp_path, 'alerts = "log.csv"', 'provenance = "made.json"',
+        "[compare]", 'x = "NIR"', 'accept = ["no-match"]', 'operating_point = "as-set"',
+        "[primary]", 'measure = "mean_similarity"', "[protocol]", "height_px = [50, 200]",
+        "[codes]", 'path = "codes.csv"',
+        "[[published]]", 'name = "ours"', "fppi = 0.1", "miss_rate = 0.2",
+        "[[recording]]", 'name = "urban"', 'light = "lux.csv"',
+    )  # fmt: skip
+    write(tmp_path / "codes.csv", "recording,start_s,end_s,code", "urban,0,0.5,glare")
+    write(tmp_path / "log.csv", "start_s,end_s,kind,recording", "0,0.5,own,urban")
+    write(tmp_path / "lux.csv", "time_s,lux", "0,10", "0.5,12")
+    done = nv.ingest(path, store=tmp_path / "store")
+    assert done.errors == {}
+    assert done.not_stored == dict.fromkeys(
+        (
+            *("[compare] x", "[protocol]", "[[published]]", "[compare] accept", "[[code]]"),
+            *("[primary]", "[compare] operating_point", "[[recording]] light"),
+            *("[[system]] provenance", "[[system]] alerts"),
+        ),
+        1,
+    )
+
+
+def test_settings_of_a_session_are_stored_and_a_scan_says_which_it_does_not_use(tmp_path: Path):
+    store = tmp_path / "store"
+    settings = ("[parameters]", "alpha = 0.5", "match = 'lateral'", "threshold_x = 0.8")
+    nv.ingest(session(tmp_path / "a", *settings), recordings("b"), store=store)
+    rows = nv.open_store(store).snapshot().recordings
+    stated = '{"alpha": 0.5, "match": "lateral"}'
+    assert rows["parameters"].to_dict() == {"b": "", "rural": stated, "urban": stated}
+    done = nv.scan(store, tmp_path / "out", x="FIR", y="NIR", shard="0/1", alpha=0.6)
+    assert done.summary.params.params == nv.Params(alpha=0.6)
+    assert (
+        "note: 2 of 2 recordings were ingested with other settings: alpha 0.5 (the scan uses 0.6), "
+        "match lateral (the scan uses iou)"
+    ) in str(done).splitlines()
+    rows["parameters"] = [stated, '{"alpha": 0.6, "midpoint": 30}', ""]
+    assert other_settings(rows, nv.Params(alpha=0.6, match="lateral")) == (
+        "2 of 3 recordings were ingested with other settings: alpha 0.5 (the scan uses 0.6), "
+        "midpoint 30 (the scan uses the default)"
+    )
+    assert other_settings(rows[:1], nv.Params(alpha=0.5, match="lateral")) == ""
+    # the same input with other settings is no new version
+    done = nv.ingest(session(tmp_path / "a", settings[0], settings[-1]), store=store)
+    assert (len(done.sources), len(done.older)) == (0, 0)
+    assert nv.open_store(store).snapshot().recordings["parameters"].tolist() == ["", "", ""]
+
+
+def test_inputs_that_differ_in_parameters_alone_are_one_version(tmp_path: Path):
+    plain = recordings("a")
+    asking = plain.with_settings(replace(plain.settings, params=nv.Params(alpha=0.5)))
+    for _ in range(2):
+        done = nv.ingest(plain, asking, store=tmp_path)
+        assert done.errors == {}
+        assert Store(tmp_path).snapshot().recordings["parameters"].tolist() == ['{"alpha": 0.5}']
+    assert len([*(tmp_path / "recordings").glob("*.parquet")]) == 1
+
+
+def test_a_scan_takes_settings_by_name_and_no_alerts_of_logs(tmp_path: Path):
+    for settings, error in (
+        ({"alpa": 0.5}, r"there is no parameter 'alpa'; did you mean 'alpha'"),
+        ({"alpha": 2}, "alpha"),
+        ({"alerts": "log"}, "a store holds no alert logs, so a scan cannot use them"),
+    ):
+        with pytest.raises(ParameterError, match=error):
+            nv.scan(tmp_path / "store", tmp_path / "out", x="FIR", y="NIR", **settings)
+    assert "alpha=0.8" in (nv.scan.__doc__ or "")
+
+
+def test_an_older_version_given_again_stays_older_unless_asked(tmp_path: Path):
+    old, new = recordings("a", "b"), recordings("a", "b", seed=1, fps=25.0)
+    for dataset in (old, new):
+        assert nv.ingest(dataset, store=tmp_path).older.empty
+    done = nv.ingest(old, store=tmp_path)
+    assert done.older.to_numpy().tolist() == [[of, 1, 2, 2] for of in ("", "truth", "x", "y")]
+    assert Store(tmp_path).snapshot().pick("x")["version"].tolist() == [2, 2]
+    assert nv.ingest(old, store=tmp_path, newest=True).older.empty
+    assert Store(tmp_path).snapshot().pick("x")["version"].tolist() == [1, 1]
+
+
+def test_the_command_says_which_version_is_newest(tmp_path: Path):
+    path, store = session(tmp_path), tmp_path / "store"
+    earlier = (tmp_path / "fir.csv").read_text()
+    nvcore("ingest", path, "--store", store)
+    (tmp_path / "fir.csv").write_text(earlier.replace("0.9", "0.8"))
+    nvcore("ingest", path, "--store", store)
+    (tmp_path / "fir.csv").write_text(earlier)
+    result = nvcore("ingest", path, "--store", store)
+    assert result.stderr.splitlines()[-1] == (
+        "note: FIR of 2 recordings is there as version 1; version 2 stays the newest (--newest "
+        "changes that)"
+    )
+    assert "note" not in nvcore("ingest", path, "--store", store, "--newest").stderr
+    assert Store(store).snapshot().pick("FIR")["version"].tolist() == [1, 1]
 
 
 def test_what_is_stored_has_the_numbers_of_the_dataset(tmp_path: Path, kaist: Dataset):

@@ -111,7 +111,7 @@ def test_a_fault_of_the_program_is_not_put_upon_the_recordings(store, tmp_path):
 def keys_of(store: Path, frames_per_batch: int = 400) -> list[str]:
     snapshot = Store(Location(store)).snapshot()
     return [
-        batch.key for batch in plan(snapshot, PARAMS, "", frames_per_batch=frames_per_batch).batches
+        batch.key for batch in plan(snapshot, PARAMS, frames_per_batch=frames_per_batch).batches
     ]
 
 
@@ -138,7 +138,7 @@ def test_what_was_added_or_changed_leaves_the_other_batches_as_they_were(tmp_pat
 def test_recordings_that_a_system_lacks_are_left_out_and_counted(tmp_path):
     append_to(tmp_path, small_fleet(3))
     append_to(tmp_path, small_fleet(2, first=3), without="y")
-    made = plan(Store(Location(tmp_path)).snapshot(), PARAMS, "")
+    made = plan(Store(Location(tmp_path)).snapshot(), PARAMS)
     assert made.left_out == {"y": 2}
     assert [batch.recordings for batch in made.batches] == [("r0", "r1", "r2")]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import multiprocessing
 import pickle
 import resource
@@ -97,8 +98,7 @@ def test_a_dataset_is_read_as_it_was_appended(place: Location):
 
 
 def test_only_what_is_asked_for_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(store_module, "GROUP_ROWS", 20)
-    monkeypatch.setattr(store_module, "MAX_GROUP_ROWS", 25)  # recordings of 30 frames are split
+    monkeypatch.setattr(store_module, "GROUP_ROWS", 20)  # recordings of 30 frames are split
     names = [f"r{number}" for number in range(6)]
     dataset = recordings(*names)
     store = Store(tmp_path)
@@ -174,12 +174,91 @@ def test_what_came_last_is_the_newest_whatever_the_clock_says(
     clock = SimpleNamespace(now=lambda zone: datetime(2026, 1, next(days), tzinfo=zone))
     monkeypatch.setattr(store_module, "datetime", clock)
     first, second = recordings("a", fps=20.0), recordings("a", fps=25.0, seed=1)
-    for dataset, version in ((first, 1), (second, 2), (first, 1), (second, 2)):
-        Store(tmp_path).append([tables_of(dataset)])
-        check_same(Store(tmp_path).snapshot(), dataset)
-        assert Store(tmp_path).snapshot().recordings["fps"].item() == dataset.recordings["fps"][0]
+    for given, asks, newest, version in (
+        (first, False, first, 1), (second, False, second, 2), (first, False, second, 2),
+        (first, True, first, 1), (first, True, first, 1), (second, True, second, 2),
+    ):  # fmt: skip
+        Store(tmp_path).append([tables_of(given)], newest=asks)
+        check_same(Store(tmp_path).snapshot(), newest)
+        assert Store(tmp_path).snapshot().recordings["fps"].item() == newest.recordings["fps"][0]
         assert Store(tmp_path).snapshot().pick("x")["version"].tolist() == [version]
-    assert len([*(tmp_path / "boxes").glob("*.parquet")]) == 2
+    assert [len([*(tmp_path / of).glob("*.parquet")]) for of in ("boxes", "sources")] == [2, 4]
+
+
+def test_a_note_on_an_older_version_leaves_the_newest_one(tmp_path: Path):
+    store, first, second = Store(tmp_path), recordings("a"), recordings("a", seed=1)
+    for dataset in (first, second):
+        store.append([tables_of(dataset)])
+    before = store.snapshot().recordings
+    store.append([tables_of(first, labels={"x": "old"}, truth_kind="automatic")])
+    snapshot = store.snapshot()
+    check_same(snapshot, second)
+    assert snapshot.recordings.equals(before)
+    assert snapshot.pick("x@old")["version"].tolist() == [1]
+    assert snapshot.sources.query("source == 'truth'")["kind"].tolist() == [
+        "automatic",
+        "annotated",
+    ]
+
+
+def test_the_other_version_of_a_recording_is_newest_if_asked_for_one_source(tmp_path: Path):
+    store, old, new = Store(tmp_path), recordings("a"), recordings("a", fps=25.0)
+    for dataset in (old, new):
+        store.append([tables_of(dataset)])
+    store.append([tables_of(old)], newest=True)
+    check_same(store.snapshot(), old)
+    assert store.snapshot().recordings["fps"].tolist() == [10]
+
+
+@pytest.mark.parametrize("name", ["recordings", "sources", "frames", "boxes"])
+def test_a_log_without_its_newest_commit_is_an_error(tmp_path: Path, name: str):
+    store = Store(tmp_path)
+    store.append(batch_of("a"))
+    store.append(batch_of("b"))
+    (tmp_path / name / "_delta_log" / f"{2:020}.json").unlink()
+    for use in (Store(tmp_path).snapshot, lambda: Store(tmp_path).append(batch_of("a"))):
+        with pytest.raises(StoreError, match=rf"{name}/_delta_log: version 2 .* is missing"):
+            use()
+    (tmp_path / "versions.json").write_text("[]")
+    with pytest.raises(StoreError, match=r"versions.json: is damaged; delete it"):
+        Store(tmp_path).snapshot()
+    (tmp_path / "versions.json").unlink()
+    if name == "recordings":  # that sources refer to others is noticed without the file, too
+        with pytest.raises(StoreError, match="recordings/_delta_log: a commit is missing"):
+            _ = Store(tmp_path).snapshot().recordings
+    Store(tmp_path).append(batch_of("b"))
+    check_same(Store(tmp_path).snapshot(), recordings("b"))
+
+
+def test_versions_that_are_behind_the_tables_are_no_error(tmp_path: Path):
+    store = Store(tmp_path)
+    store.append(batch_of("a"))
+    earlier = (tmp_path / "versions.json").read_bytes()
+    store.append(batch_of("b"))
+    (tmp_path / "versions.json").write_bytes(earlier)  # as if the writer was killed before
+    assert store.snapshot().recordings["recording"].tolist() == ["a", "b"]
+
+
+def test_a_store_without_columns_that_were_added_later_is_read_and_appended_to(tmp_path: Path):
+    Store(tmp_path).append(batch_of("a"))
+    for name, column in (("recordings", "parameters"), ("sources", "amends")):
+        [file] = (tmp_path / name).glob("*.parquet")
+        size = file.stat().st_size
+        pq.write_table(pq.read_table(file).drop_columns([column]), file)
+        commit = tmp_path / name / "_delta_log" / f"{1:020}.json"
+        commit.write_text(commit.read_text().replace(f":{size}", f":{file.stat().st_size}"))
+        log = tmp_path / name / "_delta_log" / f"{0:020}.json"
+        lines = [json.loads(line) for line in log.read_text().splitlines()]
+        [facts] = [line["metaData"] for line in lines if "metaData" in line]
+        schema = json.loads(facts["schemaString"])
+        schema["fields"] = [of for of in schema["fields"] if of["name"] != column]
+        facts["schemaString"] = json.dumps(schema)
+        log.write_text("\n".join(map(json.dumps, lines)))
+    Store(tmp_path).append(batch_of("b"))
+    snapshot = Store(tmp_path).snapshot()
+    check_same(snapshot, recordings("a"))
+    assert snapshot.recordings["parameters"].tolist() == ["", ""]
+    assert len(DeltaTable(tmp_path / "sources").to_pandas()) == 6
 
 
 def test_what_came_with_another_version_of_its_recording_is_left_out(tmp_path: Path):
@@ -240,7 +319,7 @@ def test_hostile_names_are_names_alone(place: Location):
     store.append([tables_of(dataset)])
     check_same(store.snapshot(), dataset)
     tops = {entry.path.partition("/")[0] for entry in place.list()}
-    assert tops == {"recordings", "sources", "frames", "boxes"}
+    assert tops == {"recordings", "sources", "frames", "boxes", "versions.json"}
     if place.path:
         assert {path.name for path in place.path.parent.iterdir()} == {place.path.name}
     table = DeltaTable(f"{place.uri}/boxes", storage_options=place.delta_options)

@@ -78,7 +78,9 @@ def begin_scan(
     """A scan of batches of two of the recordings of `small_fleet`, none of which is done yet."""
     run = Options(**options)
     place = Location(out, dict(run.storage))
-    plan = begin(Store(Location(store, dict(run.storage))), place, params, frames_per_batch=100)
+    plan = begin(
+        Store(Location(store, dict(run.storage))).snapshot(), place, params, frames_per_batch=100
+    )
     return plan, Job(plan.store, place.uri, plan.key, run)
 
 
