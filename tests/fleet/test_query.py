@@ -14,8 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nvcore.errors import InputError
+from nvcore.fleet.folder import SUMMARY
 from nvcore.fleet.location import Location
-from nvcore.fleet.plan import SUMMARY
 from nvcore.fleet.query import LONGEST_FILTER, worst
 
 ENCOUNTERS = pa.table(

@@ -15,8 +15,8 @@ from places import SAMPLE
 
 import nvcore as nv
 from nvcore.errors import InputError
+from nvcore.fleet.folder import begin
 from nvcore.fleet.location import Location
-from nvcore.fleet.plan import begin
 from nvcore.fleet.results import ScanParams, schema, typed
 from nvcore.fleet.store import Store
 from nvcore.inputs.session_toml import read_session
@@ -65,7 +65,11 @@ def test_top_and_open_show_the_scan_that_was_finished_last(tmp_path: Path):
     assert [str(of).split()[:2] for of in (first, swapped)] == [["FIR", "NIR"], ["NIR", "FIR"]]
     with pytest.raises(InputError, match="no such table of results; is the scan finished"):
         nv.top(out, table="frames")  # of the first one
-    begin(Store(store), Location(out), ScanParams("FIR", "NIR", params=nv.Params(alpha=0.7)))
+    begin(
+        Store(store).snapshot(),
+        Location(out),
+        ScanParams("FIR", "NIR", params=nv.Params(alpha=0.7)),
+    )
     opened = nv.load(nv.export_recording(out, "rural_road", tmp_path / "one"))
     assert opened.compared() == ("NIR", "FIR")
     assert opened.params_of().alpha != 0.7
