@@ -10,7 +10,6 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, Final
 
 import duckdb
@@ -42,11 +41,18 @@ MOST_NAMED: Final = 12
 """Columns that an error names."""
 TAG: Final = "tag"
 
+_CONFINED: Final[dict[str, Any]] = {
+    "autoinstall_known_extensions": "false",
+    "autoload_known_extensions": "false",
+    "enable_external_access": "false",
+}
+
 NUMBER, TEXT, CLAIM, LIST = "a number", "a text", "true or false", "a list"
 _UNIT: Final = r"_(s|px|m|kmh)(?=_[xy]$|$)"
 _NUMBER: Final = r"[-+]?\d+(\.\d*)?([eE][-+]?\d+)?"
 _Term = tuple[str, exp.Expr]
 """Kind of a column, tag, constant or condition, and its expression for DuckDB."""
+_Known = Mapping[str, Mapping[str, _Term]]
 
 _JOINS: Final = (exp.And, exp.Or, exp.Not, exp.Paren)
 _COMPARISONS: Final = (exp.EQ, exp.NEQ, exp.GT, exp.GTE, exp.LT, exp.LTE)
@@ -134,27 +140,28 @@ def worst(
     rows = _dataset(results, table, versions)
     recordings = rows if table == "recordings" else _dataset(results, "recordings", versions)
     own, of_recordings = (
-        {field.name: (_kind(field.type), _column(field.name, name)) for field in of.schema}
+        {field.name: _term_of(field, name) for field in of.schema}
         for name, of in (("own", rows), ("recording", recordings))
     )
-    names = {"": own | of_recordings | own, "recording": of_recordings}
+    names: dict[str, dict[str, _Term]] = {"": own | of_recordings | own, "recording": of_recordings}
     usual, frame, timed, time_s = MOMENTS[table]
     columns = _columns_by(by or usual, [name for name, (kind, _) in own.items() if kind == NUMBER])
     better = {of.name: of.better for of in report_columns().get(f"{table}.csv", ())}
     is_low_better = better.get(columns[0].removeprefix("sum_")) != "high"
-    value = exp.func("greatest" if is_low_better else "least", *map(_column, columns))
+    value = exp.func("greatest" if is_low_better else "least", *(own[of][1] for of in columns))
+    ties = [own[of][1] for of in ("recording", timed, "track", "system") if of in own]
     moments = {"recording": "own.recording"}
     if frame:
         moments["frame"] = f"own.{frame}"
         moments["time_s"] = f"own.{time_s} + (own.{frame} - own.{timed}) / recording.fps"
     query = (
         exp.select(*(f"{of} AS {name}" for name, of in moments.items()))
-        .select(*(_column(name) for name in own if name not in moments))
+        .select(*(term for name, (_, term) in own.items() if name not in moments))
         .from_("own")
         .join("recording", on="own.recording = recording.recording", join_type="left")
         .where(value.is_(exp.null()).not_())
         .order_by(exp.Ordered(this=value, desc=is_low_better != is_reversed))
-        .order_by(*(_column(of) for of in ("recording", timed, "track", "system") if of in own))
+        .order_by(*ties)
         .limit(n)
     )
     with duckdb.connect(":memory:", config=_CONFINED) as connection:
@@ -163,7 +170,8 @@ def worst(
         connection.execute(_MACROS)
         try:
             if where.strip():
-                query = query.where(Filter(where, names, connection).tree)
+                names[TAG] = _tags(connection) if TAG in where else {}
+                query = query.where(condition_from(where, names))
             answer = connection.sql(query.sql("duckdb", comments=False)).to_arrow_table()
         except duckdb.Error as error:
             reason = one_line(shortened(str(error), LONGEST_REASON))
@@ -197,13 +205,6 @@ def results_in(location: Location) -> Location:
     )
 
 
-_CONFINED: Final[dict[str, Any]] = {
-    "autoinstall_known_extensions": "false",
-    "autoload_known_extensions": "false",
-    "enable_external_access": "false",
-}
-
-
 def _dataset(results: Location, table: str, versions: Mapping[str, int]) -> Any:
     """A table of the results as a data set of Arrow: nothing of it is read yet."""
     if table not in MOMENTS:
@@ -231,118 +232,113 @@ def _columns_by(name: str, numbers: Collection[str]) -> tuple[str, ...]:
     raise InputError(_with_names(message, name, [*pairs, *named], "there are"))
 
 
-class Filter:
-    """A condition such as ``tag.road = 'rural' and n_frames > 10``; see docs/fleet.md.
+def condition_from(text: str, known: _Known) -> exp.Expr:
+    """Return a condition such as ``tag.road = 'rural' and n_frames > 10`` for DuckDB.
 
-    `tree` is the condition for DuckDB, on the tables of the connection. `columns` are the known
-    ones, by what stands before the dot and by name.
+    `known` are columns and tags, by what stands before the dot (nothing, ``recording`` or ``tag``)
+    and by name.
 
     Raises
     ------
     InputError
-        If the text is anything else, or a name is unknown or compared with another kind.
+        If the text is no condition, or a name is unknown or compared with another kind.
     """
-
-    def __init__(self, text: str, columns: Mapping[str, Mapping[str, _Term]], connection: Any):
-        self._columns, self._connection = columns, connection
-        if len(text) > LONGEST_FILTER:
-            raise _fault(f"expected at most {LONGEST_FILTER:,} characters, found {len(text):,}")
-        try:
-            # of a statement only what is a condition is parsed
-            tree = sqlglot.parse_one(text, into=exp.Condition, dialect="duckdb")
-            for node in tree.walk(bfs=False):
-                has = {name for name, value in node.args.items() if value not in (None, [], False)}
-                if type(node) not in _ARGUMENTS or not has <= {*_ARGUMENTS[type(node)]}:
-                    raise _fault(
-                        f"found {_shown(node)}; expected conditions with and, or, not, "
-                        "= <> < <= > >=, in (...), between, like, is null"
-                    )
-            self.tree = self._rewritten(exp.paren(tree, copy=False))[1]
-        except sqlglot.errors.SqlglotError as error:
-            found = getattr(error, "errors", None) or [{"col": 0, "description": str(error)}]
-            what = str(found[0]["description"]).partition(".")[0].lower()
-            raise _fault(f"cannot be read at character {found[0]['col']}: {what}") from error
-        except RecursionError as error:
-            raise _fault("expected fewer conditions and brackets") from error
-
-    def _rewritten(self, node: exp.Expr) -> _Term:
-        is_join = isinstance(node, _JOINS)
-        is_compared = isinstance(node, exp.Predicate) and node.args.get("expressions") != []
-        if not is_join and not is_compared:
-            return self._term(node)
-        is_like = isinstance(node, exp.Like | exp.ILike)
-        is_chain = isinstance(node, exp.Connector)
-        operands = [of.unnest() for of in (node.flatten() if is_chain else node.iter_expressions())]
-        is_same = isinstance(node, exp.Is) and not isinstance(operands[1], exp.Null)
-        if isinstance(node, exp.Is) and not is_same:
-            operands.pop()
-        terms = [self._rewritten(of) if is_join else self._term(of) for of in operands]
-        wanted = TEXT if is_like else CLAIM if is_join or is_same else None
-        kind = wanted or next((of for of, _ in terms if of != TAG), TEXT)
-        for operand, (of, term) in zip(operands, terms, strict=True):
-            if of not in (kind, TAG) and is_join:
-                raise _fault(f"expected a condition, found {_shown(operand)}, which is {of}")
-            if of not in (kind, TAG):
-                expected = f"{kind} in single quotes" if kind == TEXT else kind
-                shown = _shown(operands[0])
-                raise _fault(f"{shown}: expected {expected}, found {_shown(operand)}")
-            operand.replace(exp.func(_TAG_AS[kind], *term.expressions) if of == TAG else term)
-        if is_like:
-            name = f"{'not_' if node.args.get('negate') else ''}{node.key}_escape"
-            return CLAIM, exp.func(name, node.this, node.expression, exp.Literal.string("\\"))
-        return CLAIM, exp.func("is_same", node.this, node.expression) if is_same else node
-
-    def _term(self, node: exp.Expr) -> _Term:
-        if isinstance(node, exp.Boolean):
-            return CLAIM, node
-        if isinstance(node, exp.Literal) and node.is_string:
-            return TEXT, node
-        sign, digits = (-1, node.this) if isinstance(node, exp.Neg) else (1, node)
-        if digits.is_number and re.fullmatch(_NUMBER, digits.name):
-            value = sign * float(digits.name)
-            if value.is_integer() and abs(value) < 2**53:
-                return NUMBER, exp.Literal.number(int(value))
-            # 0.1 by itself would be a decimal
-            return NUMBER, exp.cast(exp.Literal.string(repr(value)), "double")
-        is_named = all(isinstance(part, exp.Identifier) for part in node.args.values() if part)
-        shown, name = _shown(node), node.name
-        if not (isinstance(node, exp.Column) and is_named):
-            raise _fault(f"expected a column, a number or a text, found {shown}")
-        if node.table == TAG and name in self._keys:
-            return TAG, exp.func("tag", _column("tags", "recording"), exp.Literal.string(name))
-        if node.table == TAG:
-            message = f"no recording has a tag {one_line(shortened(name, 60))}"
-            raise _fault(_with_names(message, name, self._keys, "the tags are"))
-        if node.table not in self._columns:
-            raise _fault(f"{shown}: before the dot there is tag or recording, as in tag.night")
-        columns = self._columns[node.table]
-        if name not in columns:
-            is_text = node.this.quoted
-            aside = "a text stands in single quotes" if is_text else "a tag is written tag.NAME"
-            message = f"there is no column {shown} ({aside})"
-            raise _fault(_with_names(message, name, columns, "the columns are"))
-        kind, column = columns[name]
-        if kind == LIST:
-            raise _fault(f"{shown} is a list; for tags, name one of them, as in tag.night")
-        return kind, column.copy()
-
-    @cached_property
-    def _keys(self) -> list[str]:
-        """Keys of all tags: a misspelt key would give no rows."""
-        tags = self._connection.sql("SELECT DISTINCT unnest(tags) FROM recording").fetchall()
-        return sorted({str(tag).partition("=")[0] for (tag,) in tags})
+    if len(text) > LONGEST_FILTER:
+        raise _fault(f"expected at most {LONGEST_FILTER:,} characters, found {len(text):,}")
+    try:
+        # of a statement only what is a condition is parsed
+        tree = sqlglot.parse_one(text, into=exp.Condition, dialect="duckdb")
+        for node in tree.walk(bfs=False):
+            has = {name for name, value in node.args.items() if value not in (None, [], False)}
+            if type(node) not in _ARGUMENTS or not has <= {*_ARGUMENTS[type(node)]}:
+                raise _fault(
+                    f"found {_shown(node)}; expected conditions with and, or, not, "
+                    "= <> < <= > >=, in (...), between, like, is null"
+                )
+        return _rewritten(exp.paren(tree, copy=False), known)[1]
+    except sqlglot.errors.SqlglotError as error:
+        found = getattr(error, "errors", None) or [{"col": 0, "description": str(error)}]
+        what = str(found[0]["description"]).partition(".")[0].lower()
+        raise _fault(f"cannot be read at character {found[0]['col']}: {what}") from error
+    except RecursionError as error:
+        raise _fault("expected fewer conditions and brackets") from error
 
 
-def _column(name: str, table: str = "own") -> exp.Expr:
-    return exp.column(name, table, quoted=True)
+def _rewritten(node: exp.Expr, known: _Known) -> _Term:
+    is_join = isinstance(node, _JOINS)
+    if not isinstance(node, (*_JOINS, exp.Predicate)) or node.args.get("expressions") == []:
+        return _term(node, known)
+    is_like = isinstance(node, exp.Like | exp.ILike)
+    parts = node.flatten() if isinstance(node, exp.Connector) else node.iter_expressions()
+    operands = [of.unnest() for of in parts]
+    is_same = isinstance(node, exp.Is) and not isinstance(operands[1], exp.Null)
+    if isinstance(node, exp.Is) and not is_same:
+        operands.pop()
+    terms = [_rewritten(of, known) if is_join else _term(of, known) for of in operands]
+    wanted = TEXT if is_like else CLAIM if is_join or is_same else None
+    kind = wanted or next((of for of, _ in terms if of != TAG), TEXT)
+    for operand, (of, term) in zip(operands, terms, strict=True):
+        if of not in (kind, TAG) and is_join:
+            raise _fault(f"expected a condition, found {_shown(operand)}, which is {of}")
+        if of not in (kind, TAG):
+            expected = f"{kind} in single quotes" if kind == TEXT else kind
+            shown = _shown(operands[0])
+            raise _fault(f"{shown}: expected {expected}, found {_shown(operand)}")
+        operand.replace(exp.func(_TAG_AS[kind], *term.expressions) if of == TAG else term)
+    if is_like:
+        name = f"{'not_' if node.args.get('negate') else ''}{node.key}_escape"
+        return CLAIM, exp.func(name, node.this, node.expression, exp.Literal.string("\\"))
+    return CLAIM, exp.func("is_same", node.this, node.expression) if is_same else node
 
 
-def _kind(of: pa.DataType) -> str:
-    if pa.types.is_boolean(of):
-        return CLAIM
-    if pa.types.is_integer(of) or pa.types.is_floating(of):
-        return NUMBER
-    return LIST if pa.types.is_nested(of) else TEXT
+def _term(node: exp.Expr, known: _Known) -> _Term:
+    if isinstance(node, exp.Boolean):
+        return CLAIM, node
+    if isinstance(node, exp.Literal) and node.is_string:
+        return TEXT, node
+    sign, digits = (-1, node.this) if isinstance(node, exp.Neg) else (1, node)
+    if digits.is_number and re.fullmatch(_NUMBER, digits.name):
+        value = sign * float(digits.name)
+        if value.is_integer() and abs(value) < 2**53:
+            return NUMBER, exp.Literal.number(int(value))
+        # 0.1 by itself would be a decimal
+        return NUMBER, exp.cast(exp.Literal.string(repr(value)), "double")
+    is_named = all(isinstance(part, exp.Identifier) for part in node.args.values() if part)
+    shown, name = _shown(node), node.name
+    if not (isinstance(node, exp.Column) and is_named):
+        raise _fault(f"expected a column, a number or a text, found {shown}")
+    if node.table not in known:
+        raise _fault(f"{shown}: before the dot there is tag or recording, as in tag.night")
+    names = known[node.table]
+    if name not in names and node.table == TAG:
+        message = f"no recording has a tag {one_line(shortened(name, 60))}"
+        raise _fault(_with_names(message, name, names, "the tags are"))
+    if name not in names:
+        is_text = node.this.quoted
+        aside = "a text stands in single quotes" if is_text else "a tag is written tag.NAME"
+        message = f"there is no column {shown} ({aside})"
+        raise _fault(_with_names(message, name, names, "the columns are"))
+    kind, term = names[name]
+    if kind == LIST:
+        raise _fault(f"{shown} is a list; for tags, name one of them, as in tag.night")
+    return kind, term.copy()
+
+
+def _tags(connection: duckdb.DuckDBPyConnection) -> dict[str, _Term]:
+    """Return all tags by key: a misspelt key is an error, as it would give no rows."""
+    tags = connection.sql("SELECT DISTINCT unnest(tags) FROM recording").fetchall()
+    keys = sorted({str(tag).partition("=")[0] for (tag,) in tags})
+    column = exp.column("tags", "recording")
+    return {key: (TAG, exp.func(TAG, column, exp.Literal.string(key))) for key in keys}
+
+
+def _term_of(field: pa.Field, table: str) -> _Term:
+    kind = LIST if pa.types.is_nested(field.type) else TEXT
+    if pa.types.is_boolean(field.type):
+        kind = CLAIM
+    if pa.types.is_integer(field.type) or pa.types.is_floating(field.type):
+        kind = NUMBER
+    return kind, exp.column(field.name, table, quoted=True)
 
 
 def _shown(node: exp.Expr) -> str:
