@@ -29,11 +29,11 @@ from nvcore.inputs.session import (
     SystemSource,
 )
 from nvcore.inputs.session_toml.writing import write_session
-from nvcore.inputs.writers import write
+from nvcore.inputs.writers import write, write_frame_lists
 from nvcore.inputs.writers.classes import class_names
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_whole
-from nvcore.schema import DETECTABILITY_COLUMNS, NO_LABEL, NO_TRACK, READING_DTYPES, conform
+from nvcore.schema import NO_LABEL, NO_TRACK, READING_DTYPES, conform
 from nvcore.wording import count_text, did_you_mean, listed
 
 SESSION: Final = "session.toml"
@@ -44,11 +44,7 @@ SPEED: Final = "speed.csv"
 DETECTABILITY: Final = "detectability.csv"
 IGNORED: Final = "ignore"
 """Class of boxes of a truth with classes that it ignores."""
-ESTIMATES: Final = (
-    *("recording", "frame", "track", "x", "y", "w", "h"),
-    *("detectability", "sd", "is_outside", "period_s"),
-)
-"""Columns of the file of detectability: period_s is empty where eyes are adapted."""
+ESTIMATES: Final = ("recording", "frame", "track", "x", "y", "w", "h", "detectability")
 FILES: Final = (SESSION, TRUTH, *SYSTEMS, FRAMES, SPEED, DETECTABILITY)
 """What `write_recording` may write."""
 
@@ -61,14 +57,11 @@ def recording_of(
     y: str | None = None,
     truth: str | None = None,
 ) -> tuple[Dataset, dict[str, Any]]:
-    """A recording of a store, or as a scan has compared it, and where its pictures are.
+    """Return a recording of a store or of a scan, and its `pictures` and `first_picture`.
 
-    Parameters
-    ----------
-    location
-        Of a store, or of the results of a scan, whose settings and versions are taken then.
-    x, y, truth
-        Sources, as of `Snapshot.pick`. None: the scan's, or the only two systems there are.
+    `location` is a store, or the results of a scan, whose settings and versions are taken then.
+    `x`, `y` and `truth` are sources as of `Snapshot.pick`. None: the scan's, or the only two
+    systems there are.
 
     Raises
     ------
@@ -81,9 +74,8 @@ def recording_of(
         rows = snapshot.sources[snapshot.sources["recording"] == recording]
         systems = rows.loc[rows["kind"] == "system", "source"].unique().tolist()
         left = [name for name in systems if name not in (x, y)]
-        if len(left) == (x is None) + (y is None):
-            x = left.pop(0) if x is None else x
-            y = left.pop(0) if y is None else y
+        if len(left) == [x, y].count(None):
+            x, y = (left.pop(0) if name is None else name for name in (x, y))
         if len(rows) and (x is None or y is None):
             raise InputError(
                 f"expected two systems to compare, found {listed(systems) or 'none'}; name X and Y",
@@ -103,11 +95,10 @@ def recording_of(
         )
     tables = snapshot.read([recording], params.sources)
     [facts] = tables["recordings"].select(["pictures", "first_picture"]).to_pylist()
-    pictures = facts["pictures"]
-    scheme, separator, rest = (pictures or "").partition("://")
+    scheme, separator, path = (facts["pictures"] or "").partition("://")
     if separator:
-        pictures = unquote(rest) if scheme == "file" else None
-    return dataset_of(tables, params), facts | {"pictures": pictures or None}
+        facts["pictures"] = unquote(path) if scheme == "file" else None
+    return dataset_of(tables, params), facts | {"pictures": facts["pictures"] or None}
 
 
 def write_recording(
@@ -118,20 +109,20 @@ def write_recording(
     first_picture: int | None = None,
     force: bool = False,
 ) -> Path:
-    """Write a session that gives the same numbers as the dataset: boxes, frames, facts, settings.
+    """Write a session with the only recording of a dataset, its settings and X and Y.
+
+    The session gives the same numbers as the dataset.
 
     Parameters
     ----------
-    dataset
-        One recording with X and Y, and the settings of its comparison.
     folder
         Where to write `FILES`.
     pictures
         Path of the recording's pictures, if there are any on this machine.
     first_picture
-        Number of the frame that the first one shows; None: by their names.
+        Number of the frame that the first picture shows; None: by their names.
     force
-        Whether files that are there are replaced.
+        Whether existing files are replaced.
 
     Returns
     -------
@@ -141,8 +132,7 @@ def write_recording(
     Raises
     ------
     InputError
-        If one of the files is there, the folder cannot be written to, or no frame of the recording
-        is evaluated.
+        If one of the files exists, the folder cannot be written to, or no frame is evaluated.
     """
     folder = folder.absolute()
     [recording] = dataset.recordings.to_dict("records")
@@ -152,49 +142,38 @@ def write_recording(
     if there and not force:
         step = Step(Remedy.OPTION, "", "force")
         raise InputError("exists; name another folder", file=there[0], steps=(step,))
-    facts: dict[str, Any] = {
-        name: None if pd.isna(recording[name]) else recording[name] for name in FACTS
-    }
+    facts = {name: None if pd.isna(recording[name]) else recording[name] for name in FACTS}
     frames = dataset.frames
-    lines = "".join(f"{number}\n" for number in frames["frame"])
-    write_whole(folder / FRAMES, lines.encode())
-    has_speed = frames["speed_kmh"].notna()
-    if has_speed.any():
-        # read again, each frame is at a reading
-        series = frames.loc[has_speed, ["time_s", "speed_kmh"]]
+    write_frame_lists({"": frames["frame"].to_numpy()}, folder / FRAMES, force=True)
+    series = frames.loc[frames["speed_kmh"].notna(), ["time_s", "speed_kmh"]]
+    if len(series):  # read again, each frame is at a reading
         write_whole(folder / SPEED, to_csv_bytes(series, digits=None))
         facts["speed"] = SPEED
     more: dict[str, Any] = {}
-    truth = _reading(dataset, 0)
-    estimates = truth.boxes.assign(
-        **{
-            name: dataset.boxes[name].to_numpy()[: len(truth.boxes)]
-            for name in DETECTABILITY_COLUMNS
-        }
-    )
-    is_estimated = estimates["is_outside"] | estimates["is_adapted"]
-    if (is_estimated | estimates["detectability_sd"].notna()).any():
-        # a column of the truth has the value alone
-        table = estimates[estimates["detectability"].notna()].assign(
+    truth, *systems = (_reading(dataset, number) for number in range(len(SYSTEMS) + 1))
+    own = dataset.boxes[: len(truth.boxes)].assign(frame=truth.boxes["frame"].to_numpy())
+    is_known = own["is_outside"] | own["is_adapted"] | own["detectability_sd"].notna()
+    if is_known.any():  # a column of the truth has the value alone
+        table = own[own["detectability"].notna()].assign(
+            recording=recording["name"],
             track=lambda of: of["track"].astype("Int64").mask(of["track"] == NO_TRACK),
             period_s=lambda of: np.where(of["is_adapted"], np.nan, 0.0),
         )
-        table = table.rename(columns={"detectability_sd": "sd"})[list(ESTIMATES)]
+        table = table.rename(columns={"detectability_sd": "sd"})
+        table = table[[*ESTIMATES, "sd", "is_outside", "period_s"]]
         write_whole(folder / DETECTABILITY, to_csv_bytes(table, digits=None))
         truth = replace(truth, boxes=truth.boxes.assign(detectability=np.nan))
         more["driver"] = TABLES_OF_SUBJECTS["driver"](detectability=DETECTABILITY)
-    readings = [truth, *(_reading(dataset, number) for number in range(1, len(SYSTEMS) + 1))]
     sources = []
-    for name, reading in zip((TRUTH, *SYSTEMS), readings, strict=True):
+    for name, reading in zip((TRUTH, *SYSTEMS), (truth, *systems), strict=True):
         role: Role = "truth" if name == TRUTH else "detections"
         write(reading, "parquet", folder / name, role=role, objects=dataset.objects, force=True)
         # all that a store holds counts, whatever its class is called
         of_box = class_names(reading, dataset.objects)
         classes = None if of_box is None else tuple(sorted({*of_box} - {IGNORED}))
         sources.append(Source(name, "parquet", classes, frame_names="numbers"))
-    settings = dataset.settings
     session = Session(
-        **{name: getattr(settings, name) for name in settings.__dataclass_fields__},
+        **vars(dataset.settings),
         folder=folder,
         truth=sources[0],
         systems=tuple(
@@ -223,11 +202,11 @@ def _reading(dataset: Dataset, source: int) -> Reading:
     """Boxes of the truth (0) or of system number `source` - 1, as their file is to hold them."""
     boxes = dataset.boxes[dataset.boxes["source"] == source]
     name = dataset.recordings["name"][0]
-    columns: dict[str, object] = {
-        column: boxes[column].to_numpy() for column in boxes if column in READING_DTYPES
+    columns: dict[str, object] = {of: boxes[of].to_numpy() for of in boxes if of in READING_DTYPES}
+    columns |= {
+        "recording": name,
+        "frame": dataset.frames["frame"].to_numpy()[boxes["frame_index"]],
     }
-    columns["recording"] = name
-    columns["frame"] = dataset.frames["frame"].to_numpy()[boxes["frame_index"]]
     labels: tuple[str, ...] = ()
     if (boxes["label"] != NO_LABEL).any():
         # who ignores a box need not say of what class it is: another class than none
@@ -235,11 +214,10 @@ def _reading(dataset: Dataset, source: int) -> Reading:
         is_ignored = boxes["ignore"] & (boxes["label"] == NO_LABEL)
         if not dataset.objects.is_numbered:  # else it is a class without a number
             columns["label"] = boxes["label"].mask(is_ignored, len(dataset.labels)).to_numpy()
-    has_texts = source == 0 and len(dataset.attributes) > 0
     return Reading(
         conform(columns, READING_DTYPES, n_rows=len(boxes)),
         recordings_table([name]),
         "",
         labels=labels,
-        attributes=dataset.attributes if has_texts else None,
+        attributes=dataset.attributes if source == 0 and len(dataset.attributes) else None,
     )
