@@ -21,13 +21,7 @@ from nvcore.fleet.results import ScanParams
 from nvcore.fleet.store import Snapshot, Store
 from nvcore.fleet.tables import FACTS
 from nvcore.inputs.readers.base import Reading, Role, recordings_table
-from nvcore.inputs.session import (
-    TABLES_OF_SUBJECTS,
-    RecordingEntry,
-    Session,
-    Source,
-    SystemSource,
-)
+from nvcore.inputs.session import TABLES_OF_SUBJECTS, RecordingEntry, Session, Source, SystemSource
 from nvcore.inputs.session_toml.writing import write_session
 from nvcore.inputs.writers import write, write_frame_lists
 from nvcore.inputs.writers.classes import class_names
@@ -44,7 +38,6 @@ SPEED: Final = "speed.csv"
 DETECTABILITY: Final = "detectability.csv"
 IGNORED: Final = "ignore"
 """Class of boxes of a truth with classes that it ignores."""
-ESTIMATES: Final = ("recording", "frame", "track", "x", "y", "w", "h", "detectability")
 FILES: Final = (SESSION, TRUTH, *SYSTEMS, FRAMES, SPEED, DETECTABILITY)
 """What `write_recording` may write."""
 
@@ -109,9 +102,7 @@ def write_recording(
     first_picture: int | None = None,
     force: bool = False,
 ) -> Path:
-    """Write a session with the only recording of a dataset, its settings and X and Y.
-
-    The session gives the same numbers as the dataset.
+    """Write a session with the same numbers as a dataset of one recording; return its file.
 
     Parameters
     ----------
@@ -123,11 +114,6 @@ def write_recording(
         Number of the frame that the first picture shows; None: by their names.
     force
         Whether existing files are replaced.
-
-    Returns
-    -------
-    Path
-        The session file.
 
     Raises
     ------
@@ -142,7 +128,9 @@ def write_recording(
     if there and not force:
         step = Step(Remedy.OPTION, "", "force")
         raise InputError("exists; name another folder", file=there[0], steps=(step,))
-    facts = {name: None if pd.isna(recording[name]) else recording[name] for name in FACTS}
+    facts: dict[str, Any] = {"pictures": pictures, "first_picture": first_picture}
+    facts |= {"frames": FRAMES, "tags": recording["tags"], "unit": recording["unit"] or None}
+    facts |= {name: None if pd.isna(recording[name]) else recording[name] for name in FACTS}
     frames = dataset.frames
     write_frame_lists({"": frames["frame"].to_numpy()}, folder / FRAMES, force=True)
     series = frames.loc[frames["speed_kmh"].notna(), ["time_s", "speed_kmh"]]
@@ -150,7 +138,7 @@ def write_recording(
         write_whole(folder / SPEED, to_csv_bytes(series, digits=None))
         facts["speed"] = SPEED
     more: dict[str, Any] = {}
-    truth, *systems = (_reading(dataset, number) for number in range(len(SYSTEMS) + 1))
+    truth, *detections = (_reading(dataset, number) for number in range(len(SYSTEMS) + 1))
     own = dataset.boxes[: len(truth.boxes)].assign(frame=truth.boxes["frame"].to_numpy())
     is_known = own["is_outside"] | own["is_adapted"] | own["detectability_sd"].notna()
     if is_known.any():  # a column of the truth has the value alone
@@ -160,37 +148,29 @@ def write_recording(
             period_s=lambda of: np.where(of["is_adapted"], np.nan, 0.0),
         )
         table = table.rename(columns={"detectability_sd": "sd"})
-        table = table[[*ESTIMATES, "sd", "is_outside", "period_s"]]
-        write_whole(folder / DETECTABILITY, to_csv_bytes(table, digits=None))
+        names = ("recording", "frame", "track", "x", "y", "w", "h", "detectability", "sd")
+        content = to_csv_bytes(table[[*names, "is_outside", "period_s"]], digits=None)
+        write_whole(folder / DETECTABILITY, content)
         truth = replace(truth, boxes=truth.boxes.assign(detectability=np.nan))
         more["driver"] = TABLES_OF_SUBJECTS["driver"](detectability=DETECTABILITY)
     sources = []
-    for name, reading in zip((TRUTH, *SYSTEMS), (truth, *systems), strict=True):
+    for name, reading in zip((TRUTH, *SYSTEMS), (truth, *detections), strict=True):
         role: Role = "truth" if name == TRUTH else "detections"
         write(reading, "parquet", folder / name, role=role, objects=dataset.objects, force=True)
         # all that a store holds counts, whatever its class is called
         of_box = class_names(reading, dataset.objects)
         classes = None if of_box is None else tuple(sorted({*of_box} - {IGNORED}))
         sources.append(Source(name, "parquet", classes, frame_names="numbers"))
+    systems = tuple(
+        SystemSource(**vars(source), name=name)
+        for source, name in zip(sources[1:], dataset.systems, strict=True)
+    )
     session = Session(
         **vars(dataset.settings),
         folder=folder,
         truth=sources[0],
-        systems=tuple(
-            SystemSource(**vars(source), name=name)
-            for source, name in zip(sources[1:], dataset.systems, strict=True)
-        ),
-        recordings=(
-            RecordingEntry(
-                recording["name"],
-                frames=FRAMES,
-                tags=recording["tags"],
-                unit=recording["unit"] or None,
-                pictures=pictures,
-                first_picture=first_picture,
-                **facts,
-            ),
-        ),
+        systems=systems,
+        recordings=(RecordingEntry(recording["name"], **facts),),
         **more,
     )
     text = write_session(session, version=__version__, fingerprint=dataset.fingerprint)
@@ -203,10 +183,8 @@ def _reading(dataset: Dataset, source: int) -> Reading:
     boxes = dataset.boxes[dataset.boxes["source"] == source]
     name = dataset.recordings["name"][0]
     columns: dict[str, object] = {of: boxes[of].to_numpy() for of in boxes if of in READING_DTYPES}
-    columns |= {
-        "recording": name,
-        "frame": dataset.frames["frame"].to_numpy()[boxes["frame_index"]],
-    }
+    frame = dataset.frames["frame"].to_numpy()[boxes["frame_index"]]
+    columns |= {"recording": name, "frame": frame}
     labels: tuple[str, ...] = ()
     if (boxes["label"] != NO_LABEL).any():
         # who ignores a box need not say of what class it is: another class than none
