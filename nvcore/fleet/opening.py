@@ -131,9 +131,8 @@ def write_recording(
     facts: dict[str, Any] = {"pictures": pictures, "first_picture": first_picture}
     facts |= {"frames": FRAMES, "tags": recording["tags"], "unit": recording["unit"] or None}
     facts |= {name: None if pd.isna(recording[name]) else recording[name] for name in FACTS}
-    frames = dataset.frames
-    write_frame_lists({"": frames["frame"].to_numpy()}, folder / FRAMES, force=True)
-    series = frames.loc[frames["speed_kmh"].notna(), ["time_s", "speed_kmh"]]
+    write_frame_lists({"": dataset.frames["frame"].to_numpy()}, folder / FRAMES, force=True)
+    series = dataset.frames.loc[dataset.frames["speed_kmh"].notna(), ["time_s", "speed_kmh"]]
     if len(series):  # read again, each frame is at a reading
         write_whole(folder / SPEED, to_csv_bytes(series, digits=None))
         facts["speed"] = SPEED

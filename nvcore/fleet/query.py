@@ -206,7 +206,7 @@ def results_in(location: Location) -> Location:
 
 
 def _dataset(results: Location, table: str, versions: Mapping[str, int]) -> Any:
-    """A table of the results as a data set of Arrow: nothing of it is read yet."""
+    """Open a table of the results as an Arrow data set, of which nothing is read yet."""
     if table not in MOMENTS:
         raise InputError(did_you_mean(table, MOMENTS, f"the tables are {listed([*MOMENTS])}"))
     folder = results.child(table)
@@ -229,7 +229,7 @@ def _columns_by(name: str, numbers: Collection[str]) -> tuple[str, ...]:
     if name in pairs:
         return named[f"{name}_x"], named[f"{name}_y"]
     message = f"there is no column of numbers {one_line(shortened(name, 60))}"
-    raise InputError(_with_names(message, name, [*pairs, *named], "there are"))
+    raise _unknown(message, name, [*pairs, *named], "there are")
 
 
 def condition_from(text: str, known: _Known) -> exp.Expr:
@@ -265,15 +265,15 @@ def condition_from(text: str, known: _Known) -> exp.Expr:
 
 
 def _rewritten(node: exp.Expr, known: _Known) -> _Term:
+    """Return a condition or term for DuckDB; operands are replaced in place."""
     is_join = isinstance(node, _JOINS)
     if not isinstance(node, (*_JOINS, exp.Predicate)) or node.args.get("expressions") == []:
         return _term(node, known)
     is_like = isinstance(node, exp.Like | exp.ILike)
+    is_null = isinstance(node, exp.Is) and isinstance(node.expression, exp.Null)
+    is_same = isinstance(node, exp.Is) and not is_null
     parts = node.flatten() if isinstance(node, exp.Connector) else node.iter_expressions()
-    operands = [of.unnest() for of in parts]
-    is_same = isinstance(node, exp.Is) and not isinstance(operands[1], exp.Null)
-    if isinstance(node, exp.Is) and not is_same:
-        operands.pop()
+    operands = [of.unnest() for of in parts if not (is_null and isinstance(of, exp.Null))]
     terms = [_rewritten(of, known) if is_join else _term(of, known) for of in operands]
     wanted = TEXT if is_like else CLAIM if is_join or is_same else None
     kind = wanted or next((of for of, _ in terms if of != TAG), TEXT)
@@ -281,9 +281,9 @@ def _rewritten(node: exp.Expr, known: _Known) -> _Term:
         if of not in (kind, TAG) and is_join:
             raise _fault(f"expected a condition, found {_shown(operand)}, which is {of}")
         if of not in (kind, TAG):
-            expected = f"{kind} in single quotes" if kind == TEXT else kind
-            shown = _shown(operands[0])
-            raise _fault(f"{shown}: expected {expected}, found {_shown(operand)}")
+            quotes = " in single quotes" if kind == TEXT else ""
+            first, found = _shown(operands[0]), _shown(operand)
+            raise _fault(f"{first}: expected {kind}{quotes}, found {found}")
         operand.replace(exp.func(_TAG_AS[kind], *term.expressions) if of == TAG else term)
     if is_like:
         name = f"{'not_' if node.args.get('negate') else ''}{node.key}_escape"
@@ -311,13 +311,12 @@ def _term(node: exp.Expr, known: _Known) -> _Term:
         raise _fault(f"{shown}: before the dot there is tag or recording, as in tag.night")
     names = known[node.table]
     if name not in names and node.table == TAG:
-        message = f"no recording has a tag {one_line(shortened(name, 60))}"
-        raise _fault(_with_names(message, name, names, "the tags are"))
+        raise _unknown(f"filter: no recording has {shown}", name, names, "the tags are")
     if name not in names:
         is_text = node.this.quoted
         aside = "a text stands in single quotes" if is_text else "a tag is written tag.NAME"
-        message = f"there is no column {shown} ({aside})"
-        raise _fault(_with_names(message, name, names, "the columns are"))
+        message = f"filter: there is no column {shown} ({aside})"
+        raise _unknown(message, name, names, "the columns are")
     kind, term = names[name]
     if kind == LIST:
         raise _fault(f"{shown} is a list; for tags, name one of them, as in tag.night")
@@ -349,7 +348,7 @@ def _fault(message: str) -> InputError:
     return InputError(f"filter: {message}")
 
 
-def _with_names(message: str, name: str, known: Iterable[str], are: str) -> str:
-    """Add to an error message which known name may be meant, and what the known names are."""
+def _unknown(message: str, name: str, known: Iterable[str], are: str) -> InputError:
+    """Return an error that says which known name may be meant, and what the known names are."""
     sentence = f"{are} {listed([*known], most=MOST_NAMED) or 'none'}"
-    return f"{message}; {did_you_mean(name, known, sentence)}"
+    return InputError(f"{message}; {did_you_mean(name, known, sentence)}")
