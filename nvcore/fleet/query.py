@@ -1,8 +1,8 @@
 """The worst rows of a scan's results, chosen by a filter.
 
-DuckDB has the tables as Arrow data sets (the Parquet files that their Delta logs list), opens no
-file by itself and loads no extension. A filter is parsed, checked against a whitelist of nodes, and
-rewritten; DuckDB runs the SQL that is generated from this tree, never the text of the user.
+DuckDB reads Arrow data sets of the Parquet files, opens no file by itself and loads no extension. A
+filter is parsed, checked against a whitelist of nodes and rewritten; DuckDB runs the SQL that is
+generated from this tree, never the text of the user.
 """
 
 from __future__ import annotations
@@ -85,14 +85,9 @@ CREATE MACRO is_same(value, other) AS value = other AND value IS NOT NULL;
 class Top:
     """The worst rows of a table of results.
 
-    Attributes
-    ----------
-    table
-        Recording, frame to look at and its time_s (unless it is of recordings), other columns.
-    by
-        Columns that it is sorted by; of both systems by the worse.
-    results
-        Where the table is from.
+    `table` has the recording, the frame to look at and its time_s (but for recordings), and the
+    other columns; it is sorted by the columns `by`, of both systems by the worse. `results` is the
+    URI of the results.
     """
 
     table: pd.DataFrame
@@ -171,7 +166,7 @@ def worst(
         try:
             if where.strip():
                 names[TAG] = _tags(connection) if TAG in where else {}
-                query = query.where(condition_from(where, names))
+                query = query.where(_condition(where, names))
             answer = connection.sql(query.sql("duckdb", comments=False)).to_arrow_table()
         except duckdb.Error as error:
             reason = one_line(shortened(str(error), LONGEST_REASON))
@@ -232,16 +227,11 @@ def _columns_by(name: str, numbers: Collection[str]) -> tuple[str, ...]:
     raise _unknown(message, name, [*pairs, *named], "there are")
 
 
-def condition_from(text: str, known: _Known) -> exp.Expr:
-    """Return a condition such as ``tag.road = 'rural' and n_frames > 10`` for DuckDB.
+def _condition(text: str, known: _Known) -> exp.Expr:
+    """Check a condition such as ``tag.road = 'rural' and n_frames > 10``; return it for DuckDB.
 
     `known` are columns and tags, by what stands before the dot (nothing, ``recording`` or ``tag``)
     and by name.
-
-    Raises
-    ------
-    InputError
-        If the text is no condition, or a name is unknown or compared with another kind.
     """
     if len(text) > LONGEST_FILTER:
         raise _fault(f"expected at most {LONGEST_FILTER:,} characters, found {len(text):,}")
