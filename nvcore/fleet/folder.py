@@ -219,7 +219,7 @@ def table_of(out: Location, its_plan: Plan, name: str) -> Any:
     with ThreadPoolExecutor(_THREADS) as pool:
         contents = pool.map(lambda file: _content(out, file), files)
         parts = [kind.make_fragment(pa.BufferReader(content)) for content in contents]
-    return ds.FileSystemDataset(parts, schema(name), kind)
+    return ds.FileSystemDataset(parts, parts[0].physical_schema, kind)
 
 
 def finish(out: Location, its_plan: Plan) -> Summary:

@@ -21,19 +21,13 @@ from nvcore.fleet.results import ScanParams
 from nvcore.fleet.store import Snapshot, Store
 from nvcore.fleet.tables import FACTS
 from nvcore.inputs.readers.base import Reading, Role, recordings_table
-from nvcore.inputs.session import (
-    TABLES_OF_SUBJECTS,
-    RecordingEntry,
-    Session,
-    Source,
-    SystemSource,
-)
+from nvcore.inputs.session import TABLES_OF_SUBJECTS, RecordingEntry, Session, Source, SystemSource
 from nvcore.inputs.session_toml.writing import write_session
-from nvcore.inputs.writers import write
+from nvcore.inputs.writers import write, write_frame_lists
 from nvcore.inputs.writers.classes import class_names
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_whole
-from nvcore.schema import DETECTABILITY_COLUMNS, NO_LABEL, NO_TRACK, READING_DTYPES, conform
+from nvcore.schema import NO_LABEL, NO_TRACK, READING_DTYPES, conform
 from nvcore.wording import count_text, did_you_mean, listed
 
 SESSION: Final = "session.toml"
@@ -44,11 +38,6 @@ SPEED: Final = "speed.csv"
 DETECTABILITY: Final = "detectability.csv"
 IGNORED: Final = "ignore"
 """Class of boxes of a truth with classes that it ignores."""
-ESTIMATES: Final = (
-    *("recording", "frame", "track", "x", "y", "w", "h"),
-    *("detectability", "sd", "is_outside", "period_s"),
-)
-"""Columns of the file of detectability: period_s is empty where eyes are adapted."""
 FILES: Final = (SESSION, TRUTH, *SYSTEMS, FRAMES, SPEED, DETECTABILITY)
 """What `write_recording` may write."""
 
@@ -61,14 +50,11 @@ def recording_of(
     y: str | None = None,
     truth: str | None = None,
 ) -> tuple[Dataset, dict[str, Any]]:
-    """A recording of a store, or as a scan has compared it, and where its pictures are.
+    """Return a recording of a store or of a scan, and its `pictures` and `first_picture`.
 
-    Parameters
-    ----------
-    location
-        Of a store, or of the results of a scan, whose settings and versions are taken then.
-    x, y, truth
-        Sources, as of `Snapshot.pick`. None: the scan's, or the only two systems there are.
+    `location` is a store, or the results of a scan, whose settings and versions are taken then.
+    `x`, `y` and `truth` are sources as of `Snapshot.pick`. None: the scan's, or the only two
+    systems there are.
 
     Raises
     ------
@@ -81,9 +67,8 @@ def recording_of(
         rows = snapshot.sources[snapshot.sources["recording"] == recording]
         systems = rows.loc[rows["kind"] == "system", "source"].unique().tolist()
         left = [name for name in systems if name not in (x, y)]
-        if len(left) == (x is None) + (y is None):
-            x = left.pop(0) if x is None else x
-            y = left.pop(0) if y is None else y
+        if len(left) == [x, y].count(None):
+            x, y = (left.pop(0) if name is None else name for name in (x, y))
         if len(rows) and (x is None or y is None):
             raise InputError(
                 f"expected two systems to compare, found {listed(systems) or 'none'}; name X and Y",
@@ -103,11 +88,10 @@ def recording_of(
         )
     tables = snapshot.read([recording], params.sources)
     [facts] = tables["recordings"].select(["pictures", "first_picture"]).to_pylist()
-    pictures = facts["pictures"]
-    scheme, separator, rest = (pictures or "").partition("://")
+    scheme, separator, path = (facts["pictures"] or "").partition("://")
     if separator:
-        pictures = unquote(rest) if scheme == "file" else None
-    return dataset_of(tables, params), facts | {"pictures": pictures or None}
+        facts["pictures"] = unquote(path) if scheme == "file" else None
+    return dataset_of(tables, params), facts | {"pictures": facts["pictures"] or None}
 
 
 def write_recording(
@@ -118,31 +102,23 @@ def write_recording(
     first_picture: int | None = None,
     force: bool = False,
 ) -> Path:
-    """Write a session that gives the same numbers as the dataset: boxes, frames, facts, settings.
+    """Write a session with the same numbers as a dataset of one recording; return its file.
 
     Parameters
     ----------
-    dataset
-        One recording with X and Y, and the settings of its comparison.
     folder
         Where to write `FILES`.
     pictures
         Path of the recording's pictures, if there are any on this machine.
     first_picture
-        Number of the frame that the first one shows; None: by their names.
+        Number of the frame that the first picture shows; None: by their names.
     force
-        Whether files that are there are replaced.
-
-    Returns
-    -------
-    Path
-        The session file.
+        Whether existing files are replaced.
 
     Raises
     ------
     InputError
-        If one of the files is there, the folder cannot be written to, or no frame of the recording
-        is evaluated.
+        If one of the files exists, the folder cannot be written to, or no frame is evaluated.
     """
     folder = folder.absolute()
     [recording] = dataset.recordings.to_dict("records")
@@ -152,66 +128,48 @@ def write_recording(
     if there and not force:
         step = Step(Remedy.OPTION, "", "force")
         raise InputError("exists; name another folder", file=there[0], steps=(step,))
-    facts: dict[str, Any] = {
-        name: None if pd.isna(recording[name]) else recording[name] for name in FACTS
-    }
-    frames = dataset.frames
-    lines = "".join(f"{number}\n" for number in frames["frame"])
-    write_whole(folder / FRAMES, lines.encode())
-    has_speed = frames["speed_kmh"].notna()
-    if has_speed.any():
-        # read again, each frame is at a reading
-        series = frames.loc[has_speed, ["time_s", "speed_kmh"]]
+    facts: dict[str, Any] = {"pictures": pictures, "first_picture": first_picture}
+    facts |= {"frames": FRAMES, "tags": recording["tags"], "unit": recording["unit"] or None}
+    facts |= {name: None if pd.isna(recording[name]) else recording[name] for name in FACTS}
+    write_frame_lists({"": dataset.frames["frame"].to_numpy()}, folder / FRAMES, force=True)
+    series = dataset.frames.loc[dataset.frames["speed_kmh"].notna(), ["time_s", "speed_kmh"]]
+    if len(series):  # read again, each frame is at a reading
         write_whole(folder / SPEED, to_csv_bytes(series, digits=None))
         facts["speed"] = SPEED
     more: dict[str, Any] = {}
-    truth = _reading(dataset, 0)
-    estimates = truth.boxes.assign(
-        **{
-            name: dataset.boxes[name].to_numpy()[: len(truth.boxes)]
-            for name in DETECTABILITY_COLUMNS
-        }
-    )
-    is_estimated = estimates["is_outside"] | estimates["is_adapted"]
-    if (is_estimated | estimates["detectability_sd"].notna()).any():
-        # a column of the truth has the value alone
-        table = estimates[estimates["detectability"].notna()].assign(
+    truth, *detections = (_reading(dataset, number) for number in range(len(SYSTEMS) + 1))
+    own = dataset.boxes[: len(truth.boxes)].assign(frame=truth.boxes["frame"].to_numpy())
+    is_known = own["is_outside"] | own["is_adapted"] | own["detectability_sd"].notna()
+    if is_known.any():  # a column of the truth has the value alone
+        table = own[own["detectability"].notna()].assign(
+            recording=recording["name"],
             track=lambda of: of["track"].astype("Int64").mask(of["track"] == NO_TRACK),
             period_s=lambda of: np.where(of["is_adapted"], np.nan, 0.0),
         )
-        table = table.rename(columns={"detectability_sd": "sd"})[list(ESTIMATES)]
-        write_whole(folder / DETECTABILITY, to_csv_bytes(table, digits=None))
+        table = table.rename(columns={"detectability_sd": "sd"})
+        names = ("recording", "frame", "track", "x", "y", "w", "h", "detectability", "sd")
+        content = to_csv_bytes(table[[*names, "is_outside", "period_s"]], digits=None)
+        write_whole(folder / DETECTABILITY, content)
         truth = replace(truth, boxes=truth.boxes.assign(detectability=np.nan))
         more["driver"] = TABLES_OF_SUBJECTS["driver"](detectability=DETECTABILITY)
-    readings = [truth, *(_reading(dataset, number) for number in range(1, len(SYSTEMS) + 1))]
     sources = []
-    for name, reading in zip((TRUTH, *SYSTEMS), readings, strict=True):
+    for name, reading in zip((TRUTH, *SYSTEMS), (truth, *detections), strict=True):
         role: Role = "truth" if name == TRUTH else "detections"
         write(reading, "parquet", folder / name, role=role, objects=dataset.objects, force=True)
         # all that a store holds counts, whatever its class is called
         of_box = class_names(reading, dataset.objects)
         classes = None if of_box is None else tuple(sorted({*of_box} - {IGNORED}))
         sources.append(Source(name, "parquet", classes, frame_names="numbers"))
-    settings = dataset.settings
+    systems = tuple(
+        SystemSource(**vars(source), name=name)
+        for source, name in zip(sources[1:], dataset.systems, strict=True)
+    )
     session = Session(
-        **{name: getattr(settings, name) for name in settings.__dataclass_fields__},
+        **vars(dataset.settings),
         folder=folder,
         truth=sources[0],
-        systems=tuple(
-            SystemSource(**vars(source), name=name)
-            for source, name in zip(sources[1:], dataset.systems, strict=True)
-        ),
-        recordings=(
-            RecordingEntry(
-                recording["name"],
-                frames=FRAMES,
-                tags=recording["tags"],
-                unit=recording["unit"] or None,
-                pictures=pictures,
-                first_picture=first_picture,
-                **facts,
-            ),
-        ),
+        systems=systems,
+        recordings=(RecordingEntry(recording["name"], **facts),),
         **more,
     )
     text = write_session(session, version=__version__, fingerprint=dataset.fingerprint)
@@ -223,11 +181,9 @@ def _reading(dataset: Dataset, source: int) -> Reading:
     """Boxes of the truth (0) or of system number `source` - 1, as their file is to hold them."""
     boxes = dataset.boxes[dataset.boxes["source"] == source]
     name = dataset.recordings["name"][0]
-    columns: dict[str, object] = {
-        column: boxes[column].to_numpy() for column in boxes if column in READING_DTYPES
-    }
-    columns["recording"] = name
-    columns["frame"] = dataset.frames["frame"].to_numpy()[boxes["frame_index"]]
+    columns: dict[str, object] = {of: boxes[of].to_numpy() for of in boxes if of in READING_DTYPES}
+    frame = dataset.frames["frame"].to_numpy()[boxes["frame_index"]]
+    columns |= {"recording": name, "frame": frame}
     labels: tuple[str, ...] = ()
     if (boxes["label"] != NO_LABEL).any():
         # who ignores a box need not say of what class it is: another class than none
@@ -235,11 +191,10 @@ def _reading(dataset: Dataset, source: int) -> Reading:
         is_ignored = boxes["ignore"] & (boxes["label"] == NO_LABEL)
         if not dataset.objects.is_numbered:  # else it is a class without a number
             columns["label"] = boxes["label"].mask(is_ignored, len(dataset.labels)).to_numpy()
-    has_texts = source == 0 and len(dataset.attributes) > 0
     return Reading(
         conform(columns, READING_DTYPES, n_rows=len(boxes)),
         recordings_table([name]),
         "",
         labels=labels,
-        attributes=dataset.attributes if has_texts else None,
+        attributes=dataset.attributes if source == 0 and len(dataset.attributes) else None,
     )

@@ -25,21 +25,9 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import Params
 from nvcore.schema import ATTRIBUTE_DTYPES, conform
-from nvcore.tables.result import (
-    encounters_table,
-    events_table,
-    frames_table,
-    intervals_table,
-    recordings_table,
-)
+from nvcore.tables import result as made_by
 
-MADE_BY = {
-    "recordings": recordings_table,
-    "encounters": encounters_table,
-    "events": events_table,
-    "intervals": intervals_table,
-    "frames": frames_table,
-}
+TABLES = ("recordings", "encounters", "events", "intervals", "frames")
 
 
 def full_of_facts() -> Dataset:
@@ -65,10 +53,8 @@ def full_of_facts() -> Dataset:
     dataset = make_dataset(truth, x, y, places=[place], labels=("adult", "child"))
     n_truth, n = len(dataset.truth), len(dataset.boxes)
     is_truth = np.arange(n) < n_truth
-    texts = {"line": np.arange(0, n_truth, 2)}
-    texts["attributes"] = np.resize(
-        np.array(["with dog", "crossing; =1"], object), len(texts["line"])
-    )
+    words = np.array(["with dog", "crossing; =1"], object)
+    texts = {"line": np.arange(0, n_truth, 2), "attributes": np.resize(words, (n_truth + 1) // 2)}
     speed_kmh = np.where(np.arange(len(frames)) < 2, np.nan, 30 + rng.random(len(frames)))
     return replace(
         dataset,
@@ -97,9 +83,9 @@ def assert_opens_as_scanned(tables: Tables, params: ScanParams, folder: Path) ->
     assert not opened.findings
     assert not len(opened.left_out)
     result = compare(opened)
-    for table, make in MADE_BY.items():
-        known = make(result)
-        for column in known:
+    for table in TABLES:
+        known = getattr(made_by, f"{table}_table")(result)
+        for column in known.columns.intersection(scanned[table].column_names):
             field = pa.schema([scanned[table].schema.field(column)])
             again = typed(known, field)[column].combine_chunks()
             assert again.equals(scanned[table][column].combine_chunks()), (table, column)

