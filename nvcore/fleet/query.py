@@ -138,7 +138,8 @@ def worst(
         {field.name: _term_of(field, name) for field in of.schema}
         for name, of in (("own", rows), ("recording", recordings))
     )
-    names: dict[str, dict[str, _Term]] = {"": own | of_recordings | own, "recording": of_recordings}
+    names = {"": own | of_recordings | own, "recording": of_recordings}
+    condition = _condition(where, names) if where.strip() else None
     usual, frame, timed, time_s = MOMENTS[table]
     columns = _columns_by(by or usual, [name for name, (kind, _) in own.items() if kind == NUMBER])
     better = {of.name: of.better for of in report_columns().get(f"{table}.csv", ())}
@@ -154,7 +155,7 @@ def worst(
         .select(*(term for name, (_, term) in own.items() if name not in moments))
         .from_("own")
         .join("recording", on="own.recording = recording.recording", join_type="left")
-        .where(value.is_(exp.null()).not_())
+        .where(value.is_(exp.null()).not_(), condition)
         .order_by(exp.Ordered(this=value, desc=is_low_better != is_reversed))
         .order_by(*ties)
         .limit(n)
@@ -164,9 +165,8 @@ def worst(
         connection.register("recording", recordings)
         connection.execute(_MACROS)
         try:
-            if where.strip():
-                names[TAG] = _tags(connection) if TAG in where else {}
-                query = query.where(_condition(where, names))
+            if condition is not None:
+                _check_tags(condition, connection)
             answer = connection.sql(query.sql("duckdb", comments=False)).to_arrow_table()
         except duckdb.Error as error:
             reason = one_line(shortened(str(error), LONGEST_REASON))
@@ -229,8 +229,7 @@ def _columns_by(name: str, numbers: Collection[str]) -> tuple[str, ...]:
 def _condition(text: str, known: _Known) -> exp.Expr:
     """Check a condition such as ``tag.road = 'rural' and n_frames > 10``; return it for DuckDB.
 
-    `known` are columns and tags, by what stands before the dot (nothing, ``recording`` or ``tag``)
-    and by name.
+    `known` are columns, by what stands before the dot (nothing or ``recording``) and by name.
     """
     if len(text) > LONGEST_FILTER:
         raise _fault(f"expected at most {LONGEST_FILTER:,} characters, found {len(text):,}")
@@ -296,11 +295,11 @@ def _term(node: exp.Expr, known: _Known) -> _Term:
     shown, name = _shown(node), node.name
     if not (isinstance(node, exp.Column) and is_named):
         raise _fault(f"expected a column, a number or a text, found {shown}")
+    if node.table == TAG:
+        return TAG, exp.func(TAG, exp.column("tags", "recording"), exp.Literal.string(name))
     if node.table not in known:
         raise _fault(f"{shown}: before the dot there is tag or recording, as in tag.night")
     names = known[node.table]
-    if name not in names and node.table == TAG:
-        raise _unknown(f"filter: no recording has {shown}", name, names, "the tags are")
     if name not in names:
         is_text = node.this.quoted
         aside = "a text stands in single quotes" if is_text else "a tag is written tag.NAME"
@@ -312,12 +311,18 @@ def _term(node: exp.Expr, known: _Known) -> _Term:
     return kind, term.copy()
 
 
-def _tags(connection: duckdb.DuckDBPyConnection) -> dict[str, _Term]:
-    """Return all tags by key: a misspelt key is an error, as it would give no rows."""
+def _check_tags(condition: exp.Expr, connection: duckdb.DuckDBPyConnection) -> None:
+    """Refuse keys of tags that no recording has: a misspelt key would give no rows."""
+    calls = condition.find_all(exp.Anonymous)
+    keys = [of.expressions[1].name for of in calls if of.name in _TAG_AS.values()]
+    if not keys:
+        return
     tags = connection.sql("SELECT DISTINCT unnest(tags) FROM recording").fetchall()
-    keys = sorted({str(tag).partition("=")[0] for (tag,) in tags})
-    column = exp.column("tags", "recording")
-    return {key: (TAG, exp.func(TAG, column, exp.Literal.string(key))) for key in keys}
+    known = sorted({str(tag).partition("=")[0] for (tag,) in tags})
+    for key in keys:
+        if key not in known:
+            message = f"filter: no recording has a tag {one_line(shortened(key, 60))}"
+            raise _unknown(message, key, known, "the tags are")
 
 
 def _term_of(field: pa.Field, table: str) -> _Term:
