@@ -22,13 +22,7 @@ from nvcore.errors import InputError, NvcoreError, StoreError
 from nvcore.fleet.results import ScanParams, Summary, gather, result_tables
 from nvcore.fleet.tables import MISSING, TRUTH_KINDS
 from nvcore.objects import PEDESTRIAN, objects_from
-from nvcore.schema import (
-    ATTRIBUTE_DTYPES,
-    DETECTABILITY_COLUMNS,
-    RECORDING_DTYPES,
-    TRUTH,
-    conform,
-)
+from nvcore.schema import ATTRIBUTE_DTYPES, DETECTABILITY_COLUMNS, RECORDING_DTYPES, TRUTH, conform
 from nvcore.settings import Settings
 
 __all__ = ["ScanParams", "dataset_of", "scan_batch"]
@@ -36,9 +30,6 @@ __all__ = ["ScanParams", "dataset_of", "scan_batch"]
 MAX_FRAMES: Final = 2_000_000
 """Most frames of a recording."""
 _BOX_COLUMNS: Final = ("x", "y", "w", "h", "score", "track", "ignore", "distance_m", "occlusion")
-
-_Key = tuple[str, ...]
-"""Recording, or recording and source."""
 
 
 def scan_batch(
@@ -122,7 +113,7 @@ class _Batch:
             raise InputError(f"recording {double!r} is twice in one batch; read one version of it")
         facts = tables["sources"].select(["recording", "source", "sha256", "kind", "threshold"])
         self._sources = {(of["recording"], of["source"]): of for of in facts.to_pylist()}
-        self._divided: dict[str, dict[_Key, list[pa.Table]]] = {}
+        self._divided: dict[str, dict[tuple[str, ...], list[pa.Table]]] = {}
 
     def alike(self, refused: MutableMapping[str, str]) -> list[list[str]]:
         """Group recordings by their objects and thresholds; the other ones are `refused`."""
@@ -244,7 +235,7 @@ class _Batch:
             more["attributes"] = conform(of_lines, ATTRIBUTE_DTYPES, n_rows=len(line))
         return pd.DataFrame(columns, copy=False), more
 
-    def _rows_of(self, name: str, keys: Sequence[_Key]) -> list[pa.Table]:
+    def _rows_of(self, name: str, keys: Sequence[tuple[str, ...]]) -> list[pa.Table]:
         """Return the rows of recordings (and sources) in a table, divided when first asked for."""
         if name not in self._divided:
             self._divided[name] = _divided(self._tables[name])
@@ -257,14 +248,14 @@ def _listed(values: Any) -> tuple[str, ...]:
     return () if values is None else tuple(map(str, values))
 
 
-def _divided(table: pa.Table) -> dict[_Key, list[pa.Table]]:
+def _divided(table: pa.Table) -> dict[tuple[str, ...], list[pa.Table]]:
     """Return the stretches of rows of each recording, and source if the table has sources."""
     names = [name for name in ("recording", "source") if name in table.column_names]
     texts = [table[name].unify_dictionaries().dictionary_encode() for name in names]
     codes = np.stack([of.combine_chunks().indices for of in texts])
     starts = np.flatnonzero(np.diff(codes, prepend=-1).any(axis=0))
     keys = zip(*(of.take(pa.array(starts)).to_pylist() for of in texts), strict=True)
-    divided: dict[_Key, list[pa.Table]] = {}
+    divided: dict[tuple[str, ...], list[pa.Table]] = {}
     for key, start, n_rows in zip(keys, starts, np.diff(starts, append=len(table)), strict=True):
         divided.setdefault(key, []).append(table.slice(start, n_rows))
     return divided

@@ -67,6 +67,7 @@ _SPANS: Final = {
     "intervals": intervals_table,
     "episodes": episodes_table,
 }
+"""Tables of results that list X before Y, not by recording."""
 _COMPARING: Final = "aspect_z"
 """Column of encounters that compares recordings, so that no scan has it."""
 _RATIOS: Final = {
@@ -181,7 +182,7 @@ def schema(table: str) -> pa.Schema:
 
 
 def result_tables(result: Result, truth: Sequence[str], has_frames: bool) -> dict[str, pa.Table]:
-    """Make the tables of results of recordings that were compared each by itself.
+    """Make the tables of results of recordings that were compared each by itself, for `gather`.
 
     Parameters
     ----------
@@ -198,9 +199,7 @@ def result_tables(result: Result, truth: Sequence[str], has_frames: bool) -> dic
             shown_frame=shown["frame"].to_numpy(), shown_s=shown["time_s"].to_numpy()
         ),
     }
-    for name, make in _SPANS.items():
-        of_both = [getattr(system, name)["recording"] for _, system in result.sides]
-        made[name] = make(result).iloc[np.argsort(np.concatenate(of_both), kind="stable")]
+    made |= {name: make(result) for name, make in _SPANS.items()}
     if has_frames:
         made["frames"] = frames_table(result)
     return {name: typed(table, schema(name)) for name, table in made.items()}
@@ -298,7 +297,7 @@ def gather(
     tables = {"quarantine": pa.table(reasons, schema("quarantine"))}
     for name in (*TABLES[:-1], *(["frames"] if has_frames else [])):
         table = pa.concat_tables([part[name] for part in parts] or [schema(name).empty_table()])
-        if len(parts) > 1:  # a stable sort
+        if len(parts) > 1 or name in _SPANS:
             table = table.sort_by("recording")
         tables[name] = table.combine_chunks()
     return tables
