@@ -1,8 +1,9 @@
-"""Results of a scan: tables as Arrow, and the summary that batches are merged into."""
+"""Results of a scan: Arrow tables, and summaries that can be merged."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache
@@ -11,7 +12,6 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 import pyarrow as pa
-import pyarrow.compute as pc
 
 from nvcore.comparison import Result
 from nvcore.errors import InputError, ParameterError
@@ -52,64 +52,66 @@ _TYPES: Final = {
     CellKind.NUMBER: pa.float64(),
     CellKind.TRUTH_VALUE: pa.bool_(),
 }
-_WHOLE: Final = {
-    "detections": "detections",
-    "boxes_matched": "boxes_matched",
-    **{f"miss_classes.{kind.value}": f"miss_{kind.value}" for kind in MissClass},
-}
-"""Measures that are counts, and the columns that have them by recording."""
+_COUNTS: Final = ("detections", "boxes_matched", *(f"miss_{kind.value}" for kind in MissClass))
 _TIMES: Final = (
     *("episode_s", "longest_episode_s", "event_s", "event_relevant_s", "largest_event_s"),
     "worst_severity_s",
 )
 _BOXES: Final = ("boxes_both", "boxes_x_only", "boxes_y_only", "boxes_neither")
-_SUMMED: Final = tuple(key for key in EVIDENCE_KEYS if inference_of(key).test == "units")
-"""Measures that are a factor times a sum over another one; sums have ``sum_`` before the key."""
-
+_SUMMED: Final = {
+    key: inference_of(key) for key in EVIDENCE_KEYS if inference_of(key).test == "units"
+}
+"""Measures whose summands have a column of recordings, ``sum_`` and the key."""
 _SPANS: Final = {
     "events": events_table,
     "intervals": intervals_table,
     "episodes": episodes_table,
 }
+"""Tables of results that list X before Y, not by recording."""
 _COMPARING: Final = "aspect_z"
-"""Column of encounters that compares recordings, and so is in no result of a scan."""
+"""Column of encounters that compares recordings, so that no scan has it."""
 _RATIOS: Final = {
+    **{
+        measure.key: (measure.key.removesuffix("_per_hour"), "duration_s", HOUR_S)
+        for measure in MEASURES
+        if measure.key.endswith("_per_hour")
+    },
+    **{f"miss_classes.{kind.value}": (f"miss_{kind.value}", "", 1.0) for kind in MissClass},
     "false_alarms_per_frame": ("false_alarms", "n_frames", 1.0),
     "false_alarms_per_minute": ("false_alarms", "duration_s", 60.0),
     "saliency_relevant_share": ("event_relevant_s", "event_s", 1.0),
     "severity_s_per_min": ("severity_s", "duration_s", 60.0),
     "mean_episode_s": ("episode_s", "false_alert_episodes", 1.0),
+    **{key: (f"sum_{key}", of.per, of.factor) for key, of in _SUMMED.items()},
 }
-"""Other measures that are one: numerator, denominator, factor; those of alerts follow their names.
-"""
+"""Numerator, denominator (empty: 1) and factor of measures; others are a column of their name."""
 _EXTREMES: Final = {
-    "min_similarity": ("min_similarity", min),
-    "worst_window_similarity": ("worst_window_similarity", min),
-    "saliency_largest_event": ("largest_event_s", max),
-    "worst_severity_s": ("worst_severity_s", max),
-    "longest_episode_s": ("longest_episode_s", max),
+    "min_similarity": ("min_similarity", 1),
+    "worst_window_similarity": ("worst_window_similarity", 1),
+    "saliency_largest_event": ("largest_event_s", -1),
+    "worst_severity_s": ("worst_severity_s", -1),
+    "longest_episode_s": ("longest_episode_s", -1),
 }
-"""Measures that are the least or the largest of a column of recordings."""
+"""Measures that are the smallest (1) or largest (-1) value of a column of recordings."""
 
 
 @dataclass(frozen=True)
 class ScanParams:
-    """What is compared over a fleet, and how.
+    """Sources and settings of a scan.
 
     Attributes
     ----------
     x, y, truth
         Sources of the store: "FIR" (its newest version), "FIR@2", "FIR@name-of-version".
     params
-        Settings of the comparison. A threshold that is None is the one that the store has for the
-        system in each recording.
+        Settings of the comparison. A threshold of None: the store's, for each recording.
     frames
-        Whether results have the table of frames.
+        Whether results include the table of frames.
 
     Raises
     ------
     ParameterError
-        If two sources are the same, or alerts are to be those of logs, which a store does not hold.
+        If two sources are the same, or alerts are to be read from logs, which a store lacks.
     """
 
     x: str
@@ -136,19 +138,13 @@ class ScanParams:
         return self.truth, self.x, self.y
 
     def given(self) -> dict[str, Any]:
-        """For JSON; `ScanParams.parse` reads it."""
+        """Return them for JSON; `ScanParams.parse` reads it."""
         own = {name: getattr(self, name) for name in ("x", "y", "truth", "frames")}
         return own | {"params": self.params.given()}
 
     @staticmethod
     def parse(given: Mapping[str, Any]) -> ScanParams:
-        """From what `given` returned.
-
-        Raises
-        ------
-        ParameterError
-            If a parameter is unknown or impossible.
-        """
+        """Read what `given` returned; ParameterError if a parameter is unknown or impossible."""
         return ScanParams(**{**given, "params": params_from(given["params"])})
 
 
@@ -160,9 +156,8 @@ def _both(names: Iterable[str]) -> list[str]:
 def schema(table: str) -> pa.Schema:
     """Return the columns of a table of results: those of the report's file, recording first.
 
-    ``encounters`` also has the frame to look at, and its time, but no column that compares
-    recordings. ``recordings`` also has the tags, the kind of the truth, and the counts, sums
-    (``sum_`` and the key of the measure) and extremes that measures of several are computed from.
+    ``encounters`` also has the frame to look at. ``recordings`` also has tags, the kind of truth,
+    and the counts, sums and extremes from which measures of several recordings are computed.
     """
     if table == "quarantine":
         fields = {"recording": pa.string(), "reason": pa.string()}
@@ -179,7 +174,7 @@ def schema(table: str) -> pa.Schema:
         fields |= {"shown_frame": pa.int64(), "shown_s": pa.float64()}
     if table == "recordings":
         fields |= {"tags": pa.list_(pa.string()), "truth": pa.string()}
-        whole = ("n_encounters", *counted(), *_BOXES, *_both(_WHOLE.values()))
+        whole = ("n_encounters", *counted(), *_BOXES, *_both(_COUNTS))
         fields |= dict.fromkeys(whole, pa.int64())
         sums = _both([*_TIMES, *(f"sum_{key}" for key in _SUMMED)])
         fields |= dict.fromkeys(("share_of_recording", *sums), pa.float64())
@@ -187,7 +182,7 @@ def schema(table: str) -> pa.Schema:
 
 
 def result_tables(result: Result, truth: Sequence[str], has_frames: bool) -> dict[str, pa.Table]:
-    """Make the result tables of a comparison of recordings that are each alone, by recording.
+    """Make the tables of results of recordings that were compared each by itself, for `gather`.
 
     Parameters
     ----------
@@ -204,16 +199,14 @@ def result_tables(result: Result, truth: Sequence[str], has_frames: bool) -> dic
             shown_frame=shown["frame"].to_numpy(), shown_s=shown["time_s"].to_numpy()
         ),
     }
-    for name, make in _SPANS.items():
-        of_both = [getattr(system, name)["recording"] for _, system in result.sides]
-        made[name] = make(result).iloc[np.argsort(np.concatenate(of_both), kind="stable")]
+    made |= {name: make(result) for name, make in _SPANS.items()}
     if has_frames:
         made["frames"] = frames_table(result)
     return {name: typed(table, schema(name)) for name, table in made.items()}
 
 
 def typed(table: pd.DataFrame, columns: pa.Schema) -> pa.Table:
-    """A table as Arrow with these columns; what is missing, cells or columns, is null."""
+    """Convert a table to Arrow with these columns; missing cells and columns are null."""
     known = [
         pa.array(table[of.name], of.type, from_pandas=True)
         if of.name in table
@@ -224,7 +217,7 @@ def typed(table: pd.DataFrame, columns: pa.Schema) -> pa.Table:
 
 
 def _each_recording(result: Result) -> Units:
-    """Take each recording as a unit; those without frames are in none."""
+    """Return each recording with frames as a unit."""
     frames = result.dataset.frame_columns
     number, has_frames = np.arange(len(frames.fps)), np.diff(frames.first) > 0
     n_with_frames = int(np.count_nonzero(has_frames))
@@ -240,7 +233,7 @@ def _each_recording(result: Result) -> Units:
 
 
 def _sums(result: Result) -> dict[str, np.ndarray]:
-    """What measures over several recordings are made of, of each recording."""
+    """Return the columns of recordings from which measures of several are computed."""
     frames, n = result.dataset.frame_columns, len(result.dataset.recordings)
     sums = sum_units(result, _each_recording(result))
     columns = {name: sums[name].to_numpy() for name in ("n_encounters", *counted())}
@@ -293,43 +286,36 @@ def _sums_of_system(result: Result, system: SystemResult) -> dict[str, np.ndarra
 def gather(
     parts: Sequence[Mapping[str, pa.Table]], refused: Mapping[str, str], *, has_frames: bool
 ) -> dict[str, pa.Table]:
-    """The result tables of all parts of a batch as one of each, by recording.
+    """Join the tables of results of parts of a batch, sorted by recording.
 
     Parameters
     ----------
     refused
-        Why recordings are not compared, by name.
+        Reasons why recordings are not compared, by name.
     """
     reasons = {"recording": sorted(refused), "reason": [refused[name] for name in sorted(refused)]}
     tables = {"quarantine": pa.table(reasons, schema("quarantine"))}
     for name in (*TABLES[:-1], *(["frames"] if has_frames else [])):
         table = pa.concat_tables([part[name] for part in parts] or [schema(name).empty_table()])
-        if len(parts) > 1:
-            names = pc.sort_indices(pc.unique(table["recording"]))
-            ordered = pc.unique(table["recording"]).take(names)
-            place = pc.index_in(table["recording"], ordered).to_numpy()
-            table = table.take(np.argsort(place, kind="stable"))
+        if len(parts) > 1 or name in _SPANS:
+            table = table.sort_by("recording")
         tables[name] = table.combine_chunks()
     return tables
 
 
 @dataclass(frozen=True)
 class Summary:
-    """Measures over recordings, in a form that can be merged.
+    """Counts, sums and extremes of recordings, from which measures are computed.
 
-    Sums are kept exactly, as fractions, so that the order of merging changes no digit.
+    Sums are exact fractions, so the order of merging changes no digit.
 
     Attributes
     ----------
-    params
-        What was compared.
-    recordings, quarantined
-        Recordings compared, and those that could not be.
     counts, sums
-        Of columns of the table of recordings, by name; one that no recording has is absent.
+        Totals of columns of the table of recordings; columns without values are absent.
     extremes
-        Least or largest value of a measure and system (``min_similarity_x``), and the recording
-        that has it, of several the first by name.
+        Smallest or largest value by measure and system (``min_similarity_x``), with its recording;
+        of several recordings the first by name.
     """
 
     params: ScanParams
@@ -341,29 +327,30 @@ class Summary:
 
     @staticmethod
     def of(tables: Mapping[str, pa.Table], params: ScanParams) -> Summary:
-        """Of the result tables of `nvcore.fleet.batch.scan_batch`."""
+        """Summarize the tables of results of a batch."""
         recordings = tables["recordings"]
-        known = {name: recordings[name].drop_null() for name in recordings.column_names}
-        counts, sums = ([name for name in names if len(known[name])] for names in _summed())
-        names, extremes = recordings["recording"].to_pylist(), {}
-        for key, (column, worst) in _EXTREMES.items():
-            for letter in "xy":
-                values = zip(recordings[f"{column}_{letter}"].to_pylist(), names, strict=True)
-                having = [of for of in values if of[0] is not None]
-                if having:
-                    extremes[f"{key}_{letter}"] = _worst(having, worst)
-        return Summary(
-            params,
-            len(recordings),
-            len(tables["quarantine"]),
-            {name: sum(known[name].to_pylist()) for name in counts},
-            {name: exact_sum(known[name].to_numpy()) for name in sums},
-            extremes,
+        counts, sums = dict[str, int](), dict[str, Fraction]()
+        for name in _totalled():
+            known = recordings[name].drop_null()
+            if not len(known):
+                continue
+            if pa.types.is_int64(known.type):
+                counts[name] = sum(known.to_pylist())
+            else:
+                sums[name] = exact_sum(known.to_numpy())
+        names = recordings["recording"].to_pylist()
+        extremes = _worst(
+            (f"{key}_{letter}", (value, name))
+            for key, (column, _) in _EXTREMES.items()
+            for letter in "xy"
+            for value, name in zip(recordings[f"{column}_{letter}"].to_pylist(), names, strict=True)
+            if value is not None
         )
+        return Summary(params, len(recordings), len(tables["quarantine"]), counts, sums, extremes)
 
     @staticmethod
     def merge(parts: Sequence[Summary]) -> Summary:
-        """The summary of all of their recordings: the same bytes in whatever order and nesting.
+        """Return the summary of all recordings of summaries.
 
         Raises
         ------
@@ -374,28 +361,17 @@ class Summary:
             raise InputError("there is no summary to merge; scan a recording at least")
         if any(part.params != parts[0].params for part in parts):
             raise InputError("summaries of different comparisons cannot be merged")
-        counts: dict[str, int] = {}
-        sums: dict[str, Fraction] = {}
-        for part in parts:
-            for name, value in part.counts.items():
-                counts[name] = counts.get(name, 0) + value
-            for name, amount in part.sums.items():
-                sums[name] = sums.get(name, Fraction()) + amount
-        extremes = {}
-        for name in {name for part in parts for name in part.extremes}:
-            known = [part.extremes[name] for part in parts if name in part.extremes]
-            extremes[name] = _worst(known, _EXTREMES[name[:-2]][1])
         return Summary(
             parts[0].params,
             sum(part.recordings for part in parts),
             sum(part.quarantined for part in parts),
-            counts,
-            sums,
-            extremes,
+            _added(part.counts for part in parts),
+            _added(part.sums for part in parts),
+            _worst(item for part in parts for item in part.extremes.items()),
         )
 
     def total(self, column: str) -> float:
-        """Sum of a column of the table of recordings; NaN if no recording has it."""
+        """Return the total of a column of recordings; NaN if none has a value."""
         return float(self.sums.get(column, self.counts.get(column, np.nan)))
 
     @property
@@ -409,14 +385,14 @@ class Summary:
         return BoxVenn(*(self.counts.get(name, 0) for name in _BOXES))
 
     def measures(self) -> pd.DataFrame:
-        """One row per measure that recordings add up to, in the order of `MEASURES`.
+        """Return one row per measure that totals make, in the order of `MEASURES`.
 
-        Medians, percentiles and detection curves need all values at once, and are not there.
+        Medians, percentiles and detection curves need all values at once, and are left out.
 
         Returns
         -------
-        key, label, x, y (NaN: undefined), and n: how many encounters or recordings it is a mean
-        of, else the frames behind it.
+        key, label, x, y (NaN: undefined), and n: the encounters or recordings that a mean is of,
+        else the frames.
         """
         settings = self.params.params
         is_largest = settings.saliency_aggregate == "max"
@@ -440,73 +416,70 @@ class Summary:
         return pd.DataFrame(rows, columns=["key", "label", "x", "y", "n"])
 
     def _value(self, key: str, letter: str) -> float | None:
-        """A measure of a system; None: no sum makes it, or no recording has it."""
+        """Return a measure of a system; None: no total makes it, or no recording has it."""
         if key in _EXTREMES:
             return self.extremes.get(f"{key}_{letter}", (np.nan, ""))[0]
-        if hides_rate(measure_of(key), self.total("duration_s")):
-            return None
-        part, per, factor = _WHOLE.get(key, key), "", 1.0
-        if key in _SUMMED:
-            part, per, factor = f"sum_{key}", inference_of(key).per, inference_of(key).factor
-        elif key in _RATIOS:
-            part, per, factor = _RATIOS[key]
-        elif key.endswith("_per_hour"):
-            part, per, factor = key.removesuffix("_per_hour"), "duration_s", HOUR_S
+        part, per, factor = _RATIOS.get(key, (key, "", 1.0))
         total = self.total(f"{part}_{letter}")
-        if np.isnan(total) or not per:
-            return None if np.isnan(total) else total
-        over = self.total(f"{per}_{letter}" if f"{per}_{letter}" in self._columns else per)
-        return ratio_of(factor * total, over)
-
-    @property
-    def _columns(self) -> set[str]:
-        return {*self.counts, *self.sums}
+        if np.isnan(total) or hides_rate(measure_of(key), self.total("duration_s")):
+            return None
+        if not per:
+            return total
+        over = self.total(f"{per}_{letter}")
+        return ratio_of(factor * total, self.total(per) if np.isnan(over) else over)
 
     def given(self) -> dict[str, Any]:
-        """For JSON, the same for the same summary; `Summary.parse` reads it."""
+        """Return it for JSON; `Summary.parse` reads it."""
         return {
+            **vars(self),
             "params": self.params.given(),
-            "recordings": self.recordings,
-            "quarantined": self.quarantined,
-            "counts": dict(self.counts),
             "sums": {name: str(value) for name, value in self.sums.items()},
             "extremes": {name: list(of) for name, of in self.extremes.items()},
         }
 
     @staticmethod
     def parse(given: Mapping[str, Any]) -> Summary:
-        """From what `given` returned."""
-        return Summary(
-            ScanParams.parse(given["params"]),
-            given["recordings"],
-            given["quarantined"],
-            given["counts"],
-            {name: Fraction(value) for name, value in given["sums"].items()},
-            {name: (float(value), of) for name, (value, of) in given["extremes"].items()},
-        )
+        """Read what `given` returned."""
+        own = {
+            "params": ScanParams.parse(given["params"]),
+            "sums": {name: Fraction(value) for name, value in given["sums"].items()},
+            "extremes": {
+                name: (float(value), of) for name, (value, of) in given["extremes"].items()
+            },
+        }
+        return Summary(**{**given, **own})
 
 
 @cache
-def _summed() -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Columns of the table of recordings that are counts, and others that can be added up."""
-    columns = schema("recordings")
-    counts = tuple(of.name for of in columns if pa.types.is_int64(of.type))
-    times = _both(["severity_s", "episode_s", "event_s", "event_relevant_s"])
-    sums = ("duration_s", "share_of_recording", *times)
-    return counts, (*sums, *(of.name for of in columns if of.name.startswith("sum_")))
+def _totalled() -> list[str]:
+    """List the columns of recordings that can be added up: counts, and parts of `_RATIOS`."""
+    parts = {name for part, per, _ in _RATIOS.values() for name in (part, per)}
+    return [
+        of.name
+        for of in schema("recordings")
+        if pa.types.is_int64(of.type) or parts & {of.name, of.name[:-2]}
+    ]
 
 
-def _worst(
-    known: Iterable[tuple[float, str]], worst: Callable[[Iterable[float]], float]
-) -> tuple[float, str]:
-    """The least or largest value (`worst`) and whose it is, of several the first by name."""
-    values = [*known]
-    value = worst(of[0] for of in values)
-    return value, min(name for own, name in values if own == value)
+def _added(parts: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    """Add numbers by name."""
+    total = Counter[str]()
+    for part in parts:
+        total.update(part)
+    return dict(total)
+
+
+def _worst(found: Iterable[tuple[str, tuple[float, str]]]) -> dict[str, tuple[float, str]]:
+    """Return the smallest or largest value by measure and system, with its recording."""
+    worst: dict[str, tuple[float, str]] = {}
+    for key, of in found:
+        _, sign = _EXTREMES[key[:-2]]
+        worst[key] = min(worst.get(key, of), of, key=lambda known: (sign * known[0], known[1]))
+    return worst
 
 
 def exact_sum(values: np.ndarray) -> Fraction:
-    """Sum of finite numbers without any rounding; float64, shape (n,)."""
+    """Add finite numbers without rounding; float64, shape (n,)."""
     ratios = [value.as_integer_ratio() for value in values.tolist()]
     over = max((of[1] for of in ratios), default=1)  # all are powers of two
     return Fraction(sum(value * (over // of) for value, of in ratios), over)
