@@ -88,13 +88,16 @@ def tables_of(
     Raises
     ------
     InputError
-        If a recording time or a name is invalid, or the truth should be absent and has boxes.
+        If a recording time or a name is invalid, two sources have the same name, or the truth
+        should be absent and has boxes.
     """
     if truth_kind == "absent" and len(dataset.truth):
         raise InputError(
             f"the ground truth is to be absent, and has {len(dataset.truth):,} boxes", file=origin
         )
     sources = [TRUTH_NAME, *dataset.systems]
+    if double := [name for name in sources if sources.count(name) > 1]:
+        raise InputError(f"two sources are called {double[0]!r}; rename one", file=origin)
     frames: dict[str, Any] = {
         name: dataset.frames[name].to_numpy() for name in ("frame", "speed_kmh")
     }
@@ -137,11 +140,13 @@ def _boxes_by_recording(dataset: Dataset) -> tuple[dict[str, Any], np.ndarray]:
     columns["frame"] = dataset.frames["frame"].to_numpy()[frame_index]
     if "label" in columns:
         columns["label"] = _texts(columns.pop("label"), dataset.labels)
+        columns["label"] = columns["label"].reorder_categories(sorted(dataset.labels))
     texts = texts_of_truth(dataset)
     if len(texts.categories):
         codes = np.full(len(boxes), -1)
         codes[: len(texts)] = texts.codes
         columns["attributes"] = _texts(codes, texts.categories)
+        columns["attributes"] = columns["attributes"].reorder_categories(sorted(texts.categories))
     if len(dataset.recordings) > 1:  # a dataset has all of one source first
         order = np.argsort(stretch, kind="stable")
         stretch = stretch[order]
@@ -151,7 +156,7 @@ def _boxes_by_recording(dataset: Dataset) -> tuple[dict[str, Any], np.ndarray]:
 
 def _texts(codes: np.ndarray, texts: Iterable[object]) -> pd.Categorical:
     names = pd.Index([*map(str, texts)], dtype=object)
-    return pd.Categorical.from_codes(codes, names).reorder_categories(sorted(names))
+    return pd.Categorical.from_codes(codes, names, validate=False)
 
 
 def _recordings_of(
@@ -165,7 +170,7 @@ def _recordings_of(
     stated = dataset.recordings.to_dict("records")
     step_s = dataset.frames["step_s"].to_numpy()
     durations_s = np.bincount(dataset.frames["recording"], step_s, minlength=len(stated))
-    given = dict(settings.params.given().items() - Params().given().items())
+    given = dict(vars(settings.params).items() - vars(Params()).items())
     given = {name: of for name, of in given.items() if not name.startswith("threshold_")}
     rows = []
     for row, ends, duration_s in zip(stated, pairwise(first), durations_s, strict=True):

@@ -217,8 +217,11 @@ class Store:
             if name == "recordings":  # of several inputs with other parameters the last one counts
                 same = rows.groupby([content, is_given])
                 rows["parameters"] = same["parameters"].transform("last")
-            is_kept = is_new | (is_given & _says_more(name, rows, content))
+            is_kept = is_new
+            if (is_given & ~is_new).any():
+                is_kept = is_new | (is_given & _says_more(name, rows, content))
             if name == "sources":
+                rows["kind"] = rows["kind"].replace("", TRUTH_KINDS[0])
                 is_known = rows.duplicated(_PAIR).to_numpy()
                 if newest:
                     is_known = is_known & ~_is_behind(rows, is_given)
@@ -284,7 +287,6 @@ def _says_more(name: str, rows: pd.DataFrame, content: pd.Series) -> pd.Series:
     says_more: pd.Series = said != said.groupby(content).shift()
     if name == "sources":
         says_more |= (rows["label"] != "") & ~rows.duplicated([*_CONTENT[name], "label"])
-        rows["kind"] = rows["kind"].replace("", TRUTH_KINDS[0])
     return says_more
 
 

@@ -425,6 +425,7 @@ def test_a_damaged_or_missing_file_is_named(tmp_path: Path):
     with pytest.raises(FormatError, match=rf"{file.name}: is damaged"):
         store.snapshot().read(["a"], ["truth", "x", "y"])["boxes"]
     file.unlink()
+    store.append(batch_of("a"))  # does not write the file again
     with pytest.raises(InputError, match=rf"{file.name}: is missing in the store"):
         store.snapshot().read(["a"], ["x"])["boxes"]
     with pytest.raises(InputError, match="there is no store here"):
