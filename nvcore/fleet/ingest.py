@@ -6,10 +6,10 @@ import hashlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING as REQUIRED
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass, field, fields
 from datetime import UTC, datetime
 from functools import partial
-from itertools import pairwise
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,10 +17,9 @@ import numpy as np
 import pandas as pd
 
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError, NvcoreError, StoreError
+from nvcore.errors import InputError, NvcoreError, SessionError, StoreError
 from nvcore.extras import needs
 from nvcore.findings import TRUTH_NAME, Finding
-from nvcore.fleet.session import time_of
 from nvcore.inputs.session import TABLES_OF_SUBJECTS, RecordingEntry, Session
 from nvcore.inputs.toml_text import parse_toml
 from nvcore.metrics.encounter_classes import texts_of_truth
@@ -58,8 +57,7 @@ _TABLE_OF: Final = {
 }
 """Tables of a session file that are fields of `Session`."""
 
-_Texts = tuple[np.ndarray, list[str]]
-"""A text for each row, as an index into a sorted list; -1 is none."""
+_Columns = Mapping[str, np.ndarray | pd.Categorical]
 
 
 def tables_of(
@@ -90,30 +88,37 @@ def tables_of(
     Raises
     ------
     InputError
-        If a recording time or a name is invalid, or the truth should be absent and has boxes.
+        If a recording time or a name is invalid, two sources have the same name, or the truth
+        should be absent and has boxes.
     """
     if truth_kind == "absent" and len(dataset.truth):
         raise InputError(
             f"the ground truth is to be absent, and has {len(dataset.truth):,} boxes", file=origin
         )
     sources = [TRUTH_NAME, *dataset.systems]
-    frames = {name: dataset.frames[name].to_numpy() for name in ("frame", "speed_kmh")}
-    columns, texts, stretch = _boxes_by_recording(dataset)
-    counts = np.bincount(stretch, minlength=len(dataset.recordings) * len(sources))
+    if double := [name for name in sources if sources.count(name) > 1]:
+        raise InputError(f"two sources are called {double[0]!r}; rename one", file=origin)
+    frames: dict[str, Any] = {
+        name: dataset.frames[name].to_numpy() for name in ("frame", "speed_kmh")
+    }
+    boxes, stretch = _boxes_by_recording(dataset)
     try:
         recordings = _recordings_of(dataset, frames, origin)
-        names = recordings["recording"]
-        rows = _sources_of(dataset, recordings, columns, texts, counts)
-        rows["kind"] = [truth_kind, *["system"] * len(dataset.systems)] * len(names)
-        rows["label"] = [(labels or {}).get(name, "") for name in rows["source"]]
-        of_frames = {"recording": (dataset.frames["recording"].to_numpy(), names)}
-        texts["recording"] = stretch // len(sources), names
-        texts["source"] = stretch % len(sources), sources
+        counts = np.bincount(stretch, minlength=len(recordings) * len(sources))
+        rows = _sources_of(dataset, recordings, boxes, counts)
+        for row in rows:
+            row["kind"] = truth_kind if row["source"] == TRUTH_NAME else "system"
+            row["label"] = (labels or {}).get(row["source"], "")
+        names = [row["recording"] for row in recordings]
+        frames["recording"] = _texts(dataset.frames["recording"].to_numpy(), names)
+        boxes["recording"] = _texts(stretch // len(sources), names)
+        boxes["source"] = _texts(stretch % len(sources), sources)
+        own = {"file": "", "ingested_at": datetime.now(UTC), "amends": False}
         return {
-            "recordings": _rows(recordings, RECORDINGS),
-            "sources": _rows(rows, SOURCES),
-            "frames": _table(frames, of_frames, IN_MEMORY["frames"]),
-            "boxes": _table(columns, texts, IN_MEMORY["boxes"]),
+            "recordings": pa.Table.from_pylist([own | row for row in recordings], RECORDINGS),
+            "sources": pa.Table.from_pylist([own | row for row in rows], SOURCES),
+            "frames": _table(frames, IN_MEMORY["frames"]),
+            "boxes": _table(boxes, IN_MEMORY["boxes"]),
         }
     except UnicodeEncodeError as error:
         raise InputError(
@@ -121,96 +126,94 @@ def tables_of(
         ) from error
 
 
-def _boxes_by_recording(
-    dataset: Dataset,
-) -> tuple[dict[str, np.ndarray], dict[str, _Texts], np.ndarray]:
-    """Return the columns and texts with known values, sorted by recording and source.
+def _boxes_by_recording(dataset: Dataset) -> tuple[dict[str, Any], np.ndarray]:
+    """Return the columns with known values, sorted by recording and source.
 
-    The third value is recording * number of sources + source, for each row.
+    The second value is recording * number of sources + source, for each row.
     """
     boxes, n_sources = dataset.boxes, len(dataset.systems) + 1
     frame_index = boxes["frame_index"].to_numpy()
     recording = dataset.frames["recording"].to_numpy()[frame_index].astype(np.int64)
     stretch = recording * n_sources + boxes["source"].to_numpy()
-    columns = {name: boxes[name].to_numpy() for name in IN_MEMORY["boxes"].names if name in boxes}
-    columns = {name: of for name, of in columns.items() if _is_any_known(name, of)}
+    every = {name: boxes[name].to_numpy() for name in IN_MEMORY["boxes"].names if name in boxes}
+    columns: dict[str, Any] = {name: of for name, of in every.items() if _is_any_known(name, of)}
     columns["frame"] = dataset.frames["frame"].to_numpy()[frame_index]
+    if "label" in columns:
+        columns["label"] = _texts(columns.pop("label"), dataset.labels)
+        columns["label"] = columns["label"].reorder_categories(sorted(dataset.labels))
     texts = texts_of_truth(dataset)
     if len(texts.categories):
-        columns["attributes"] = np.full(len(boxes), -1, np.int32)
-        columns["attributes"][: len(texts)] = texts.codes
+        codes = np.full(len(boxes), -1)
+        codes[: len(texts)] = texts.codes
+        columns["attributes"] = _texts(codes, texts.categories)
+        columns["attributes"] = columns["attributes"].reorder_categories(sorted(texts.categories))
     if len(dataset.recordings) > 1:  # a dataset has all of one source first
         order = np.argsort(stretch, kind="stable")
         stretch = stretch[order]
         columns = {name: of[order] for name, of in columns.items()}
-    named = {"label": dataset.labels, "attributes": texts.categories}
-    known = {name: _sorted(columns.pop(name), of) for name, of in named.items() if name in columns}
-    return columns, known, stretch
+    return columns, stretch
 
 
-def _sorted(codes: np.ndarray, texts: Iterable[object]) -> _Texts:
-    names = [str(text) for text in texts]
-    order = np.array(sorted(range(len(names)), key=names.__getitem__), int)
-    rank = np.full(len(names) + 1, -1, np.int32)  # the last entry is for -1, no text
-    rank[order] = np.arange(len(names))
-    return rank[codes], [names[place] for place in order]
+def _texts(codes: np.ndarray, texts: Iterable[object]) -> pd.Categorical:
+    names = pd.Index([*map(str, texts)], dtype=object)
+    return pd.Categorical.from_codes(codes, names, validate=False)
 
 
 def _recordings_of(
     dataset: Dataset, frames: Mapping[str, np.ndarray], origin: str
-) -> dict[str, list[Any]]:
+) -> list[dict[str, Any]]:
     settings, objects = dataset.settings, dataset.objects
-    names = dataset.recordings["name"].tolist()
-    entries, folder = [RecordingEntry(name) for name in names], Path()
+    entries, folder = {}, Path()
     if isinstance(settings, Session):
-        stated, folder = settings.entries(names), settings.folder
-        entries = [stated.get(entry.name, entry) for entry in entries]
+        entries, folder = settings.entries(dataset.recordings["name"].tolist()), settings.folder
     first = dataset.frame_columns.first
-    facts = {name: dataset.recordings[name].tolist() for name in FACTS}
-    facts |= {
-        "tags": [[*tags] for tags in dataset.recordings["tags"]],
-        "unit": dataset.recordings["unit"].tolist(),
-        "recorded_at": [time_of(entry.recorded_at) for entry in entries],
-        "objects": [[objects.singular, objects.plural]] * len(names),
-    }
-    texts = [json.dumps(of, default=str) for of in zip(*facts.values(), strict=True)]
-    recording, step_s = dataset.frames["recording"], dataset.frames["step_s"]
-    return {
-        "recording": names,
-        **facts,
-        "sha256": [
-            _sha256(text, slice(*ends), frames, {})
-            for text, ends in zip(texts, pairwise(first), strict=True)
-        ],
-        "pictures": [
-            "" if entry.pictures is None else str((folder / entry.pictures).absolute())
-            for entry in entries
-        ],
-        "first_picture": [entry.first_picture for entry in entries],
-        "duration_s": np.bincount(recording, step_s, minlength=len(names)).tolist(),
-        "parameters": [_stated_parameters(settings.params)] * len(names),
-        "source": [origin] * len(names),
-        "first_row": first[:-1].tolist(),
-        "n_rows": np.diff(first).tolist(),
-    }
+    stated = dataset.recordings.to_dict("records")
+    step_s = dataset.frames["step_s"].to_numpy()
+    durations_s = np.bincount(dataset.frames["recording"], step_s, minlength=len(stated))
+    given = dict(vars(settings.params).items() - vars(Params()).items())
+    given = {name: of for name, of in given.items() if not name.startswith("threshold_")}
+    rows = []
+    for row, ends, duration_s in zip(stated, pairwise(first), durations_s, strict=True):
+        entry = entries.get(row["name"], RecordingEntry(row["name"]))
+        facts = {name: row[name] for name in FACTS} | {
+            "tags": [*row["tags"]],
+            "unit": row["unit"],
+            "recorded_at": _time_of(entry.recorded_at),
+            "objects": [objects.singular, objects.plural],
+        }
+        text = json.dumps([*facts.values()], default=str)
+        pictures = "" if entry.pictures is None else str((folder / entry.pictures).absolute())
+        own = {
+            "recording": row["name"],
+            "sha256": _sha256(text, slice(*ends), frames),
+            "pictures": pictures,
+            "first_picture": entry.first_picture,
+            "duration_s": duration_s,
+            "parameters": json.dumps(given, sort_keys=True) if given else "",
+            "source": origin,
+            "first_row": ends[0],
+            "n_rows": ends[1] - ends[0],
+        }
+        rows.append(facts | own)
+    return rows
 
 
-def _stated_parameters(params: Params) -> str:
-    """Return the settings that are not the default as JSON; thresholds are facts of sources."""
-    default = asdict(Params(threshold_x=params.threshold_x, threshold_y=params.threshold_y))
-    stated = {name: value for name, value in asdict(params).items() if value != default[name]}
-    return json.dumps(stated, sort_keys=True) if stated else ""
+def _time_of(text: str | None) -> datetime | None:
+    if text is None:
+        return None
+    try:
+        when = datetime.fromisoformat(text)
+        return when.replace(tzinfo=UTC) if when.tzinfo is None else when.astimezone(UTC)
+    except (ValueError, OverflowError) as error:
+        raise SessionError(
+            f"recorded_at: expected a time such as 2026-03-01T18:20:00+01:00, found {text[:40]!r}"
+        ) from error
 
 
 def _sources_of(
-    dataset: Dataset,
-    recordings: Mapping[str, list[Any]],
-    columns: Mapping[str, np.ndarray],
-    texts: Mapping[str, _Texts],
-    counts: np.ndarray,
-) -> dict[str, list[Any]]:
-    sources, (x, y) = [TRUTH_NAME, *dataset.systems], dataset.compared()
-    params = dataset.params_of()
+    dataset: Dataset, recordings: list[dict[str, Any]], boxes: _Columns, counts: np.ndarray
+) -> list[dict[str, Any]]:
+    params, (x, y) = dataset.params_of(), dataset.compared()
     thresholds: dict[str | None, float | None] = {
         **dict(zip(dataset.systems, dataset.settings.thresholds, strict=False)),
         x: params.threshold_x,
@@ -218,22 +221,22 @@ def _sources_of(
     }
     inputs = dataset.inputs.groupby("subject")["sha256"].agg(list).to_dict()
     left_out = dataset.left_out.groupby(["recording", "subject"]).size().to_dict()
-    starts = np.cumsum(counts) - counts
-    every = [(name, source) for name in recordings["recording"] for source in sources]
-    return {
-        "recording": [name for name, _ in every],
-        "source": [source for _, source in every],
-        "sha256": [
-            _sha256(repr(thresholds.get(source)), slice(start, start + n), columns, texts)
-            for (_, source), start, n in zip(every, starts, counts, strict=True)
-        ],
-        "recording_sha256": [of for of in recordings["sha256"] for _ in sources],
-        "threshold": [thresholds.get(source) for _, source in every],
-        "inputs": [inputs.get(source, []) for _, source in every],
-        "n_left_out": [left_out.get(key, 0) for key in every],
-        "first_row": starts.tolist(),
-        "n_rows": counts.tolist(),
-    }
+    every = product(recordings, [TRUTH_NAME, *dataset.systems])
+    ends = pairwise([0, *np.cumsum(counts).tolist()])
+    return [
+        {
+            "recording": of["recording"],
+            "source": source,
+            "sha256": _sha256(repr(thresholds.get(source)), slice(start, stop), boxes),
+            "recording_sha256": of["sha256"],
+            "threshold": thresholds.get(source),
+            "inputs": inputs.get(source, []),
+            "n_left_out": left_out.get((of["recording"], source), 0),
+            "first_row": start,
+            "n_rows": stop - start,
+        }
+        for (of, source), (start, stop) in zip(every, ends, strict=True)
+    ]
 
 
 def _is_any_known(name: str, column: np.ndarray) -> bool:
@@ -244,46 +247,31 @@ def _is_any_known(name: str, column: np.ndarray) -> bool:
     )
 
 
-def _sha256(
-    facts: str, rows: slice, columns: Mapping[str, np.ndarray], texts: Mapping[str, _Texts]
-) -> str:
+def _sha256(facts: str, rows: slice, columns: _Columns) -> str:
     """Return the sha256 of facts and rows; columns without a known value do not count."""
     digest = hashlib.sha256(facts.encode())
     for name, column in columns.items():
         part = column[rows]
-        if _is_any_known(name, part):
+        if isinstance(part, pd.Categorical):
+            used, places = np.unique(part.codes, return_inverse=True)
+            if used.max(initial=-1) >= 0:
+                own = [part.categories[code] if code >= 0 else None for code in used]
+                digest.update(f"\n{name} {json.dumps(own)}\n".encode())
+                digest.update(places.astype(np.int32).tobytes())
+        elif _is_any_known(name, part):
             digest.update(f"\n{name} {len(part)}\n".encode())
             digest.update(part.tobytes())
-    for name, (codes, names) in texts.items():
-        used, places = np.unique(codes[rows], return_inverse=True)
-        if len(used) and used[-1] >= 0:
-            own = [names[code] if code >= 0 else None for code in used]
-            digest.update(f"\n{name} {json.dumps(own)}\n".encode())
-            digest.update(places.astype(np.int32).tobytes())
     return digest.hexdigest()
 
 
-def _rows(columns: Mapping[str, list[Any]], schema: pa.Schema) -> pa.Table:
-    n = len(columns["recording"])
-    own = {"file": [""] * n, "ingested_at": [datetime.now(UTC)] * n, "amends": [False] * n}
-    return pa.table({name: {**own, **columns}[name] for name in schema.names}, schema=schema)
-
-
-def _table(
-    columns: Mapping[str, np.ndarray], texts: Mapping[str, _Texts], schema: pa.Schema
-) -> pa.Table:
+def _table(columns: _Columns, schema: pa.Schema) -> pa.Table:
     n_rows = len(columns["frame"])
-    arrays = []
-    for of in schema:
-        if of.name in texts:
-            codes, names = texts[of.name]
-            places = pa.array(codes.astype(np.int32, copy=False), mask=codes < 0)
-            array = pa.DictionaryArray.from_arrays(places, pa.array(names, pa.string()))
-        elif of.name in columns:
-            array = pa.array(columns[of.name], of.type, from_pandas=True)
-        else:
-            array = pa.repeat(pa.scalar(MISSING.get(of.name), of.type), n_rows)
-        arrays.append(array)
+    arrays = [
+        pa.array(columns[of.name], of.type, from_pandas=True)
+        if of.name in columns
+        else pa.repeat(pa.scalar(MISSING.get(of.name), of.type), n_rows)
+        for of in schema
+    ]
     return pa.table(arrays, schema=schema)
 
 
@@ -307,8 +295,8 @@ class Ingested:
         Given versions that are not the newest ones: source, version, newest and n_recordings.
     """
 
-    recordings: pd.DataFrame
-    sources: pd.DataFrame
+    recordings: pd.DataFrame = field(default_factory=pd.DataFrame)
+    sources: pd.DataFrame = field(default_factory=pd.DataFrame)
     n_known: int = 0
     errors: dict[str, NvcoreError] = field(default_factory=dict)
     findings: dict[str, tuple[Finding, ...]] = field(default_factory=dict)
@@ -354,18 +342,10 @@ def ingest_all(
                 f"a version of {name!r} cannot be called {label[:_LABEL_LETTERS]!r}; expected a "
                 f"name of at most {_LABEL_LETTERS} letters without @ that is no number"
             )
-    done = Ingested(RECORDINGS.empty_table().to_pandas(), SOURCES.empty_table().to_pandas())
+    done = Ingested()
+    new = [{"recordings": RECORDINGS.empty_table(), "sources": SOURCES.empty_table()}]
     batch: list[dict[str, pa.Table]] = []
     seen: dict[tuple[str, str], tuple[str, str]] = {}
-    rows: dict[str, list[pa.Table]] = {"recordings": [], "sources": []}
-
-    def append() -> None:
-        new = store.append(batch, newest=newest)
-        done.n_known += sum(len(of["sources"]) for of in batch) - len(new["sources"])
-        for name, tables in rows.items():
-            tables.append(new[name])
-        batch.clear()
-
     for name, load in inputs:
         progress(0.0, name)
         try:
@@ -382,12 +362,15 @@ def ingest_all(
         for key in not_stored(dataset):
             done.not_stored[key] = done.not_stored.get(key, 0) + 1
         batch.append(tables)
+        done.n_known += len(tables["sources"])
         if sum(len(of["boxes"]) + len(of["frames"]) for of in batch) >= BATCH_ROWS:
-            append()
+            new.append(store.append(batch, newest=newest))
+            batch = []
     if batch:
-        append()
-    if rows["recordings"]:
-        done.recordings, done.sources = (pa.concat_tables(of).to_pandas() for of in rows.values())
+        new.append(store.append(batch, newest=newest))
+    done.recordings = pa.concat_tables([of["recordings"] for of in new]).to_pandas()
+    done.sources = pa.concat_tables([of["sources"] for of in new]).to_pandas()
+    done.n_known -= len(done.sources)
     if done.n_known:
         columns = ["recording", "source", "sha256"]
         given = [(*key, sha256) for key, (sha256, _) in seen.items()]
@@ -403,10 +386,9 @@ def _check_seen(
     tables: Mapping[str, pa.Table], name: str, seen: dict[tuple[str, str], tuple[str, str]]
 ) -> None:
     """Refuse a recording that another input has with other content: it may be another drive."""
-    recordings, sources = tables["recordings"], tables["sources"]
-    keys = recordings.select(["recording", "sha256"]).to_pylist()
-    keys += sources.select(["recording", "source", "sha256"]).to_pylist()
-    own = {(row["recording"], row.get("source", "")): row["sha256"] for row in keys}
+    own = {(row["recording"], ""): row["sha256"] for row in tables["recordings"].to_pylist()} | {
+        (row["recording"], row["source"]): row["sha256"] for row in tables["sources"].to_pylist()
+    }
     for (recording, source), sha256 in own.items():
         earlier, where = seen.get((recording, source), (sha256, name))
         if earlier != sha256:
@@ -429,15 +411,12 @@ def not_stored(dataset: Dataset) -> list[str]:
         tables += [(f"[{name}]", getattr(settings, name)) for name in TABLES_OF_SUBJECTS]
     stated = []
     for table, of in tables:
+        carried = CARRIED.get(table, "").split()
         for spec in fields(of):
             factory = spec.default_factory
             default = spec.default if factory is REQUIRED else factory()
-            if (
-                getattr(of, spec.name) != default
-                and spec.name not in CARRIED.get(table, "").split()
-            ):
-                key = f"{table} {spec.name}"
-                stated.append(_TABLE_OF.get(key, key))
+            if spec.name not in carried and getattr(of, spec.name) != default:
+                stated.append(_TABLE_OF.get(f"{table} {spec.name}", f"{table} {spec.name}"))
     if dataset.of("alerts") and not any(key.startswith("[[system]] alert") for key in stated):
         stated.append("alerts in files of detections")
     return [*dict.fromkeys(stated)]

@@ -28,7 +28,7 @@ from nvcore.inputs.writers.classes import class_names
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_whole
 from nvcore.schema import NO_LABEL, NO_TRACK, READING_DTYPES, conform
-from nvcore.wording import count_text, did_you_mean, listed
+from nvcore.wording import listed
 
 SESSION: Final = "session.toml"
 TRUTH: Final = "truth.parquet"
@@ -79,13 +79,6 @@ def recording_of(
         snapshot = Snapshot(Location(plan.store, location.options), plan.versions)
         own = plan.params
         params = replace(own, x=x or own.x, y=y or own.y, truth=truth or own.truth)
-    if recording not in set(snapshot.recordings["recording"]):
-        names = snapshot.recordings["recording"].tolist()
-        known = f"there are {count_text(len(names), 'recording')}"
-        raise InputError(
-            f"there is no recording {recording!r}; {did_you_mean(recording, names, known)}",
-            file=snapshot.location.uri,
-        )
     tables = snapshot.read([recording], params.sources)
     [facts] = tables["recordings"].select(["pictures", "first_picture"]).to_pylist()
     scheme, separator, path = (facts["pictures"] or "").partition("://")

@@ -62,7 +62,6 @@ _KEY: Final = re.compile(r"[a-z][a-z0-9_]{0,40}")
 _COMMIT_RETRIES: Final = 100
 """Commits of other writers in between before a writer gives up."""
 _THREADS: Final = 8
-_LONGEST_IN_STATS: Final = 200
 
 
 class Store:
@@ -107,23 +106,12 @@ class Store:
             If it cannot be read, or the newest file of a Delta log is missing.
         """
         reached = _versions_reached(self.location)
-        tables = {}
-        for name in reversed(SCHEMAS):  # what a source refers to is committed before it
-            table = _opened(self.location, name)
-            if table is None:
-                raise InputError("there is no store here", file=self.location.uri)
-            tables[name] = table
+        # what a source refers to is committed before it
+        found = {name: _opened(self.location, name) for name in reversed(SCHEMAS)}
+        tables = {name: table for name, table in found.items() if table is not None}
+        if len(tables) < len(SCHEMAS):
+            raise InputError("there is no store here", file=self.location.uri)
         return Snapshot(self.location, _checked(self.location, tables, reached), self._known)
-
-    @cached_property
-    def _broken(self) -> set[str]:
-        """Files of frames and boxes that are missing or have another size than their log says."""
-        broken = set()
-        for name in IN_MEMORY:
-            there = {entry.path: entry.size for entry in self.location.list(f"{name}/")}
-            logged = _files(self.location, name, self._tables[name])
-            broken |= {path for path, size in logged.items() if there.get(path) != size}
-        return broken
 
     @cached_property
     def _tables(self) -> dict[str, DeltaTable]:
@@ -141,9 +129,8 @@ class Store:
         return tables
 
     def _create(self, name: str) -> DeltaTable:
-        schema, parts = SCHEMAS[name], []
-        if self._wanted is not None and name in IN_MEMORY:
-            schema, parts = schema.append(pa.field(self._wanted, pa.string())), [self._wanted]
+        parts = [self._wanted] if self._wanted and name in IN_MEMORY else []
+        schema = pa.schema([*SCHEMAS[name], *((part, pa.string()) for part in parts)])
         with self.location.at(name, "made"):
             if self.location.path:
                 (self.location.path / name).mkdir(parents=True, exist_ok=True)
@@ -155,10 +142,9 @@ class Store:
                     storage_options=self.location.delta_options,
                 )
             except DeltaError:
-                table = _opened(self.location, name)  # another writer may have been first
-                if table is None:
-                    raise
-                return table
+                if table := _opened(self.location, name):  # another writer was first
+                    return table
+                raise
 
     def append(
         self, batch: Sequence[Mapping[str, pa.Table]], *, newest: bool = False
@@ -166,8 +152,8 @@ class Store:
         """Append new versions of recordings and sources, with one commit per table.
 
         A version that the store has does not become the newest again; a row notes new labels, kinds
-        of truth, pictures and parameters. Content whose file is missing or truncated is written
-        again. Several writers may append at once. An interrupted append leaves nothing visible.
+        of truth, pictures and parameters. Several writers may append at once. An interrupted append
+        leaves nothing visible.
 
         Parameters
         ----------
@@ -179,7 +165,7 @@ class Store:
         Returns
         -------
         dict
-            Rows of ``recordings`` and ``sources`` whose content was written.
+            Rows of ``recordings`` and ``sources`` whose content is new.
 
         Raises
         ------
@@ -188,44 +174,66 @@ class Store:
         StoreError
             If it cannot be read or written.
         """
-        tables, written, actions = self._tables, {}, {}
+        tables = self._tables
         reached = _versions_reached(self.location)
         with self.location.at("", "read"):
             for table in tables.values():
                 table.update_incremental()
         _checked(self.location, tables, reached)
+        empty = {name: IN_MEMORY.get(name, of).empty_table() for name, of in SCHEMAS.items()}
+        given = {name: pa.concat_tables([of[name] for of in (empty, *batch)]) for name in SCHEMAS}
+        key = _partition_of(tables["boxes"])
+        parts = {
+            row["recording"]: _part_of(row, key) if key else ""
+            for row in given["recordings"].to_pylist()
+        }
+        new: dict[str, pa.Table] = {}
+        actions: dict[str, list[AddAction]] = {}
         for name, data in ROWS_IN.items():
-            given = pa.concat_tables([SCHEMAS[name].empty_table(), *(of[name] for of in batch)])
-            stored = self._stored(name, given["recording"])
-            rows = pd.concat([stored, given.to_pandas()], ignore_index=True)
+            stored = _rows(self.location, name, tables[name], self._known)
+            own = pc.is_in(stored["recording"], value_set=given[name]["recording"])
+            stored = stored.filter(own).sort_by("ingested_at")
+            rows = pa.concat_tables([stored, given[name]]).to_pandas()
             is_given = rows.index >= len(stored)
             content = rows.groupby(_CONTENT[name], sort=False).ngroup()
-            is_intact = ~is_given & ~(f"{data}/" + rows["file"]).isin(self._broken)
-            is_lacking = is_given & ~content.isin(content[is_intact])
-            is_written = is_lacking & ~content.where(is_lacking).duplicated()
-            actions[data] = self._write_stretches(data, rows, is_written, batch)
-            # every row of a content says where its frames or boxes are
-            place = rows.loc[is_intact | is_written, ["file", "first_row"]]
-            place = place.groupby(content).first().reindex(content)
-            rows["file"] = place["file"].to_numpy()
-            rows["first_row"] = place["first_row"].fillna(0).astype("int64").to_numpy()
+            is_new = is_given & ~content.duplicated()
+            # the rows of a batch follow each other in its tables
+            n_rows = rows["n_rows"].where(is_given, 0)
+            rows["first_row"] = rows["first_row"].where(~is_given, n_rows.cumsum() - n_rows)
+            actions[data] = []
+            chosen = rows[is_new].sort_values(_CONTENT[name])
+            for part, of_part in chosen.groupby(chosen["recording"].map(parts)):
+                stretches = zip(of_part["first_row"], of_part["n_rows"], strict=True)
+                pieces = pa.concat_tables([given[data].slice(*stretch) for stretch in stretches])
+                if len(pieces):
+                    actions[data].append(
+                        self._put(data, pieces, {key: part or None} if key else {})
+                    )
+                    rows.loc[of_part.index, "file"] = actions[data][-1].path
+                first_row = of_part["n_rows"].cumsum() - of_part["n_rows"]
+                rows.loc[of_part.index, "first_row"] = first_row
+            places = ["file", "first_row"]
+            rows[places] = rows.groupby(content)[places].transform("first")
             if name == "recordings":  # of several inputs with other parameters the last one counts
-                last = rows["parameters"].groupby([content, is_given]).transform("last")
-                rows["parameters"] = last
-            is_kept = is_written | (is_given & _says_more(name, rows, content))
+                same = rows.groupby([content, is_given])
+                rows["parameters"] = same["parameters"].transform("last")
+            is_kept = is_new
+            if (is_given & ~is_new).any():
+                is_kept = is_new | (is_given & _says_more(name, rows, content))
             if name == "sources":
+                rows["kind"] = rows["kind"].replace("", TRUTH_KINDS[0])
                 is_known = rows.duplicated(_PAIR).to_numpy()
                 if newest:
                     is_known = is_known & ~_is_behind(rows, is_given)
                 rows["amends"] = rows["amends"].where(~is_given, is_known)
                 is_kept |= is_given & ~is_known
             # later than what is stored, whatever the clocks of other writers say
-            start = max([pd.Timestamp(datetime.now(UTC)), *stored["ingested_at"].tail(1)])
+            start = max([pd.Timestamp(datetime.now(UTC)), *rows["ingested_at"][~is_given][-1:]])
             kept = rows[is_kept]
             order = kept.groupby(_CONTENT[name][:-1]).cumcount() + 1
             kept = kept.assign(ingested_at=start + order * timedelta(microseconds=1))
             made = pa.Table.from_pandas(kept, SCHEMAS[name], preserve_index=False)
-            written[name] = made.filter(pa.array(is_written[is_kept]))
+            new[name] = made.filter(pa.array(is_new[is_kept]))
             actions[name] = [self._put(name, made.sort_by("recording"), {})] if len(made) else []
         for name in SCHEMAS:  # in this order: nothing is visible before the last one
             if actions[name]:
@@ -235,70 +243,24 @@ class Store:
             for of, table in tables.items():  # higher by 1, or by more with other writers
                 reached[of] = max(reached[of], table.version() + bool(actions[of]))
             self.location.write(VERSIONS, json.dumps(reached).encode())
-        return written
-
-    def _stored(self, name: str, recordings: pa.ChunkedArray) -> pd.DataFrame:
-        """Rows of these recordings, oldest first."""
-        paths = [*_files(self.location, name, self._tables[name])]
-        rows = _rows(self.location, name, paths, self._known)
-        own = rows.filter(pc.is_in(rows["recording"], value_set=recordings)).to_pandas()
-        stored: pd.DataFrame = own.sort_values("ingested_at", kind="stable", ignore_index=True)
-        return stored
-
-    def _write_stretches(
-        self,
-        name: str,
-        rows: pd.DataFrame,
-        is_written: pd.Series,
-        batch: Sequence[Mapping[str, pa.Table]],
-    ) -> list[AddAction]:
-        """Write frames or boxes of new versions, a file per part; `rows` says where they are."""
-        partition = _partition_of(self._tables[name])
-        owners = [of for of in batch for _ in range(len(of[_REFERS_TO[name]]))]
-        chosen = rows[is_written].sort_values(_CONTENT[_REFERS_TO[name]])
-        parts = {
-            row["recording"]: _part_of(row, partition)
-            for of in batch
-            for row in (of["recordings"].to_pylist() if partition else ())
-        }
-        actions = []
-        chosen["part"] = [parts.get(name) or "" for name in chosen["recording"]]
-        for part, of_part in chosen.groupby("part"):
-            pieces = [
-                owners[place - len(rows)][name].slice(first, n)
-                for place, first, n in of_part[["first_row", "n_rows"]].itertuples()
-            ]
-            table = pa.concat_tables(pieces)
-            rows.loc[of_part.index, "first_row"] = of_part["n_rows"].cumsum() - of_part["n_rows"]
-            if len(table):
-                values = {} if partition is None else {partition: str(part) or None}
-                actions.append(self._put(name, table, values))
-                has_rows = of_part.index[of_part["n_rows"] > 0]
-                rows.loc[has_rows, "file"] = actions[-1].path
-                self._broken.discard(f"{name}/{actions[-1].path}")
-        return actions
+        return new
 
     def _put(self, name: str, rows: pa.Table, values: Mapping[str, str | None]) -> AddAction:
         """Write a file of rows that are sorted by recording; return what to commit of it."""
         sink = pa.BufferOutputStream()
-        with pq.ParquetWriter(
+        pq.write_table(
+            rows.unify_dictionaries(),
             sink,
-            IN_MEMORY.get(name, SCHEMAS[name]),
+            row_group_size=GROUP_ROWS,
             compression="zstd",
             write_page_checksum=True,
             store_schema=False,
-        ) as writer:
-            for start in range(0, len(rows), GROUP_ROWS):
-                writer.write_table(rows.slice(start, GROUP_ROWS).combine_chunks())
-        content = sink.getvalue().to_pybytes()
+        )
+        content = sink.getvalue()
         path = f"part-{hashlib.sha256(content).hexdigest()[:16]}.parquet"
-        self.location.write(f"{name}/{path}", content)
-        stats: dict[str, Any] = {"numRecords": len(rows)}
-        first, last = (rows["recording"][place].as_py() for place in (0, -1))
-        if max(len(first), len(last)) <= _LONGEST_IN_STATS:
-            stats |= {"minValues": {"recording": first}, "maxValues": {"recording": last}}
-        now_ms = int(time.time() * 1000)
-        return AddAction(path, len(content), values, now_ms, True, json.dumps(stats))
+        self.location.write(f"{name}/{path}", content.to_pybytes())
+        stats = json.dumps({"numRecords": len(rows)})
+        return AddAction(path, content.size, values, int(time.time() * 1000), True, stats)
 
     def _commit(self, name: str, actions: list[Any]) -> None:
         table = self._tables[name]
@@ -325,7 +287,6 @@ def _says_more(name: str, rows: pd.DataFrame, content: pd.Series) -> pd.Series:
     says_more: pd.Series = said != said.groupby(content).shift()
     if name == "sources":
         says_more |= (rows["label"] != "") & ~rows.duplicated([*_CONTENT[name], "label"])
-        rows["kind"] = rows["kind"].replace("", TRUTH_KINDS[0])
     return says_more
 
 
@@ -368,16 +329,15 @@ class Snapshot:
         self._known = {} if known is None else known
         self._picked: dict[str, pd.DataFrame] = {}
 
-    def __getstate__(self) -> dict[str, Any]:
-        return {"location": self.location, "versions": self.versions, "_known": {}, "_picked": {}}
+    def __reduce__(self) -> tuple[type[Snapshot], tuple[Location, dict[str, int]]]:
+        return Snapshot, (self.location, self.versions)
 
     def _table(self, name: str) -> pd.DataFrame:
         """Rows of recordings or sources, oldest first."""
         table = _opened(self.location, name, self.versions[name])
         if table is None:  # it existed when the snapshot was made
             raise StoreError("cannot be read (it is not there)", file=self.location.uri)
-        files = [*_files(self.location, name, table)]
-        rows: pd.DataFrame = _rows(self.location, name, files, self._known).to_pandas()
+        rows: pd.DataFrame = _rows(self.location, name, table, self._known).to_pandas()
         return rows.sort_values(["ingested_at", *_CONTENT[name]], ignore_index=True)
 
     @cached_property
@@ -395,8 +355,8 @@ class Snapshot:
         """The newest version of every recording: the one with which a source came last."""
         came = self._counting[["recording", "recording_sha256", "ingested_at"]]
         came = came.set_axis([*_CONTENT["recordings"], "ingested_at"], axis=1)
-        newest = came.drop_duplicates("recording", keep="last").drop(columns="ingested_at")
-        newest = newest.merge(came.drop_duplicates(_CONTENT["recordings"]))
+        first = came.groupby(_CONTENT["recordings"])["ingested_at"].transform("first")
+        newest = came.assign(ingested_at=first).drop_duplicates("recording", keep="last")
         rows = self._table("recordings").drop_duplicates(_CONTENT["recordings"], keep="last")
         rows = rows.drop(columns="ingested_at").merge(newest)
         if len(rows) < len(newest):
@@ -404,47 +364,38 @@ class Snapshot:
                 "a commit is missing: the table sources refers to recordings that are not there",
                 file=f"{self.location.uri}/recordings/_delta_log",
             )
-        return _by_recording(rows.sort_values("recording")[RECORDINGS.names])
+        rows = rows[RECORDINGS.names].set_axis(rows["recording"].array)
+        return pd.DataFrame(rows.sort_index())
 
     @cached_property
     def sources(self) -> pd.DataFrame:
         """Every version of every source."""
-        label = self._stated["label"]
-        rows = self._stated.assign(label=label.where(label != ""))
-        contents = rows.groupby(_CONTENT["sources"], sort=False)
-        first, label = contents["ingested_at"].transform("min"), contents["label"].transform("last")
-        rows = rows.assign(ingested_at=first, label=label.fillna(""))
-        rows = rows.drop_duplicates(_CONTENT["sources"], keep="last")
+        rows = self._stated.assign(label=self._stated["label"].replace("", None))
+        contents = rows.groupby(_CONTENT["sources"])  # a row that states nothing changes nothing
+        rows = contents.last().assign(ingested_at=contents["ingested_at"].first()).reset_index()
         rows = rows.sort_values(["recording", "source", "ingested_at", "sha256"], ignore_index=True)
+        rows["label"] = rows["label"].fillna("")
         return rows.assign(version=rows.groupby(["recording", "source"]).cumcount() + 1)
 
     def older(self, given: pd.DataFrame) -> pd.DataFrame:
         """Count the given versions that are not the newest ones.
 
-        Parameters
-        ----------
-        given
-            Columns recording, source (empty: the recording itself) and sha256.
-
-        Returns
-        -------
-        DataFrame
-            Columns source, version, newest (the version that is) and n_recordings.
+        `given` has the columns recording, source (empty: the recording itself) and sha256; the
+        result has source, version, newest (the version that is) and n_recordings.
         """
         key = ["recording", "source"]
-        came = self._counting[[*key, "sha256"]]
         of_recordings = self._counting.assign(source="", sha256=self._counting["recording_sha256"])
-        came = pd.concat([came, of_recordings[came.columns]])
-        numbered = came.drop_duplicates()
-        numbered = numbered.assign(version=numbered.groupby(key).cumcount() + 1)
-        last = came.drop_duplicates(key, keep="last").merge(numbered).drop(columns="sha256")
-        rows = given.merge(numbered).merge(last.rename(columns={"version": "newest"}), on=key)
-        rows = rows[rows["version"] != rows["newest"]]
+        came = pd.concat([self._counting, of_recordings])[[*key, "sha256"]]
+        last = came.drop_duplicates(key, keep="last")
+        came = came.drop_duplicates(ignore_index=True)
+        came["version"] = came.groupby(key).cumcount() + 1
+        newest = came.merge(last).rename(columns={"version": "newest"})
+        rows = given.merge(came).merge(newest[[*key, "newest"]]).query("version != newest")
         counts = rows.groupby(["source", "version", "newest"])["recording"].size()
         return counts.rename("n_recordings").reset_index()
 
     def pick(self, source: str) -> pd.DataFrame:
-        """Return one version of a source per recording, of the recordings that have it.
+        """Return one version of a source per recording, as rows of `sources` by recording.
 
         Sources that came with another version of the recording than its newest are left out.
 
@@ -453,11 +404,6 @@ class Snapshot:
         source
             A name for the newest version, a name with ``@2`` for the second one, or with ``@label``
             for the newest with that label.
-
-        Returns
-        -------
-        DataFrame
-            Rows of `sources`, by recording.
 
         Raises
         ------
@@ -492,7 +438,8 @@ class Snapshot:
             wanted = wanted.drop_duplicates("recording", keep="last")
             came = came.merge(wanted[["recording", "sha256"]])
         came = came.drop_duplicates("recording", keep="last")
-        self._picked[source] = _by_recording(rows.merge(came, on=["recording", "sha256"]))
+        rows = rows.merge(came, on=["recording", "sha256"])
+        self._picked[source] = rows.set_axis(rows["recording"].array)
         return self._picked[source]
 
     def read(self, recordings: Sequence[str], sources: Sequence[str]) -> dict[str, pa.Table]:
@@ -500,8 +447,6 @@ class Snapshot:
 
         Parameters
         ----------
-        recordings
-            Names.
         sources
             As for `pick`. A recording need not have all of them.
 
@@ -511,12 +456,12 @@ class Snapshot:
             ``recordings``, ``sources``, ``frames`` (by recording and frame) and ``boxes`` (by
             recording, source in the order asked for, and frame); first_row and n_rows of the first
             two refer to the last two. The column source holds the names asked for. A table is read
-            when it is first looked up, with the same errors.
+            when it is first looked up.
 
         Raises
         ------
         InputError
-            If there is no such recording or source, or a file is damaged.
+            If there is no such recording or source, or a file is missing or damaged.
         StoreError
             If the store cannot be read.
         """
@@ -524,7 +469,9 @@ class Snapshot:
         chosen = self.recordings[self.recordings.index.isin(names)]
         if len(chosen) < len(names):
             missing = min({*names}.difference(chosen["recording"]))
-            raise InputError(f"there is no recording {missing!r}", file=self.location.uri)
+            known = f"there are {count_text(len(self.recordings), 'recording')}"
+            known = did_you_mean(missing, self.recordings.index.tolist(), known)
+            raise InputError(f"there is no recording {missing!r}; {known}", file=self.location.uri)
         picked = [self.pick(of).assign(source=of) for of in sources]
         picked = [rows[rows.index.isin(names)] for rows in picked]
         found = pd.concat([self.sources[:0], *picked]).sort_values("recording", kind="stable")
@@ -551,37 +498,25 @@ class Snapshot:
         for file, of_file in placed[placed["n_rows"] > 0].groupby("file", sort=False):
             first, last = int(of_file["first_row"].min()), int(of_file["stop"].max())
             with _file_of(self.location, f"{name}/{file!s}", texts) as parquet:
-                groups = range(parquet.num_row_groups)
-                sizes = [parquet.metadata.row_group(group).num_rows for group in groups]
-                starts = np.cumsum([0, *sizes])
-                if last > starts[-1]:
+                if last > parquet.metadata.num_rows:
                     raise ValueError("it has fewer rows than the store says")
-                lowest = int(np.searchsorted(starts, first, side="right")) - 1
-                highest = int(np.searchsorted(starts, last))
-                table = parquet.read_row_groups([*groups[lowest:highest]], columns=own.names)
+                n_of_group = parquet.metadata.row_group(0).num_rows  # the last one may be smaller
+                groups = range(first // n_of_group, -(-last // n_of_group))
+                table = parquet.read_row_groups([*groups], columns=own.names)
             stretches = of_file[["place", "first_row", "n_rows"]].itertuples(index=False)
-            for place, first, n_rows in stretches:
-                pieces[place] = table.slice(first - starts[lowest], n_rows)
+            for place, first_row, n_rows in stretches:
+                pieces[place] = table.slice(first_row - groups[0] * n_of_group, n_rows)
         whole = pa.concat_tables([pieces[place] for place in sorted(pieces)])
         whole = whole.unify_dictionaries().combine_chunks()
+        version = np.repeat(np.arange(len(rows)), rows["n_rows"])
         for position, column in enumerate(given):
-            codes, names = pd.factorize(rows[column])
-            codes = pa.array(np.repeat(codes.astype(np.int32), rows["n_rows"]))
-            texts = pa.DictionaryArray.from_arrays(codes, pa.array([*names], pa.string()))
-            whole = whole.add_column(position, schema.field(column), texts)
+            of_version = pa.array(rows[column], pa.string()).dictionary_encode()
+            whole = whole.add_column(position, schema.field(column), of_version.take(version))
         return whole.cast(schema)
 
 
 def other_settings(recordings: pd.DataFrame, params: Params) -> str:
-    """Say which settings of the ingested sessions a scan does not use; empty: it uses all.
-
-    Parameters
-    ----------
-    recordings
-        Rows of `Snapshot.recordings`.
-    params
-        Settings of the scan.
-    """
+    """Say which settings of the given recordings a scan does not use; empty: it uses all."""
     used, others, n, words = asdict(params), set(), 0, {None: "the default"}
     for text, count in recordings["parameters"].value_counts().items():
         given = json.loads(str(text) or "{}")
@@ -595,11 +530,6 @@ def other_settings(recordings: pd.DataFrame, params: Params) -> str:
     ]
     ingested = f"{n:,} of {count_text(len(recordings), 'recording')} {'was' if n == 1 else 'were'}"
     return f"{ingested} ingested with other settings: {', '.join(texts)}" if n else ""
-
-
-def _by_recording(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return rows of one recording each, indexed by its name."""
-    return rows.set_axis(rows["recording"].array)
 
 
 class _WhenAsked(dict[str, pa.Table]):
@@ -675,40 +605,32 @@ def _partition_of(table: DeltaTable) -> str | None:
     return next(iter(table.metadata().partition_columns), None)
 
 
-def _files(location: Location, name: str, table: DeltaTable) -> dict[str, int]:
-    """Return the size of each file of a table, by its path within the location."""
-    with location.at(name, "read"):
-        actions = pa.table(table.get_add_actions(flatten=True))
-    paths = [f"{name}/{unquote(path)}" for path in map(str, actions["path"].to_pylist())]
-    return dict(zip(paths, actions["size_bytes"].to_pylist(), strict=True))
-
-
-def _rows(
-    location: Location, name: str, paths: Sequence[str], known: dict[str, pa.Table]
-) -> pa.Table:
-    """Read rows of files of recordings or sources; `known` caches them by path."""
+def _rows(location: Location, name: str, table: DeltaTable, known: dict[str, pa.Table]) -> pa.Table:
+    """Read the rows of recordings or sources; `known` caches them by file."""
     schema = SCHEMAS[name]
 
     def read(path: str) -> pa.Table:
         with _file_of(location, path) as parquet:
             rows = parquet.read()
-            for field in schema:
-                if field.name in ADDED_LATER and field.name not in rows.column_names:
-                    value = pa.scalar(ADDED_LATER[field.name], field.type)
-                    rows = rows.append_column(field, pa.repeat(value, len(rows)))
+            for column, value in ADDED_LATER.items():
+                if column in schema.names and column not in rows.column_names:
+                    rows = rows.append_column(column, pa.repeat(value, len(rows)))
             return rows.select(schema.names).cast(schema)
 
-    if new := [path for path in paths if path not in known]:
-        with ThreadPoolExecutor(_THREADS) as pool:
-            known.update(zip(new, pool.map(read, new), strict=True))
+    with location.at(name, "read"):
+        files = pa.table(table.get_add_actions())["path"].to_pylist()
+    paths = [f"{name}/{unquote(file)}" for file in files]
+    new = [path for path in paths if path not in known]
+    with ThreadPoolExecutor(_THREADS) as pool:
+        known.update(zip(new, pool.map(read, new), strict=True))
     return pa.concat_tables([schema.empty_table(), *(known[path] for path in paths)])
 
 
-def _part_of(row: Mapping[str, Any], partition: str | None) -> str | None:
-    """Return the part of a divided store for a recording; None: it has no such key."""
+def _part_of(row: Mapping[str, Any], partition: str) -> str:
+    """Return the part of a divided store for a recording; empty: it has no such key."""
     if partition == "unit":
-        return row["unit"] or None
+        return str(row["unit"])
     if partition == "month":
-        return f"{row['recorded_at']:%Y-%m}" if row["recorded_at"] else None
+        return f"{row['recorded_at']:%Y-%m}" if row["recorded_at"] else ""
     start = f"{partition}="
-    return next((tag[len(start) :] for tag in row["tags"] if tag.startswith(start)), None)
+    return next((tag[len(start) :] for tag in row["tags"] if tag.startswith(start)), "")

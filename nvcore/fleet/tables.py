@@ -8,52 +8,50 @@ import pyarrow as pa
 
 from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
 
-INDEX: Final = (
-    pa.field("file", pa.string()),  # path within the table's folder
-    pa.field("first_row", pa.int64()),  # its first row within the file
-    pa.field("n_rows", pa.int64()),
+FACTS: Final = ("width", "height", "fps", "horizon", "context", "speed_kmh")
+"""Columns of `RECORDINGS` that are numbers which a session states."""
+
+_INDEX: Final = (
+    ("file", pa.string()),  # path within the table's folder
+    ("first_row", pa.int64()),  # its first row within the file
+    ("n_rows", pa.int64()),
 )
 """Where the rows of a recording (or of one of its sources) lie: one stretch of one file."""
 
 RECORDINGS: Final = pa.schema(
     [
-        pa.field("recording", pa.string()),  # its name, the id by which results are ordered
-        pa.field("sha256", pa.string()),  # over the facts below and its frames
-        pa.field("ingested_at", pa.timestamp("us", "UTC")),
-        pa.field("width", pa.float64()),
-        pa.field("height", pa.float64()),
-        pa.field("fps", pa.float64()),
-        pa.field("horizon", pa.float64()),
-        pa.field("context", pa.float64()),
-        pa.field("speed_kmh", pa.float64()),
-        pa.field("tags", pa.list_(pa.string())),  # "night", or "road=rural"
-        pa.field("unit", pa.string()),  # drive, vehicle or route that it is part of; empty: none
-        pa.field("recorded_at", pa.timestamp("us", "UTC")),  # null: unknown
-        pa.field("pictures", pa.string()),  # source URI of its pictures; empty: none
-        pa.field("first_picture", pa.int64()),  # frame that the first one shows; null: not stated
-        pa.field("objects", pa.list_(pa.string())),  # what the boxes are of: singular, plural
-        pa.field("duration_s", pa.float64()),
-        pa.field("parameters", pa.string()),  # JSON of the session's settings; empty: by default
-        pa.field("source", pa.string()),  # URI of the session that it came with
-        *INDEX,  # its rows of `frames`
+        ("recording", pa.string()),  # its name, the id by which results are ordered
+        ("sha256", pa.string()),  # over the facts below and its frames
+        ("ingested_at", pa.timestamp("us", "UTC")),
+        *((name, pa.float64()) for name in FACTS),
+        ("tags", pa.list_(pa.string())),  # "night", or "road=rural"
+        ("unit", pa.string()),  # drive, vehicle or route that it is part of; empty: none
+        ("recorded_at", pa.timestamp("us", "UTC")),  # null: unknown
+        ("pictures", pa.string()),  # source URI of its pictures; empty: none
+        ("first_picture", pa.int64()),  # frame that the first one shows; null: not stated
+        ("objects", pa.list_(pa.string())),  # what the boxes are of: singular, plural
+        ("duration_s", pa.float64()),
+        ("parameters", pa.string()),  # JSON of the session's settings; empty: by default
+        ("source", pa.string()),  # URI of the session that it came with
+        *_INDEX,  # its rows of `frames`
     ]
 )
 """Rows of versions of recordings; a later row of a version replaces an earlier one."""
 
 SOURCES: Final = pa.schema(
     [
-        pa.field("recording", pa.string()),
-        pa.field("source", pa.string()),  # "truth", or the name of a system
-        pa.field("sha256", pa.string()),  # over its boxes: what tells versions apart
-        pa.field("recording_sha256", pa.string()),  # version of the recording that it came with
-        pa.field("label", pa.string()),  # what the user calls this version; empty: its number
-        pa.field("kind", pa.string()),  # of a truth: annotated, automatic, absent; else system
-        pa.field("ingested_at", pa.timestamp("us", "UTC")),
-        pa.field("threshold", pa.float64()),  # of a system, by its session; null: none
-        pa.field("inputs", pa.list_(pa.string())),  # sha256 of the files that it was read from
-        pa.field("n_left_out", pa.int64()),  # rows of these files that could not be placed
-        pa.field("amends", pa.bool_()),  # notes a label or kind; does not make it the newest
-        *INDEX,  # its rows of `boxes`
+        ("recording", pa.string()),
+        ("source", pa.string()),  # "truth", or the name of a system
+        ("sha256", pa.string()),  # over its boxes: what tells versions apart
+        ("recording_sha256", pa.string()),  # version of the recording that it came with
+        ("label", pa.string()),  # what the user calls this version; empty: its number
+        ("kind", pa.string()),  # of a truth: annotated, automatic, absent; else system
+        ("ingested_at", pa.timestamp("us", "UTC")),
+        ("threshold", pa.float64()),  # of a system, by its session; null: none
+        ("inputs", pa.list_(pa.string())),  # sha256 of the files that it was read from
+        ("n_left_out", pa.int64()),  # rows of these files that could not be placed
+        ("amends", pa.bool_()),  # notes a label or kind; does not make it the newest
+        *_INDEX,  # its rows of `boxes`
     ]
 )
 """Rows of versions of the truth or a system; a later row of a version replaces an earlier one.
@@ -66,39 +64,32 @@ ADDED_LATER: Final = {"parameters": "", "amends": False}
 
 FRAMES: Final = pa.schema(
     [
-        pa.field("recording", pa.string()),
-        pa.field("frame", pa.int64()),
-        pa.field("speed_kmh", pa.float64()),  # by a series of the car's speed; null: none
+        ("recording", pa.string()),
+        ("frame", pa.int64()),
+        ("speed_kmh", pa.float64()),  # by a series of the car's speed; null: none
     ]
 )
 """One row for each evaluated frame, by recording and frame."""
 
 BOXES: Final = pa.schema(
     [
-        pa.field("recording", pa.string()),
-        pa.field("source", pa.string()),
-        pa.field("frame", pa.int64()),
-        pa.field("x", pa.float64()),
-        pa.field("y", pa.float64()),
-        pa.field("w", pa.float64()),
-        pa.field("h", pa.float64()),
-        pa.field("score", pa.float64()),
-        pa.field("track", pa.int64()),
-        pa.field("ignore", pa.bool_()),
-        pa.field("distance_m", pa.float64()),
-        pa.field("occlusion", pa.int8()),
-        pa.field("label", pa.string()),  # class in the words of the objects; null: not said
-        pa.field("attributes", pa.string()),  # what the truth says of the pedestrian; null: nothing
-        pa.field("detectability", pa.float64()),
-        pa.field("detectability_sd", pa.float64()),
-        pa.field("is_outside", pa.bool_()),
-        pa.field("is_adapted", pa.bool_()),
+        ("recording", pa.string()),
+        ("source", pa.string()),
+        ("frame", pa.int64()),
+        *((name, pa.float64()) for name in ("x", "y", "w", "h", "score")),
+        ("track", pa.int64()),
+        ("ignore", pa.bool_()),
+        ("distance_m", pa.float64()),
+        ("occlusion", pa.int8()),
+        ("label", pa.string()),  # class in the words of the objects; null: not said
+        ("attributes", pa.string()),  # what the truth says of the pedestrian; null: nothing
+        ("detectability", pa.float64()),
+        ("detectability_sd", pa.float64()),
+        ("is_outside", pa.bool_()),
+        ("is_adapted", pa.bool_()),
     ]
 )
 """Boxes of truth and systems, by recording, source and frame; the order within a frame is kept."""
-
-FACTS: Final = ("width", "height", "fps", "horizon", "context", "speed_kmh")
-"""Columns of `RECORDINGS` that are numbers which a session states."""
 
 MISSING: Final = {
     "track": NO_TRACK,

@@ -315,6 +315,8 @@ def test_what_cannot_be_meant_is_refused(tmp_path: Path):
         nv.ingest(data, store=tmp_path, truth_kind="anot")
     with pytest.raises(InputError, match="the ground truth is to be absent, and has 15 boxes"):
         tables_of(data, truth_kind="absent")
+    with pytest.raises(InputError, match="two sources are called 'truth'; rename one"):
+        tables_of(replace(data, systems=("truth", "y")))
     (tmp_path / "empty").mkdir()
     (error,) = nv.ingest(tmp_path / "empty", store=tmp_path).errors.values()
     assert "holds no session file" in str(error)
