@@ -452,13 +452,12 @@ class Summary:
 
 @cache
 def _totalled() -> list[str]:
-    """List the columns of recordings that can be added up: counts, and parts of `_RATIOS`."""
-    parts = {name for part, per, _ in _RATIOS.values() for name in (part, per)}
-    return [
-        of.name
-        for of in schema("recordings")
-        if pa.types.is_int64(of.type) or parts & {of.name, of.name[:-2]}
-    ]
+    """List the columns of recordings that can be added up: counts, then other sums."""
+    columns = schema("recordings")
+    counts = [of.name for of in columns if pa.types.is_int64(of.type)]
+    times = _both(["severity_s", "episode_s", "event_s", "event_relevant_s"])
+    sums = [of.name for of in columns if of.name.startswith("sum_")]
+    return [*counts, "duration_s", "share_of_recording", *times, *sums]
 
 
 def _added(parts: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
