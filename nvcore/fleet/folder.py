@@ -82,9 +82,23 @@ def begin(
 
 
 def plan_shown(out: Location) -> Plan | None:
-    """Read the plan of the finished tables, else the one begun last; None: there is none."""
-    shown = _sealed(out, SUMMARY)
-    return newest_plan(out) if shown is None else plan_in(out, shown["plan"])
+    """Read the plan of the finished tables, else the one begun last; None: there is none.
+
+    Raises
+    ------
+    InputError
+        If it is missing or damaged.
+    """
+    for path in (SUMMARY, _NEWEST):
+        if out.find(path) is None:
+            continue
+        shown = _sealed(out, path)
+        found = None if shown is None else plan_in(out, shown["plan"])
+        if found is None:
+            damaged = path if shown is None else _path_of(shown["plan"])
+            raise InputError(f"is missing or damaged; {_AGAIN}", file=f"{out.uri}/{damaged}")
+        return found
+    return None
 
 
 def newest_plan(out: Location) -> Plan | None:

@@ -86,6 +86,12 @@ def test_a_damaged_table_is_named_by_top_and_by_the_scan_that_mends_it(store, re
     damaged.write_bytes(damaged.read_bytes()[:-1])
     with pytest.raises(InputError, match=rf"{damaged.name}: is missing or damaged; run the scan"):
         answers(out)
+    plan = next((out / "plans").iterdir())
+    content = plan.read_bytes()
+    plan.write_bytes(content[:-1])
+    with pytest.raises(InputError, match=rf"plans/{plan.name}: is missing or damaged"):
+        nv.export_recording(out, "r0", tmp_path / "one")
+    plan.write_bytes(content)
     again = scanned(store, out)
     assert len(again.notes) == 1
     assert f"note: computed anew: {damaged}: is missing or damaged" in str(again)
