@@ -116,7 +116,7 @@ class _Batch:
         self._divided: dict[str, dict[tuple[str, ...], list[pa.Table]]] = {}
 
     def alike(self, refused: MutableMapping[str, str]) -> list[list[str]]:
-        """Group recordings by their objects and thresholds; the other ones are `refused`."""
+        """Group recordings by objects and thresholds, and note why others are `refused`."""
         groups: dict[tuple[Any, ...], list[str]] = {}
         for name in map(str, self._recordings.index):
             try:
@@ -126,7 +126,7 @@ class _Batch:
         return [*groups.values()]
 
     def compare(self, names: Sequence[str]) -> dict[str, pa.Table]:
-        """Compare recordings that are `alike`; see `result_tables`."""
+        """Compare recordings that are `alike` (`result_tables`)."""
         params = self._params
         result = compare(self.dataset(names, each_alone=True))
         sources = [self._sources.get((name, params.truth), {"kind": "absent"}) for name in names]
@@ -244,7 +244,7 @@ class _Batch:
 
 
 def _listed(values: Any) -> tuple[str, ...]:
-    """Return a cell of a list column; empty where it is missing."""
+    """Return a cell of a list column, empty where it is missing."""
     return () if values is None else tuple(map(str, values))
 
 
@@ -262,7 +262,7 @@ def _divided(table: pa.Table) -> dict[tuple[str, ...], list[pa.Table]]:
 
 
 def _columns(table: pa.Table, names: Sequence[str]) -> dict[str, np.ndarray]:
-    """Return columns of boxes; missing cells are NaN, or as `MISSING` has them."""
+    """Return columns of boxes, with missing cells as NaN or as in `MISSING`."""
     columns = {name: table[name] for name in names}
     columns |= {name: columns[name].fill_null(MISSING[name]) for name in names if name in MISSING}
     return {name: column.to_numpy() for name, column in columns.items()}

@@ -173,7 +173,7 @@ def ingest(
     newest: bool = False,
     storage: Mapping[str, str] | None = None,
 ) -> Ingested:
-    """Append recordings to a store; what is there already is left out, what changed is a version.
+    """Append recordings to a store, changed ones as new versions and known ones not at all.
 
     Parameters
     ----------
@@ -298,7 +298,7 @@ class Scan:
 
 
 def scan(*given: Any, params: Params | None = None, **named: Any) -> Scan:
-    """Compare two systems on all recordings of a store; `_scan` has the parameters."""
+    """Compare two systems on all recordings of a store (parameters: `_scan`)."""
     own = inspect.signature(ScanArguments).parameters
     settings = {name: named.pop(name) for name in [*named] if name not in own}
     if settings:
@@ -308,7 +308,7 @@ def scan(*given: Any, params: Params | None = None, **named: Any) -> Scan:
 
 @called_with(ScanArguments)
 def _scan(arguments: ScanArguments) -> Scan:
-    """Compare two systems on all recordings of a store; what was done before is not done again.
+    """Compare two systems on all recordings of a store, going on where a scan ended.
 
     Each run of the same scan goes on where the last one ended, also several at a time; a store that
     has grown, or another setting, is a new scan, which may use the same folder.

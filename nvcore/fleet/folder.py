@@ -82,7 +82,7 @@ def begin(
 
 
 def plan_shown(out: Location) -> Plan | None:
-    """Read the plan of the finished tables, else the one begun last; None: there is none.
+    """Read the plan of the finished tables, else the one begun last, else return None.
 
     Raises
     ------
@@ -102,13 +102,13 @@ def plan_shown(out: Location) -> Plan | None:
 
 
 def newest_plan(out: Location) -> Plan | None:
-    """Read the plan that was begun last; None: there is none."""
+    """Read the plan that was begun last, or return None."""
     newest = _sealed(out, _NEWEST)
     return None if newest is None else plan_in(out, newest["plan"])
 
 
 def plan_in(out: Location, key: str) -> Plan | None:
-    """Read the plan of this key; None: it is not there, or damaged."""
+    """Read the plan of this key, or return None if it is missing or damaged."""
     content = out.find(_path_of(key))
     return None if content is None or hash_of(content) != key else Plan.from_json(content)
 
@@ -119,7 +119,7 @@ def has_tables(out: Location) -> bool:
 
 
 def _sealed(out: Location, path: str) -> dict[str, Any] | None:
-    """Read a JSON file with a checksum; None: it is not there, or damaged."""
+    """Read a JSON file with a checksum, or return None if it is missing or damaged."""
     return unseal(out.find(path) or b"")
 
 
@@ -132,7 +132,7 @@ def _is_finished(out: Location, its_plan: Plan) -> bool:
 
 
 def write_batch(out: Location, key: str, tables: Mapping[str, pa.Table], summary: Summary) -> bytes:
-    """Write the tables of a batch; return the content of its file in ``done``."""
+    """Write the tables of a batch, and return the content of its file in ``done``."""
     files = {}
     for name, table in tables.items():
         content = _as_parquet(table)
@@ -144,7 +144,7 @@ def write_batch(out: Location, key: str, tables: Mapping[str, pa.Table], summary
 
 
 def done_in(out: Location) -> set[str]:
-    """List the keys of batches that are done; delete empty files, of a machine that failed."""
+    """List the keys of batches that are done, and delete empty files of a machine that failed."""
     entries = out.list("done/")
     for entry in entries:
         if not entry.size:
@@ -174,7 +174,7 @@ def _read_done(out: Location, batches: Sequence[Batch]) -> list[dict[str, Any]]:
 
 
 def _content(out: Location, file: Mapping[str, Any]) -> pa.Buffer:
-    """Read a file of a table; a file on a disk is mapped.
+    """Read a file of a table, or map one on a disk.
 
     Raises
     ------
@@ -342,7 +342,7 @@ class Status:
 
 
 def status(out: Location, its_plan: Plan | None = None, clock: Any = time.time) -> Status:
-    """Say how far a scan is; without a plan, the one that was begun last.
+    """Say how far a scan is, without a plan the one begun last.
 
     Parameters
     ----------

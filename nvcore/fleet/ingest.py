@@ -248,7 +248,7 @@ def _is_any_known(name: str, column: np.ndarray) -> bool:
 
 
 def _sha256(facts: str, rows: slice, columns: _Columns) -> str:
-    """Return the sha256 of facts and rows; columns without a known value do not count."""
+    """Return the sha256 of facts and rows, without columns that have no known value."""
     digest = hashlib.sha256(facts.encode())
     for name, column in columns.items():
         part = column[rows]

@@ -25,7 +25,7 @@ def seal(content: Mapping[str, Any]) -> bytes:
 
 
 def unseal(text: bytes) -> dict[str, Any] | None:
-    """Read what `seal` wrote; None: it is damaged."""
+    """Read JSON that `seal` wrote, or return None if it is damaged."""
     with suppress(ValueError, TypeError, KeyError):
         sealed = json.loads(text)
         content: dict[str, Any] = sealed["content"]
@@ -75,7 +75,7 @@ class Lease:
         return max(map(self.killed_at.count, self.killed_at), default=0)
 
     def content(self, **changes: Any) -> bytes:
-        """What its file says from now on, with a new time of expiry."""
+        """Return the content of its file, with a new time of expiry."""
         self._state |= {"expires": self._clock() + self._lease_s, **changes}
         return seal(self._state)
 
@@ -105,7 +105,7 @@ class Lease:
 
 
 def claim(out: Location, key: str, lease_s: float, clock: Callable[[], float]) -> Lease | None:
-    """The lease of a batch; None: another has it.
+    """Claim a batch, or return None if another worker has it.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def claim(out: Location, key: str, lease_s: float, clock: Callable[[], float]) -
 
 
 def attempt_of(content: bytes) -> dict[str, Any]:
-    """Read the file of a lease; a damaged one counts as an attempt that was lost."""
+    """Read the file of a lease, or take a damaged one for a lost attempt."""
     lost = {"host": "", "pid": 0, "at": None, "ended": None, "expires": 0.0}
     return unseal(content) or lost
 
@@ -139,7 +139,7 @@ def _host() -> str:
 
 
 def is_held(attempt: Mapping[str, Any], now: float) -> bool:
-    """Whether the worker of a lease may be at work; of processes of this host it is known."""
+    """Whether the worker of a lease may be at work, which is known of processes on this host."""
     if attempt["ended"] is not None or attempt["expires"] <= now:
         return False
     if os.name != "posix" or attempt["host"] != _host():

@@ -146,14 +146,14 @@ class Location:
         return Location(f"{self.uri}/{path}", self.options)
 
     def read(self, path: str) -> bytes:
-        """Return the bytes of a file; FileNotFoundError if there is none."""
+        """Return the bytes of a file, or raise FileNotFoundError."""
         with self.at(path, "read"):
             if self.path:  # `_files` would create the folder
                 return (self.path / path).read_bytes()
             return bytes(obstore.get(self._files, path).bytes())
 
     def find(self, path: str) -> bytes | None:
-        """Return the bytes of a file; None if it is missing or empty (after a power failure)."""
+        """Return the bytes of a file, or None if it is missing or empty (after a power failure)."""
         try:
             return self.read(path) or None
         except FileNotFoundError:
@@ -165,7 +165,7 @@ class Location:
             obstore.put(self._files, path, content)
 
     def create(self, path: str, content: bytes) -> bool:
-        """Write a file unless it exists; return whether it now holds this content.
+        """Write a file unless it exists, and return whether it now holds this content.
 
         Of several callers with different contents one alone gets True, also if the answer to its
         first attempt was lost.
@@ -180,7 +180,7 @@ class Location:
             return True
 
     def list(self, prefix: str = "") -> list[Entry]:
-        """Return the files below a folder, by path; none if it does not exist."""
+        """Return the files below a folder, by path, or none if it does not exist."""
         with self.at(prefix, "listed"):
             if self.path and not (self.path / prefix).is_dir():
                 return []
@@ -197,7 +197,7 @@ class Location:
             obstore.delete(self._files, path)
 
     def open(self, path: str) -> Any:
-        """Open a file for `pyarrow.parquet`; FileNotFoundError if there is none."""
+        """Open a file for `pyarrow.parquet`, or raise FileNotFoundError."""
         with self.at(path, "read"):
             if self.path:
                 return pa.OSFile(str(self.path / path))

@@ -19,7 +19,7 @@ TASKS: Final = 20_000
 
 
 def on_dask(job: Job, scheduler: str) -> Iterator[str]:
-    """Have a scheduler's workers run the batches that are missing; keys of those that are done.
+    """Run missing batches on a scheduler's workers, and yield the keys of those that are done.
 
     If the scheduler goes away, the others are left; the next round waits for it.
 

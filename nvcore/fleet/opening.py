@@ -95,7 +95,7 @@ def write_recording(
     first_picture: int | None = None,
     force: bool = False,
 ) -> Path:
-    """Write a session with the same numbers as a dataset of one recording; return its file.
+    """Write a dataset of one recording as a session with the same numbers, and return its file.
 
     Parameters
     ----------

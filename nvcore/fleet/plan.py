@@ -60,7 +60,7 @@ def modules_of_batches() -> dict[str, ast.Module]:
 
 
 def _source_of(name: str) -> Path | None:
-    """Find the file of a module of nvcore; None: it is no module."""
+    """Find the file of a module of nvcore, or return None for another name."""
     if name.partition(".")[0] != "nvcore":
         return None
     try:
@@ -189,7 +189,7 @@ class Plan:
 def plan(
     snapshot: Snapshot, params: ScanParams, *, frames_per_batch: int = FRAMES_PER_BATCH
 ) -> Plan:
-    """Divide the recordings of a store into batches; the same store gives the same plan.
+    """Divide the recordings of a store into batches, in the same way every time.
 
     A batch ends where the hash of a recording's name says so, if it is half full, and where it
     would be too large. So few recordings move into another batch when others are added or changed,

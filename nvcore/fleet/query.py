@@ -107,7 +107,7 @@ class Top:
 
     @property
     def frames(self) -> list[int | None]:
-        """Frame to look at of each row; None if the table has no frames."""
+        """Frame to look at of each row, or None if the table has no frames."""
         frames = self.table.get("frame", [None] * len(self.table))
         return [None if pd.isna(frame) else int(frame) for frame in frames]
 
@@ -121,7 +121,7 @@ def worst(
     n: int = 20,
     is_reversed: bool = False,
 ) -> Top:
-    """Return the worst rows of a table of a scan's results; the best if `is_reversed`.
+    """Return the worst rows of a table of a scan's results, or the best if `is_reversed`.
 
     `table`, `by`, `where` and `n` are those of `nvcore.top`. Rows with the same value are sorted by
     the name of the recording.
@@ -176,7 +176,7 @@ def worst(
 
 
 def results_in(location: Location) -> Location:
-    """Where results of a scan are: there, or in the one folder below that has some.
+    """Find the results of a scan: there, or in the one folder below that has some.
 
     Raises
     ------
@@ -227,7 +227,7 @@ def _columns_by(name: str, numbers: Collection[str]) -> tuple[str, ...]:
 
 
 def _condition(text: str, known: _Known) -> exp.Expr:
-    """Check a condition such as ``tag.road = 'rural' and n_frames > 10``; return it for DuckDB.
+    """Check and translate a condition such as ``tag.road = 'rural' and n_frames > 10``.
 
     `known` are columns, by what stands before the dot (nothing or ``recording``) and by name.
     """
@@ -253,7 +253,7 @@ def _condition(text: str, known: _Known) -> exp.Expr:
 
 
 def _rewritten(node: exp.Expr, known: _Known) -> _Term:
-    """Return a condition or term for DuckDB; operands are replaced in place."""
+    """Return a condition or term for DuckDB, with operands replaced in place."""
     is_join = isinstance(node, _JOINS)
     if not isinstance(node, (*_JOINS, exp.Predicate)) or node.args.get("expressions") == []:
         return _term(node, known)

@@ -138,13 +138,13 @@ class ScanParams:
         return self.truth, self.x, self.y
 
     def given(self) -> dict[str, Any]:
-        """Return them for JSON; `ScanParams.parse` reads it."""
+        """Return them for JSON, as `ScanParams.parse` reads them."""
         own = {name: getattr(self, name) for name in ("x", "y", "truth", "frames")}
         return own | {"params": self.params.given()}
 
     @staticmethod
     def parse(given: Mapping[str, Any]) -> ScanParams:
-        """Read what `given` returned; ParameterError if a parameter is unknown or impossible."""
+        """Read JSON of `given`, or raise ParameterError for an unknown or impossible parameter."""
         return ScanParams(**{**given, "params": params_from(given["params"])})
 
 
@@ -206,7 +206,7 @@ def result_tables(result: Result, truth: Sequence[str], has_frames: bool) -> dic
 
 
 def typed(table: pd.DataFrame, columns: pa.Schema) -> pa.Table:
-    """Convert a table to Arrow with these columns; missing cells and columns are null."""
+    """Convert a table to Arrow with these columns, and null for missing cells and columns."""
     known = [
         pa.array(table[of.name], of.type, from_pandas=True)
         if of.name in table
@@ -371,7 +371,7 @@ class Summary:
         )
 
     def total(self, column: str) -> float:
-        """Return the total of a column of recordings; NaN if none has a value."""
+        """Return the total of a column of recordings, or NaN if none has a value."""
         return float(self.sums.get(column, self.counts.get(column, np.nan)))
 
     @property
@@ -416,7 +416,7 @@ class Summary:
         return pd.DataFrame(rows, columns=["key", "label", "x", "y", "n"])
 
     def _value(self, key: str, letter: str) -> float | None:
-        """Return a measure of a system; None: no total makes it, or no recording has it."""
+        """Return a measure of a system, or None if no total makes it or no recording has it."""
         if key in _EXTREMES:
             return self.extremes.get(f"{key}_{letter}", (np.nan, ""))[0]
         part, per, factor = _RATIOS.get(key, (key, "", 1.0))
@@ -429,7 +429,7 @@ class Summary:
         return ratio_of(factor * total, self.total(per) if np.isnan(over) else over)
 
     def given(self) -> dict[str, Any]:
-        """Return it for JSON; `Summary.parse` reads it."""
+        """Return it for JSON, as `Summary.parse` reads it."""
         return {
             **vars(self),
             "params": self.params.given(),
@@ -478,7 +478,7 @@ def _worst(found: Iterable[tuple[str, tuple[float, str]]]) -> dict[str, tuple[fl
 
 
 def exact_sum(values: np.ndarray) -> Fraction:
-    """Add finite numbers without rounding; float64, shape (n,)."""
+    """Add finite numbers (float64, shape (n,)) without rounding."""
     ratios = [value.as_integer_ratio() for value in values.tolist()]
     over = max((of[1] for of in ratios), default=1)  # all are powers of two
     return Fraction(sum(value * (over // of) for value, of in ratios), over)

@@ -52,7 +52,7 @@ Read = Callable[[Sequence[str]], dict[str, pa.Table]]
 
 @dataclass(frozen=True)
 class Options:
-    """How a scan is run; no result depends on it.
+    """Options for running a scan, on which no result depends.
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ class Options:
 
 @dataclass(frozen=True)
 class Job:
-    """What a worker needs to know: where a scan is, and how to run it."""
+    """A scan that a worker can take part in: where it is, and how to run it."""
 
     store: str
     out: str
@@ -94,7 +94,7 @@ class Job:
     options: Options = Options()
 
     def run(self, batch: str) -> str:
-        """Compare the recordings of a batch and write the results; harmless if done before.
+        """Compare the recordings of a batch and write the results, unless done before.
 
         All engines call this method.
 
@@ -231,7 +231,7 @@ def _give_back_memory() -> None:
 
 
 def _reason(error: Exception) -> str:
-    """What happened, in one line."""
+    """Describe an error in one line."""
     kind = "" if isinstance(error, NvcoreError) else f"{type(error).__name__}: "
     return shortened(one_line(f"{kind}{error}"), LONGEST_REASON)
 
@@ -261,7 +261,7 @@ It may leave some: it is called again until none is missing.
 
 
 def drive(job: Job, engine: Engine) -> Iterator[str]:
-    """Have an engine run all batches that are missing; keys of those that are done, as they are."""
+    """Have an engine run all missing batches, and yield keys as batches are done."""
     wait_s = job.options.poll_s
     while job.missing():
         n_done = 0
@@ -282,7 +282,7 @@ def in_process(job: Job, part: int = 0, n_parts: int = 1) -> Iterator[str]:
 
 
 def in_pool(job: Job, n_workers: int) -> Iterator[str]:
-    """Run all batches that are missing in so many processes; keys of batches as they are done.
+    """Run all missing batches in so many processes, and yield keys as batches are done.
 
     Raises
     ------

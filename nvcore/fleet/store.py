@@ -96,7 +96,7 @@ class Store:
         return f"Store({self.location.uri!r})"
 
     def snapshot(self) -> Snapshot:
-        """Return the store as it is now; later appends do not change it.
+        """Return the store as it is now, unchanged by later appends.
 
         Raises
         ------
@@ -246,7 +246,7 @@ class Store:
         return new
 
     def _put(self, name: str, rows: pa.Table, values: Mapping[str, str | None]) -> AddAction:
-        """Write a file of rows that are sorted by recording; return what to commit of it."""
+        """Write a file of rows sorted by recording, and return its entry for the commit."""
         sink = pa.BufferOutputStream()
         pq.write_table(
             rows.unify_dictionaries(),
@@ -300,7 +300,7 @@ def _is_behind(rows: pd.DataFrame, is_given: np.ndarray) -> np.ndarray:
 
 
 class Snapshot:
-    """A store at one time. Its pickle is small; another process reads the rows again.
+    """A store at one time. Its pickle is small, as another process reads the rows again.
 
     Parameters
     ----------
@@ -516,7 +516,7 @@ class Snapshot:
 
 
 def other_settings(recordings: pd.DataFrame, params: Params) -> str:
-    """Say which settings of the given recordings a scan does not use; empty: it uses all."""
+    """Say which settings of recordings a scan does not use, or return an empty text."""
     used, others, n, words = asdict(params), set(), 0, {None: "the default"}
     for text, count in recordings["parameters"].value_counts().items():
         given = json.loads(str(text) or "{}")
@@ -545,7 +545,7 @@ class _WhenAsked(dict[str, pa.Table]):
 
 @contextmanager
 def _file_of(location: Location, path: str, texts: Sequence[str] = ()) -> Iterator[pq.ParquetFile]:
-    """Open a Parquet file of a store; raise an error that names it if it is damaged or missing."""
+    """Open a Parquet file of a store, or raise an error that names it."""
     uri = f"{location.uri}/{path}"
     try:
         with location.at(path, "read"), location.open(path) as source:
@@ -567,7 +567,7 @@ def _file_of(location: Location, path: str, texts: Sequence[str] = ()) -> Iterat
 
 
 def _opened(location: Location, name: str, version: int | None = None) -> DeltaTable | None:
-    """Open a table of a store at a version; None if it does not exist."""
+    """Open a table of a store at a version, or return None if it does not exist."""
     with location.at(name, "read"):
         try:
             return DeltaTable(
@@ -578,7 +578,7 @@ def _opened(location: Location, name: str, version: int | None = None) -> DeltaT
 
 
 def _versions_reached(location: Location) -> dict[str, int]:
-    """Return the versions that the tables had at some time; empty for a store without the file."""
+    """Return the versions that the tables had at some time, none for a store without the file."""
     try:
         content = json.loads(location.find(VERSIONS) or b"{}")
         return {name: int(content.get(name, 0)) for name in SCHEMAS}
@@ -589,7 +589,7 @@ def _versions_reached(location: Location) -> dict[str, int]:
 def _checked(
     location: Location, tables: Mapping[str, DeltaTable], reached: Mapping[str, int]
 ) -> dict[str, int]:
-    """Return the versions of tables; StoreError if one is older than it was: it lost a file."""
+    """Return the versions of tables, or raise StoreError if one is older than it was."""
     versions = {name: table.version() for name, table in tables.items()}
     for name, version in versions.items():
         if version < reached[name]:
@@ -606,7 +606,7 @@ def _partition_of(table: DeltaTable) -> str | None:
 
 
 def _rows(location: Location, name: str, table: DeltaTable, known: dict[str, pa.Table]) -> pa.Table:
-    """Read the rows of recordings or sources; `known` caches them by file."""
+    """Read the rows of recordings or sources, cached by file in `known`."""
     schema = SCHEMAS[name]
 
     def read(path: str) -> pa.Table:
@@ -627,7 +627,7 @@ def _rows(location: Location, name: str, table: DeltaTable, known: dict[str, pa.
 
 
 def _part_of(row: Mapping[str, Any], partition: str) -> str:
-    """Return the part of a divided store for a recording; empty: it has no such key."""
+    """Return the part of a divided store for a recording, empty if it has no such key."""
     if partition == "unit":
         return str(row["unit"])
     if partition == "month":
