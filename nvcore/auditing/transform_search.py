@@ -361,8 +361,11 @@ def _measured_scales(trial: Trial) -> Iterator[float]:
             factor = float((ours * away).sum() / max((away**2).sum(), 1e-9))
             x, y = np.median(ours - factor * theirs, axis=1)
             offset = float(x), float(y)
-        else:
-            yield _usual(factor)
+        else:  # in pairs by chance, as of mirrored pictures, boxes are not larger by the same ratio
+            pairs = ((trial.truth.box[k][close], trial.system.box[k][best[close]]) for k in (2, 3))
+            larger = np.median(np.concatenate([ours / theirs for ours, theirs in pairs]))
+            if abs(larger / factor - 1) <= MAX_ASPECT:
+                yield _usual(factor)
 
 
 def _usual(factor: float) -> float:

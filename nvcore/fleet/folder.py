@@ -32,6 +32,7 @@ from deltalake.exceptions import CommitFailedError, TableNotFoundError
 from deltalake.transaction import AddAction, RemoveAction
 
 from nvcore.errors import InputError, StoreError
+from nvcore.findings import Remedy, Step
 from nvcore.fleet.leases import attempt_of, is_held, seal, unseal
 from nvcore.fleet.location import Location
 from nvcore.fleet.plan import Batch, Plan, hash_of, plan
@@ -74,7 +75,8 @@ def begin(
     if newest is not None:
         newest.check_programs(
             "its results are not mixed with those of this one: name another folder, or compute "
-            "them anew with --recompute"
+            "them anew",
+            Step(Remedy.OPTION, "", "recompute"),
         )
     out.write(_path_of(made.key), made.to_json())
     out.write(_NEWEST, seal({"plan": made.key}))

@@ -17,6 +17,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.errors import InputError
+from nvcore.findings import Step
 from nvcore.fleet.calls import FRAMES_PER_BATCH
 from nvcore.fleet.results import ScanParams
 from nvcore.fleet.store import Snapshot
@@ -172,8 +173,8 @@ class Plan:
         ]
         return cls(params=params, batches=tuple(batches), **known)
 
-    def check_programs(self, advice: str) -> None:
-        """Raise InputError, with advice, if the plan was made by other programs."""
+    def check_programs(self, advice: str, *steps: Step) -> None:
+        """Raise InputError, with advice and steps, if the plan was made by other programs."""
         here = programs()
         others = [
             f"another {name} (its code differs)"
@@ -183,7 +184,7 @@ class Plan:
             if self.programs.get(name) != own
         ]
         if others:
-            raise InputError(f"this scan was begun with {listed(others)}; {advice}")
+            raise InputError(f"this scan was begun with {listed(others)}; {advice}", steps=steps)
 
 
 def plan(
