@@ -29,7 +29,7 @@ LIBRARY = [
     and "import click\n" not in path.read_text(encoding="utf-8")
 ]
 """The modules that know of no medium: all but those of the commands."""
-OF_COMMANDS = ("boxes", "force", "frames_out", "role", "truth")
+OF_COMMANDS = ("boxes", "force", "frames_out", "recompute", "role", "truth")
 """Options of what no page does."""
 CHILD = Step(Remedy.CLASSES, "pedestrian,child", "truth")
 SESSION = Session(
