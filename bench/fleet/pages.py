@@ -57,9 +57,8 @@ frame {costs.read:.0f} bytes are read and {costs.written:.0f} written. A recordi
 {plan_us:.0f} us in the plan, once, and {open_us:.0f} us and {memory:.1f} kB of memory in every
 worker; a batch {finish:.1f} ms when the scan is finished. Assumed of an object store:
 {total:.1f} GB/s for all workers together, {each:.0f} MB/s for one, {request:.0f} ms a request,
-{cloud.requests} requests a batch;
-{cloud.slow:.0%} of the batches meet a machine that is {cloud.times:.0f} times slower. Recordings
-have 2,000 frames, a worker is one core.
+{cloud.requests} requests a batch; {cloud.slow:.0%} of the batches meet a machine that is
+{cloud.times:.0f} times slower. Recordings have 2,000 frames, a worker is one core.
 
 {table}
 
