@@ -345,7 +345,7 @@ def _scan(arguments: ScanArguments) -> Scan:
     >>> done = scan("fleet", "night-vision", x="FIR", y="NIR")  # doctest: +SKIP
     >>> done.summary.measures()  # doctest: +SKIP
     """
-    from nvcore.fleet.folder import begin, finish, forget_quarantined, repair, status
+    from nvcore.fleet.folder import Status, begin, finish, forget_quarantined, repair, status
     from nvcore.fleet.location import Location
     from nvcore.fleet.results import ScanParams
     from nvcore.fleet.scan import Job, Options, drive
@@ -387,7 +387,10 @@ def _scan(arguments: ScanArguments) -> Scan:
     for batch in drive(job, _engine(arguments, max(batch.n_frames for batch in plan.batches))):
         done.add(batch)
         progress(len(done) / n, f"{len(done)} of {n} batches")
-    return Scan(finish(out, plan), status(out, plan), notes)
+    summary = finish(out, plan)
+    if summary.quarantined:
+        return Scan(summary, status(out, plan), notes)
+    return Scan(summary, Status(plan, n, plan.n_frames, 0, 0, 0, is_finished=True), notes)
 
 
 scan.__doc__ = _scan.__doc__  # with all parameters
