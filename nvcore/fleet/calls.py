@@ -8,7 +8,7 @@ from __future__ import annotations
 import inspect
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import KW_ONLY, asdict, dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -302,7 +302,7 @@ def scan(*given: Any, params: Params | None = None, **named: Any) -> Scan:
     own = inspect.signature(ScanArguments).parameters
     settings = {name: named.pop(name) for name in [*named] if name not in own}
     if settings:
-        params = params_from({**asdict(params or Params()), **settings})
+        params = params_from({**(params or Params()).given(), **settings})
     return _scan(*given, params=params, **named)
 
 
