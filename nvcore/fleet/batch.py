@@ -19,7 +19,7 @@ from nvcore.comparison import compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
 from nvcore.errors import InputError, NvcoreError, StoreError
-from nvcore.fleet.results import ScanParams, Summary, gather, result_tables
+from nvcore.fleet.results import ScanParams, gather, result_tables
 from nvcore.fleet.tables import MISSING, TRUTH_KINDS
 from nvcore.objects import PEDESTRIAN, objects_from
 from nvcore.schema import ATTRIBUTE_DTYPES, DETECTABILITY_COLUMNS, RECORDING_DTYPES, TRUTH, conform
@@ -32,9 +32,7 @@ MAX_FRAMES: Final = 2_000_000
 _BOX_COLUMNS: Final = ("x", "y", "w", "h", "score", "track", "ignore", "distance_m", "occlusion")
 
 
-def scan_batch(
-    tables: Mapping[str, pa.Table], params: ScanParams
-) -> tuple[dict[str, pa.Table], Summary]:
+def scan_batch(tables: Mapping[str, pa.Table], params: ScanParams) -> dict[str, pa.Table]:
     """Compare the recordings of a batch, each by itself.
 
     Parameters
@@ -44,11 +42,9 @@ def scan_batch(
 
     Returns
     -------
-    tables
+    dict
         Tables of results, with the columns of `nvcore.fleet.results.schema` and sorted by
         recording. A recording that cannot be compared is in ``quarantine`` only, with the reason.
-    summary
-        Measures of these recordings, to be merged with those of other batches.
 
     Raises
     ------
@@ -70,8 +66,7 @@ def scan_batch(
                 refused[names[0]] = str(error)
             else:  # find the one at fault: compare each half by itself
                 waiting += [names[: len(names) // 2], names[len(names) // 2 :]]
-    results = gather(parts, refused, has_frames=params.frames)
-    return results, Summary.of(results, params)
+    return gather(parts, refused, has_frames=params.frames)
 
 
 def dataset_of(tables: Mapping[str, pa.Table], params: ScanParams) -> Dataset:

@@ -36,7 +36,7 @@ from nvcore.findings import Remedy, Step
 from nvcore.fleet.leases import attempt_of, is_held, seal, unseal
 from nvcore.fleet.location import Location
 from nvcore.fleet.plan import Batch, Plan, hash_of, plan
-from nvcore.fleet.results import ScanParams, Summary, schema
+from nvcore.fleet.results import ScanParams, Summary, reductions, schema
 from nvcore.fleet.store import Snapshot
 from nvcore.wording import count_text, one_line
 
@@ -133,7 +133,7 @@ def _is_finished(out: Location, its_plan: Plan) -> bool:
     return out.find(f"finished/{its_plan.key}.json") is not None
 
 
-def write_batch(out: Location, key: str, tables: Mapping[str, pa.Table], summary: Summary) -> bytes:
+def write_batch(out: Location, key: str, tables: Mapping[str, pa.Table]) -> bytes:
     """Write the tables of a batch, and return the content of its file in ``done``."""
     files = {}
     for name, table in tables.items():
@@ -142,7 +142,8 @@ def write_batch(out: Location, key: str, tables: Mapping[str, pa.Table], summary
         path = f"{name}/{key}-{sha256[:8]}.parquet"
         out.write(path, content)
         files[name] = {"path": path, "size": len(content), "sha256": sha256, "rows": len(table)}
-    return seal({"files": files, "summary": summary.given()})
+    n_frames = sum(tables["recordings"]["n_frames"].to_pylist())
+    return seal({"files": files, "n_frames": n_frames})
 
 
 def done_in(out: Location) -> set[str]:
@@ -239,7 +240,7 @@ def table_of(out: Location, its_plan: Plan, name: str) -> Any:
 
 
 def finish(out: Location, its_plan: Plan) -> Summary:
-    """Merge what the batches of a plan gave, and list their files in Delta tables.
+    """Summarize the results of all batches of a plan, and list their files in Delta tables.
 
     Any number of processes may do so. Tables of a plan that was begun later, and is finished, stay.
 
@@ -249,7 +250,9 @@ def finish(out: Location, its_plan: Plan) -> Summary:
         If batches are missing or damaged.
     """
     done = _read_done(out, its_plan.batches)
-    summary = Summary.merge([Summary.parse(batch["summary"]) for batch in done])
+    recordings = table_of(out, its_plan, "recordings").to_table(columns=[*reductions()])
+    quarantined = sum(batch["files"]["quarantine"]["rows"] for batch in done)
+    summary = Summary.of(recordings, quarantined, its_plan.params)
     newest = newest_plan(out)
     if newest is None or newest.key == its_plan.key or not _is_finished(out, newest):
         for name in done[0]["files"]:
@@ -374,7 +377,7 @@ def status(out: Location, its_plan: Plan | None = None, clock: Any = time.time) 
     return Status(
         its_plan,
         len(done),
-        sum(batch["summary"]["counts"].get("n_frames", 0) for batch in done),
+        sum(batch["n_frames"] for batch in done),
         sum(held),
         sum(attempt["ended"] is None for attempt in attempts) - sum(held),
         sum(of["rows"] for of in refused),

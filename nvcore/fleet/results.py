@@ -1,11 +1,10 @@
-"""Results of a scan: Arrow tables, and summaries that can be merged."""
+"""Results of a scan: Arrow tables, and measures of all recordings."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from functools import cache
 from typing import Any, Final
 
@@ -14,7 +13,7 @@ import pandas as pd
 import pyarrow as pa
 
 from nvcore.comparison import Result
-from nvcore.errors import InputError, ParameterError
+from nvcore.errors import ParameterError
 from nvcore.evidence.units import RECORDINGS, Units, sum_units
 from nvcore.measures.entry import HOUR_S, is_met
 from nvcore.measures.table import (
@@ -24,12 +23,12 @@ from nvcore.measures.table import (
     hides_rate,
     inference_of,
     measure_of,
+    words_of,
 )
 from nvcore.measures.values import per_recording, ratio_of
-from nvcore.metrics.venn import BoxVenn, Venn
 from nvcore.objects import PEDESTRIAN
 from nvcore.params import Params, params_from
-from nvcore.schema import Category, MissClass
+from nvcore.schema import MissClass
 from nvcore.scoring import SystemResult
 from nvcore.tables.column import CellKind
 from nvcore.tables.columns import report_columns
@@ -53,10 +52,7 @@ _TYPES: Final = {
     CellKind.TRUTH_VALUE: pa.bool_(),
 }
 _COUNTS: Final = ("detections", "boxes_matched", *(f"miss_{kind.value}" for kind in MissClass))
-_TIMES: Final = (
-    *("episode_s", "longest_episode_s", "event_s", "event_relevant_s", "largest_event_s"),
-    "worst_severity_s",
-)
+_TIMES: Final = ("episode_s", "event_s", "event_relevant_s")
 _BOXES: Final = ("boxes_both", "boxes_x_only", "boxes_y_only", "boxes_neither")
 _SUMMED: Final = {
     key: inference_of(key) for key in EVIDENCE_KEYS if inference_of(key).test == "units"
@@ -82,17 +78,18 @@ _RATIOS: Final = {
     "saliency_relevant_share": ("event_relevant_s", "event_s", 1.0),
     "severity_s_per_min": ("severity_s", "duration_s", 60.0),
     "mean_episode_s": ("episode_s", "false_alert_episodes", 1.0),
+    "saliency_largest_event": ("largest_event_s", "", 1.0),
     **{key: (f"sum_{key}", of.per, of.factor) for key, of in _SUMMED.items()},
 }
 """Numerator, denominator (empty: 1) and factor of measures; others are a column of their name."""
-_EXTREMES: Final = {
-    "min_similarity": ("min_similarity", 1),
-    "worst_window_similarity": ("worst_window_similarity", 1),
-    "saliency_largest_event": ("largest_event_s", -1),
-    "worst_severity_s": ("worst_severity_s", -1),
-    "longest_episode_s": ("longest_episode_s", -1),
+_EXTREMES: Final[dict[str, Callable[[list[Any]], float]]] = {
+    "min_similarity": min,
+    "worst_window_similarity": min,
+    "largest_event_s": max,
+    "worst_severity_s": max,
+    "longest_episode_s": max,
 }
-"""Measures that are the smallest (1) or largest (-1) value of a column of recordings."""
+"""Columns of recordings, for each system, of which the smallest or largest value counts."""
 
 
 @dataclass(frozen=True)
@@ -176,7 +173,7 @@ def schema(table: str) -> pa.Schema:
         fields |= {"tags": pa.list_(pa.string()), "truth": pa.string()}
         whole = ("n_encounters", *counted(), *_BOXES, *_both(_COUNTS))
         fields |= dict.fromkeys(whole, pa.int64())
-        sums = _both([*_TIMES, *(f"sum_{key}" for key in _SUMMED)])
+        sums = _both([*_TIMES, *_EXTREMES, *(f"sum_{key}" for key in _SUMMED)])
         fields |= dict.fromkeys(("share_of_recording", *sums), pa.float64())
     return pa.schema(fields)
 
@@ -305,84 +302,31 @@ def gather(
 
 @dataclass(frozen=True)
 class Summary:
-    """Counts, sums and extremes of recordings, from which measures are computed.
-
-    Sums are exact fractions, so the order of merging changes no digit.
+    """Totals and extremes of recordings, from which measures are computed.
 
     Attributes
     ----------
-    counts, sums
-        Totals of columns of the table of recordings; columns without values are absent.
-    extremes
-        Smallest or largest value by measure and system (``min_similarity_x``), with its recording;
-        of several recordings the first by name.
+    recordings, quarantined
+        Number of recordings that were compared, and of those that could not be.
+    totals
+        Values of `reductions`, by column; columns without values are absent.
     """
 
     params: ScanParams
     recordings: int
     quarantined: int
-    counts: Mapping[str, int]
-    sums: Mapping[str, Fraction]
-    extremes: Mapping[str, tuple[float, str]]
+    totals: Mapping[str, float]
 
     @staticmethod
-    def of(tables: Mapping[str, pa.Table], params: ScanParams) -> Summary:
-        """Summarize the tables of results of a batch."""
-        recordings = tables["recordings"]
-        counts, sums = dict[str, int](), dict[str, Fraction]()
-        for name in _totalled():
-            known = recordings[name].drop_null()
-            if not len(known):
-                continue
-            if pa.types.is_int64(known.type):
-                counts[name] = sum(known.to_pylist())
-            else:
-                sums[name] = exact_sum(known.to_numpy())
-        names = recordings["recording"].to_pylist()
-        extremes = _worst(
-            (f"{key}_{letter}", (value, name))
-            for key, (column, _) in _EXTREMES.items()
-            for letter in "xy"
-            for value, name in zip(recordings[f"{column}_{letter}"].to_pylist(), names, strict=True)
-            if value is not None
-        )
-        return Summary(params, len(recordings), len(tables["quarantine"]), counts, sums, extremes)
-
-    @staticmethod
-    def merge(parts: Sequence[Summary]) -> Summary:
-        """Return the summary of all recordings of summaries.
-
-        Raises
-        ------
-        InputError
-            If there is none, or they are of different comparisons.
-        """
-        if not parts:
-            raise InputError("there is no summary to merge; scan a recording at least")
-        if any(part.params != parts[0].params for part in parts):
-            raise InputError("summaries of different comparisons cannot be merged")
-        return Summary(
-            parts[0].params,
-            sum(part.recordings for part in parts),
-            sum(part.quarantined for part in parts),
-            _added(part.counts for part in parts),
-            _added(part.sums for part in parts),
-            _worst(item for part in parts for item in part.extremes.items()),
-        )
+    def of(recordings: pa.Table, quarantined: int, params: ScanParams) -> Summary:
+        """Summarize the columns `reductions` of the table of recordings."""
+        known = {name: recordings[name].drop_null().to_pylist() for name in reductions()}
+        totals = {name: reductions()[name](values) for name, values in known.items() if values}
+        return Summary(params, len(recordings), quarantined, totals)
 
     def total(self, column: str) -> float:
-        """Return the total of a column of recordings, or NaN if none has a value."""
-        return float(self.sums.get(column, self.counts.get(column, np.nan)))
-
-    @property
-    def venn(self) -> Venn:
-        """Encounters by who detects them."""
-        return Venn(*(self.counts.get(kind.value, 0) for kind in Category))
-
-    @property
-    def boxes(self) -> BoxVenn:
-        """Boxes of the truth by who matches them."""
-        return BoxVenn(*(self.counts.get(name, 0) for name in _BOXES))
+        """Return the value of a column of `reductions`, or NaN if no recording has one."""
+        return self.totals.get(column, np.nan)
 
     def measures(self) -> pd.DataFrame:
         """Return one row per measure that totals make, in the order of `MEASURES`.
@@ -394,17 +338,9 @@ class Summary:
         key, label, x, y (NaN: undefined), and n: the encounters or recordings that a mean is of,
         else the frames.
         """
-        settings = self.params.params
-        is_largest = settings.saliency_aggregate == "max"
-        words: dict[str, Any] = {
-            "low": settings.low,
-            "window": settings.window,
-            "aggregate": "largest event" if is_largest else "sum of events",
-            "n_near": self.counts.get("n_encounters", 0),
-            "n_boxes": self.counts.get("n_truth", 0),
-            "units": RECORDINGS,
-            **{name: self.counts.get(name, 0) for name in counted()},
-        }
+        columns = {"n_near": "n_encounters", "n_boxes": "n_truth", **{of: of for of in counted()}}
+        counts = {name: int(self.totals.get(of, 0)) for name, of in columns.items()}
+        words = words_of(self.params.params, counts, RECORDINGS)
         rows = []
         for measure in MEASURES:
             values = [self._value(measure.key, letter) for letter in "xy"]
@@ -417,10 +353,10 @@ class Summary:
 
     def _value(self, key: str, letter: str) -> float | None:
         """Return a measure of a system, or None if no total makes it or no recording has it."""
-        if key in _EXTREMES:
-            return self.extremes.get(f"{key}_{letter}", (np.nan, ""))[0]
         part, per, factor = _RATIOS.get(key, (key, "", 1.0))
         total = self.total(f"{part}_{letter}")
+        if part in _EXTREMES:
+            return total
         if np.isnan(total) or hides_rate(measure_of(key), self.total("duration_s")):
             return None
         if not per:
@@ -428,57 +364,17 @@ class Summary:
         over = self.total(f"{per}_{letter}")
         return ratio_of(factor * total, self.total(per) if np.isnan(over) else over)
 
-    def given(self) -> dict[str, Any]:
-        """Return it for JSON, as `Summary.parse` reads it."""
-        return {
-            **vars(self),
-            "params": self.params.given(),
-            "sums": {name: str(value) for name, value in self.sums.items()},
-            "extremes": {name: list(of) for name, of in self.extremes.items()},
-        }
-
-    @staticmethod
-    def parse(given: Mapping[str, Any]) -> Summary:
-        """Read what `given` returned."""
-        own = {
-            "params": ScanParams.parse(given["params"]),
-            "sums": {name: Fraction(value) for name, value in given["sums"].items()},
-            "extremes": {
-                name: (float(value), of) for name, (value, of) in given["extremes"].items()
-            },
-        }
-        return Summary(**{**given, **own})
-
 
 @cache
-def _totalled() -> list[str]:
-    """List the columns of recordings that can be added up: counts, then other sums."""
+def reductions() -> dict[str, Callable[[list[Any]], float]]:
+    """Return how the values of all recordings become one, by column of the table of recordings.
+
+    Sums are rounded once, so that the order of recordings changes no digit.
+    """
     columns = schema("recordings")
-    counts = [of.name for of in columns if pa.types.is_int64(of.type)]
-    times = _both(["severity_s", "episode_s", "event_s", "event_relevant_s"])
-    sums = [of.name for of in columns if of.name.startswith("sum_")]
-    return [*counts, "duration_s", "share_of_recording", *times, *sums]
-
-
-def _added(parts: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
-    """Add numbers by name."""
-    total = Counter[str]()
-    for part in parts:
-        total.update(part)
-    return dict(total)
-
-
-def _worst(found: Iterable[tuple[str, tuple[float, str]]]) -> dict[str, tuple[float, str]]:
-    """Return the smallest or largest value by measure and system, with its recording."""
-    worst: dict[str, tuple[float, str]] = {}
-    for key, of in found:
-        _, sign = _EXTREMES[key[:-2]]
-        worst[key] = min(worst.get(key, of), of, key=lambda known: (sign * known[0], known[1]))
-    return worst
-
-
-def exact_sum(values: np.ndarray) -> Fraction:
-    """Add finite numbers (float64, shape (n,)) without rounding."""
-    ratios = [value.as_integer_ratio() for value in values.tolist()]
-    over = max((of[1] for of in ratios), default=1)  # all are powers of two
-    return Fraction(sum(value * (over // of) for value, of in ratios), over)
+    sums = ["duration_s", "share_of_recording", *_both([*_TIMES, "severity_s"])]
+    return {
+        **{of.name: sum for of in columns if pa.types.is_int64(of.type)},
+        **{of.name: math.fsum for of in columns if of.name.startswith("sum_") or of.name in sums},
+        **{f"{name}_{letter}": of for name, of in _EXTREMES.items() for letter in "xy"},
+    }

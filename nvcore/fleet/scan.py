@@ -31,7 +31,7 @@ from nvcore.fleet.folder import done_in, plan_in, write_batch
 from nvcore.fleet.leases import Lease, claim, seal
 from nvcore.fleet.location import LONGEST_REASON, Location
 from nvcore.fleet.plan import Batch, Plan
-from nvcore.fleet.results import ScanParams, Summary, gather
+from nvcore.fleet.results import ScanParams, gather
 from nvcore.fleet.store import Snapshot
 from nvcore.metrics.kernels import thread_count
 from nvcore.wording import one_line, shortened
@@ -78,9 +78,7 @@ class Options:
     poll_s: float = 0.2
     patience_s: float = 300.0
     clock: Callable[[], float] = time.time
-    run: Callable[[dict[str, pa.Table], ScanParams], tuple[dict[str, pa.Table], Summary]] = (
-        scan_batch
-    )
+    run: Callable[[dict[str, pa.Table], ScanParams], dict[str, pa.Table]] = scan_batch
     is_checked: bool = False
 
 
@@ -142,9 +140,9 @@ class Job:
                 out.write(f"late/{batch}.json", seal({}))
                 return "busy"
             params = opened.plan.params
-            parts = _compared(opened.batches[batch], opened.read, params, lease, options)
-            out.create(done, write_batch(out, batch, *parts))
-            del parts
+            results = _compared(opened.batches[batch], opened.read, params, lease, options)
+            out.create(done, write_batch(out, batch, results))
+            del results
             _give_back_memory()
         return "done"
 
@@ -185,7 +183,7 @@ def _open(
 
 def _compared(
     batch: Batch, read: Read, params: ScanParams, lease: Lease, options: Options
-) -> tuple[dict[str, pa.Table], Summary]:
+) -> dict[str, pa.Table]:
     """Compare the recordings of a batch, one at a time if they fail together."""
     if lease.n_killed < WHOLE_ATTEMPTS:
         try:
@@ -204,7 +202,7 @@ def _compared(
             continue
         lease.tell(at=name)
         try:
-            parts.append(options.run(read([name]), params)[0])
+            parts.append(options.run(read([name]), params))
         except Exception as error:
             _give_up_without_storage(error)
             faults += not isinstance(error, NvcoreError)
@@ -213,8 +211,7 @@ def _compared(
             reasons[name] = _reason(error)
     for part in parts:
         reasons |= dict(zip(*part["quarantine"].to_pydict().values(), strict=True))
-    results = gather(parts, reasons, has_frames=params.frames)
-    return results, Summary.of(results, params)
+    return gather(parts, reasons, has_frames=params.frames)
 
 
 def _use_one_heap() -> None:

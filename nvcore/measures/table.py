@@ -9,7 +9,7 @@ difference; the entry only says which sums over frames make the measure.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from itertools import chain
 from typing import Any, Final
@@ -30,6 +30,7 @@ from nvcore.measures.of_alarms import ALARM_MEASURES
 from nvcore.measures.of_curves import CURVE_MEASURES
 from nvcore.measures.of_encounters import DETECTED, ENCOUNTER_MEASURES
 from nvcore.measures.of_frames import FRAME_MEASURES
+from nvcore.params import Params
 from nvcore.primary import Primary, now_text
 from nvcore.subjects import contributed
 from nvcore.wording import LEAST_HOURLY_S, did_you_mean, difference, duration_text, one_line
@@ -93,16 +94,16 @@ def label_words(result: Result, units: str = "") -> dict[str, Any]:
     units
         What is resampled: ``recordings`` or ``blocks``.
     """
-    is_largest = result.params.saliency_aggregate == "max"
-    return {
-        "low": result.params.low,
-        "window": result.params.window,
-        "aggregate": "largest event" if is_largest else "sum of events",
-        "n_near": result.venn.n_near,
-        "n_boxes": int(result.n_truth.sum()),
-        **{name: int(members(result).sum()) for name, members in counted().items()},
-        "units": units,
-    }
+    counts = {name: int(members(result).sum()) for name, members in counted().items()}
+    counts |= {"n_near": result.venn.n_near, "n_boxes": int(result.n_truth.sum())}
+    return words_of(result.params, counts, units)
+
+
+def words_of(params: Params, counts: Mapping[str, int], units: str) -> dict[str, Any]:
+    """Return the words of labels, see `label_words`, by settings and counts."""
+    aggregate = "largest event" if params.saliency_aggregate == "max" else "sum of events"
+    own = {"low": params.low, "window": params.window, "aggregate": aggregate, "units": units}
+    return own | dict(counts)
 
 
 def counted() -> dict[str, Callable[[Result], np.ndarray]]:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +22,7 @@ from nvcore.errors import InputError, ParameterError, StoreError
 from nvcore.fleet import batch
 from nvcore.fleet.batch import ScanParams, dataset_of, scan_batch
 from nvcore.fleet.ingest import tables_of
-from nvcore.fleet.results import Summary, exact_sum, typed
+from nvcore.fleet.results import Summary, typed
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session
@@ -118,21 +116,24 @@ def chunks(names: Sequence[str], size: int) -> Iterator[Sequence[str]]:
         yield names[start : start + size]
 
 
-def assert_batches_agree(tables: Tables, params: ScanParams) -> tuple[Tables, Summary]:
+def summary_of(results: Tables, params: ScanParams = SCAN) -> Summary:
+    return Summary.of(results["recordings"], len(results["quarantine"]), params)
+
+
+def assert_batches_agree(tables: Tables, params: ScanParams) -> Tables:
     """All at once, some by themselves, by threes and shuffled: the same bytes. Returns all."""
-    whole, summary = scan_batch(tables, params)
+    whole = scan_batch(tables, params)
     names = tables["recordings"]["recording"].to_pylist()
     shuffled = np.random.default_rng(1).permutation(names).tolist()
     alone = sorted(names)[::4]
     groups = [[name] for name in alone]
     groups += chunks([name for name in shuffled if name not in alone], 3)
     parts = [scan_batch(only(tables, of), params) for of in groups]
-    assert_same(joined([part for part, _ in parts]), whole)
-    assert Summary.merge([part for _, part in parts]).given() == summary.given()
-    return whole, summary
+    assert_same(joined(parts), whole)
+    return whole
 
 
-def assert_as_compared(whole: Tables, summary: Summary, dataset: Dataset, params: Params) -> None:
+def assert_as_compared(whole: Tables, dataset: Dataset, params: Params) -> None:
     """Each recording to the bit as compared by itself, measures to 1e-12 as of all together."""
     for name in dataset.recordings["name"]:
         result = compare(dataset.only(names=name), params)
@@ -147,6 +148,7 @@ def assert_as_compared(whole: Tables, summary: Summary, dataset: Dataset, params
                 expected = typed(known, pa.schema([own.schema.field(column)]))[column]
                 assert own[column].combine_chunks().equals(expected.combine_chunks()), column
     result = compare(dataset, params)
+    summary = summary_of(whole)
     measures = summary.measures().set_index("key")
     of_system = {measure.key: measure.of for measure in MEASURES if measure.of is not None}
     left_out = {"percentile_5_similarity", "median_margin_s", "median_alert_lead_s"}
@@ -159,7 +161,7 @@ def assert_as_compared(whole: Tables, summary: Summary, dataset: Dataset, params
         for letter, system in result.sides:
             value = of_system[key](result, system)
             assert measures.loc[key, letter] == pytest.approx(value, rel=1e-12, nan_ok=True), key
-    assert (summary.venn, summary.boxes) == (result.venn, result.boxes)
+    assert summary.totals["boxes_both"] == result.boxes.both
     assert summary.total("n_frames") == len(dataset.frames)
     assert summary.total("duration_s") == pytest.approx(result.duration_s, rel=1e-12)
 
@@ -168,10 +170,10 @@ def assert_as_compared(whole: Tables, summary: Summary, dataset: Dataset, params
 def test_the_same_bytes_however_recordings_are_put_together(
     dataset: Dataset, tables: Tables, params: Params
 ):
-    whole, summary = assert_batches_agree(tables, replace(SCAN, params=params))
+    whole = assert_batches_agree(tables, replace(SCAN, params=params))
     assert len(whole["quarantine"]) == 0
     assert min(len(whole[name]) for name in MADE_BY) > 5
-    assert_as_compared(whole, summary, dataset, params)
+    assert_as_compared(whole, dataset, params)
 
 
 def test_nothing_is_said_of_an_encounter_that_needs_all_recordings():
@@ -180,32 +182,21 @@ def test_nothing_is_said_of_an_encounter_that_needs_all_recordings():
     assert table["classes"].str.contains("child").sum() == 3
     assert table["aspect_z"].notna().all()
     scan = ScanParams(*dataset.systems[:2])
-    encounters = scan_batch(tables_of(dataset), scan)[0]["encounters"].to_pandas()
+    encounters = scan_batch(tables_of(dataset), scan)["encounters"].to_pandas()
     assert len(encounters) == len(table)
     assert not encounters["classes"].str.contains("child").any()
     assert "aspect_z" not in encounters
 
 
-def test_summaries_merge_to_the_same_bytes_in_any_order_and_nesting(tables: Tables):
-    names = tables["recordings"]["recording"].to_pylist()
-    parts = [scan_batch(only(tables, of), SCAN)[1] for of in chunks(names, 4)]
-    whole = scan_batch(tables, SCAN)[1].given()
-    nested = Summary.merge([parts[-1], Summary.merge(parts[1:-1]), parts[0]])
-    read = Summary.merge(
-        [Summary.parse(json.loads(json.dumps(part.given()))) for part in reversed(parts)]
-    )
-    assert nested.given() == read.given() == whole
-    other = scan_batch(tables, replace(SCAN, params=Params(alpha=0.5)))[1]
-    with pytest.raises(InputError, match="different comparisons"):
-        Summary.merge([parts[0], other])
-    with pytest.raises(InputError, match="no summary"):
-        Summary.merge([])
-
-
-def test_sums_are_not_rounded_on_the_way():
-    values = np.array([0.1, 1e300, -1e300, 5e-324, 0.0])
-    assert exact_sum(values) == Fraction(0.1) + Fraction(5e-324)
-    assert exact_sum(values[:0]) == 0
+def test_a_summary_is_the_same_in_any_order_of_recordings(tables: Tables):
+    results = scan_batch(tables, SCAN)
+    values = [0.1, 1e300, -1e300, 5e-324]
+    table = results["recordings"].slice(0, 4)
+    place = table.schema.get_field_index("severity_s_x")
+    table = table.set_column(place, "severity_s_x", pa.array(values))
+    summary = Summary.of(table, 0, SCAN)
+    assert summary.totals["severity_s_x"] == 0.1
+    assert Summary.of(table.take([2, 0, 3, 1]), 0, SCAN) == summary
 
 
 def test_thresholds_are_those_of_each_recording_unless_they_are_given(tables: Tables):
@@ -214,16 +205,16 @@ def test_thresholds_are_those_of_each_recording_unless_they_are_given(tables: Ta
     is_first = sources["recording"].isin(names[::2]) & (sources["source"] == "x")
     sources.loc[is_first, "threshold"] = 0.6
     mixed = {**tables, "sources": typed(sources, tables["sources"].schema)}
-    results = assert_batches_agree(mixed, SCAN)[0]
+    results = assert_batches_agree(mixed, SCAN)
     high = Params(threshold_x=0.6)
     expected = [
-        scan_batch(only(tables, of), replace(SCAN, params=params))[0]
+        scan_batch(only(tables, of), replace(SCAN, params=params))
         for of, params in ((names[::2], high), (names[1::2], Params()))
     ]
     assert_same(results, joined(expected))
     given = replace(SCAN, params=high)
-    assert_same(scan_batch(mixed, given)[0], scan_batch(tables, given)[0])
-    assert not results["frames"].equals(scan_batch(tables, given)[0]["frames"])
+    assert_same(scan_batch(mixed, given), scan_batch(tables, given))
+    assert not results["frames"].equals(scan_batch(tables, given)["frames"])
     with pytest.raises(InputError, match="threshold of a system"):
         dataset_of(mixed, SCAN)
 
@@ -269,34 +260,32 @@ def test_a_damaged_recording_is_quarantined_and_the_rest_is_as_without_it(
 ):
     broken = damaged(tables, table, column, 0, value)
     (bad,) = broken[table]["recording"].to_pylist()[:1]
-    results, summary = scan_batch(broken, SCAN)
+    results = scan_batch(broken, SCAN)
     (row,) = results["quarantine"].to_pylist()
     assert row["recording"] == bad
     assert reason in row["reason"]
     others = [name for name in tables["recordings"]["recording"].to_pylist() if name != bad]
-    rest, of_rest = scan_batch(only(tables, others), SCAN)
+    rest = scan_batch(only(tables, others), SCAN)
     assert_same({**results, "quarantine": rest["quarantine"]}, rest)
-    assert (summary.recordings, summary.quarantined) == (len(others), 1)
-    assert replace(summary, quarantined=0).given() == of_rest.given()
 
 
 def test_a_recording_of_too_many_frames_is_refused(tables: Tables, monkeypatch):
     n_frames = tables["recordings"].to_pandas().set_index("recording")["n_rows"]
     most = n_frames.drop_duplicates().nlargest(2).iloc[1]
     monkeypatch.setattr(batch, "MAX_FRAMES", most)
-    results, summary = scan_batch(tables, SCAN)
+    results = scan_batch(tables, SCAN)
     refused = sorted(n_frames.index[n_frames > most])
     assert results["quarantine"]["recording"].to_pylist() == refused
     reason = results["quarantine"]["reason"][0].as_py()
     assert reason.startswith(f"it has {n_frames.max():,} frames; a scan compares at most")
-    assert summary.recordings == len(n_frames) - len(refused)
+    assert len(results["recordings"]) == len(n_frames) - len(refused)
 
 
 def test_a_recording_that_a_system_was_not_run_on_is_quarantined(tables: Tables):
     sources = tables["sources"].to_pandas()
     is_gone = (sources["recording"] == "r1") & (sources["source"] == "y")
     fewer = {**tables, "sources": typed(sources[~is_gone], tables["sources"].schema)}
-    results, _ = scan_batch(fewer, SCAN)
+    results = scan_batch(fewer, SCAN)
     assert results["quarantine"].to_pylist() == [
         {"recording": "r1", "reason": "there are no results of y for it"}
     ]
@@ -316,21 +305,20 @@ def test_storage_that_fails_is_no_fault_of_a_recording(tables: Tables):
 
 def test_without_a_horizon_only_those_that_lack_it_are_refused(tables: Tables):
     lacking = damaged(tables, "recordings", "horizon", 2, None)
-    results, _ = scan_batch(lacking, replace(SCAN, params=Params(proximity="horizon")))
+    results = scan_batch(lacking, replace(SCAN, params=Params(proximity="horizon")))
     refused = results["quarantine"]["recording"].to_pylist()
     horizon = lacking["recordings"].to_pandas().set_index("recording")["horizon"]
     assert refused == sorted(horizon.index[horizon.isna()])
 
 
-def test_no_recordings_give_empty_tables_that_merge(tables: Tables):
+def test_no_recordings_give_empty_tables(tables: Tables):
     nothing = {name: table.slice(0, 0) for name, table in tables.items()}
-    results, summary = scan_batch(nothing, SCAN)
-    whole, of_all = scan_batch(tables, SCAN)
+    results = scan_batch(nothing, SCAN)
+    whole = scan_batch(tables, SCAN)
     assert {name: (len(of), of.schema) for name, of in results.items()} == {
         name: (0, of.schema) for name, of in whole.items()
     }
-    assert len(summary.measures()) == 0 or summary.measures()["x"].isna().all()
-    assert Summary.merge([summary, of_all]).given() == of_all.given()
+    assert summary_of(results).measures()["x"].isna().all()
 
 
 def test_params_survive_json_and_are_of_different_sources():
@@ -374,6 +362,6 @@ def test_real_recordings_by_themselves_and_in_batches(real: list[Dataset]):
         assert_batches_agree(tables, scan)
         for dataset in of_camera:
             name = dataset.recordings["name"][0]
-            own, summary = scan_batch(only(tables, [name]), scan)
+            own = scan_batch(only(tables, [name]), scan)
             assert len(own["encounters"]) > 3
-            assert_as_compared(own, summary, dataset, params)
+            assert_as_compared(own, dataset, params)

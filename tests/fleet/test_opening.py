@@ -75,7 +75,7 @@ def full_of_facts() -> Dataset:
 
 
 def assert_opens_as_scanned(tables: Tables, params: ScanParams, folder: Path) -> Dataset:
-    scanned, _ = scan_batch(tables, params)
+    scanned = scan_batch(tables, params)
     session = read_session(write_recording(dataset_of(tables, params), folder))
     with pytest.raises(InputError, match="exists; name another folder"):
         write_recording(dataset_of(tables, params), folder)

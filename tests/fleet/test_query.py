@@ -17,7 +17,7 @@ from nvcore.fleet.leases import seal
 from nvcore.fleet.location import Location
 from nvcore.fleet.plan import Batch, Plan
 from nvcore.fleet.query import LONGEST_FILTER, worst
-from nvcore.fleet.results import ScanParams, Summary
+from nvcore.fleet.results import ScanParams
 
 ENCOUNTERS = pa.table(
     {
@@ -63,7 +63,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Location:
     tables = {"encounters": ENCOUNTERS, "recordings": RECORDINGS, "intervals": INTERVALS}
     place, scan = Location(str(folder)), ScanParams("x", "y")
     plan = Plan("store", {}, scan, {}, (Batch("batch", ("a", "b", "c"), 600),), {})
-    done = write_batch(place, "batch", tables, Summary(scan, 3, 0, {}, {}, {}))
+    done = write_batch(place, "batch", tables)
     shown = seal({"plan": plan.key})
     for path, content in (
         ("done/batch.json", done), (f"plans/{plan.key}.json", plan.to_json()), (SUMMARY, shown),
