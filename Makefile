@@ -5,7 +5,7 @@
 # make coverage  which lines of the library its tests run: at least 95 %, kernels as plain Python
 # make test-js  the tests of the scripts that need no browser: arithmetic of viewer and sliders
 # make lint  lint, types and import contracts alone, of Python and JavaScript
-# make docs  the help texts and tables of docs/ that the code says, written anew
+# make docs  the help texts and tables of docs/ that the code says, and tests/golden, written anew
 # make pins  the versions and hashes of all that is installed, chosen anew within pyproject.toml
 #            (PINS=--upgrade: the newest ones)
 # make sbom  sbom.json: what the dashboard is made of, with the libraries inside the packages
@@ -74,6 +74,7 @@ lint: $(DEVELOP) $(SCRIPTS)
 docs: $(DEVELOP)
 	PYTHONPATH=tests/helpers $(BIN)/python tests/cli/test_docs_cli.py
 	PYTHONPATH=tests/helpers $(BIN)/python tests/tables/test_docs_report.py
+	$(BIN)/python tests/test_notes.py
 
 # The browser tests drive Debian's Chromium without windows; where it is missing and may be installed, it is.
 chromium:

@@ -8,7 +8,7 @@ from nvcore.alerts.episodes import ALERT_TEXT, AlertKind
 from nvcore.alerts.figures.in_time import alerts_in_time
 from nvcore.alerts.figures.trade_off import alert_trade_off
 from nvcore.alerts.in_time import DRIVER_WORDS
-from nvcore.alerts.messages import alert_facts, in_time_by_kind, more_doubt
+from nvcore.alerts.notes import alert_notes, doubt_of_kind, in_time_by_kind
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
 from nvcore.report.html.blocks import (
@@ -32,7 +32,7 @@ _COULD: Final = "An alert in time could have been heeded; whether it would have 
 
 def _section(result: Result) -> Section:
     """The alerts of both systems by kind, and the trade-off curve."""
-    sentences = tuple(say(fact, result.objects) for fact in alert_facts(result))
+    sentences = tuple(say(fact, result.objects) for fact in alert_notes(result))
     figure = alert_trade_off(result, theme=result.scheme("light"))
     in_words = "Urgent encounters alerted in time over unwanted alerts per hour, X and Y"
     in_time = (Chart("alert-trade-off", figure, in_words), *_in_time(result))
@@ -82,7 +82,7 @@ def _in_time(result: Result) -> tuple[Block, ...]:
         return ()
     figure = alerts_in_time(result, theme=result.scheme("light"))
     kinds = list(dict.fromkeys(judged.table["kind"]))
-    facts = (*in_time_by_kind(result), *(more_doubt(judged, kind) for kind in kinds))
+    facts = (*in_time_by_kind(result), *(doubt_of_kind(judged, kind) for kind in kinds))
     rows = [
         (kind, result.objects.say(DRIVER_WORDS[driver]), *(f"{share:.0f}" for share in shares))
         for kind in kinds

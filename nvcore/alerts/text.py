@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.alerts.measures import MEASURES
-from nvcore.alerts.messages import alert_facts, alerts_of, in_time_by_kind
+from nvcore.alerts.notes import alert_notes, alerts_of, in_time_by_kind
 from nvcore.alerts.speeding import ROWS
 from nvcore.alerts.steps import AlertsView, alerts_in
 from nvcore.comparison import Result
@@ -23,7 +23,7 @@ from nvcore.wording import aligned, number, one_line
 MOST_SHOWN: Final = 8
 """Points of each curve that are printed."""
 
-POINTS: Final = (PointOf("Alerts", alert_facts, after="The driver"),)
+POINTS: Final = (PointOf("Alerts", alert_notes, after="The driver"),)
 
 
 def lines(result: Result) -> list[str]:
@@ -39,7 +39,7 @@ def lines(result: Result) -> list[str]:
 def render_alerts(view: AlertsView) -> str:
     """What there is to say, the measures, and the curves in some of their points."""
     result, own = view.result, {measure.key for measure in MEASURES}
-    sentences = [say(fact, result.objects) for fact in alert_facts(result)]
+    sentences = [say(fact, result.objects) for fact in alert_notes(result)]
     if (of_urgent := urgent(result)) is not None:  # at which speed, as all else rests on it
         sentences.append(f"{say(of_urgent, result.objects)}.")
     sentences += [say(fact, result.objects) for fact in in_time_by_kind(result)]

@@ -8,7 +8,9 @@ from string import Formatter
 from types import MappingProxyType
 from typing import Any
 
+from nvcore import notes
 from nvcore.measures.table import inference_of
+from nvcore.notes import Note
 from nvcore.objects import Objects
 from nvcore.sentences import encounters, groups, planning, saliency
 from nvcore.sentences.caveats import caveats
@@ -39,6 +41,8 @@ def phrase(fact: Fact, objects: Objects, of_medium: Texts = MappingProxyType({})
     of_medium
         Templates of a medium that says some facts in another way.
     """
+    if isinstance(fact, Note):
+        return notes.phrase(fact, objects)
     return _Sentence(objects, of_medium).of(fact)
 
 
@@ -110,6 +114,8 @@ class _Sentence(Formatter):
     def format_field(self, value: Any, format_spec: str) -> str:
         if value is None:
             return ""
+        if isinstance(value, Note):
+            return notes.phrase(value, self.objects) + format_spec
         if isinstance(value, Fact):
             return self.of(value) + format_spec
         if isinstance(value, tuple):

@@ -9,11 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from nvcore.notes import Fact as Fact
 from nvcore.wording import number, p_text
-
-
-class Fact:
-    """Something to be said; `nvcore.sentences.say` words it."""
 
 
 @dataclass(frozen=True)

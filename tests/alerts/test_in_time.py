@@ -22,7 +22,7 @@ from nvcore.alerts.in_time import (
     judge_in_time,
     slack_at_onset,
 )
-from nvcore.alerts.messages import more_doubt
+from nvcore.alerts.notes import doubt_of_kind
 from nvcore.comparison import Result, compare
 from nvcore.evidence.bootstrap import expanded_tail
 from nvcore.inputs.load import load
@@ -157,7 +157,7 @@ def test_the_doubt_of_drivers_and_of_recordings_is_kept_apart_and_joined(judged:
         apart = [row[f"{of}_high"] - row[f"{of}_low"] for of in ("draws", "units")]
         # a recording that is drawn twice brings its driver twice
         assert max(apart) < row["high"] - row["low"] < 1.05 * sum(apart)
-        text = say(more_doubt(judged, kind), PEDESTRIAN)
+        text = say(doubt_of_kind(judged, kind), PEDESTRIAN)
         assert re.search(
             r"points \(95 %: .*\): ±\d+ as drivers differ, ±\d+ as recordings do", text
         )

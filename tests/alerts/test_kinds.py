@@ -12,7 +12,7 @@ from builders import NAN, Box, at, make_dataset, result_of
 
 from nvcore.alerts.episodes import AlertKind
 from nvcore.alerts.measures import MEASURES
-from nvcore.alerts.messages import alert_facts
+from nvcore.alerts.notes import alert_notes
 from nvcore.alerts.section import SECTIONS
 from nvcore.alerts.steps import alerts_in
 from nvcore.alerts.text import render_alerts
@@ -221,7 +221,7 @@ def test_the_oracle_leaves_those_whom_the_driver_sees_in_time_out_of_not_in_time
     counts = ("alerted_in_time", "urgent_not_alerted")
     assert [measure(anyway, key) for key in counts] == [[3, 0], [0, 3]]
     assert [measure(held, key) for key in counts] == [[2, 0], [0, 2]]
-    said = [say(fact, PEDESTRIAN) for fact in alert_facts(held)]
+    said = [say(fact, PEDESTRIAN) for fact in alert_notes(held)]
     assert said[0].endswith("in time for 2 of 2 urgent encounters.")
     assert "The driver sees 1 urgent encounter in time without an alert: left out" in said[-1]
     assert len(alerts_in(held).in_time_for_drivers.chances) == 2
@@ -234,7 +234,7 @@ def test_nothing_is_said_of_urgency_where_no_car_could_hit_the_objects():
     dataset = make_dataset(boxes, only(boxes, [4]), places=[PLACE])
     dataset = dataset.with_settings(replace(dataset.settings, objects=SPEED_SIGN))
     result = compare(dataset, Params(**ANY_BOX))
-    texts = [*(say(fact, SPEED_SIGN) for fact in alert_facts(result))]
+    texts = [*(say(fact, SPEED_SIGN) for fact in alert_notes(result))]
     texts += [render_alerts(alerts_in(result)), str(SECTIONS[0].make(result))]
     for words in ("urgent encounter", "median lead", "driver had seen", "in time"):
         assert not [text for text in texts if words in text], words

@@ -6,7 +6,7 @@ import streamlit as st
 
 from nvcore.alerts.figures.in_time import alerts_in_time
 from nvcore.alerts.in_time import DRIVER_WORDS
-from nvcore.alerts.messages import in_time_by_kind, more_doubt
+from nvcore.alerts.notes import doubt_of_kind, in_time_by_kind
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
 from ui.session import state
@@ -52,7 +52,7 @@ def draw(result: Result) -> None:
     ]
     head = ("of 100", "X and Y in time", "only X", "only Y", "neither")
     st.html(measures_html(rows, key="alerts-hundred", head=head, first="The driver"))
-    st.markdown(plain(state.say(more_doubt(judged, kind))))
+    st.markdown(plain(state.say(doubt_of_kind(judged, kind))))
     st.caption(
         state.say(
             "The table is ours, not the source's: who has seen the {one} is taken to need no "

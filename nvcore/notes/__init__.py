@@ -1,0 +1,154 @@
+"""Notes: what the program says, as a key with values, and the templates that word them.
+
+A note ``alerts.given`` is worded by the entry ``[given]`` of ``notes.toml`` in the package of the
+subject ``alerts``; a topic of the core has its file in this package, ``verdict.toml``. An entry has
+a Jinja2 template ``text``, templates of the same note in other forms (``short``), and an
+``example`` of its values, in which a table with a key ``note`` is a note itself. Line breaks of a
+template become spaces.
+
+Templates know the values of the note, the words for the objects (``{{ one }}``, ``{{ many }}``, see
+`nvcore.wording.objects`), and the filters of `_FILTERS`. A note among the values is worded in
+place, a list of them as "one, another and a third". Undefined names are errors. What comes out is
+plain text; whoever shows it escapes it for their medium.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache
+from importlib import resources
+from typing import TYPE_CHECKING, Any, Final
+
+from nvcore.measures.table import inference_of
+from nvcore.objects import Objects
+from nvcore.subjects import subjects
+from nvcore.wording import (
+    capitalised,
+    count_text,
+    duration_text,
+    listed,
+    number,
+    p_text,
+    percent,
+)
+
+if TYPE_CHECKING:
+    from jinja2 import Environment, Template
+
+TEXT: Final = "text"
+
+
+class Fact:
+    """Something to say by a type of its own, see `nvcore.sentences`."""
+
+
+class Note(Fact):
+    """Something to say: the key of a template, and the values that it needs.
+
+    A value of None is absent: templates ask whether it ``is defined``.
+
+    Examples
+    --------
+    >>> Note("alerts.of_kind", n=2, name="needed")["n"]
+    2
+    """
+
+    def __init__(self, key: str, /, **values: Any):
+        self.key = key
+        self.values = {name: value for name, value in values.items() if value is not None}
+
+    def __getitem__(self, name: str) -> Any:
+        return self.values[name]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Note) and vars(self) == vars(other)
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __repr__(self) -> str:
+        given = "".join(f", {name}={value!r}" for name, value in self.values.items())
+        return f"Note({self.key!r}{given})"
+
+
+def say(note: Note, objects: Objects, form: str = TEXT) -> str:
+    """Word a note as a sentence, with a capital letter.
+
+    Parameters
+    ----------
+    form
+        Which template of the entry; an entry without it is worded by ``text``.
+
+    Examples
+    --------
+    >>> from nvcore.objects import PEDESTRIAN
+    >>> say(Note("alerts.no_oracle"), PEDESTRIAN)
+    'The oracle has no effect, as it is not known whether the driver sees a pedestrian.'
+    """
+    return capitalised(phrase(note, objects, form))
+
+
+def phrase(note: Note, objects: Objects, form: str = TEXT) -> str:
+    """Word a note as part of a sentence."""
+    own = {"objects": objects, "form": form}
+    return _template(note.key, form).render({**objects.words, **note.values, **own})
+
+
+@cache
+def entries(topic: str) -> dict[str, dict[str, Any]]:
+    """Return the entries of a topic, by the name after the dot in keys."""
+    package, _ = subjects().get(topic, ("", None))
+    place = resources.files(package or __name__)
+    return tomllib.loads((place / f"{'notes' if package else topic}.toml").read_text("utf-8"))
+
+
+@cache
+def _template(key: str, form: str) -> Template:
+    topic, _, name = key.partition(".")
+    entry = entries(topic)[name]
+    return _environment().from_string(" ".join(entry.get(form, entry[TEXT]).split()))
+
+
+@cache
+def _environment() -> Environment:
+    from jinja2 import Environment, StrictUndefined, pass_context  # 50 ms: when first needed
+
+    @pass_context
+    def worded(context: Mapping[str, Any], value: Any) -> Any:
+        if isinstance(value, Note):
+            return phrase(value, context["objects"], context["form"])
+        if isinstance(value, tuple | list):
+            return listed([str(worded(context, each)) for each in value])
+        return value
+
+    @pass_context
+    def join(context: Mapping[str, Any], values: Iterable[Any], between: str) -> str:
+        return between.join(str(worded(context, value)) for value in values)
+
+    @pass_context
+    def noun(context: Mapping[str, Any], key: str) -> str:
+        objects: Objects = context["objects"]
+        return objects.say(inference_of(key).noun)
+
+    # plain text: every medium escapes it
+    environment = Environment(undefined=StrictUndefined, finalize=worded)  # noqa: S701
+    environment.filters |= {**_FILTERS, "join": join, "noun": noun}
+    return environment
+
+
+def _system(letter: str) -> str:
+    """Return what texts call a system: X or Y, or its name."""
+    return letter.upper() if letter in ("x", "y") else letter
+
+
+_FILTERS: Final[dict[str, Callable[..., str]]] = {
+    "system": _system,
+    "count": count_text,
+    "number": number,
+    "percent": percent,
+    "p": p_text,
+    "duration": duration_text,
+    "capital": capitalised,
+}
+"""Filters of templates, beside Jinja2's own, ``join`` and ``noun``: the noun of a measure."""
