@@ -14,9 +14,9 @@ from nvcore.errors import ParameterError
 from nvcore.evidence.claims import CLAIMED as CLAIMED_KEYS
 from nvcore.evidence.table import judge_both
 from nvcore.measures.table import CLAIMABLE, choose_primary, claimable_key
+from nvcore.notes import Note
 from nvcore.primary import DEFAULT, Primary, primary_from
 from nvcore.report.verdict import Verdict, verdict
-from nvcore.sentences.facts import Conclusion, Named, Question
 
 AT = "2026-11-26T17:40:12+00:00"
 
@@ -77,8 +77,8 @@ def verdict_with(primary: Primary) -> Verdict:
 )
 def test_the_verdict_says_which_it_is(primary: Primary, kind: str):
     (question,) = verdict_with(primary).points[0].facts
-    assert isinstance(question, Question)
-    assert (question.kind, question.primary) == (kind, Named(claimable_key(primary.key)))
+    named = Note("verdict.measure", key=claimable_key(primary.key))
+    assert (question.key, question["primary"]) == (f"verdict.primary_{kind}", named)
 
 
 def test_where_it_shows_nothing_nothing_is_claimed():
@@ -86,9 +86,9 @@ def test_where_it_shows_nothing_nothing_is_claimed():
     key = "false_alert_episodes_per_hour"
     nothing = verdict_with(Primary(key))
     assert nothing.claims == ()
-    assert nothing.headline.conclusion == Conclusion(
-        "primary not shown", n_recordings=8, primary=Named(key)
-    )
+    named = Note("verdict.measure", key=key)
+    expected = Note("verdict.not_shown", n=8, noun="recording", primary=named)
+    assert nothing.headline["conclusion"] == expected
 
 
 def test_a_report_keeps_it_with_the_data_and_a_later_flag_changes_it(tmp_path: Path):

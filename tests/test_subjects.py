@@ -20,7 +20,7 @@ from nvcore import subjects
 from nvcore.auditing import Checks, audit
 from nvcore.cli.models import Models
 from nvcore.findings import Caveats, Finding, Severity
-from nvcore.sentences.caveats import caveats
+from nvcore.notes.caveats import caveats
 from nvcore.subjects import Subject, in_place
 
 

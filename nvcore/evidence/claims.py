@@ -18,7 +18,7 @@ from nvcore.evidence.operating_points import are_unequal, count_alarms, has_scor
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.units import WHOLE
 from nvcore.measures.table import EVIDENCE_KEYS, inference_of, measure_of
-from nvcore.sentences.facts import WithheldReason
+from nvcore.notes import Note
 
 CLAIMED: Final = tuple(key for key in EVIDENCE_KEYS if inference_of(key).noun)
 """Keys of the measures whose differences the verdict may claim."""
@@ -71,7 +71,7 @@ class Support:
 
     basis: Basis
     claims: tuple[Claim, ...] = ()
-    withheld: Mapping[str, WithheldReason] = field(default_factory=dict)
+    withheld: Mapping[str, Note] = field(default_factory=dict)
 
 
 def find_claims(
@@ -101,12 +101,12 @@ def find_claims(
     rows = _significant_rows(tested)
     doubts, candidates = _doubts(rows), _candidates(about, rows)
     if companions is None:
-        withheld = dict.fromkeys(candidates, WithheldReason("pending"))
+        withheld = dict.fromkeys(candidates, Note("verdict.not_yet_compared"))
         return Support(basis, withheld=withheld | doubts)
     withheld = _not_confirmed(result, candidates, companions) if is_as_set else {}
     for key in candidates:
         if is_turned_strictly(key, about, companions.strict):
-            withheld[key] = WithheldReason("strict")
+            withheld[key] = Note("verdict.turned_strictly")
     claims = tuple(claim for key, claim in candidates.items() if key not in withheld)
     return Support(basis, claims, withheld | doubts)
 
@@ -180,10 +180,10 @@ def _candidates(result: Result, rows: Sequence[Mapping[Hashable, Any]]) -> dict[
     return claims
 
 
-def _doubts(rows: Sequence[Mapping[Hashable, Any]]) -> dict[str, WithheldReason]:
+def _doubts(rows: Sequence[Mapping[Hashable, Any]]) -> dict[str, Note]:
     """Why differences that seem more than chance are in doubt, by key."""
     return {
-        str(row["figure"]): WithheldReason("doubt", doubt=str(row["doubt"]))
+        str(row["figure"]): Note("verdict.doubted", doubt=str(row["doubt"]))
         for row in rows
         if row["doubt"]
     }
@@ -203,19 +203,19 @@ def winner_of(difference: float, better: str) -> str:
 
 def _not_confirmed(
     result: Result, candidates: Mapping[str, Claim], companions: Companions
-) -> dict[str, WithheldReason]:
+) -> dict[str, Note]:
     """Why differences as set do not hold at equal false alarms, by key."""
     if companions.evidence is None:
         return _not_dominant(result, candidates)
     confirmed = _candidates(result, _significant_rows(companions.evidence))
     return {
-        key: WithheldReason("equal")
+        key: Note("verdict.not_at_equal")
         for key, claim in candidates.items()
         if key not in confirmed or confirmed[key].winner != claim.winner
     }
 
 
-def _not_dominant(result: Result, candidates: Mapping[str, Claim]) -> dict[str, WithheldReason]:
+def _not_dominant(result: Result, candidates: Mapping[str, Claim]) -> dict[str, Note]:
     """What a winner may owe to its operating point, by key, if nothing sets the systems alike."""
     reasons = {}
     n_alarms = {letter: count_alarms(system) for letter, system in result.sides}
@@ -224,10 +224,11 @@ def _not_dominant(result: Result, candidates: Mapping[str, Claim]) -> dict[str, 
     for key, claim in candidates.items():
         winner, other = claim.winner, "y" if claim.winner == "x" else "x"
         if key == FALSE_ALERTS:
-            if n_matched[winner] < n_matched[other]:
-                reasons[key] = WithheldReason("matches" if can_move else "unscored matches", winner)
-        elif n_alarms[winner] > n_alarms[other]:
-            reasons[key] = WithheldReason("alarms" if can_move else "unscored alarms", winner)
+            of, is_owed = "matches", n_matched[winner] < n_matched[other]
+        else:
+            of, is_owed = "alarms", n_alarms[winner] > n_alarms[other]
+        if is_owed:
+            reasons[key] = Note("verdict.not_dominant", of=of, winner=winner, has_scores=can_move)
     return reasons
 
 

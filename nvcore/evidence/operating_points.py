@@ -9,7 +9,7 @@ from __future__ import annotations
 import weakref
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 from nvcore.comparison import Result, compare
 from nvcore.detection.operating_point import (
@@ -19,9 +19,13 @@ from nvcore.detection.operating_point import (
     threshold_with_alarms,
 )
 from nvcore.measures.table import inference_of
+from nvcore.notes import Note
 from nvcore.scoring import SystemResult
-from nvcore.sentences.facts import AsSet, AtEqualAlarms, EqualAlarmsSetting
 from nvcore.settings import OperatingPoint
+
+UNEQUAL_POINTS: Final = "X and Y are set to different operating points"
+AS_SET: Final = "as set: at unequal operating points"
+"""Marks numbers of X and Y from which nothing is claimed."""
 
 
 def count_alarms(system: SystemResult) -> int:
@@ -35,17 +39,20 @@ def are_unequal(result: Result) -> bool:
     return are_unequal_alarms(n_x, n_y)
 
 
-def alarms_as_set(result: Result, kind: Literal["comparison", "numbers", "above", "rule"]) -> AsSet:
-    """False alarms of both, to be said where these are unequal."""
+def alarms_as_set(result: Result) -> Note:
+    """Return the false alarms per frame of X and Y, which other notes name where they differ."""
     n_frames = max(len(result.dataset.frames), 1)
-    return AsSet(kind, *(count_alarms(system) / n_frames for _, system in result.sides))
+    x, y = (count_alarms(system) / n_frames for _, system in result.sides)
+    return Note("verdict.unequal_alarms", x=x, y=y)
 
 
-def point_note(result: Result) -> AsSet | AtEqualAlarms | None:
-    """Heading for numbers of X and Y that are, or were, set unequally; None: they are set alike."""
+def point_note(result: Result) -> Note | None:
+    """Return a heading for numbers of systems that are, or were, set unequally, or None."""
     if result.as_set is not None:
-        return AtEqualAlarms("above", equal_setting(result))
-    return alarms_as_set(result, "above") if are_unequal(result) else None
+        return Note("verdict.equal_above", setting=equal_setting(result))
+    if not are_unequal(result):
+        return None
+    return Note("verdict.unequal_above", alarms=alarms_as_set(result))
 
 
 def is_undecided(result: Result, key: str) -> bool:
@@ -137,11 +144,12 @@ def moved_of(equal: Result) -> str:
     return which_moves(equal.as_set)
 
 
-def equal_setting(equal: Result) -> EqualAlarmsSetting:
-    """How `find_equal_alarms` set X and Y alike."""
+def equal_setting(equal: Result) -> Note:
+    """Return how `find_equal_alarms` set X and Y alike."""
     moved = moved_of(equal)
     per_frame = count_alarms(equal.x) / max(len(equal.dataset.frames), 1)
-    return EqualAlarmsSetting(moved, equal.system(moved).threshold, per_frame)
+    threshold = equal.system(moved).threshold
+    return Note("verdict.equal_setting", moved=moved, threshold=threshold, per_frame=per_frame)
 
 
 def which_moves(result: Result) -> str:

@@ -23,10 +23,10 @@ from nvcore.evidence.measures import (
 from nvcore.evidence.operating_points import are_unequal, why_not_equal
 from nvcore.evidence.paired_tests import SIGNIFICANT, holm
 from nvcore.evidence.units import find_units
+from nvcore.notes import Note
 from nvcore.params import Params
 from nvcore.progress import Progress, no_progress
 from nvcore.sentences import phrase
-from nvcore.sentences.facts import UnclaimedOfPair
 
 COLUMNS: Final = (
     "x",
@@ -271,10 +271,19 @@ def _claims(
     names = {letter: system.name for letter, system in result.sides}
     better = {CLAIMED[claim.key]: names[claim.winner] for claim in support.claims}
     reasons = [
-        phrase(UnclaimedOfPair(key, replace(why, winner=names.get(why.winner, ""))), result.objects)
+        phrase(
+            Note("verdict.unclaimed_of_pair", key=key, reason=_by_name(why, names)),
+            result.objects,
+        )
         for key, why in support.withheld.items()
     ]
     return {**better, "withheld": "; ".join(reasons)}
+
+
+def _by_name(why: Note, names: Mapping[str, str]) -> Note:
+    """Return the reason with the winner's name in place of X or Y."""
+    winner = names.get(why.fields.get("winner", ""))
+    return Note(why.key, **{**why.fields, "winner": winner})
 
 
 def _evidence(rows: Sequence[Evidence], p_corrected: np.ndarray | float = np.nan) -> pd.DataFrame:

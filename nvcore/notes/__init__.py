@@ -21,6 +21,7 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any, Final
 
 from nvcore.measures.table import inference_of
+from nvcore.notes.caveats import caveats
 from nvcore.objects import Objects
 from nvcore.subjects import subjects
 from nvcore.wording import (
@@ -43,6 +44,10 @@ class Fact:
     """Something to say by a type of its own, see `nvcore.sentences`."""
 
 
+WORD_FACT: Final[list[Callable[[Fact, Objects], str]]] = []
+"""Words a fact that is no note; `nvcore.sentences` adds it."""
+
+
 class Note(Fact):
     """Something to say: the key of a template, and the values that it needs.
 
@@ -56,10 +61,10 @@ class Note(Fact):
 
     def __init__(self, key: str, /, **values: Any):
         self.key = key
-        self.values = {name: value for name, value in values.items() if value is not None}
+        self.fields = {name: value for name, value in values.items() if value is not None}
 
     def __getitem__(self, name: str) -> Any:
-        return self.values[name]
+        return self.fields[name]
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Note) and vars(self) == vars(other)
@@ -68,11 +73,11 @@ class Note(Fact):
         return hash(self.key)
 
     def __repr__(self) -> str:
-        given = "".join(f", {name}={value!r}" for name, value in self.values.items())
+        given = "".join(f", {name}={value!r}" for name, value in self.fields.items())
         return f"Note({self.key!r}{given})"
 
 
-def say(note: Note, objects: Objects, form: str = TEXT) -> str:
+def say(note: Fact, objects: Objects, form: str = TEXT) -> str:
     """Word a note as a sentence, with a capital letter.
 
     Parameters
@@ -89,10 +94,12 @@ def say(note: Note, objects: Objects, form: str = TEXT) -> str:
     return capitalised(phrase(note, objects, form))
 
 
-def phrase(note: Note, objects: Objects, form: str = TEXT) -> str:
+def phrase(note: Fact, objects: Objects, form: str = TEXT) -> str:
     """Word a note as part of a sentence."""
-    own = {"objects": objects, "form": form}
-    return _template(note.key, form).render({**objects.words, **note.values, **own})
+    if not isinstance(note, Note):
+        return WORD_FACT[0](note, objects)
+    own = {"_objects": objects, "_form": form}
+    return _template(note.key, form).render({**objects.words, **note.fields, **own})
 
 
 @cache
@@ -116,8 +123,8 @@ def _environment() -> Environment:
 
     @pass_context
     def worded(context: Mapping[str, Any], value: Any) -> Any:
-        if isinstance(value, Note):
-            return phrase(value, context["objects"], context["form"])
+        if isinstance(value, Fact):
+            return phrase(value, context["_objects"], context["_form"])
         if isinstance(value, tuple | list):
             return listed([str(worded(context, each)) for each in value])
         return value
@@ -128,12 +135,20 @@ def _environment() -> Environment:
 
     @pass_context
     def noun(context: Mapping[str, Any], key: str) -> str:
-        objects: Objects = context["objects"]
+        objects: Objects = context["_objects"]
         return objects.say(inference_of(key).noun)
 
     # plain text: every medium escapes it
     environment = Environment(undefined=StrictUndefined, finalize=worded)  # noqa: S701
-    environment.filters |= {**_FILTERS, "join": join, "noun": noun}
+
+    @pass_context
+    def of_codes(context: Mapping[str, Any], codes: Iterable[str]) -> str:
+        objects: Objects = context["_objects"]
+        known = {**caveats().warned, **caveats().lesser}
+        return "; ".join(objects.say(known[code]) for code in codes)
+
+    own = {"join": join, "noun": noun, "caveats": of_codes}
+    environment.filters |= {**_FILTERS, **own}
     return environment
 
 
@@ -151,4 +166,4 @@ _FILTERS: Final[dict[str, Callable[..., str]]] = {
     "duration": duration_text,
     "capital": capitalised,
 }
-"""Filters of templates, beside Jinja2's own, ``join`` and ``noun``: the noun of a measure."""
+"""Filters of templates, beside those of Jinja2, ``noun`` of a measure and ``caveats`` of codes."""

@@ -17,7 +17,7 @@ from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.units import MIN_RECORDINGS, WHOLE, count_whole
 from nvcore.measures.table import doubt_of, inference_of, measure_of, shown_as
 from nvcore.measures.values import duration_of_recordings
-from nvcore.sentences.facts import Chip, DifferenceInterval
+from nvcore.notes import Note
 from nvcore.wording import difference, duration_text, minus, number
 
 REACH: Final = 1.12
@@ -59,11 +59,11 @@ class Tile:
     x: str
     y: str
     difference: str
-    interval: DifferenceInterval | None
+    interval: Note | None
     bar: tuple[float, float, float] | None
     better: str
     winner: str
-    chip: Chip
+    chip: Note
     form: str
     is_doubtful: bool
 
@@ -159,9 +159,8 @@ def _tile(
     interval = _no_interval(row)
     if row is not None and math.isfinite(row["low"]):
         low, middle, high = (times * float(row[name]) for name in ("low", "difference", "high"))
-        interval = DifferenceInterval(
-            "ends", _interval_text(low, high, ".1f" if is_count else kind.form)
-        )
+        form_of_ends = ".1f" if is_count else kind.form
+        interval = Note("verdict.interval", ends=_interval_text(low, high, form_of_ends))
         ends = _bar(low, middle, high, is_lower=is_lower)
     winner = next((claim.winner for claim in support.claims if claim.key == kind.judged), "")
     return Tile(
@@ -181,7 +180,7 @@ def _tile(
         bar=ends,
         better=better,
         winner=winner,
-        chip=Chip("better", winner)
+        chip=Note("verdict.chip_better", winner=winner)
         if winner
         else _chip(kind, shown, row, support, is_being_tested=is_being_tested),
         form=form,
@@ -189,11 +188,11 @@ def _tile(
     )
 
 
-def _no_interval(row: Mapping[Hashable, Any] | None) -> DifferenceInterval:
+def _no_interval(row: Mapping[Hashable, Any] | None) -> Note:
     if row is None or row["unit"] not in WHOLE or row["n"] >= MIN_UNITS:
-        return DifferenceInterval("none")
+        return Note("verdict.no_interval")
     noun = str(row["unit"]).removesuffix("s")
-    return DifferenceInterval("few", n=int(row["n"]), n_needed=MIN_UNITS, noun=noun)
+    return Note("verdict.no_interval", n=int(row["n"]), n_needed=MIN_UNITS, noun=noun)
 
 
 def _interval_text(low: float, high: float, form: str) -> str:
@@ -223,21 +222,22 @@ def _chip(
     support: Support,
     *,
     is_being_tested: bool,
-) -> Chip:
+) -> Note:
     """Why nothing is claimed."""
     if support.basis is Basis.NONE:
-        return Chip("unequal")
+        return Note("verdict.chip_unequal")
     if not kind.judged:
-        return Chip("single")
+        return Note("verdict.chip_single")
     if shown.is_short and inference_of(kind.judged).needs_tracks:
-        return Chip("short")
+        return Note("verdict.chip_short")
     if row is None:
-        return Chip("testing" if is_being_tested else "untested")
+        return Note("verdict.chip_testing") if is_being_tested else Note("verdict.chip_untested")
     if kind.judged in support.withheld:
-        return Chip("withheld", reason=support.withheld[kind.judged])
+        return Note("verdict.chip_withheld", reason=support.withheld[kind.judged])
     if row["unit"] not in WHOLE:
         n, noun = count_whole(shown.dataset)
-        return Chip("few", n=n, n_needed=MIN_RECORDINGS, noun=noun)
+        return Note("verdict.chip_few", n=n, n_needed=MIN_RECORDINGS, noun=noun)
     if is_unsure(row):
-        return Chip("unsure")
-    return Chip("same" if float(row["x"]) == float(row["y"]) else "not shown")
+        return Note("verdict.chip_unsure")
+    is_same = float(row["x"]) == float(row["y"])
+    return Note("verdict.chip_same") if is_same else Note("verdict.chip_not_shown")

@@ -19,6 +19,7 @@ from nvcore.inputs.evaluated_frames import nth
 from nvcore.measures.entry import MeasureTable
 from nvcore.measures.table import evidence_form, has_several_recordings
 from nvcore.measures.values import relevant_share
+from nvcore.notes import Note
 from nvcore.params import Params
 from nvcore.scoring import SystemResult
 from nvcore.sentences.encounters import (
@@ -32,7 +33,7 @@ from nvcore.sentences.encounters import (
     NoFusion,
     Parted,
 )
-from nvcore.sentences.facts import AtBest, Fact
+from nvcore.sentences.facts import Fact
 from nvcore.sentences.saliency import End, Event, OnAverage, Relevance, SaliencyOf, Sum, Weight
 from nvcore.tables.classes import names_classes, read_share
 from nvcore.tables.scorecard import ScoreRow, score_rows
@@ -145,12 +146,13 @@ def sampling_note(frames: FrameColumns) -> str:
     )
 
 
-def at_best(dataset: Dataset) -> tuple[AtBest, ...]:
-    """What the recordings could show at best; none where that depends on them."""
+def at_best(dataset: Dataset) -> tuple[Note, ...]:
+    """Return what so few recordings could show at best; empty if there are enough."""
     n, noun = count_whole(dataset)
     if n > MIN_RECORDINGS:
         return ()
-    return (AtBest("all" if n == MIN_RECORDINGS else "none", n, noun, MIN_RECORDINGS),)
+    n_needed = None if n == MIN_RECORDINGS else MIN_RECORDINGS
+    return (Note("verdict.at_best", n=n, noun=noun, n_needed=n_needed),)
 
 
 def missed(result: Result) -> Missed:

@@ -11,11 +11,11 @@ from typing import Any
 from nvcore import notes
 from nvcore.measures.table import inference_of
 from nvcore.notes import Note
+from nvcore.notes.caveats import caveats
 from nvcore.objects import Objects
 from nvcore.sentences import encounters, groups, planning, saliency
-from nvcore.sentences.caveats import caveats
 from nvcore.sentences.facts import Fact
-from nvcore.sentences.texts import TEXTS, Texts
+from nvcore.sentences.texts import Texts
 from nvcore.subjects import contributed
 from nvcore.wording import capitalised, count_text, duration_text, listed, number, percent
 
@@ -26,9 +26,8 @@ def say(fact: Fact, objects: Objects) -> str:
     Examples
     --------
     >>> from nvcore.objects import PEDESTRIAN
-    >>> from nvcore.sentences.facts import Split
-    >>> say(Split(n=12, both=3, x_only=6, y_only=0), PEDESTRIAN)
-    'X detects every encounter that Y detects, and 6 more of 12.'
+    >>> say(Note("verdict.chip_few", n=1, noun="recording", n_needed=6), PEDESTRIAN)
+    'Not tested: 1 recording, 6 needed'
     """
     return capitalised(phrase(fact, objects))
 
@@ -49,7 +48,7 @@ def phrase(fact: Fact, objects: Objects, of_medium: Texts = MappingProxyType({})
 @cache
 def all_texts() -> Texts:
     """Templates of the core and of subjects, by type of fact."""
-    texts = {**TEXTS, **planning.TEXTS, **encounters.TEXTS, **saliency.TEXTS, **groups.TEXTS}
+    texts = {**planning.TEXTS, **encounters.TEXTS, **saliency.TEXTS, **groups.TEXTS}
     for added in contributed("texts"):
         texts.update(added)
     return texts
@@ -124,3 +123,6 @@ class _Sentence(Formatter):
         if format_spec.endswith("%"):
             return number(value, format_spec)
         return str(super().format_field(value, format_spec))
+
+
+notes.WORD_FACT.append(phrase)

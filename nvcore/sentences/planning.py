@@ -7,7 +7,7 @@ from typing import Final, Literal
 
 from nvcore.measures.table import difference_text, size_text
 from nvcore.sentences.facts import Amount, Fact
-from nvcore.sentences.texts import UNEQUAL_POINTS, Texts
+from nvcore.sentences.texts import Texts
 
 
 @dataclass(frozen=True)
@@ -198,6 +198,8 @@ class NeededRecordings(Fact):
     significant: float
     power: float
 
+
+UNEQUAL_POINTS: Final = "X and Y are set to different operating points"
 
 TEXTS: Final[Texts] = {
     Found: {

@@ -38,6 +38,7 @@ def number(value: float | None, form: str) -> str:
     if value is None or math.isnan(value):
         return UNDEFINED
     digits = form.lstrip("+z")
+    value = int(value) if form.endswith("d") else value
     return format(value, f"{form.removesuffix(digits)},{digits}").replace("%", " %")
 
 

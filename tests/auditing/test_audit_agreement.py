@@ -13,9 +13,9 @@ from nvcore.auditing import audit
 from nvcore.comparison import compare
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Remedy, Severity
+from nvcore.notes import Note
 from nvcore.params import Params
 from nvcore.report.verdict import verdict
-from nvcore.sentences.facts import Doubt, Headline
 
 
 def extra(x: float, **more: Any) -> list[Box]:
@@ -152,13 +152,13 @@ def test_the_truth_given_as_a_system_is_no_comparison() -> None:
     finding = find(made, "truth-as-system")
     assert (finding.severity, finding.subject, finding.count) == (Severity.WARNING, "y", 40)
     said = verdict(compare(made), audit(made))
-    assert (said.headline, said.doubt) == (Headline("truth as system"), None)
+    assert (said.headline, said.doubt) == (Note("verdict.truth_as_system"), None)
 
 
 def test_a_verdict_is_given_beside_the_truth_as_a_further_system() -> None:
     made = exact(BOXES, walk())
     said = verdict(compare(made, x="x", y="x"), audit(made, x="x", y="x"))
-    assert said.headline != Headline("truth as system")
+    assert said.headline != Note("verdict.truth_as_system")
 
 
 @pytest.mark.parametrize(
@@ -183,7 +183,7 @@ def test_a_verdict_is_given_on_a_system_without_errors_of_place() -> None:
     result = compare(made)
     said = verdict(result, audit(made))
     assert said.headline == verdict(result).headline
-    assert said.doubt == Doubt(("boxes-of-truth",), 0)
+    assert said.doubt == Note("verdict.doubt", known=["boxes-of-truth"], n_others=0)
     assert verdict(result, audit(exact(BOXES, BOXES))).doubt is None  # the headline says it
 
 

@@ -119,7 +119,7 @@ def test_one_recording_copied_ten_times_is_one_unit_and_supports_nothing():
     evidence, companions = judge_both(result)
     assert evidence["p_corrected"].isna().all()
     conclusion = verdict(result, findings, evidence=evidence, companions=companions)
-    assert conclusion.headline.kind == "wrong inputs"
+    assert conclusion.headline.key == "verdict.wrong_inputs"
     assert conclusion.claims == ()
     alone = verdict(result, evidence=evidence, companions=companions)
     assert alone.claims == ()

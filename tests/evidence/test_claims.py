@@ -38,11 +38,11 @@ from nvcore.evidence.pairwise import _claims as claims_of_pair
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table, judge_both
 from nvcore.evidence.units import find_units
+from nvcore.notes import Note
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
 from nvcore.report.gate.measures import gate_measures
 from nvcore.report.verdict import verdict
-from nvcore.sentences.facts import WithheldReason
 
 
 def detector(
@@ -169,11 +169,11 @@ def test_a_threshold_that_leaves_no_detection_sets_nothing_alike(score: float):
     y = [*(box._replace(score=score) for box in x), *(at(f, 5, score=1) for f in range(9))]
     result = scene(x, y, n=1)
     assert (find_equal_alarms(result), at_operating_point(result, "equal-alarms")) == (None, result)
-    kind = "scores" if score == 1 else "threshold"
+    key = "verdict.no_scores" if score == 1 else "verdict.no_threshold"
     x_bare = [box._replace(score=NAN) for box in x]
     result = scene(x_bare, y, n=1)
     companions = find_companions(result, evidence_table(result, has_intervals=False))
-    assert verdict(result, companions=companions).headline.kind == kind
+    assert verdict(result, companions=companions).headline.key == key
 
 
 def test_the_system_that_moves_has_as_many_false_alarms_as_the_other():
@@ -183,7 +183,7 @@ def test_the_system_that_moves_has_as_many_false_alarms_as_the_other():
     assert equal is not None
     assert equal.as_set is result
     assert equal is find_equal_alarms(result)
-    assert equal_setting(equal).moved == "y"
+    assert equal_setting(equal)["moved"] == "y"
     assert count_alarms(equal.y) == count_alarms(equal.x) == count_alarms(result.x)
     assert at_operating_point(result, "as-set") is result
     assert at_operating_point(result, "equal-alarms") is equal
@@ -333,7 +333,7 @@ def test_where_strict_pairing_turns_it_round_it_is_no_claim():
     assert result.x.summary.mean < result.y.summary.mean
     assert strict.x.summary.mean > strict.y.summary.mean
     support = support_of(result)
-    assert support.withheld["mean_similarity"] == WithheldReason("strict")
+    assert support.withheld["mean_similarity"] == Note("verdict.turned_strictly")
     assert "mean_similarity" not in {claim.key for claim in support.claims}
 
 
@@ -343,8 +343,8 @@ def test_a_miss_rate_in_doubt_is_withheld_with_the_reason():
     is_miss_rate = evidence["figure"] == "log_average_miss_rate"
     evidence.loc[is_miss_rate, "doubt"] = "the list ends early"
     support = find_claims(result, evidence, find_companions(result, evidence))
-    assert support.withheld["log_average_miss_rate"] == WithheldReason(
-        "doubt", doubt="the list ends early"
+    assert support.withheld["log_average_miss_rate"] == Note(
+        "verdict.doubted", doubt="the list ends early"
     )
     assert "log_average_miss_rate" not in {claim.key for claim in support.claims}
 
@@ -392,7 +392,7 @@ def test_useful_alerts_are_no_claim_where_nothing_is_claimed_of_whom_the_driver_
     assert "useful_alerts_by_unit" not in keys
     assert "encounters_detected_by_unit" in keys
     why = {"useless": "no better than a constant", "open": "within one standard deviation"}
-    assert why[kind] in support.withheld["useful_alerts_by_unit"].doubt
+    assert why[kind] in support.withheld["useful_alerts_by_unit"]["doubt"]
 
 
 def test_what_is_weighted_by_an_estimator_that_learned_nothing_is_no_claim():
@@ -416,6 +416,5 @@ def test_what_is_weighted_by_an_estimator_that_learned_nothing_is_no_claim():
     trusted = result_of(seen_little([0.3, 0.3, 0.3]), driver_weighting="on")
     evidence = evidence_table(trusted)
     companions = find_companions(trusted, evidence)
-    conclusion = verdict(trusted, evidence=evidence, companions=companions).headline.conclusion
-    assert conclusion is not None
-    assert conclusion.remarks == (WeightedClaims(),)
+    conclusion = verdict(trusted, evidence=evidence, companions=companions).headline["conclusion"]
+    assert conclusion["remarks"] == [WeightedClaims()]

@@ -13,11 +13,11 @@ from nvcore.comparison import Result, compare
 from nvcore.detection.curves import detection_curve
 from nvcore.detection.miss_rate import log_average_miss_rate
 from nvcore.evidence.miss_rate import KEY as MISS_RATE
+from nvcore.evidence.operating_points import AS_SET
 from nvcore.evidence.subgroup_table import COLUMNS, subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.measures.table import EVIDENCE_KEYS, evidence_keys, inference_of
 from nvcore.objects import PEDESTRIAN
-from nvcore.sentences.texts import AS_SET
 from nvcore.time_left.steps import time_left_of
 
 NIGHT = 10

@@ -16,6 +16,7 @@ from nvcore.evidence.companions import find_companions
 from nvcore.evidence.operating_points import find_equal_alarms
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
+from nvcore.notes import Note
 from nvcore.report.terminal import (
     render_dataset,
     render_findings,
@@ -25,7 +26,6 @@ from nvcore.report.terminal import (
 )
 from nvcore.report.verdict import verdict
 from nvcore.report.words import FUSION_RULE
-from nvcore.sentences.facts import Doubt
 from nvcore.tables.summary import summary
 from nvcore.wording import difference, number, one_line
 
@@ -104,7 +104,7 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
         f"In short: {text.sentences[0]}",
         *(f"  {topic}: {words}" for topic, words in text.topics),
     ]
-    doubted = render_verdict(replace(text, doubt=Doubt((), n_others=1)))
+    doubted = render_verdict(replace(text, doubt=Note("verdict.doubt", known=[], n_others=1)))
     assert doubted.splitlines()[-1].startswith("  Audit: ")
 
 

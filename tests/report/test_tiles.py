@@ -16,9 +16,9 @@ from nvcore.evidence.operating_points import count_alarms, find_equal_alarms
 from nvcore.evidence.table import evidence_table
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
+from nvcore.notes import Note
 from nvcore.report.tiles import Tile, tiles
 from nvcore.report.verdict import verdict
-from nvcore.sentences.facts import Chip, Conclusion, DifferenceInterval, WithheldReason
 
 FOUND, MISSED, ALERTS, WORST = range(4)
 
@@ -52,9 +52,9 @@ def test_the_values_are_those_of_the_scorecard(
     assert (detected.x, detected.y, detected.difference, detected.better) == ("30", "27", "+3", "x")
     assert detected.unit == "encounters detected, of 38"
     assert (worst.interval, worst.bar, worst.chip) == (
-        DifferenceInterval("none"),
+        Note("verdict.no_interval"),
         None,
-        Chip("single"),
+        Note("verdict.chip_single"),
     )
 
 
@@ -62,7 +62,7 @@ def test_the_interval_of_encounters_counts_them_and_its_bar_is_right_where_x_is_
     sample: tuple[Result, pd.DataFrame, Companions],
 ):
     tile = tile_of(sample, "encounters_detected_by_unit", low=-0.1, difference=0.1, high=0.3)
-    assert tile.interval == DifferenceInterval("ends", "−3.8 to +11.4")
+    assert tile.interval == Note("verdict.interval", ends="−3.8 to +11.4")
     low, middle, high = tile.bar
     assert low < 0.5 < middle < high < 1
     missed = tile_of(sample, "severity_s_per_encounter", low=0.1, difference=0.2, high=0.4)
@@ -86,7 +86,7 @@ def test_ends_of_an_interval_do_not_read_alike_or_as_0(
     tile = tile_of(
         sample, "severity_s_per_encounter", low=low, difference=(low + high) / 2, high=high
     )
-    assert tile.interval == DifferenceInterval("ends", text)
+    assert tile.interval == Note("verdict.interval", ends=text)
 
 
 def test_without_an_interval_for_want_of_recordings_a_tile_says_so(
@@ -94,23 +94,32 @@ def test_without_an_interval_for_want_of_recordings_a_tile_says_so(
 ):
     row = {"low": np.nan, "high": np.nan, "n": 7, "unit": "recordings"}
     tile = tile_of(sample, "severity_s_per_encounter", **row)
-    assert (tile.interval, tile.bar) == (DifferenceInterval("few", n=7, n_needed=8), None)
+    assert (tile.interval, tile.bar) == (
+        Note("verdict.no_interval", n=7, noun="recording", n_needed=8),
+        None,
+    )
+
+
+WHOLE = {"unit": "recordings"}
+X_BETTER = Note("verdict.chip_better", winner="x")
 
 
 @pytest.mark.parametrize(
     ("row", "chip", "winner"),
     [
-        ({"p_corrected": 0.01, "difference": 0.1, "unit": "recordings"}, Chip("better", "x"), "x"),
-        ({"p_corrected": 0.01, "difference": -0.1, "unit": "recordings"}, Chip("better", "y"), "y"),
-        ({"p_corrected": 0.2, "unit": "recordings"}, Chip("not shown"), ""),
-        ({"p_corrected": 0.01, "unit": "recordings", "doubt": "odd"},
-         Chip("withheld", reason=WithheldReason("doubt", doubt="odd")), ""),
-        ({"p_corrected": np.nan, "unit": "blocks"}, Chip("few", n=10, n_needed=6), ""),
-        ({"x": 0.5, "y": 0.5, "p_corrected": 1.0, "unit": "recordings"}, Chip("same"), ""),
+        (WHOLE | {"p_corrected": 0.01, "difference": 0.1}, X_BETTER, "x"),
+        (WHOLE | {"p_corrected": 0.01, "difference": -0.1},
+         Note("verdict.chip_better", winner="y"), "y"),
+        (WHOLE | {"p_corrected": 0.2}, Note("verdict.chip_not_shown"), ""),
+        (WHOLE | {"p_corrected": 0.01, "doubt": "odd"},
+         Note("verdict.chip_withheld", reason=Note("verdict.doubted", doubt="odd")), ""),
+        ({"p_corrected": np.nan, "unit": "blocks"},
+         Note("verdict.chip_few", n=10, noun="recording", n_needed=6), ""),
+        (WHOLE | {"x": 0.5, "y": 0.5, "p_corrected": 1.0}, Note("verdict.chip_same"), ""),
     ],
 )  # fmt: skip
 def test_the_chip_claims_no_more_than_the_verdict(
-    sample: tuple[Result, pd.DataFrame, Companions], row: dict, chip: Chip, winner: str
+    sample: tuple[Result, pd.DataFrame, Companions], row: dict, chip: Note, winner: str
 ):
     tile = tile_of(sample, "encounters_detected_by_unit", **row)
     assert (tile.chip, tile.winner) == (chip, winner)
@@ -121,12 +130,12 @@ def test_numbers_at_unequal_false_alarms_bear_no_claim_and_those_at_equal_ones_m
     evidence = evidence_table(result)
     for companions in (None, find_companions(result, evidence)):
         as_set = tiles(result, evidence, companions)
-        assert {tile.chip for tile in as_set} == {Chip("unequal")}
+        assert {tile.chip for tile in as_set} == {Note("verdict.chip_unequal")}
         assert int(as_set[FOUND].x) == int(result.x.encounters["is_detected"].sum())
     equal = find_equal_alarms(result)
     evidence = evidence_table(equal)
     at_equal = tiles(equal, evidence, find_companions(equal, evidence))
-    assert Chip("unequal") not in {tile.chip for tile in at_equal}
+    assert Note("verdict.chip_unequal") not in {tile.chip for tile in at_equal}
     assert int(at_equal[FOUND].x) == int(equal.x.encounters["is_detected"].sum())
 
 
@@ -138,7 +147,7 @@ def test_at_equal_false_alarms_each_tile_but_the_single_miss_has_an_interval(
     evidence = evidence_table(result)
     *judged, worst = tiles(result, evidence, find_companions(result, evidence))
     for tile in judged:
-        assert tile.interval.kind == "ends"
+        assert tile.interval.key == "verdict.interval"
         low, middle, high = tile.bar
         assert 0 < low < middle < high < 1
     assert worst.bar is None
@@ -153,12 +162,18 @@ def test_few_false_alarms_are_why_a_tile_is_not_tested(
     evidence = evidence_table(result)
     companions = find_companions(result, evidence)
     detected, missed, *_ = tiles(result, evidence, companions)
-    assert (detected.interval, detected.chip) == (DifferenceInterval("none"), Chip("unsure"))
-    assert (missed.interval, missed.chip) == (DifferenceInterval("none"), Chip("unsure"))
+    assert (detected.interval, detected.chip) == (
+        Note("verdict.no_interval"),
+        Note("verdict.chip_unsure"),
+    )
+    assert (missed.interval, missed.chip) == (
+        Note("verdict.no_interval"),
+        Note("verdict.chip_unsure"),
+    )
     conclusion = verdict(result, evidence=evidence, companions=companions)
-    assert conclusion.headline.conclusion == Conclusion("unsure")
+    assert conclusion.headline["conclusion"] == Note("verdict.unsure")
 
 
 def test_what_is_not_tested_yet_says_so(sample: tuple[Result, pd.DataFrame, Companions]):
     four = tiles(sample[0], None, None, is_being_tested=True)
-    assert [tile.chip for tile in four[:3]] == [Chip("testing")] * 3
+    assert [tile.chip for tile in four[:3]] == [Note("verdict.chip_testing")] * 3

@@ -12,11 +12,19 @@ from verdict_scenes import BY_UNIT, detecting, row_of, said, verdict_by, whole_v
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
 from nvcore.findings import Finding, Severity
+from nvcore.notes import Note
+from nvcore.notes.caveats import CAVEATS
 from nvcore.report.verdict import Verdict, verdict
-from nvcore.sentences import facts
-from nvcore.sentences.caveats import CAVEATS
-from nvcore.sentences.facts import Amount, Fact, FarAway
 from nvcore.sentences.planning import Advice
+
+DETECTED = Note("verdict.measure", key=BY_UNIT)
+SIMILAR = Note("verdict.measure", key="mean_similarity")
+
+
+def more_than_chance(*shown: tuple[str, str, float, float, str | None]) -> Note:
+    names = ("key", "winner", "p", "p_corrected", "interval")
+    of_each = [Note("verdict.shown", **dict(zip(names, of, strict=True))) for of in shown]
+    return Note("verdict.more_than_chance", shown=of_each)
 
 
 @pytest.fixture(scope="module")
@@ -30,18 +38,17 @@ def alike() -> Result:
     return detecting(4, range(4), range(4))
 
 
-def conclusion_of(text: Verdict) -> facts.Conclusion:
-    assert text.headline.conclusion is not None
-    return text.headline.conclusion
+def conclusion_of(text: Verdict) -> Note:
+    return text.headline["conclusion"]
 
 
 @pytest.mark.parametrize(
     ("scene", "p", "kind", "of"),
     [
         ((9, range(9), range(3)), 0.031, "claimed", (9, 3, 6, 0)),
-        ((9, range(9), range(3)), 0.2, "not shown", (9, 3, 6, 0)),
+        ((9, range(9), range(3)), 0.2, "not_shown", (9, 3, 6, 0)),
         ((12, range(11), range(10, 12)), 0.012, "claimed", (12, 1, 10, 1)),
-        ((12, range(11), range(10, 12)), 0.3, "not shown", (12, 1, 10, 1)),
+        ((12, range(11), range(10, 12)), 0.3, "not_shown", (12, 1, 10, 1)),
         ((12, range(11), range(10, 12)), NAN, "untestable", (12, 1, 10, 1)),
         ((4, range(3), range(3)), NAN, "untestable", (4, 3, 0, 0)),
         ((0, range(0), range(0)), NAN, "untestable", (0, 0, 0, 0)),
@@ -53,16 +60,19 @@ def test_who_detects_more_encounters(
     scene: tuple[int, range, range], p: float, kind: str, of: tuple[int, int, int, int]
 ):
     text = verdict_by(detecting(*scene), row_of(BY_UNIT, p))
-    test = facts.Tested(12, None if np.isnan(p) else facts.P(p / 2, p))
-    assert said(text, "Encounters") == (facts.Split(*of, test),)
-    assert conclusion_of(text).kind == kind
+    tested = Note("verdict.tested", n=12, noun="recording", p=p / 2, p_corrected=p)
+    test = Note("verdict.too_few_differ", noun="recording") if np.isnan(p) else tested
+    counts = dict(zip(("n", "both", "x_only", "y_only"), of, strict=True))
+    assert said(text, "Encounters") == (Note("verdict.detected", **counts, test=test),)
+    assert conclusion_of(text).key == f"verdict.{kind}"
     assert [claim.key for claim in text.claims] == ([BY_UNIT] if kind == "claimed" else [])
 
 
 def test_p_stands_by_itself_and_corrected(better_x: Result):
     text = verdict_by(better_x, row_of(BY_UNIT, 1.0) | {"p": 0.18}, row_of("mean_similarity", 1.0))
-    (split,) = said(text, "Encounters")
-    assert split.test.p == facts.P(0.18, 1.0)
+    (detected,) = said(text, "Encounters")
+    test = detected["test"]
+    assert (test["p"], test["p_corrected"]) == (0.18, 1.0)
 
 
 @pytest.mark.parametrize("scene", [(12, range(11), range(10, 12)), (9, range(9), range(3))])
@@ -70,16 +80,16 @@ def test_few_recordings_say_nothing_of_others(scene: tuple[int, range, range]):
     result = detecting(*scene)
     assert result.exclusivity.mcnemar_p < 0.05
     text = whole_verdict(result)
-    assert conclusion_of(text) == facts.Conclusion("few", n_recordings=1, n_needed=6)
-    (split,) = said(text, "Encounters")
-    assert split.test is None
+    assert conclusion_of(text) == Note("verdict.few", n=1, noun="recording", n_needed=6)
+    (detected,) = said(text, "Encounters")
+    assert detected["test"] == ""
     assert not text.claims
     assert not said(text, "Chance")
 
 
 def test_what_is_not_tested_says_so(better_x: Result):
     text = verdict(better_x)
-    assert conclusion_of(text) == facts.Conclusion("untested")
+    assert conclusion_of(text) == Note("verdict.untested")
     assert not text.claims
 
 
@@ -87,19 +97,22 @@ def test_nothing_is_claimed_before_the_companions_are_known(better_x: Result):
     rows = row_of(BY_UNIT, 0.01), row_of("mean_similarity", 0.01)
     text = verdict_by(better_x, *rows, companions=False)
     assert not text.claims
-    assert conclusion_of(text) == facts.Conclusion("pending")
-    named = facts.Named(BY_UNIT), facts.Named("mean_similarity")
-    assert said(text, "Chance") == (facts.Unclaimed(named, facts.WithheldReason("pending")),)
-    assert said(text, "Encounters")[0].test is None  # its p is withheld
+    assert conclusion_of(text) == Note("verdict.pending")
+    reason = Note("verdict.not_yet_compared")
+    unclaimed = Note("verdict.unclaimed", measures=[DETECTED, SIMILAR], reason=reason)
+    assert said(text, "Chance") == (unclaimed,)
+    assert said(text, "Encounters")[0]["test"] == ""  # its p is withheld
 
 
 def test_what_failures_weigh_and_the_worst_of_them(better_x: Result):
     # proximity "none": 0.1 s of each frame in full; four pedestrians of three frames
     weights, worst = said(verdict_by(better_x), "Severity")
-    assert weights == facts.EncounterWeights((facts.Cost("x", "y", 4, pytest.approx(1.2)),))
-    assert worst == facts.WorstFailure("y", "2", "r0", pytest.approx(0.3))
+    cost = Note("verdict.cost", finder="x", loser="y", n=4, seconds=pytest.approx(1.2))
+    assert weights == Note("verdict.costs", costs=[cost])
+    place = {"track": "2", "recording": "r0", "seconds": pytest.approx(0.3)}
+    assert worst == Note("verdict.worst_failure", system="y", **place)
     both_ways = said(verdict_by(detecting(9, range(6), range(3, 9))), "Severity")[0]
-    assert [(cost.finder, cost.loser, cost.n) for cost in both_ways.costs] == [
+    assert [(of["finder"], of["loser"], of["n"]) for of in both_ways["costs"]] == [
         ("x", "y", 3),
         ("y", "x", 3),
     ]
@@ -108,13 +121,14 @@ def test_what_failures_weigh_and_the_worst_of_them(better_x: Result):
 def test_the_measures_stand_side_by_side(better_x: Result):
     text = verdict_by(better_x, row_of("log_average_miss_rate", NAN))
     (has,) = said(text, "Other measures")
-    assert has.system == "x"
-    assert [(of.key, str(of.better), of.extent) for of in has.measured] == [
-        ("mean_similarity", "1.000", ""),
-        ("severity_s_per_encounter", "0.00 s", ""),
-        ("saliency", "0.00 s", ""),
-        ("false_alert_episodes", "0", " in 1.8 s"),
-        ("log_average_miss_rate", "100.0 %", ""),
+    assert has["system"] == "x"
+    qualities = [(of["key"], of["better"], of.fields.get("extent")) for of in has["qualities"]]
+    assert qualities == [
+        ("mean_similarity", 1, None),
+        ("severity_s_per_encounter", 0, None),
+        ("saliency", 0, None),
+        ("false_alert_episodes", 0, " in 1.8 s"),
+        ("log_average_miss_rate", 1, None),
     ]
 
 
@@ -123,8 +137,8 @@ def test_episodes_of_sampled_frames_are_said_to_be_of_these():
     truth = [at(frame, 50, track=1) for frame in frames]
     y = [*truth, at(0, 10)]
     result = result_of(make_dataset(truth, truth, y, places=[Place(frames)]))
-    measured = said(verdict_by(result), "Other measures")[0].measured
-    assert measured[-1].extent == " in 12 s, every 10th frame"
+    qualities = said(verdict_by(result), "Other measures")[0]["qualities"]
+    assert qualities[-1]["extent"] == " in 12 s, every 10th frame"
 
 
 @pytest.mark.parametrize(
@@ -135,21 +149,19 @@ def test_saliency_of_people_too_far_away_is_called_that(n_far: int, shares: dict
     truth = [at(f, 50, track=1, h=9 if f < n_far else 50) for f in range(n_far + 25)]
     x = truth[n_far:] if shares else []
     result = result_of(make_dataset(truth, x, [], n_frames=len(truth)), proximity="height")
-    far = [fact for fact in said(verdict_by(result), "Other measures") if type(fact) is FarAway]
-    assert [{of.letter: of.share for of in fact.shares} for fact in far] == [shares] * bool(shares)
+    notes = said(verdict_by(result), "Other measures")
+    far = [note["shares"] for note in notes if note.key == "verdict.far_away"]
+    assert [{of["system"]: of["share"] for of in each} for each in far] == [shares] * bool(shares)
 
 
 def test_measures_that_look_the_same_are_not_called_better_and_undefined_ones_left_out(
     alike: Result,
 ):
     (has,) = said(verdict_by(alike), "Other measures")
-    assert has.system == "both"
-    assert [of.key for of in has.measured] == [
+    assert has["system"] == "both"
+    assert [of["key"] for of in has["qualities"]] == [
         *("mean_similarity", "severity_s_per_encounter", "saliency", "false_alert_episodes")
     ]
-
-
-SIMILAR = facts.Named("mean_similarity")
 
 
 @pytest.mark.parametrize(
@@ -160,11 +172,10 @@ SIMILAR = facts.Named("mean_similarity")
             "claimed",
             {"x": ["mean_similarity"]},
             (
-                facts.MoreThanChance(
-                    (facts.Shown("mean_similarity", "x", facts.P(0.006, 0.012),
-                                 "+0.0120 to +0.0430"),)
+                more_than_chance(
+                    ("mean_similarity", "x", 0.006, 0.012, "+0.0120 to +0.0430")
                 ),
-                facts.OthersNotShown(),
+                Note("verdict.others_not_shown"),
             ),
         ),
         (
@@ -172,22 +183,24 @@ SIMILAR = facts.Named("mean_similarity")
             "claimed",
             {"x": ["mean_similarity"], "y": ["saliency"]},
             (
-                facts.MoreThanChance(
-                    (facts.Shown("mean_similarity", "x", facts.P(0.005, 0.01)),
-                     facts.Shown("saliency", "y", facts.P(0.01, 0.02)))
+                more_than_chance(
+                    ("mean_similarity", "x", 0.005, 0.01, None), ("saliency", "y", 0.01, 0.02, None)
                 ),
             ),
         ),
-        ([row_of("mean_similarity", 0.5), row_of("saliency", 0.5)], "not shown", {}, ()),
+        ([row_of("mean_similarity", 0.5), row_of("saliency", 0.5)], "not_shown", {}, ()),
         ([row_of("mean_similarity", NAN)], "untestable", {}, ()),
         (
             [row_of("log_average_miss_rate", 0.01, doubt="X ends early"), row_of("saliency", 0.5)],
             "withheld",
             {},
             (
-                facts.Unclaimed((facts.Named("log_average_miss_rate"),),
-                                facts.WithheldReason("doubt", doubt="X ends early")),
-                facts.OthersNotShown(),
+                Note(
+                    "verdict.unclaimed",
+                    measures=[Note("verdict.measure", key="log_average_miss_rate")],
+                    reason=Note("verdict.doubted", doubt="X ends early"),
+                ),
+                Note("verdict.others_not_shown"),
             ),
         ),
     ],
@@ -198,25 +211,27 @@ def test_what_is_beyond_chance(
     rows: list[dict],
     kind: str,
     winners: dict[str, list[str]],
-    chance: tuple[Fact, ...],
+    chance: tuple[Note, ...],
 ):
     text = verdict_by(better_x, *rows)
     conclusion = conclusion_of(text)
-    assert conclusion.kind == kind
+    assert conclusion.key == f"verdict.{kind}"
     assert won_in(conclusion) == winners
     assert said(text, "Chance") == chance
 
 
-def won_in(conclusion: facts.Conclusion) -> dict[str, list[str]]:
-    return {of.winner: [named.key for named in of.won] for of in conclusion.better}
+def won_in(conclusion: Note) -> dict[str, list[str]]:
+    better = conclusion.fields.get("better", [])
+    return {of["winner"]: [measure["key"] for measure in of["measures"]] for of in better}
 
 
 def test_the_headline_begins_with_the_strongest_difference(better_x: Result):
     rows = row_of("mean_similarity", 0.04), row_of("saliency", 0.01, better="lower")
-    y, x = conclusion_of(verdict_by(better_x, *rows, row_of(BY_UNIT, 0.03))).better
-    first = facts.BetterMeasure("saliency", Amount(2.0, ".2f", " s"), Amount(1.0, ".2f", " s"))
-    assert y == facts.Better("y", (first,))
-    assert x == facts.Better("x", (facts.Named(BY_UNIT), SIMILAR))
+    y, x = conclusion_of(verdict_by(better_x, *rows, row_of(BY_UNIT, 0.03)))["better"]
+    values = {"better": 2.0, "other": 1.0, "form": ".2f", "unit": " s"}
+    first = Note("verdict.measure", key="saliency", **values)
+    assert y == Note("verdict.better", winner="y", measures=[first])
+    assert x == Note("verdict.better", winner="x", measures=[DETECTED, SIMILAR])
 
 
 def of_stretches(figure: str, low: float, high: float, **more: object) -> dict[str, object]:
@@ -250,8 +265,10 @@ def test_within_one_recording_clear_differences_are_said_and_nothing_of_others(
     text = verdict_by(better_x, of_stretches(BY_UNIT, NAN, NAN), *rows)
     assert not text.claims
     conclusion = conclusion_of(text)
-    assert (conclusion.kind, won_in(conclusion)) == ("within" if winners else "few", winners)
-    assert all(type(named) is facts.BetterMeasure for of in conclusion.better for named in of.won)
+    kind = "verdict.within" if winners else "verdict.few"
+    assert (conclusion.key, won_in(conclusion)) == (kind, winners)
+    better = conclusion.fields.get("better", [])
+    assert all("other" in measure.fields for of in better for measure in of["measures"])
 
 
 def test_within_one_recording_nothing_is_said_that_the_companions_do_not_bear_out():
@@ -284,7 +301,7 @@ def test_a_difference_says_for_whom_it_speaks_with_its_unit_and_no_exponent(bett
     (chance,) = said(
         verdict_by(better_x, episodes | {"difference": -1.0}, saliency, miss_rate), "Chance"
     )
-    assert {(of.key, of.winner, of.interval) for of in chance.shown} == {
+    assert {(of["key"], of["winner"], of["interval"]) for of in chance["shown"]} == {
         ("false_alert_episodes_per_hour", "x", "-0.2 to -6.0 in 1.8 s"),
         ("saliency", "y", "+0.50 to +2.00 s"),
         ("log_average_miss_rate", "x", "-12.0 pp to -2.0 pp"),
@@ -298,7 +315,7 @@ def test_measures_of_time_are_not_judged_where_encounters_are_single_frames(
     rows = row_of("mean_similarity", p, 0.1, 0.2), row_of("saliency", 0.001, 1.0, 2.0)
     result = detecting(12, range(10), range(2), n_frames=1)
     text = verdict_by(result, *rows)
-    assert said(text, "Chance")[-1] == facts.ShortEncounters()
+    assert said(text, "Chance")[-1] == Note("verdict.short_encounters")
     assert {claim.key for claim in text.claims} == keys
 
 
@@ -345,10 +362,13 @@ def finding(code: str, severity: Severity = Severity.WARNING) -> Finding:
 
 def test_the_verdict_names_the_findings_it_depends_on_and_counts_others(alike: Result):
     grave = [finding("mixed-weighting"), finding("mixed-weighting"), finding("ids-odd")]
-    assert verdict(alike, grave).doubt == facts.Doubt(("mixed-weighting",), n_others=1)
+    assert verdict(alike, grave).doubt == Note(
+        "verdict.doubt", known=["mixed-weighting"], n_others=1
+    )
     assert verdict(alike, [finding("mixed-weighting", Severity.NOTE)]) == verdict(alike)
     lesser = [finding("kitti-size"), finding("duplicate-box")]
-    assert verdict(alike, lesser).doubt == facts.Doubt(("kitti-size", "duplicate-box"), 0)
+    known = ["kitti-size", "duplicate-box"]
+    assert verdict(alike, lesser).doubt == Note("verdict.doubt", known=known, n_others=0)
 
 
 def test_every_caveat_is_about_a_finding_that_the_audit_has():
@@ -360,19 +380,19 @@ def test_every_caveat_is_about_a_finding_that_the_audit_has():
 @pytest.mark.parametrize(
     ("severity", "code", "kind"),
     [
-        (Severity.WARNING, "same-boxes", "same boxes"),
-        (Severity.ERROR, "box-layout", "wrong inputs"),
+        (Severity.WARNING, "same-boxes", "same_boxes"),
+        (Severity.ERROR, "box-layout", "wrong_inputs"),
     ],
 )
 def test_inputs_that_are_no_comparison_give_no_points(
     better_x: Result, severity: Severity, code: str, kind: str
 ):
     text = verdict(better_x, [finding(code, severity)])
-    assert text.headline == facts.Headline(kind)
+    assert text.headline == Note(f"verdict.{kind}")
     assert (text.points, text.claims) == ((), ())
 
 
 def test_systems_whose_every_detection_counts_are_named(alike: Result):
-    assert said(verdict(alike), "Thresholds") == (facts.Unfiltered(("x", "y")),)
+    assert said(verdict(alike), "Thresholds") == (Note("verdict.unfiltered", systems=["x", "y"]),)
     limited = result_of(alike.dataset, threshold_x=0.5)
-    assert said(verdict(limited), "Thresholds") == (facts.Unfiltered(("y",)),)
+    assert said(verdict(limited), "Thresholds") == (Note("verdict.unfiltered", systems=["y"]),)

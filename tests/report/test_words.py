@@ -12,6 +12,7 @@ from builders import Place, at, make_dataset, result_of
 
 from nvcore.comparison import Result, compare
 from nvcore.metrics.venn import Venn, measure_exclusivity
+from nvcore.notes import Note
 from nvcore.objects import PEDESTRIAN
 from nvcore.params import Params
 from nvcore.report.words import (
@@ -24,7 +25,6 @@ from nvcore.report.words import (
 )
 from nvcore.sentences import say
 from nvcore.sentences.encounters import Gain, NoFusion
-from nvcore.sentences.facts import AtBest
 from nvcore.sentences.saliency import End, Relevance, Weight
 from nvcore.tables.encounters.miss_classes import fusion_table
 from nvcore.time_left.facts import (
@@ -275,15 +275,15 @@ def test_speeds_of_recordings_are_told_from_the_assumed_one():
 @pytest.mark.parametrize(
     ("n", "units", "expected"),
     [
-        (5, (), AtBest("none", 5, "recording", 6)),
-        (6, (), AtBest("all", 6, "recording", 6)),
+        (5, (), Note("verdict.at_best", n=5, noun="recording", n_needed=6)),
+        (6, (), Note("verdict.at_best", n=6, noun="recording")),
         (7, (), None),
-        (7, ("a", "a", *"bcdef"), AtBest("all", 6, "unit", 6)),
-        (10, ("a",) * 10, AtBest("none", 1, "unit", 6)),
+        (7, ("a", "a", *"bcdef"), Note("verdict.at_best", n=6, noun="unit")),
+        (10, ("a",) * 10, Note("verdict.at_best", n=1, noun="unit", n_needed=6)),
     ],
 )
 def test_what_so_many_recordings_could_show_at_best(
-    n: int, units: tuple[str, ...], expected: AtBest | None
+    n: int, units: tuple[str, ...], expected: Note | None
 ):
     dataset = make_dataset(places=[Place(range(3))] * n)
     if units:

@@ -10,14 +10,13 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.evidence.bootstrap import INTERVAL_RULE
-from nvcore.evidence.operating_points import are_unequal, is_undecided
+from nvcore.evidence.operating_points import AS_SET, are_unequal, is_undecided
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.units import BLOCKS
 from nvcore.figures.forest import forest_in_words, subgroup_forest
 from nvcore.measures.table import EVIDENCE_KEYS, as_shown, evidence_form, inference_of
 from nvcore.report.words import effect_text
-from nvcore.sentences.texts import AS_SET
 from nvcore.wording import Footnotes, capitalised, difference, interval_text, minus, number
 from ui.session import state
 from ui.session.results import comparison_key

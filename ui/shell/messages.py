@@ -14,8 +14,8 @@ from nvcore.comparison import Result
 from nvcore.errors import NvcoreError
 from nvcore.evidence.operating_points import can_be_equal, moved_of, point_note
 from nvcore.findings import Severity
+from nvcore.notes.caveats import caveats
 from nvcore.report.html.words import SHORT_ENCOUNTERS
-from nvcore.sentences.caveats import caveats
 from nvcore.settings import OperatingPoint
 from ui.access import files
 from ui.session import state, store

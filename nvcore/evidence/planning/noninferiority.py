@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from nvcore.arguments.plan import Side
 from nvcore.evidence.measures import Evidence
+from nvcore.evidence.operating_points import UNEQUAL_POINTS
 from nvcore.evidence.units import WHOLE
 from nvcore.measures.entry import Better
-from nvcore.sentences.texts import UNEQUAL_POINTS
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from nvcore.comparison import Result
 from nvcore.evidence.operating_points import alarms_as_set, is_undecided
 from nvcore.findings import Finding
 from nvcore.measures.table import hides_rate
+from nvcore.notes import Note
 from nvcore.report.gate.added import RulesOf
 from nvcore.report.gate.measures import (
     COUNTED_ENCOUNTERS,
@@ -40,7 +41,8 @@ def explain(
 def _details(outcome: RuleOutcome, result: Result, findings: Sequence[Finding]) -> tuple[str, ...]:
     name = outcome.rule.name
     if name in WORSE and is_undecided(result, WORSE[name][0]):
-        return (phrase(alarms_as_set(result, "rule"), result.objects),)
+        note = Note("verdict.unequal_rule", alarms=alarms_as_set(result))
+        return (phrase(note, result.objects),)
     if name in MEASURE_OF and hides_rate(MEASURE_OF[name], result.duration_s):
         asked, there = duration_text(LEAST_HOURLY_S), duration_text(result.duration_s)
         return (f"No rate per hour is given of less than {asked}: the recordings last {there}",)

@@ -13,6 +13,7 @@ from nvcore.evidence.operating_points import alarms_as_set, are_unequal
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import judge_both
 from nvcore.findings import Finding
+from nvcore.notes import Note
 from nvcore.palette import Scheme, Theme, scheme_of
 from nvcore.pictures.recordings import RecordingPictures
 from nvcore.progress import Progress, part_of
@@ -190,7 +191,9 @@ def _with_caution(sections: Sequence[Section], result: Result) -> list[Section]:
 
 def _as_set(sections: Sequence[Section], result: Result) -> list[Section]:
     """The sections, those marked that compare X and Y as set, if nothing is claimed from that."""
-    note = alarms_as_set(result, "above") if are_unequal(result) else None
+    note = None
+    if are_unequal(result):
+        note = Note("verdict.unequal_above", alarms=alarms_as_set(result))
     as_set = {*AS_SET_SECTIONS, *(of.anchor for of in chain(*contributed("sections")))}
     return [
         replace(section, blocks=(Sentences((say(note, result.objects),)), *section.blocks))

@@ -15,6 +15,7 @@ from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import alarms_as_set, are_unequal, point_note
 from nvcore.evidence.units import MIN_RECORDINGS
 from nvcore.measures.table import count_recordings
+from nvcore.notes import Note
 from nvcore.objects import Objects
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Photo
@@ -151,7 +152,9 @@ def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
         for point in conclusion.points
         if point.topic in ("More recordings", "Thresholds")
     ]
-    as_set = alarms_as_set(result, "comparison") if are_unequal(result) else None
+    as_set = None
+    if are_unequal(result):
+        as_set = Note("verdict.unequal_comparison", alarms=alarms_as_set(result))
     return tuple(
         filter(
             None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
-from typing import Final, Literal
+from typing import Final
 
 import pandas as pd
 
@@ -14,19 +14,17 @@ from nvcore.evidence.claims import Basis, Claim, decided_on, find_claims
 from nvcore.evidence.companions import Companions
 from nvcore.findings import Finding, Severity
 from nvcore.measures.table import as_shown
+from nvcore.notes import Fact, Note, phrase, say
+from nvcore.notes.caveats import caveats
 from nvcore.objects import Objects
 from nvcore.report.verdict import points
 from nvcore.report.verdict.headline import headline
-from nvcore.sentences import phrase, say
-from nvcore.sentences.caveats import caveats
-from nvcore.sentences.facts import Doubt, Fact, Headline
-from nvcore.sentences.texts import BECAUSE, IN_SHORT
 from nvcore.subjects import contributed, in_place
 from nvcore.wording import capitalised
 
-NO_COMPARISON: Final[Mapping[str, Literal["same boxes", "truth as system"]]] = {
-    "same-boxes": "same boxes",
-    "truth-as-system": "truth as system",
+NO_COMPARISON: Final[Mapping[str, Note]] = {
+    "same-boxes": Note("verdict.same_boxes"),
+    "truth-as-system": Note("verdict.truth_as_system"),
 }
 """Headlines of findings by which there are no two systems to compare."""
 
@@ -100,11 +98,11 @@ class Verdict:
         What sentences call the objects that the boxes are of.
     """
 
-    headline: Headline
+    headline: Note
     points: tuple[Point, ...]
     claims: tuple[Claim, ...]
     basis: Basis
-    doubt: Doubt | None
+    doubt: Note | None
     objects: Objects
 
     def say(self, *facts: Fact | None) -> str:
@@ -114,12 +112,12 @@ class Verdict:
     @property
     def in_short(self) -> str:
         """The headline in one short sentence, without its reason."""
-        return capitalised(phrase(self.headline, self.objects, IN_SHORT))
+        return capitalised(phrase(self.headline, self.objects, "short"))
 
     @property
     def reason(self) -> str:
         """Why the headline says no more, or what its claims rest on."""
-        return capitalised(phrase(self.headline, self.objects, BECAUSE))
+        return capitalised(phrase(self.headline, self.objects, "because"))
 
     @property
     def topics(self) -> tuple[tuple[str, str], ...]:
@@ -184,10 +182,11 @@ def verdict(
     doubt = _doubt(serious) if serious else None
     others = {*result.dataset.systems} - {result.x.name, result.y.name}
     codes = {finding.code for finding in findings if finding.subject not in others}
-    if kinds := [kind for code, kind in NO_COMPARISON.items() if code in codes]:
-        return Verdict(Headline(kinds[0]), (), (), Basis.NONE, doubt, result.objects)
+    of_codes = [note for code, note in NO_COMPARISON.items() if code in codes]
     if any(finding.severity is Severity.ERROR for finding in serious):
-        return Verdict(Headline("wrong inputs"), (), (), Basis.NONE, doubt, result.objects)
+        of_codes.append(Note("verdict.wrong_inputs"))
+    if of_codes:
+        return Verdict(of_codes[0], (), (), Basis.NONE, doubt, result.objects)
     support = find_claims(result, evidence, companions)
     about, decisive = decided_on(result, evidence, companions)
     decisive = None if decisive is None else as_shown(about, decisive)
@@ -225,11 +224,12 @@ def verdict(
     )
 
 
-def _doubt(serious: Sequence[Finding]) -> Doubt:
-    """What all depends on; findings that are not named are counted."""
+def _doubt(serious: Sequence[Finding]) -> Note:
+    """Return the findings that all depends on; those without a caveat are counted."""
     known = {**caveats().warned, **caveats().lesser}
     codes = [finding.code for finding in serious]
-    return Doubt(
-        tuple(code for code in dict.fromkeys(codes) if code in known),
+    return Note(
+        "verdict.doubt",
+        known=[code for code in dict.fromkeys(codes) if code in known],
         n_others=sum(code not in known for code in codes),
     )

@@ -1,4 +1,4 @@
-"""What the verdict says by topic, as facts."""
+"""Notes of the verdict, by topic."""
 
 from __future__ import annotations
 
@@ -30,12 +30,11 @@ from nvcore.evidence.operating_points import (
 from nvcore.evidence.units import WHOLE
 from nvcore.measures.table import evidence_form, has_several_recordings, measure_of, shown_as
 from nvcore.measures.values import relevant_share
+from nvcore.notes import Note
 from nvcore.primary import DEFAULT
 from nvcore.report.words import every_nth
 from nvcore.schema import Category
-from nvcore.sentences import facts
-from nvcore.sentences.facts import Fact
-from nvcore.wording import duration_text, interval_text, one_line, shortened
+from nvcore.wording import duration_text, interval_text, number, one_line, shortened
 
 ENCOUNTERS: Final = "encounters_detected_by_unit"
 HALF: Final = 0.5
@@ -70,64 +69,68 @@ QUALITIES: Final = (
 )
 
 
-def operating_points(result: Result, companions: Companions | None) -> tuple[Fact, ...]:
+def operating_points(result: Result, companions: Companions | None) -> tuple[Note, ...]:
     """How X and Y are set, where that is unequal, or was; none where they are set alike."""
     if result.as_set is not None:
-        return (facts.AtEqualAlarms("numbers", equal_setting(result)),)
+        return (Note("verdict.equal_numbers", setting=equal_setting(result)),)
     if not are_unequal(result):
         return ()
+    alarms = alarms_as_set(result)
     if companions is None or companions.equal is None:
-        return (alarms_as_set(result, "comparison"),)
-    as_set = alarms_as_set(result, "numbers")
-    return as_set, facts.AtEqualAlarms("claims", equal_setting(companions.equal))
+        return (Note("verdict.unequal_comparison", alarms=alarms),)
+    of_claims = Note("verdict.equal_claims", setting=equal_setting(companions.equal))
+    return Note("verdict.unequal_numbers", alarms=alarms), of_claims
 
 
-def question(result: Result, evidence: pd.DataFrame | None) -> tuple[Fact, ...]:
+def question(result: Result, evidence: pd.DataFrame | None) -> tuple[Note, ...]:
     """The primary measure and how it is tested; none where nothing has a p."""
     if evidence is None or not np.isfinite(evidence["p_corrected"]).any():
         return ()
     primary = primary_of(result.dataset)
-    named = facts.Named(primary.key)
+    named = Note("verdict.measure", key=primary.key)
     if primary.is_changed:
-        return (facts.Question("changed", named, primary.when),)
+        return (Note("verdict.primary_changed", primary=named, when=primary.when),)
     if not has_primary(evidence, primary.key):
-        return (facts.Question("untested", named),)
+        return (Note("verdict.primary_untested", primary=named),)
     if primary.key == DEFAULT and not primary.fixed_at:
-        return (facts.Question("default", named),)
-    return (facts.Question("chosen", named, primary.when),)
+        return (Note("verdict.primary_default", primary=named),)
+    return (Note("verdict.primary_chosen", primary=named, when=primary.when),)
 
 
-def encounters(result: Result, evidence: pd.DataFrame | None, support: Support) -> tuple[Fact, ...]:
+def encounters(result: Result, evidence: pd.DataFrame | None, support: Support) -> tuple[Note, ...]:
     """Who detects more encounters, and p of that by recordings, unless it is withheld."""
-    venn = result.venn
-    test = None
+    venn, test = result.venn, None
     if evidence is not None and ENCOUNTERS not in support.withheld:
         row = evidence[evidence["figure"] == ENCOUNTERS].iloc[0]
-        if row["unit"] in WHOLE:
-            is_tested = np.isfinite(row["p_corrected"])
-            p = facts.P(row["p"], row["p_corrected"]) if is_tested else None
-            test = facts.Tested(
-                int(row["n"]), p, str(row["unit"]).removesuffix("s"), is_unsure(row)
-            )
-    return (facts.Split(venn.n_near, venn.both, venn.x_only, venn.y_only, test),)
+        n, noun, p = int(row["n"]), str(row["unit"]).removesuffix("s"), row["p_corrected"]
+        if row["unit"] not in WHOLE:
+            test = None
+        elif np.isfinite(p):
+            test = Note("verdict.tested", n=n, noun=noun, p=row["p"], p_corrected=p)
+        elif is_unsure(row):
+            test = Note("verdict.test_unsure")
+        else:
+            test = Note("verdict.too_few_differ", noun=noun)
+    counts = {"n": venn.n_near, "both": venn.both, "x_only": venn.x_only, "y_only": venn.y_only}
+    return (Note("verdict.detected", **counts, test=test or ""),)
 
 
-def weights(result: Result) -> tuple[Fact, ...]:
+def weights(result: Result) -> tuple[Note, ...]:
     """What the encounters cost that only one system detects, and the worst failure."""
     venn = result.venn
     of_x, of_y = (result.severity_of(system) for _, system in result.sides)
-    costs = tuple(
-        cost
-        for cost in (
-            facts.Cost("x", "y", venn.x_only, of_y[Category.X_ONLY]),
-            facts.Cost("y", "x", venn.y_only, of_x[Category.Y_ONLY]),
+    costs = [
+        Note("verdict.cost", finder=finder, loser=loser, n=n, seconds=seconds)
+        for finder, loser, n, seconds in (
+            ("x", "y", venn.x_only, of_y[Category.X_ONLY]),
+            ("y", "x", venn.y_only, of_x[Category.Y_ONLY]),
         )
-        if cost.n
-    )
-    return (*([facts.EncounterWeights(costs)] if costs else []), *_worst_failure(result))
+        if n
+    ]
+    return (*([Note("verdict.costs", costs=costs)] if costs else []), *_worst_failure(result))
 
 
-def _worst_failure(result: Result) -> tuple[Fact, ...]:
+def _worst_failure(result: Result) -> tuple[Note, ...]:
     severity_s = [system.failures["severity_s"].to_numpy() for _, system in result.sides]
     if not len(severity_s[0]) or not max(values.max() for values in severity_s) > 0:
         return ()
@@ -136,8 +139,9 @@ def _worst_failure(result: Result) -> tuple[Fact, ...]:
     encounters = result.encounters
     name = str(result.dataset.recordings["name"].iloc[encounters.recording[row]])
     return (
-        facts.WorstFailure(
-            letter="xy"[side],
+        Note(
+            "verdict.worst_failure",
+            system="xy"[side],
             track=str(encounters.track[row]),
             recording=shortened(one_line(name), NAME_WIDTH),
             seconds=float(severity_s[side][row]),
@@ -145,23 +149,28 @@ def _worst_failure(result: Result) -> tuple[Fact, ...]:
     )
 
 
-def measures(result: Result, evidence: pd.DataFrame | None) -> tuple[Fact, ...]:
+def measures(result: Result, evidence: pd.DataFrame | None) -> tuple[Note, ...]:
     """In which of the other measures X is better, in which Y, and which are the same."""
-    measured: dict[str, list[facts.Measured]] = {"x": [], "y": [], "both": []}
+    qualities: dict[str, list[Note]] = {"x": [], "y": [], "both": []}
     for key, form, unit in QUALITIES:
-        x, y = (facts.Amount(value, form, unit) for value in _values(key, result, evidence))
-        if np.isnan(x.value) or np.isnan(y.value):
+        x, y = _values(key, result, evidence)
+        if np.isnan(x) or np.isnan(y):
             continue
-        is_x = (x.value > y.value) == (measure_of(key).better == "higher")
-        of_many = key == "saliency" and has_several_recordings(result)
-        fact = facts.Measured(
-            "mean saliency" if of_many else key,
-            *((x, y) if is_x else (y, x)),
-            extent=_extent(result) if key == EPISODES else "",
+        is_x = (x > y) == (measure_of(key).better == "higher")
+        is_mean = key == "saliency" and has_several_recordings(result)
+        note = Note(
+            "verdict.quality",
+            key="mean saliency" if is_mean else key,
+            better=x if is_x else y,
+            other=y if is_x else x,
+            form=form,
+            unit=unit,
+            extent=_extent(result) if key == EPISODES else None,
         )
-        measured["both" if fact.are_equal else "x" if is_x else "y"].append(fact)
+        is_same = number(x, form) == number(y, form)
+        qualities["both" if is_same else "x" if is_x else "y"].append(note)
     return (
-        *(facts.Has(who, tuple(of)) for who, of in measured.items() if of),
+        *(Note("verdict.has", system=who, qualities=of) for who, of in qualities.items() if of),
         *_far_away(result),
     )
 
@@ -172,12 +181,17 @@ def _extent(result: Result) -> str:
     return f" in {duration_text(result.duration_s)}{every and f', {every}'}"
 
 
-def _far_away(result: Result) -> tuple[Fact, ...]:
+def _far_away(result: Result) -> tuple[Note, ...]:
     """How little of the saliency is of pedestrians that count; none: half or more of both's."""
-    shares = [facts.SystemShare(letter, relevant_share(system)) for letter, system in result.sides]
-    if not any(of.share < HALF for of in shares):
+    shares = {letter: relevant_share(system) for letter, system in result.sides}
+    if not any(share < HALF for share in shares.values()):
         return ()
-    return (facts.FarAway(tuple(of for of in shares if np.isfinite(of.share))),)
+    known = [
+        Note("verdict.share", system=letter, share=share)
+        for letter, share in shares.items()
+        if np.isfinite(share)
+    ]
+    return (Note("verdict.far_away", shares=known),)
 
 
 def _values(key: str, result: Result, evidence: pd.DataFrame | None) -> tuple[float, float]:
@@ -189,52 +203,56 @@ def _values(key: str, result: Result, evidence: pd.DataFrame | None) -> tuple[fl
     return (float(rows[0]["x"]), float(rows[0]["y"])) if rows else (np.nan, np.nan)
 
 
-def chance(result: Result, evidence: pd.DataFrame | None, support: Support) -> tuple[Fact, ...]:
+def chance(result: Result, evidence: pd.DataFrame | None, support: Support) -> tuple[Note, ...]:
     """Which differences are more than chance, and why others that seem so are not claimed."""
     if evidence is None:
         return ()
     of_key = {row["figure"]: row for row in evidence.to_dict("records")}
-    remarks: list[Fact] = []
+    notes = []
     if support.claims:
-        shown = (_shown(result, claim, of_key[claim.key]) for claim in support.claims)
-        remarks.append(facts.MoreThanChance(tuple(shown)))
+        shown = [_shown(result, claim, of_key[claim.key]) for claim in support.claims]
+        notes.append(Note("verdict.more_than_chance", shown=shown))
     for reason in dict.fromkeys(support.withheld.values()):
-        withheld = (key for key in CLAIMED if support.withheld.get(key) == reason)
-        remarks.append(facts.Unclaimed(tuple(map(facts.Named, withheld)), reason))
+        withheld = [key for key in CLAIMED if support.withheld.get(key) == reason]
+        measures = [Note("verdict.measure", key=key) for key in withheld]
+        notes.append(Note("verdict.unclaimed", measures=measures, reason=reason))
     settled = {*support.withheld, *(claim.key for claim in support.claims)}
     others = [row for key, row in of_key.items() if key in CLAIMED and key not in settled]
     if settled and any(np.isfinite(row["p_corrected"]) for row in others):
-        remarks.append(facts.OthersNotShown())
+        notes.append(Note("verdict.others_not_shown"))
     if result.is_short:
-        remarks.append(facts.ShortEncounters())
-    return tuple(remarks)
+        notes.append(Note("verdict.short_encounters"))
+    return tuple(notes)
 
 
-def _shown(result: Result, claim: Claim, row: Mapping[Hashable, Any]) -> facts.Shown:
+def _shown(result: Result, claim: Claim, row: Mapping[Hashable, Any]) -> Note:
     key, low, high = claim.key, row["low"], row["high"]
-    interval = ""
+    interval = None
     if np.isfinite(low):
         interval = interval_text(low, high, evidence_form(key)) + shown_as(key, result)[1]
-    return facts.Shown(key, claim.winner, facts.P(row["p"], claim.p), interval)
+    of_p = {"p": row["p"], "p_corrected": claim.p}
+    return Note("verdict.shown", key=key, winner=claim.winner, interval=interval, **of_p)
 
 
-def strict_pairing(result: Result, strict: Result) -> tuple[Fact, ...]:
+def strict_pairing(result: Result, strict: Result) -> tuple[Note, ...]:
     """Where strict pairing puts the other system first; none where it agrees."""
-    better: dict[str, list[facts.OfBoth]] = {"x": [], "y": []}
+    better: dict[str, list[Note]] = {"x": [], "y": []}
     for key, form, unit in QUALITIES:
         if is_turned_strictly(key, result, strict):
             x, y = values_of(key, strict)
-            of_both = facts.OfBoth(key, facts.Amount(x, form, unit), facts.Amount(y, form, unit))
-            better[winner_of(x - y, measure_of(key).better)].append(of_both)
-    turned = tuple(facts.Better(winner, tuple(of)) for winner, of in better.items() if of)
-    return (facts.Strict(turned),) if turned else ()
+            note = Note("verdict.measure", key=key, x=x, y=y, form=form, unit=unit)
+            better[winner_of(x - y, measure_of(key).better)].append(note)
+    turned = [
+        Note("verdict.better", winner=winner, measures=of) for winner, of in better.items() if of
+    ]
+    return (Note("verdict.strict", better=turned),) if turned else ()
 
 
-def thresholds(result: Result) -> tuple[Fact, ...]:
+def thresholds(result: Result) -> tuple[Note, ...]:
     """Which systems have scores but no threshold."""
-    letters = tuple(
+    systems = [
         letter
         for letter, system in result.sides
         if system.threshold is None and has_scores(result, letter)
-    )
-    return (facts.Unfiltered(letters),) if letters else ()
+    ]
+    return (Note("verdict.unfiltered", systems=systems),) if systems else ()

@@ -12,6 +12,5 @@ SUBJECT = Subject(
     columns="shown:COLUMNS",
     figures="shown:FIGURES",
     points="shown:POINTS",
-    texts="shown:TEXTS",
     ui="toy.ui",
 )

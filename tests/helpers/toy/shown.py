@@ -1,12 +1,10 @@
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
+from nvcore.notes import Note
 from nvcore.report.verdict import PointOf
-from nvcore.sentences.facts import Fact
 from nvcore.tables.added import Columns
 from nvcore.tables.column import CellKind, Column
 from toy.measures import is_long
@@ -26,12 +24,8 @@ COLUMNS = (
 FIGURES = {"toy": _draw}
 
 
-@dataclass(frozen=True)
-class Long(Fact):
-    """How many encounters are long."""
-
-    n: int
+def _long(result: Result) -> tuple[Note, ...]:
+    return (Note("toy.long", n=int(is_long(result).sum())),)
 
 
-TEXTS = {Long: "{n} are long."}
-POINTS = (PointOf("Toy", lambda result: (Long(int(is_long(result).sum())),), after="Encounters"),)
+POINTS = (PointOf("Toy", _long, after="Encounters"),)

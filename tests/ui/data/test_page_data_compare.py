@@ -103,7 +103,7 @@ def test_the_same_operating_point_is_that_of_the_verdict(tmp_path: Path, monkeyp
     page = comparing(tmp_path, monkeypatch, x=ALARMS)
     result = compare(space_of(page).opened.dataset)
     equal = find_equal_alarms(result)
-    assert equal_setting(equal).moved == "x"
+    assert equal_setting(equal)["moved"] == "x"
     press(page, "same_point")
     params = page.session_state["params"]
     assert params.threshold_x == pytest.approx(equal.x.threshold)
