@@ -35,7 +35,7 @@ def texts_of(topic: str) -> str:
     """All entries of a topic, in all their forms, by their examples."""
     lines = []
     for name, entry in entries(topic).items():
-        examples = entry["example"]
+        examples = entry.get("example", {})
         for example in examples if isinstance(examples, list) else [examples]:
             note = note_of(f"{topic}.{name}", example)
             lines += [

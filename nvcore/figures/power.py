@@ -6,8 +6,8 @@ from typing import Any, Final
 
 import plotly.graph_objects as go
 
+from nvcore.evidence.planning.notes import ASSUMPTIONS
 from nvcore.evidence.planning.plan import Plan
-from nvcore.evidence.planning.said import ASSUMPTIONS
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, which_is_which
 from nvcore.measures.table import difference_text
 from nvcore.palette import Theme

@@ -2,9 +2,9 @@
 
 A note ``alerts.given`` is worded by the entry ``[given]`` of ``notes.toml`` in the package of the
 subject ``alerts``; a topic of the core has its file in this package, ``verdict.toml``. An entry has
-a Jinja2 template ``text``, templates of the same note in other forms (``short``), and an
-``example`` of its values, in which a table with a key ``note`` is a note itself. Line breaks of a
-template become spaces.
+a Jinja2 template ``text``, templates of the same note in other forms (``short``), and, unless it
+has no values, an ``example`` of these, in which a table with a key ``note`` is a note itself. Line
+breaks of a template become spaces.
 
 Templates know the values of the note, the words for the objects (``{{ one }}``, ``{{ many }}``, see
 `nvcore.wording.objects`), and the filters of `_FILTERS`. A note among the values is worded in
@@ -20,7 +20,7 @@ from functools import cache
 from importlib import resources
 from typing import TYPE_CHECKING, Any, Final
 
-from nvcore.measures.table import inference_of
+from nvcore.measures.table import difference_text, inference_of, size_text
 from nvcore.notes.caveats import caveats
 from nvcore.objects import Objects
 from nvcore.subjects import subjects
@@ -164,6 +164,8 @@ _FILTERS: Final[dict[str, Callable[..., str]]] = {
     "percent": percent,
     "p": p_text,
     "duration": duration_text,
+    "difference": difference_text,
+    "size": size_text,
     "capital": capitalised,
 }
 """Filters of templates, beside those of Jinja2, ``noun`` of a measure and ``caveats`` of codes."""

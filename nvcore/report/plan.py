@@ -16,10 +16,10 @@ from nvcore.evidence.companions import Companions
 from nvcore.evidence.measures import evidence_of, primary_of
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
+from nvcore.evidence.planning.notes import ASSUMPTIONS, QUESTION, notes_for_verdict
 from nvcore.evidence.planning.plan import Plan, plan_recordings
-from nvcore.evidence.planning.said import ASSUMPTIONS, QUESTION, facts_for_verdict
 from nvcore.measures.table import difference_text
-from nvcore.sentences.facts import Fact
+from nvcore.notes import Note
 from nvcore.wording import duration_text, percent
 
 
@@ -29,7 +29,7 @@ def verdict_plan(
     companions: Companions | None,
     *,
     plans: Mapping[str, Plan] | None = None,
-) -> tuple[Fact, ...]:
+) -> tuple[Note, ...]:
     """How many recordings would show a difference in the primary measure, where none is shown.
 
     Empty where a difference is shown, or nothing can be planned. Of systems that are set to
@@ -54,7 +54,7 @@ def verdict_plan(
         return ()
     plan = (plans or {}).get(key) if basis is result else None
     plan = plan or plan_recordings(basis, PlanArguments(measure=key), evidence=row)
-    return facts_for_verdict(plan)
+    return notes_for_verdict(plan)
 
 
 def render_plan(plan: Plan) -> str:

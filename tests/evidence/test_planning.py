@@ -25,10 +25,10 @@ from nvcore.evidence.paired_tests import swap_test
 from nvcore.evidence.planning import (
     PLAN_KEYS,
     Pilot,
-    facts_for_verdict,
-    facts_of_plan,
     judge_noninferiority,
     make_pilot,
+    notes_for_verdict,
+    notes_of_plan,
     plan_recordings,
 )
 from nvcore.evidence.planning.power import (
@@ -47,7 +47,7 @@ from nvcore.evidence.planning.thresholds import (
     vary_thresholds,
 )
 from nvcore.evidence.units import find_units
-from nvcore.sentences.planning import Advice, Apart, Excluded, NotWorse, Size, Sought, StudyExtent
+from nvcore.notes import Note
 
 
 def normal_pilot(n: int = 60, difference: float = 0.5, seed: int = 5) -> Pilot:
@@ -242,10 +242,11 @@ def test_unequal_operating_points_show_no_noninferiority():
     y = truth + [at(f, 5, recording=r) for r in range(8) for f in range(6)]
     result = result_of(make_dataset(truth, x, y, places=[Place(range(6))] * 8))
     plan = plan_recordings(result, PlanArguments("mean_similarity", margin=0.5))
-    facts = facts_of_plan(plan)
-    assert Advice("unequal") in facts
-    (answered,) = (fact for fact in facts if isinstance(fact, NotWorse))
-    assert (answered.kind, answered.candidate, answered.margin.value) == ("open", "y", 0.5)
+    notes = notes_of_plan(plan)
+    assert Note("plan.unequal") in notes
+    (answered,) = (note for note in notes if note.key == "plan.not_worse")
+    assert "end" not in answered.fields
+    assert (answered["candidate"], answered["margin"]) == ("y", 0.5)
 
 
 def test_the_pilot_is_what_each_recording_adds_to_the_measure():
@@ -292,11 +293,12 @@ def test_a_plan_says_recordings_encounters_and_time():
     assert set(plan.curve["assumption"]) == {"as named", "as found"}
     key, n = plan.evidence.figure, named.n_recordings
     assert plan.evidence.low > 0  # 0 is excluded, by this measure alone
-    _, ends, size, _, *advice = facts_of_plan(plan)
-    assert (ends.kind, ends.n, ends.low) == ("also 0", 12, Apart(plan.evidence.low, key))
-    assert size.sought == Sought("named", Apart(0.2, key))
-    assert size.extent == StudyExtent(n, 5 * n, named.duration_s)
-    assert [fact for fact in advice if isinstance(fact, Advice)] == [Advice("fresh")]
+    _, ends, size, _, _, *advice = notes_of_plan(plan)
+    assert (ends.key, ends["n"], ends["low"]) == ("plan.excluded", 12, plan.evidence.low)
+    assert size["sought"] == Note("plan.as_named", key=key, difference=0.2)
+    extent = {"n_recordings": n, "n_encounters": 5 * n, "duration_s": named.duration_s}
+    assert size["extent"] == Note("plan.extent", **extent)
+    assert advice == [Note("plan.fresh")]
     again = plan_recordings(result, asking(difference=0.2))
     assert again.sizes == plan.sizes  # the seed is fixed
 
@@ -324,9 +326,11 @@ def test_a_plan_for_noninferiority_takes_both_for_equal_and_for_different_as_fou
     better = plan_recordings(result, asking(margin=0.1, candidate="x"))
     assert better.noninferiority.is_shown is True
     assert better.sizes[1].n_recordings == 8  # the least with an interval
-    (answered,) = (fact for fact in facts_of_plan(better) if isinstance(fact, NotWorse))
-    assert answered.kind == "shown better"
-    assert [size.assumed.kind for size in facts_of_plan(better)[3:5]] == ["equal", "found"]
+    (answered,) = (note for note in notes_of_plan(better) if note.key == "plan.not_worse")
+    assert answered["is_shown"]
+    assert answered["end"] < 0
+    assumed = [size["assumed"].key for size in notes_of_plan(better)[3:5]]
+    assert assumed == ["plan.if_equal", "plan.if_as_found"]
 
 
 def test_the_miss_rate_can_be_planned_for():
@@ -353,11 +357,11 @@ def test_without_recordings_variation_or_difference_there_is_a_reason_and_no_siz
     few = plan_recordings(result_of(drives(5)))
     assert few.sizes[0].n_recordings is None
     assert "a pilot of 6 recordings or more, here are 5" in few.sizes[0].reason
-    assert Excluded("blocks") in facts_of_plan(few)
-    assert facts_for_verdict(few) == ()
+    assert Note("plan.blocks") in notes_of_plan(few)
+    assert notes_for_verdict(few) == ()
     equal = plan_recordings(equal_drives())
     assert "X and Y are the same in every recording" in equal.sizes[0].reason
-    assert [fact.extent for fact in facts_of_plan(equal) if isinstance(fact, Size)] == [None]
+    assert notes_of_plan(equal)[-1].key == "plan.no_size"
 
 
 def test_a_plan_in_words():

@@ -15,7 +15,6 @@ from nvcore.findings import Finding, Severity
 from nvcore.notes import Note
 from nvcore.notes.caveats import CAVEATS
 from nvcore.report.verdict import Verdict, verdict
-from nvcore.sentences.planning import Advice
 
 DETECTED = Note("verdict.measure", key=BY_UNIT)
 SIMILAR = Note("verdict.measure", key="mean_similarity")
@@ -325,7 +324,9 @@ def test_a_verdict_in_words(better_x: Result):
     table = pd.DataFrame([*rows, row_of("mean_similarity", 0.01, doubt="X ends early")])
     companions = Companions(better_x, table, better_x)
     grave = [finding("kitti-size"), finding("ids-odd")]
-    text = verdict(better_x, grave, evidence=table, companions=companions, plan=(Advice("fresh"),))
+    text = verdict(
+        better_x, grave, evidence=table, companions=companions, plan=(Note("plan.fresh"),)
+    )
     assert text.sentences == (
         "X is better on encounters detected (100.0 % against 200.0 %): more than chance over 12 "
         "recordings.",

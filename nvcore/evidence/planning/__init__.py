@@ -5,6 +5,7 @@ from nvcore.evidence.planning.noninferiority import (
     judge_noninferiority,
     worse_at_most,
 )
+from nvcore.evidence.planning.notes import notes_for_verdict, notes_of_plan
 from nvcore.evidence.planning.pilot import (
     PLAN_KEYS,
     Pilot,
@@ -14,7 +15,6 @@ from nvcore.evidence.planning.pilot import (
 )
 from nvcore.evidence.planning.plan import Plan, PlanSize, plan_recordings
 from nvcore.evidence.planning.power import PowerPoint
-from nvcore.evidence.planning.said import facts_for_verdict, facts_of_plan
 
 __all__ = [
     "PLAN_KEYS",
@@ -23,11 +23,11 @@ __all__ = [
     "Plan",
     "PlanSize",
     "PowerPoint",
-    "facts_for_verdict",
-    "facts_of_plan",
     "judge_key",
     "judge_noninferiority",
     "make_pilot",
+    "notes_for_verdict",
+    "notes_of_plan",
     "plan_key",
     "plan_recordings",
     "worse_at_most",

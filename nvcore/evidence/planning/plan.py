@@ -24,6 +24,7 @@ from nvcore.evidence.planning.noninferiority import (
     favour,
     judge_noninferiority,
 )
+from nvcore.evidence.planning.notes import notes_of_plan
 from nvcore.evidence.planning.pilot import Pilot, judge_key, make_pilot, plan_key
 from nvcore.evidence.planning.power import (
     MOST_RECORDINGS,
@@ -34,14 +35,13 @@ from nvcore.evidence.planning.power import (
     find_length,
     guess_length,
 )
-from nvcore.evidence.planning.said import facts_of_plan
 from nvcore.evidence.planning.thresholds import Thresholds, vary_thresholds
 from nvcore.evidence.units import Units, find_units
 from nvcore.measures.table import inference_of
+from nvcore.notes import say
 from nvcore.objects import PEDESTRIAN
 from nvcore.progress import Progress, no_progress, part_of
 from nvcore.protocols import PROTOCOLS, Protocol
-from nvcore.sentences import say
 
 ONE_SIDED: Final = 0.025
 """Level at which the 95 % interval shows non-inferiority."""
@@ -129,7 +129,7 @@ class Plan:
     @property
     def sentences(self) -> tuple[str, ...]:
         """What it says."""
-        return tuple(say(fact, PEDESTRIAN) for fact in facts_of_plan(self))  # none is about objects
+        return tuple(say(note, PEDESTRIAN) for note in notes_of_plan(self))  # none is about objects
 
     @property
     def level(self) -> float:

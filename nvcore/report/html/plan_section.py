@@ -12,18 +12,17 @@ from nvcore.comparison import Result
 from nvcore.evidence.measures import evidence_of
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
+from nvcore.evidence.planning.notes import QUESTION
 from nvcore.evidence.planning.pilot import MIN_PILOT, PLAN_KEYS
 from nvcore.evidence.planning.plan import Plan, PlanSize, plan_recordings
-from nvcore.evidence.planning.said import QUESTION
 from nvcore.evidence.planning.thresholds import vary_thresholds
 from nvcore.evidence.units import WHOLE, find_units
 from nvcore.measures.table import doubt_of, evidence_form, measure_of, repeated_by
+from nvcore.notes import Note, say
 from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Block, Section, Sentences, table
-from nvcore.sentences import say
-from nvcore.sentences.planning import Advice
 from nvcore.wording import UNDEFINED, capitalised, difference, duration_text, percent
 
 HEAD: Final = (
@@ -106,8 +105,8 @@ def plan_section(result: Result, evidence: pd.DataFrame, plans: Mapping[str, Pla
             for plan in plans.values()
             if plan.sizes[0].reason
         )
-        advice = [Advice("optimistic"), Advice("fresh")]
-        advice += [Advice("unequal")] if are_unequal(result) else []
+        advice = [Note("plan.optimistic"), Note("plan.fresh")]
+        advice += [Note("plan.unequal")] if are_unequal(result) else []
         blocks = [
             table(caption, HEAD, rows, right=range(1, 8), note=reasons),
             Sentences(tuple(say(of, result.objects) for of in advice)),

@@ -38,10 +38,10 @@ def test_each_difference_that_is_not_shown_has_its_size_and_what_is_excluded(sam
     assert 250 < int(n) < 500
     assert int(n_encounters.replace(",", "")) == pytest.approx(3.8 * int(n), abs=1)
     assert " to " in span
-    facts = verdict_plan(sample, evidence, None)
+    notes = verdict_plan(sample, evidence, None)
     primary = plans["severity_s_per_encounter"].sizes[0]
-    assert facts[0].extent.n_recordings == primary.n_recordings
-    assert verdict_plan(sample, evidence, None, plans=plans) == facts
+    assert notes[0]["extent"]["n_recordings"] == primary.n_recordings
+    assert verdict_plan(sample, evidence, None, plans=plans) == notes
 
 
 def test_blocks_of_time_and_what_is_shown_have_words_instead():
