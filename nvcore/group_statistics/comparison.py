@@ -13,6 +13,7 @@ import scipy
 from nvcore.arguments.groups import GroupArguments, Scale
 from nvcore.errors import ParameterError
 from nvcore.evidence.paired_tests import SIGNIFICANT, holm
+from nvcore.group_statistics.notes import SMALL, cautions, results
 from nvcore.group_statistics.permutation import Permuted, permute_between, permute_within
 from nvcore.group_statistics.reading import GroupTable, read_groups
 from nvcore.group_statistics.repeated import (
@@ -22,7 +23,6 @@ from nvcore.group_statistics.repeated import (
     residuals,
     sphericity,
 )
-from nvcore.group_statistics.said import SMALL, cautions, results
 from nvcore.group_statistics.sample_size import persons_for, power_of_anova, power_of_t
 from nvcore.group_statistics.summaries import (
     PAIR_COLUMNS,
@@ -40,10 +40,8 @@ from nvcore.group_statistics.summaries import (
 )
 from nvcore.group_statistics.text import render_groups
 from nvcore.inputs.readers.parse.table import TextTable
+from nvcore.notes import Note, say
 from nvcore.objects import PEDESTRIAN
-from nvcore.sentences import groups as said
-from nvcore.sentences import say
-from nvcore.sentences.facts import Fact
 
 Design = Literal["same", "different", "mixed", "unknown"]
 LARGE_RATIO: Final = 3.0
@@ -84,7 +82,7 @@ class GroupComparison:
         Of a further study: ``test`` (all conditions by ``anova``, or two of them by ``t``),
         ``effect`` (Cohen's f or d) that it shows at p of ``level``, and ``n`` (persons in each
         group, of the same persons in all).
-    facts
+    notes
         What it comes to, which `sentences` words.
     """
 
@@ -98,12 +96,12 @@ class GroupComparison:
     pairs: pd.DataFrame
     assumptions: pd.DataFrame
     sizes: pd.DataFrame
-    facts: tuple[Fact, ...]
+    notes: tuple[Note, ...]
 
     @property
     def sentences(self) -> list[str]:
         """What it comes to, in words."""
-        return [say(fact, PEDESTRIAN) for fact in self.facts]
+        return [say(note, PEDESTRIAN) for note in self.notes]
 
     def __str__(self) -> str:
         return render_groups(self)
@@ -124,7 +122,7 @@ class _Data(NamedTuple):
     of_groups: list[np.ndarray] | None
     wide: np.ndarray
     are_logs: bool = False
-    facts: tuple[Fact, ...] = ()
+    notes: tuple[Note, ...] = ()
 
 
 class _Analysis(NamedTuple):
@@ -180,11 +178,11 @@ def compare_groups(asked: GroupArguments, text: TextTable | None = None) -> Grou
         pairs=pairs_named,
         assumptions=analysis.assumptions,
         sizes=_sizes(asked, data) if is_comparable else pd.DataFrame(columns=SIZED),
-        facts=(*read.facts, *data.facts),
+        notes=(*read.notes, *data.notes),
     )
     reasons = [why] if why is not None else []
-    facts = (*comparison.facts, *reasons, *results(comparison), *cautions(comparison, asked))
-    return replace(comparison, facts=facts)
+    notes = (*comparison.notes, *reasons, *results(comparison), *cautions(comparison, asked))
+    return replace(comparison, notes=notes)
 
 
 def _check(asked: GroupArguments) -> None:
@@ -204,13 +202,13 @@ def _data_of(read: GroupTable) -> _Data:
     has_several = len(names) > 1
     if read.summaries is not None:
         groups = Groups(*read.summaries[["n", "mean", "sd"]].to_numpy(dtype=float).T)
-        facts = (said.Persons("unknown summaries"),) if has_several else ()
-        return _Data("unknown", groups, None, none, facts=facts)
+        notes = [Note("groups.unknown_persons_of_summaries")] if has_several else []
+        return _Data("unknown", groups, None, none, notes=tuple(notes))
     rows = read.rows
     if not (rows["participant"] != "").any():
         of_groups = [own.to_numpy() for _, own in rows.groupby("condition", sort=False)["value"]]
-        facts = (said.Persons("unknown values"),) if has_several else ()
-        return _Data("unknown", _summarised(of_groups), of_groups, none, facts=facts)
+        notes = [Note("groups.unknown_persons")] if has_several else []
+        return _Data("unknown", _summarised(of_groups), of_groups, none, notes=tuple(notes))
     key = ["participant", "condition"]
     persons = rows.groupby("participant", sort=False)["condition"].nunique()
     n_several, n_all = int((persons > 1).sum()), int((persons == len(names)).sum())
@@ -220,15 +218,20 @@ def _data_of(read: GroupTable) -> _Data:
     elif n_all >= 2 and 2 * n_all >= len(persons):
         design = "same"
     are_logs = design == "same" and read.scale == "times"
-    notes: list[Fact] = []
+    notes = []
     if rows.duplicated(key).any():
-        notes.append(said.Prepared("averaged times" if are_logs else "averaged"))
+        notes.append(Note("groups.averaged", are_logs=are_logs))
     if design == "same" and n_all < len(persons):
         is_whole = persons == len(names)
-        notes.append(said.Prepared("incomplete", names=tuple(persons.index[~is_whole])))
+        notes.append(Note("groups.incomplete", names=[*persons.index[~is_whole]]))
         rows = rows[rows["participant"].map(is_whole)]
     if has_several:
-        notes.append(said.Persons(design, len(persons), n_several, n_all))
+        of_design = {
+            "same": Note("groups.same_persons", n_all=n_all),
+            "different": Note("groups.different_persons"),
+            "mixed": Note("groups.mixed_persons", n=len(persons), n_several=n_several, n_all=n_all),
+        }
+        notes.append(of_design[design])
     rows = rows.assign(value=np.log(rows["value"])) if are_logs else rows
     means = rows.groupby(key, sort=False)["value"].mean().reset_index()
     wide = none
@@ -322,21 +325,21 @@ def _truth(holds: bool, value: float) -> float:
     return np.nan if np.isnan(value) else float(holds)
 
 
-def _fitting(scale: Scale, data: _Data, assumptions: pd.DataFrame) -> tuple[str, str, said.Fitting]:
+def _fitting(scale: Scale, data: _Data, assumptions: pd.DataFrame) -> tuple[str, str, Note]:
     """The tests that fit, of all conditions and of pairs, and why."""
     n = int(data.groups.n.min())
     if data.design == "same":
         if scale == "counts" or n < SMALL:
-            fitting = said.Fitting("within counts" if scale == "counts" else "within few", n)
+            fitting = Note("groups.exchange_fits", are_counts=scale == "counts", n=n)
             return "within", "exchanged", fitting
-        return "repeated_gg", "paired", said.Fitting("times" if data.are_logs else "repeated", n)
+        return "repeated_gg", "paired", Note("groups.repeated_fits", are_logs=data.are_logs)
     if data.of_groups is not None and (scale == "counts" or n < SMALL):
-        fitting = said.Fitting("counts" if scale == "counts" else "few", n)
+        fitting = Note("groups.permutation_fits", are_counts=scale == "counts", n=n)
         return "permutation", "permutation", fitting
     ratio = float(assumptions["value"].iloc[0])
     if assumptions.loc[assumptions["check"] != "shapiro", "holds"].eq(0).any():
-        return "welch", "games_howell", said.Fitting("unequal", n, ratio)
-    return "anova", "tukey", said.Fitting("equal" if ratio > 0 else "unknown", n, ratio)
+        return "welch", "games_howell", Note("groups.welch_fits", ratio=ratio)
+    return "anova", "tukey", Note("groups.anova_fits", ratio=ratio if ratio > 0 else None)
 
 
 def _sizes(asked: GroupArguments, data: _Data) -> pd.DataFrame:

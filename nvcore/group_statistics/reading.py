@@ -15,9 +15,8 @@ from nvcore.arguments.groups import GroupArguments, Scale
 from nvcore.errors import InputError, ParameterError
 from nvcore.inputs.readers.parse.table import TextTable, parse_table, read_table
 from nvcore.inputs.readers.parse.text import number_of
+from nvcore.notes import Note
 from nvcore.people.participants import fold_name
-from nvcore.sentences.facts import Fact
-from nvcore.sentences.groups import Prepared, TableRead
 from nvcore.wording import did_you_mean, listed
 
 SUMMARY: Final = ("n", "mean", "sd")
@@ -46,7 +45,7 @@ class GroupTable(NamedTuple):
         order of the file; empty with summaries.
     measure, scale
         The column that is compared (empty: summaries), and what its numbers are.
-    facts
+    notes
         What was read, and what was done to it.
     """
 
@@ -54,7 +53,7 @@ class GroupTable(NamedTuple):
     rows: pd.DataFrame
     measure: str
     scale: Scale
-    facts: tuple[Fact, ...]
+    notes: tuple[Note, ...]
 
     @property
     def conditions(self) -> list[str]:
@@ -124,7 +123,8 @@ def _summaries(text: TextTable, asked: GroupArguments) -> GroupTable:
         mean=text.numbers("mean", low=-LARGEST, high=LARGEST), sd=np.where(is_alone, np.nan, sd)
     )
     empty = pd.DataFrame({"participant": [], "condition": [], "value": []})
-    return GroupTable(table, empty, "", "numbers", (TableRead("summaries", len(table)),))
+    first = Note("groups.summaries", n_conditions=len(table))
+    return GroupTable(table, empty, "", "numbers", (first,))
 
 
 def _values(text: TextTable, asked: GroupArguments) -> GroupTable:
@@ -144,21 +144,27 @@ def _values(text: TextTable, asked: GroupArguments) -> GroupTable:
     if "participant" in text:
         names = pd.Series(text.texts("participant"))
         rows["participant"] = names.groupby(names.map(fold_name)).transform("first")
-    facts: list[Fact] = [Prepared("others", names=others)] if others else []
+    notes = [Note("groups.not_chosen", names=others)] if others else []
     if "kind" in text and scale == "counts":
         n_rows = len(rows)
         rows = _drives(text, rows, asked.kind)
         if len(rows) < n_rows:
-            facts.append(Prepared("joined", n_rows - len(rows)))
+            notes.append(Note("groups.joined", n=n_rows - len(rows)))
     elif asked.kind is not None:
         raise ParameterError("kind: expected counts, with a column kind")
     rows, done = _chosen(rows, asked)
     is_missing = rows["value"].isna()
     if is_missing.any():
-        facts.append(Prepared("missing", int(is_missing.sum())))
+        notes.append(Note("groups.missing", n=int(is_missing.sum())))
     rows = rows[~is_missing].reset_index(drop=True)
-    first = TableRead("values", rows["condition"].nunique(), measure, scale, len(rows))
-    return GroupTable(None, rows, measure, scale, (first, *facts, *done))
+    first = Note(
+        "groups.values",
+        n=len(rows),
+        measure=measure,
+        n_conditions=rows["condition"].nunique(),
+        scale=scale,
+    )
+    return GroupTable(None, rows, measure, scale, (first, *notes, *done))
 
 
 def _measure(text: TextTable, wanted: str | None) -> tuple[str, tuple[str, ...]]:
@@ -206,21 +212,21 @@ def _drives(text: TextTable, rows: pd.DataFrame, kind: str | None) -> pd.DataFra
     return drives.agg(lambda counts: counts.sum(skipna=False)).reset_index()
 
 
-def _chosen(rows: pd.DataFrame, asked: GroupArguments) -> tuple[pd.DataFrame, list[Fact]]:
+def _chosen(rows: pd.DataFrame, asked: GroupArguments) -> tuple[pd.DataFrame, list[Note]]:
     """Rows without what is left out, conditions by their new names; and what was done."""
-    facts: list[Fact] = []
+    notes = []
     rename: Mapping[str, str] = asked.rename or {}
     _known(rename, rows["condition"], "rename")
     folded = {fold_name(name): name for name in rows["participant"]}
     gone = [folded[name] for name in _known(map(fold_name, asked.leave_out), folded, "leave_out")]
     dropped = [condition for condition, name in rename.items() if not name]
     if gone or dropped:
-        facts.append(Prepared("left out", names=(*dropped, *gone)))
+        notes.append(Note("groups.left_out", names=[*dropped, *gone]))
     rows = rows[~rows["participant"].isin(gone) & ~rows["condition"].isin(dropped)]
     for name in dict.fromkeys(name for name in rename.values() if name):
-        own = tuple(condition for condition, new in rename.items() if new == name)
-        facts.append(Prepared("renamed", names=own, name=name))
-    return rows.assign(condition=rows["condition"].replace(dict(rename))), facts
+        own = [condition for condition, new in rename.items() if new == name]
+        notes.append(Note("groups.renamed", names=own, name=name))
+    return rows.assign(condition=rows["condition"].replace(dict(rename))), notes
 
 
 def _known(names: Iterable[str], known: Iterable[str], argument: str) -> Sequence[str]:

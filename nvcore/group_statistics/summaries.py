@@ -50,7 +50,7 @@ class Test(NamedTuple):
     Attributes
     ----------
     test
-        Key of `nvcore.sentences.groups.TESTS`.
+        Key of `nvcore.group_statistics.text.TESTS`.
     statistic, value, df_between, df_within, p
         F, H or chi2, and what comes of it.
     eta2, omega2, f

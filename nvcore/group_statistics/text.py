@@ -14,7 +14,6 @@ import pandas as pd
 from nvcore import __version__
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_run
-from nvcore.sentences.groups import CHECKS, DESIGNS, PAIR_TESTS, TESTS
 from nvcore.wording import UNDEFINED, aligned, number, one_line, p_value
 
 if TYPE_CHECKING:
@@ -25,6 +24,41 @@ FILES: Final = (*(f"{name}.csv" for name in TABLES), "groups.json")
 """What `write_groups` writes."""
 FITS: Final = ("*", " ")
 """Marks of what fits, and of what is shown beside it."""
+TESTS: Final = {
+    "anova": "one-way ANOVA",
+    "welch": "Welch's ANOVA",
+    "kruskal": "Kruskal–Wallis",
+    "permutation": "permutation of F",
+    "permutation_ranks": "permutation of ranks",
+    "repeated": "repeated measures",
+    "repeated_gg": "repeated measures, Greenhouse–Geisser",
+    "friedman": "Friedman",
+    "within": "exchange within persons, F",
+    "within_ranks": "exchange within persons, ranks",
+}
+"""Overall tests by key."""
+PAIR_TESTS: Final = {
+    "tukey": "Tukey",
+    "games_howell": "Games–Howell",
+    "permutation": "permutation",
+    "paired": "paired t",
+    "exchanged": "exchange within persons",
+    "assumed": "paired t, as assumed",
+}
+"""Comparisons of pairs by key."""
+CHECKS: Final = {
+    "variance_ratio": "largest variance / smallest",
+    "levene": "equal variances (Brown–Forsythe)",
+    "shapiro": "normal residuals (Shapiro–Wilk)",
+    "sphericity": "sphericity (Greenhouse–Geisser's epsilon)",
+}
+"""Checks of assumptions by key."""
+DESIGNS: Final = {
+    "same": "the same persons in all conditions",
+    "different": "independent groups",
+    "mixed": "some persons in several conditions",
+    "unknown": "whether the persons are the same is not known",
+}
 
 
 def amount_form(values: np.ndarray) -> str:

@@ -13,7 +13,7 @@ from nvcore.measures.table import inference_of
 from nvcore.notes import Note
 from nvcore.notes.caveats import caveats
 from nvcore.objects import Objects
-from nvcore.sentences import encounters, groups, saliency
+from nvcore.sentences import encounters, saliency
 from nvcore.sentences.facts import Fact
 from nvcore.sentences.texts import Texts
 from nvcore.subjects import contributed
@@ -48,7 +48,7 @@ def phrase(fact: Fact, objects: Objects, of_medium: Texts = MappingProxyType({})
 @cache
 def all_texts() -> Texts:
     """Templates of the core and of subjects, by type of fact."""
-    texts = {**encounters.TEXTS, **saliency.TEXTS, **groups.TEXTS}
+    texts = {**encounters.TEXTS, **saliency.TEXTS}
     for added in contributed("texts"):
         texts.update(added)
     return texts
