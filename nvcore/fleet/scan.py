@@ -7,19 +7,19 @@ processes on any number of machines can work on it, and any of them may die.
 from __future__ import annotations
 
 import ctypes
-import multiprocessing
 import os
+import pickle
 import signal
 import sys
 import threading
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
+from queue import SimpleQueue
+from subprocess import PIPE, Popen
 from typing import Any, Final
 
 import pyarrow as pa
@@ -38,8 +38,6 @@ from nvcore.wording import one_line, shortened
 
 WHOLE_ATTEMPTS: Final = 2
 """Attempts at a whole batch; afterwards its recordings are compared one at a time."""
-STILLBORN: Final = 3
-"""Workers in a row that may die before they begin to work."""
 
 
 @dataclass(frozen=True)
@@ -204,121 +202,99 @@ def in_process(job: Job, part: int = 0, n_parts: int = 1) -> Iterator[str]:
 def in_pool(job: Job, n_workers: int) -> Iterator[str]:
     """Run all missing batches in so many processes, and yield keys as batches are done.
 
+    A worker that is killed is replaced. The workers end when the generator is closed.
+
     Raises
     ------
-    InputError
-        What a worker gave up with, or if workers die before they begin. The others are ended then;
-        finished batches stay.
+    NvcoreError
+        If a worker raises it, or workers die before they begin; finished batches stay.
+    RuntimeError
+        If a worker raises another exception; the text is its traceback.
     """
-    context = multiprocessing.get_context("spawn")
-    workers: dict[Connection, tuple[BaseProcess, int]] = {}
-    begun: set[Connection] = set()
-    missing = set(job.missing())
-    of_worker = replace(job, options=replace(job.options, is_checked=True))
+    missing = {*job.missing()}
+    n_workers = min(n_workers, len(missing))
+    job = replace(job, options=replace(job.options, is_checked=True))
+    messages: SimpleQueue[tuple[Popen[str], str]] = SimpleQueue()
+    workers: dict[Popen[str], int] = {}
+    begun, n_stillborn = set[Popen[str]](), 0
 
     def start(part: int) -> None:
-        ours, theirs = context.Pipe(duplex=False)
-        process = context.Process(
-            target=_work, args=(theirs, of_worker, part, n_workers), daemon=True
+        content = pickle.dumps((job, part, n_workers))
+        n_threads = str(max(thread_count() // n_workers, 1))
+        path = os.pathsep.join(map(str, sys.path))
+        worker = Popen(
+            [sys.executable, "-P", "-c", "from nvcore.fleet.scan import work; work()"],
+            env=os.environ | {"OMP_NUM_THREADS": n_threads, "PYTHONPATH": path},
+            process_group=0,  # Ctrl+C is for this process alone, which ends its workers
+            stdin=PIPE,
+            stdout=PIPE,
+            encoding="ascii",
         )
-        with _without_main(), _threads(max(thread_count() // n_workers, 1)):
-            process.start()
-        theirs.close()  # so that ours ends with the process
-        workers[ours] = (process, part)
+        workers[worker] = part
+        threading.Thread(target=listen, args=(worker, content), daemon=True).start()
 
-    n_stillborn = 0
-    n_workers = min(n_workers, len(missing))
-    for part in range(n_workers):
-        start(part)
+    def listen(worker: Any, content: bytes) -> None:
+        """Give a worker its job, pass on its messages, and an empty one when it has ended."""
+        with worker:
+            with suppress(BrokenPipeError):  # it has died
+                os.write(worker.stdin.fileno(), content)
+            for line in worker.stdout:
+                messages.put((worker, line))
+        messages.put((worker, ""))
+
     try:
-        while workers:
-            for messages in wait(list(workers)):
-                assert isinstance(messages, Connection)
-                process, part = workers[messages]
-                try:
-                    message = messages.recv()
-                except EOFError:  # it has ended, or was killed: then another takes its place
-                    del workers[messages]
-                    process.join()
-                    if process.exitcode != 0:
-                        n_stillborn += messages not in begun
-                        start(part)
-                    if n_stillborn == STILLBORN:
-                        raise InputError(
-                            f"workers die before they begin (exit code {process.exitcode}); is "
-                            "there memory for so many workers?"
-                        ) from None
-                    continue
-                begun.add(messages)
+        for part in range(n_workers):
+            start(part)
+        while workers and missing:
+            worker, line = messages.get()
+            if line:
+                begun.add(worker)
                 n_stillborn = 0
+                message = pickle.loads(bytes.fromhex(line))  # noqa: S301  # from our own process
                 if isinstance(message, Exception):
                     raise message
-                if message:
+                if message in missing:
+                    missing.remove(message)
                     yield message
-                    missing.discard(message)
-                    if not missing:  # the others wait in vain
-                        return
+                continue
+            part = workers.pop(worker)
+            n_stillborn += worker not in begun
+            if n_stillborn == 3:  # in a row
+                raise InputError(
+                    f"workers die before they begin (exit code {worker.returncode}); is there "
+                    "memory for so many workers?"
+                )
+            if worker.returncode != 0:  # it was killed: another one takes its place
+                start(part)
     finally:
-        for process, _ in workers.values():
-            process.terminate()
-        for process, _ in workers.values():
-            process.join()
+        for worker in workers:
+            worker.terminate()
+        for worker in workers:
+            worker.wait()
 
 
-@contextmanager
-def _threads(n: int) -> Iterator[None]:
-    """Within it, a process that starts uses so many threads, also within libraries."""
-    before = os.environ.get("OMP_NUM_THREADS")
-    os.environ["OMP_NUM_THREADS"] = str(n)
-    try:
-        yield
-    finally:
-        del os.environ["OMP_NUM_THREADS"]
-        if before is not None:
-            os.environ["OMP_NUM_THREADS"] = before
+def work() -> None:
+    """Run a worker of `in_pool`, which ends when its standard input does: with its parent."""
+    out = os.dup(1)  # closed when the process ends, not before
+    os.dup2(2, 1)  # what is printed must not get between the messages
+    job, part, n_parts = pickle.load(sys.stdin.buffer)  # noqa: S301  # from our own process
 
-
-@contextmanager
-def _without_main() -> Iterator[None]:
-    """Within it, a process that starts does not run the user's script: workers need none of it.
-
-    Nor does it end by Ctrl+C, which its parent has, too, and ends it.
-    """
-    script = vars(sys.modules["__main__"])
-    names = ("__file__", "__spec__")
-    hidden: dict[str, Any] = {name: script[name] for name in names if name in script}
-    script.pop("__file__", None)
-    script["__spec__"] = None
-    is_main = threading.current_thread() is threading.main_thread()
-    handler = signal.signal(signal.SIGINT, signal.SIG_IGN) if is_main else None
-    try:
-        yield
-    finally:
-        script.update(hidden)
-        if handler is not None:
-            signal.signal(signal.SIGINT, handler)
-
-
-def _work(messages: Connection, job: Job, part: int, n_parts: int) -> None:
-    """Life of a worker, which ends with its parent's."""
-    parent = multiprocessing.parent_process()
-    assert parent is not None
+    def tell(message: str | Exception) -> None:
+        os.write(out, pickle.dumps(message).hex().encode() + b"\n")
 
     def end() -> None:
-        parent.join()
+        os.read(0, 1)
         os.kill(os.getpid(), signal.SIGTERM)
 
-    threading.Thread(target=end, daemon=True).start()
     end_on_request()
+    threading.Thread(target=end, daemon=True).start()
     try:
-        messages.send("")
+        tell("")
         for batch in drive(job, partial(in_process, part=part, n_parts=n_parts)):
-            messages.send(batch)
-    except KeyboardInterrupt:  # the parent has it, too, and says so
-        pass
-    except NvcoreError as error:  # the parent raises it
-        messages.send(error)
-    except Exception as error:  # noqa: BLE001  # which need not pickle
-        messages.send(RuntimeError("".join(traceback.format_exception(error))))
+            tell(batch)
+    except NvcoreError as error:
+        tell(error)
+    except Exception:  # noqa: BLE001  # which need not pickle
+        tell(RuntimeError(traceback.format_exc()))
     finally:  # to be ended at the end is no error
         signal.signal(signal.SIGTERM, signal.SIG_DFL)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import signal
 import socket
 import subprocess
@@ -150,6 +151,22 @@ def test_an_error_that_does_not_pickle_ends_the_scan_too(store, out):
     _, job = begin_scan(store, out, run=unpicklable)
     with pytest.raises(RuntimeError, match="UnpicklableError: of all"):
         list(in_pool(job, 1))
+
+
+def test_what_a_worker_prints_does_not_disturb_its_messages(store, out, capfd):
+    _, job = begin_scan(store, out, run=print)  # and returns nothing
+    with pytest.raises(RuntimeError, match="NoneType"):
+        list(in_pool(job, 1))
+    printed = capfd.readouterr()
+    assert "ScanParams" in printed.err
+    assert not printed.out
+
+
+def test_workers_that_do_not_begin_end_the_scan(store, out, monkeypatch):
+    _, job = begin_scan(store, out)
+    monkeypatch.setattr("sys.executable", shutil.which("false"))
+    with pytest.raises(InputError, match=r"die before they begin \(exit code 1\)"):
+        list(in_pool(job, 2))
 
 
 def test_a_lease_is_written_in_the_order_of_what_is_said(tmp_path, monkeypatch):
