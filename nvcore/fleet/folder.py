@@ -2,7 +2,6 @@
 
     plans/<plan>.json              what is compared, by which program, and in which batches
     leases/<batch>/<attempt>.json  who works on a batch, and until when the others wait
-    late/<batch>.json              batches that are tried once more when all others are done
     done/<batch>.json              which files a batch has given, with their checksums
     <table>/<batch>-<hash>.parquet its rows of each table of results, listed in a Delta table
     newest.json                    which plan was begun last
@@ -394,8 +393,7 @@ def forget_quarantined(out: Location, its_plan: Plan) -> None:
         if done["files"]["quarantine"]["rows"]:
             for entry in out.list(f"leases/{batch.key}/"):
                 out.delete(entry.path)
-            for folder in ("late", "done"):
-                out.delete(f"{folder}/{batch.key}.json")
+            out.delete(f"done/{batch.key}.json")
 
 
 def _as_parquet(table: pa.Table) -> bytes:

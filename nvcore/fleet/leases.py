@@ -8,146 +8,117 @@ import os
 import secrets
 import socket
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from nvcore.errors import StoreError
 from nvcore.fleet.location import Location
 from nvcore.wording import one_line
 
+LEASE_S: Final = 120.0
+"""How long a batch waits for a worker that gives no sign of life, until another one takes it. The
+clocks of machines should differ by less."""
+ATTEMPTS: Final = 2
+"""Workers that a recording may kill before its batch waits for all others. After one more kill the
+recording is left out."""
+
 
 def seal(content: Mapping[str, Any]) -> bytes:
     """Write JSON with a checksum of the content."""
-    return json.dumps({"content": content, "sha256": _checksum(content)}).encode()
+    sha256 = hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+    return json.dumps({"content": content, "sha256": sha256}).encode()
 
 
 def unseal(text: bytes) -> dict[str, Any] | None:
     """Read JSON that `seal` wrote, or return None if it is damaged."""
     with suppress(ValueError, TypeError, KeyError):
-        sealed = json.loads(text)
-        content: dict[str, Any] = sealed["content"]
-        return content if sealed["sha256"] == _checksum(content) else None
+        content: dict[str, Any] = json.loads(text)["content"]
+        return content if seal(content) == text else None
     return None
 
 
-def _checksum(content: Mapping[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+class HeldError(Exception):
+    """Another worker has the lease."""
 
 
 class Lease:
-    """The right to work on a batch, renewed by a thread as long as the work goes on.
+    """The right to work on a batch, held and renewed by a thread from entry to exit.
+
+    Entry raises HeldError if another worker has it.
 
     Attributes
     ----------
-    n_killed
-        Earlier attempts that ended without a word.
     killed_at
-        Recordings at which they were, where they compared them one at a time.
+        The recording, or None for all of the batch, that each earlier attempt that ended without
+        a word was comparing.
+    is_late
+        Whether no worker has the batch, and it has to wait for all others.
     """
 
-    def __init__(
-        self,
-        out: Location,
-        path: str,
-        earlier: Sequence[Mapping[str, Any]],
-        lease_s: float,
-        clock: Callable[[], float],
-    ):
-        self._out, self._path, self._lease_s, self._clock = out, path, lease_s, clock
-        lost = [attempt for attempt in earlier if attempt["ended"] is None]
-        self.n_killed = len(lost)
-        self.killed_at = [attempt["at"] for attempt in lost if attempt["at"] is not None]
-        self._state: dict[str, Any] = {
-            "host": _host(),
-            "pid": os.getpid(),
-            "token": secrets.token_hex(8),  # no two leases have the same content
-            "at": None,
-            "ended": None,
-        }
-        self._lock, self._is_over = threading.Lock(), threading.Event()
+    def __init__(self, out: Location, key: str, *, clock: Callable[[], float]):
+        earlier = [attempt_of(out.read(entry.path)) for entry in out.list(f"leases/{key}/")]
+        self._is_held = bool(earlier) and is_held(earlier[-1], clock())
+        self.killed_at = [attempt["at"] for attempt in earlier if attempt["ended"] is None]
+        most = max(map(self.killed_at.count, filter(None, self.killed_at)), default=0)
+        self.is_late = most >= ATTEMPTS and not self._is_held
+        self._out, self._path = out, f"leases/{key}/{len(earlier) + 1:04}.json"
+        self._state = attempt_of(b"") | {"host": _host(), "pid": os.getpid()}
+        self._state["token"] = secrets.token_hex(8)  # no two leases have the same content
+        self._clock, self._lock, self._is_over = clock, threading.Lock(), threading.Event()
 
-    @property
-    def most_killed(self) -> int:
-        """Largest number of attempts that one recording has ended."""
-        return max(map(self.killed_at.count, self.killed_at), default=0)
-
-    def content(self, **changes: Any) -> bytes:
+    def _content(self, **changes: str) -> bytes:
         """Return the content of its file, with a new time of expiry."""
-        self._state |= {"expires": self._clock() + self._lease_s, **changes}
+        self._state |= {"expires": self._clock() + LEASE_S, **changes}
         return seal(self._state)
 
     def tell(self, **changes: str) -> None:
-        """Say at which recording the work is (`at`), or why the batch failed as a whole."""
+        """Renew it, and say at which recording the work is (`at`), or why the batch `failed`."""
         with self._lock:  # a write that is slow would else undo a later one
-            self._out.write(self._path, self.content(**changes))
+            self._out.write(self._path, self._content(**changes))
 
     def __enter__(self) -> Lease:
+        if self._is_held or not self._out.create(self._path, self._content()):
+            raise HeldError
         threading.Thread(target=self._renew, daemon=True).start()
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: object, _: object) -> None:
         self._is_over.set()
-        ended = "done" if kind is None else one_line(f"{kind.__name__}: {error}")
-        try:
-            self.tell(ended=ended)
-        except StoreError:  # it will expire
-            if kind is None:
-                raise
+        with suppress(*[StoreError] if kind else []):  # it will expire
+            self.tell(ended=one_line(f"{kind.__name__}: {error}") if kind else "done")
 
     def _renew(self) -> None:
-        while not self._is_over.wait(self._lease_s / 4):
+        while not self._is_over.wait(LEASE_S / 4):
             with suppress(StoreError), self._lock:  # at worst, two workers do the same
                 if not self._is_over.is_set():
-                    self._out.write(self._path, self.content())
-
-
-def claim(out: Location, key: str, lease_s: float, clock: Callable[[], float]) -> Lease | None:
-    """Claim a batch, or return None if another worker has it.
-
-    Parameters
-    ----------
-    lease_s
-        How long it holds if its owner gives no sign of life.
-    clock
-        Seconds since 1970.
-    """
-    earlier = [attempt_of(out.read(entry.path)) for entry in out.list(f"leases/{key}/")]
-    if earlier and is_held(earlier[-1], clock()):
-        return None
-    path = f"leases/{key}/{len(earlier) + 1:04}.json"
-    lease = Lease(out, path, earlier, lease_s, clock)
-    return lease if out.create(path, lease.content()) else None
+                    self._out.write(self._path, self._content())
 
 
 def attempt_of(content: bytes) -> dict[str, Any]:
     """Read the file of a lease, or take a damaged one for a lost attempt."""
-    lost = {"host": "", "pid": 0, "at": None, "ended": None, "expires": 0.0}
-    return unseal(content) or lost
+    return unseal(content) or {"host": "", "pid": 0, "at": None, "ended": None, "expires": 0.0}
 
 
 @cache
 def _host() -> str:
     """Name of the machine since it was started, and of what numbers processes in it."""
-    names = [socket.gethostname()]
+    name = socket.gethostname()
     with suppress(OSError):  # Linux alone has them
-        names.append(Path("/proc/sys/kernel/random/boot_id").read_text().strip())
-        names.append(str(Path("/proc/self/ns/pid").readlink()))
-    return " ".join(names)
+        name += " " + Path("/proc/sys/kernel/random/boot_id").read_text().strip()
+        name += f" {Path('/proc/self/ns/pid').readlink()}"
+    return name
 
 
 def is_held(attempt: Mapping[str, Any], now: float) -> bool:
     """Whether the worker of a lease may be at work, which is known of processes on this host."""
     if attempt["ended"] is not None or attempt["expires"] <= now:
         return False
-    if os.name != "posix" or attempt["host"] != _host():
-        return True
     try:
-        os.kill(attempt["pid"], 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:  # another user's
-        return True
+        if os.name == "posix" and attempt["host"] == _host():
+            os.kill(attempt["pid"], 0)
+    except OSError as error:
+        return isinstance(error, PermissionError)  # it is another user's
     return True

@@ -16,6 +16,8 @@ with needs("dask", "scans on Dask need"):
 
 TASKS: Final = 20_000
 """Tasks that the scheduler is given at a time."""
+PATIENCE_S: Final = 300.0
+"""Longest wait for a scheduler that does not answer."""
 
 
 def on_dask(job: Job, scheduler: str) -> Iterator[str]:
@@ -31,10 +33,10 @@ def on_dask(job: Job, scheduler: str) -> Iterator[str]:
     Raises
     ------
     InputError
-        What a worker gave up with, or if there is no scheduler for `Options.patience_s`.
+        If a worker raises it, or the scheduler does not answer for `PATIENCE_S`.
     """
     try:
-        client = Client(scheduler, timeout=job.options.patience_s, set_as_default=False)
+        client = Client(scheduler, timeout=PATIENCE_S, set_as_default=False)
     except (AssertionError, OSError, ValueError) as error:
         raise InputError(
             f"there is no Dask scheduler at {scheduler}; expected an address such as "
@@ -42,12 +44,8 @@ def on_dask(job: Job, scheduler: str) -> Iterator[str]:
         ) from error
     with client, suppress(CancelledError, CommClosedError):
         missing = job.missing()[:TASKS]
-        tasks = client.map(job.run, missing, pure=False)
-        batch_of = {task.key: batch for task, batch in zip(tasks, missing, strict=True)}
-        for task in as_completed(tasks, loop=client.loop):
-            failure = task.exception() if task.status == "error" else None
-            if failure is None and task.result() == "done":
-                yield batch_of[task.key]
-            # its worker was killed some times: the next round counts how often
-            if failure is not None and not isinstance(failure, KilledWorker):
-                raise failure
+        batch_of = dict(zip(client.map(job.run, missing, pure=False), missing, strict=True))
+        for task in as_completed(batch_of, loop=client.loop):
+            with suppress(KilledWorker):  # killed several times: the next round counts how often
+                if task.result() == "done":
+                    yield batch_of[task]

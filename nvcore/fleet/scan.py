@@ -7,20 +7,20 @@ processes on any number of machines can work on it, and any of them may die.
 from __future__ import annotations
 
 import ctypes
-import multiprocessing
 import os
+import pickle
 import signal
 import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
-from typing import Any, Final, NamedTuple
+from queue import SimpleQueue
+from subprocess import PIPE, Popen
+from typing import Any, Final
 
 import pyarrow as pa
 from obstore.exceptions import BaseError
@@ -28,57 +28,37 @@ from obstore.exceptions import BaseError
 from nvcore.errors import InputError, NvcoreError, StoreError
 from nvcore.fleet.batch import scan_batch
 from nvcore.fleet.folder import done_in, plan_in, write_batch
-from nvcore.fleet.leases import Lease, claim, seal
+from nvcore.fleet.leases import ATTEMPTS, LEASE_S, HeldError, Lease
 from nvcore.fleet.location import LONGEST_REASON, Location
-from nvcore.fleet.plan import Batch, Plan
-from nvcore.fleet.results import ScanParams, gather
+from nvcore.fleet.plan import Plan
+from nvcore.fleet.results import gather
 from nvcore.fleet.store import Snapshot
 from nvcore.metrics.kernels import thread_count
 from nvcore.wording import one_line, shortened
 
 WHOLE_ATTEMPTS: Final = 2
 """Attempts at a whole batch; afterwards its recordings are compared one at a time."""
-ATTEMPTS: Final = 2
-"""Workers that a recording may end before its batch has to wait for all others. After one more it
-is left out."""
-STILLBORN: Final = 3
-"""Workers in a row that may die before they begin to work."""
-_M_ARENA_MAX: Final = -8
-"""Of mallopt(3)."""
-
-Read = Callable[[Sequence[str]], dict[str, pa.Table]]
-"""Reads recordings of a store."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """Options for running a scan, on which no result depends.
+    """Options for running a scan, which do not affect its results.
 
     Attributes
     ----------
     storage
         Keys and values for the storage of the store and of the results, as object_store has them.
-    lease_s
-        How long a batch waits for its worker, if that gives no sign of life, until another takes
-        it. The clocks of machines should differ by less.
-    poll_s
-        How long a worker that finds no free batch waits at first.
-    patience_s
-        How long a scheduler that does not answer is waited for.
     clock
         Returns seconds since 1970, for leases.
     run
-        Compares the tables of whole recordings: `scan_batch`.
+        Compares the tables of whole recordings.
     is_checked
         Whether the process that started this one has checked the programs.
     """
 
     storage: tuple[tuple[str, str], ...] = ()
-    lease_s: float = 120.0
-    poll_s: float = 0.2
-    patience_s: float = 300.0
     clock: Callable[[], float] = time.time
-    run: Callable[[dict[str, pa.Table], ScanParams], dict[str, pa.Table]] = scan_batch
+    run: Callable[..., dict[str, pa.Table]] = scan_batch
     is_checked: bool = False
 
 
@@ -92,14 +72,7 @@ class Job:
     options: Options = Options()
 
     def run(self, batch: str) -> str:
-        """Compare the recordings of a batch and write the results, unless done before.
-
-        All engines call this method.
-
-        Parameters
-        ----------
-        batch
-            `Batch.key`.
+        """Compare the recordings of a batch (by its key) and write the results, unless done before.
 
         Returns
         -------
@@ -109,140 +82,91 @@ class Job:
         Raises
         ------
         InputError
-            If the programs are others than the plan's.
+            If the programs differ from those of the plan.
         StoreError
             If storage cannot be written or read, as where a disk is full; what is done stays.
         """
-        out, options = self._opened.out, self.options
-        if out.find(f"done/{batch}.json"):
+        out, *_ = _open(self)
+        lease_of = partial(Lease, out, clock=self.options.clock)
+        done, lease = f"done/{batch}.json", lease_of(batch)
+        if out.find(done):
             return "done"
-        late = {entry.path[len("late/") : -len(".json")] for entry in out.list("late/")}
-        if batch not in late:
-            return self._run(batch, is_last=False)
-        if {*self.missing()} - late:
+        if lease.is_late and not all(lease_of(other).is_late for other in self.missing()):
             return "busy"
-        alone = claim(out, "last", options.lease_s, options.clock)
-        if alone is None:
-            return "busy"
-        with alone:
-            return self._run(batch, is_last=True)
-
-    def _run(self, batch: str, *, is_last: bool) -> str:
-        opened, options = self._opened, self.options
-        out, done = opened.out, f"done/{batch}.json"
-        lease = claim(out, batch, options.lease_s, options.clock)
-        if lease is None:
-            return "busy"
-        with lease:
-            if out.find(done):  # its last worker may just have ended
-                return "done"
-            if lease.most_killed >= ATTEMPTS and not is_last:
-                out.write(f"late/{batch}.json", seal({}))
-                return "busy"
-            params = opened.plan.params
-            results = _compared(opened.batches[batch], opened.read, params, lease, options)
+        with suppress(HeldError), lease_of("last") if lease.is_late else nullcontext(), lease:
+            results = _compared(self, batch, lease)
             out.create(done, write_batch(out, batch, results))
             del results
-            _give_back_memory()
-        return "done"
+            pa.default_memory_pool().release_unused()  # allocators keep what the largest batch took
+            _glibc("malloc_trim", 0)
+            return "done"
+        return "busy"
 
     def missing(self, among: slice = slice(None)) -> list[str]:
         """List the keys of batches, or of these of the plan, that are not done, in its order."""
-        done = done_in(self._opened.out)
-        return [batch for batch in [*self._opened.batches][among] if batch not in done]
-
-    @property
-    def _opened(self) -> _Opened:
-        options = self.options
-        return _open(self.store, self.out, self.plan, options.storage, options.is_checked)
-
-
-class _Opened(NamedTuple):
-    out: Location
-    read: Read
-    plan: Plan
-    batches: dict[str, Batch]
+        out, plan, _ = _open(self)
+        done = done_in(out)
+        return [batch.key for batch in plan.batches[among] if batch.key not in done]
 
 
 @lru_cache(maxsize=2)
-def _open(
-    store: str, out_uri: str, plan_key: str, storage: tuple[tuple[str, str], ...], is_checked: bool
-) -> _Opened:
-    """Open store and results, once a process."""
-    _use_one_heap()
-    out = Location(out_uri, dict(storage))
-    found = plan_in(out, plan_key)
-    if found is None:
+def _open(job: Job) -> tuple[Location, Plan, Snapshot]:
+    """Open results and store, once a process."""
+    _glibc("mallopt", -8, 1)  # M_ARENA_MAX: a heap of each thread would keep what it has freed
+    out = Location(job.out, dict(job.options.storage))
+    plan = plan_in(out, job.plan)
+    if plan is None:
         raise StoreError("cannot be read (the plan of the scan is not there)", file=out.uri)
-    if not is_checked:
-        found.check_programs("all workers need the same: install these")
-    snapshot = Snapshot(Location(store, dict(storage)), found.versions)
-    read = partial(snapshot.read, sources=found.params.sources)
-    return _Opened(out, read, found, {batch.key: batch for batch in found.batches})
+    if not job.options.is_checked:
+        plan.check_programs("all workers need the same: install these")
+    return out, plan, Snapshot(Location(job.store, out.options), plan.versions)
 
 
-def _compared(
-    batch: Batch, read: Read, params: ScanParams, lease: Lease, options: Options
-) -> dict[str, pa.Table]:
+def _compared(job: Job, batch: str, lease: Lease) -> dict[str, pa.Table]:
     """Compare the recordings of a batch, one at a time if they fail together."""
-    if lease.n_killed < WHOLE_ATTEMPTS:
+    _, plan, store = _open(job)
+    params, run = plan.params, job.options.run
+    [recordings] = [of.recordings for of in plan.batches if of.key == batch]
+    if len(lease.killed_at) < WHOLE_ATTEMPTS:
         try:
-            tables = read(batch.recordings)
+            tables = store.read(recordings, params.sources)
             tables["boxes"]  # read now: a damaged file is no fault of all of these recordings
             pa.default_memory_pool().release_unused()  # the pieces they were put together from
-            return options.run(tables, params)
+            return run(tables, params)
         except Exception as error:  # noqa: BLE001  # whatever it is: which recording is it about?
-            _give_up_without_storage(error)
             lease.tell(failed=_reason(error))
     parts, reasons, faults = [], {}, 0
-    for name in batch.recordings:
+    for name in recordings:
         n_killed = lease.killed_at.count(name)
-        if n_killed > ATTEMPTS:
-            reasons[name] = f"{n_killed} workers ended without a word while they compared it"
-            continue
-        lease.tell(at=name)
         try:
-            parts.append(options.run(read([name]), params))
+            if n_killed > ATTEMPTS:
+                raise InputError(f"{n_killed} workers ended without a word while they compared it")
+            lease.tell(at=name)
+            parts.append(run(store.read([name], params.sources), params))
         except Exception as error:
-            _give_up_without_storage(error)
-            faults += not isinstance(error, NvcoreError)
-            if faults == len(batch.recordings) > 1:  # then it is no fault of theirs
-                raise
             reasons[name] = _reason(error)
+            faults += not isinstance(error, NvcoreError)
+            if faults == len(recordings) > 1:  # then it is no fault of theirs
+                raise
     for part in parts:
         reasons |= dict(zip(*part["quarantine"].to_pydict().values(), strict=True))
     return gather(parts, reasons, has_frames=params.frames)
 
 
-def _use_one_heap() -> None:
-    """Have all threads allocate from one heap: each would keep what it has freed."""
-    with suppress(AttributeError, OSError, TypeError):  # glibc alone has it
-        ctypes.CDLL(None).mallopt(_M_ARENA_MAX, 1)
-
-
-def _give_back_memory() -> None:
-    """Return what was freed to the system: allocators keep as much as the largest batch took."""
-    pa.default_memory_pool().release_unused()
-    with suppress(AttributeError, OSError, TypeError):  # glibc alone has it
-        ctypes.CDLL(None).malloc_trim(0)
+def _glibc(name: str, *values: int) -> None:
+    """Call a function of glibc; do nothing where another library is in its place."""
+    with suppress(AttributeError, OSError, TypeError):
+        getattr(ctypes.CDLL(None), name)(*values)
 
 
 def _reason(error: Exception) -> str:
-    """Describe an error in one line."""
+    """Describe in one line why a recording fails; raise the error if the storage is at fault."""
+    is_of_system = isinstance(error, OSError) and error.errno is not None  # no damaged file
+    is_of_storage = is_of_system and not isinstance(error, FileNotFoundError)
+    if is_of_storage or isinstance(error, StoreError | BaseError):
+        raise error
     kind = "" if isinstance(error, NvcoreError) else f"{type(error).__name__}: "
     return shortened(one_line(f"{kind}{error}"), LONGEST_REASON)
-
-
-def _give_up_without_storage(error: Exception) -> None:
-    """Raise what is no fault of a recording: the storage fails, and would for all others.
-
-    A damaged file is an OSError, too, but not one of the system.
-    """
-    is_of_system = isinstance(error, OSError) and error.errno is not None
-    if isinstance(error, StoreError | BaseError) or (
-        is_of_system and not isinstance(error, FileNotFoundError)
-    ):
-        raise error
 
 
 def end_on_request() -> None:
@@ -251,151 +175,125 @@ def end_on_request() -> None:
 
 
 Engine = Callable[[Job], Iterable[str]]
-"""Runs missing batches of a job, `Job.run` for each, and gives keys of those that are done.
-
-It may leave some: it is called again until none is missing.
-"""
+"""Runs missing batches by `Job.run`, and gives the keys of those that are done. It may leave some:
+it is called again until none is missing."""
 
 
 def drive(job: Job, engine: Engine) -> Iterator[str]:
     """Have an engine run all missing batches, and yield keys as batches are done."""
-    wait_s = job.options.poll_s
+    wait_s = 0.0
     while job.missing():
-        n_done = 0
-        for n_done, batch in enumerate(engine(job), 1):  # noqa: B007  # counted
+        time.sleep(wait_s)
+        wait_s = min(2 * wait_s, LEASE_S / 4) or 0.2
+        for batch in engine(job):
+            wait_s = 0.0  # else other scans are at work on all missing batches
             yield batch
-        wait_s = job.options.poll_s if n_done else min(2 * wait_s, job.options.lease_s / 4)
-        if not n_done:  # others are at work on all of these
-            threading.Event().wait(wait_s)
 
 
 def in_process(job: Job, part: int = 0, n_parts: int = 1) -> Iterator[str]:
-    """The engine of one process: every n-th batch from `part` on, then what others have left."""
-    own = job.missing(slice(part % n_parts, None, n_parts))
-    yield from (batch for batch in own if job.run(batch) == "done")
+    """Run every n-th missing batch from `part` on in this process, then what others have left."""
+    yield from (key for key in job.missing(slice(part, None, n_parts)) if job.run(key) == "done")
     left = job.missing()
     start = len(left) * part // n_parts  # each at another place
-    yield from (batch for batch in left[start:] + left[:start] if job.run(batch) == "done")
+    yield from (key for key in left[start:] + left[:start] if job.run(key) == "done")
 
 
 def in_pool(job: Job, n_workers: int) -> Iterator[str]:
     """Run all missing batches in so many processes, and yield keys as batches are done.
 
+    A worker that is killed is replaced. The workers end when the generator is closed.
+
     Raises
     ------
-    InputError
-        What a worker gave up with, or if workers die before they begin. The others are ended then;
-        finished batches stay.
+    NvcoreError
+        If a worker raises it, or workers die before they begin; finished batches stay.
+    RuntimeError
+        If a worker raises another exception; the text is its traceback.
     """
-    context = multiprocessing.get_context("spawn")
-    workers: dict[Connection, tuple[BaseProcess, int]] = {}
-    begun: set[Connection] = set()
-    missing = set(job.missing())
-    of_worker = replace(job, options=replace(job.options, is_checked=True))
+    missing = {*job.missing()}
+    n_workers = min(n_workers, len(missing))
+    job = replace(job, options=replace(job.options, is_checked=True))
+    messages: SimpleQueue[tuple[Popen[str], str]] = SimpleQueue()
+    workers: dict[Popen[str], int] = {}
+    begun, n_stillborn = set[Popen[str]](), 0
 
     def start(part: int) -> None:
-        ours, theirs = context.Pipe(duplex=False)
-        process = context.Process(
-            target=_work, args=(theirs, of_worker, part, n_workers), daemon=True
+        content = pickle.dumps((job, part, n_workers))
+        n_threads = str(max(thread_count() // n_workers, 1))
+        path = os.pathsep.join(map(str, sys.path))
+        worker = Popen(
+            [sys.executable, "-P", "-c", "from nvcore.fleet.scan import work; work()"],
+            env=os.environ | {"OMP_NUM_THREADS": n_threads, "PYTHONPATH": path},
+            process_group=0,  # Ctrl+C is for this process alone, which ends its workers
+            stdin=PIPE,
+            stdout=PIPE,
+            encoding="ascii",
         )
-        with _without_main(), _threads(max(thread_count() // n_workers, 1)):
-            process.start()
-        theirs.close()  # so that ours ends with the process
-        workers[ours] = (process, part)
+        workers[worker] = part
+        threading.Thread(target=listen, args=(worker, content), daemon=True).start()
 
-    n_stillborn = 0
-    n_workers = min(n_workers, len(missing))
-    for part in range(n_workers):
-        start(part)
+    def listen(worker: Any, content: bytes) -> None:
+        """Give a worker its job, pass on its messages, and an empty one when it has ended."""
+        with worker:
+            with suppress(BrokenPipeError):  # it has died
+                os.write(worker.stdin.fileno(), content)
+            for line in worker.stdout:
+                messages.put((worker, line))
+        messages.put((worker, ""))
+
     try:
-        while workers:
-            for messages in wait(list(workers)):
-                assert isinstance(messages, Connection)
-                process, part = workers[messages]
-                try:
-                    message = messages.recv()
-                except EOFError:  # it has ended, or was killed: then another takes its place
-                    del workers[messages]
-                    process.join()
-                    if process.exitcode != 0:
-                        n_stillborn += messages not in begun
-                        start(part)
-                    if n_stillborn == STILLBORN:
-                        raise InputError(
-                            f"workers die before they begin (exit code {process.exitcode}); is "
-                            "there memory for so many workers?"
-                        ) from None
-                    continue
-                begun.add(messages)
+        for part in range(n_workers):
+            start(part)
+        while workers and missing:
+            worker, line = messages.get()
+            if line:
+                begun.add(worker)
                 n_stillborn = 0
+                message = pickle.loads(bytes.fromhex(line))  # noqa: S301  # from our own process
                 if isinstance(message, Exception):
                     raise message
-                if message:
+                if message in missing:
+                    missing.remove(message)
                     yield message
-                    missing.discard(message)
-                    if not missing:  # the others wait in vain
-                        return
+                continue
+            part = workers.pop(worker)
+            n_stillborn += worker not in begun
+            if n_stillborn == 3:  # in a row
+                raise InputError(
+                    f"workers die before they begin (exit code {worker.returncode}); is there "
+                    "memory for so many workers?"
+                )
+            if worker.returncode != 0:  # it was killed: another one takes its place
+                start(part)
     finally:
-        for process, _ in workers.values():
-            process.terminate()
-        for process, _ in workers.values():
-            process.join()
+        for worker in workers:
+            worker.terminate()
+        for worker in workers:
+            worker.wait()
 
 
-@contextmanager
-def _threads(n: int) -> Iterator[None]:
-    """Within it, a process that starts uses so many threads, also within libraries."""
-    before = os.environ.get("OMP_NUM_THREADS")
-    os.environ["OMP_NUM_THREADS"] = str(n)
-    try:
-        yield
-    finally:
-        del os.environ["OMP_NUM_THREADS"]
-        if before is not None:
-            os.environ["OMP_NUM_THREADS"] = before
+def work() -> None:
+    """Run a worker of `in_pool`, which ends when its standard input does: with its parent."""
+    out = os.dup(1)  # closed when the process ends, not before
+    os.dup2(2, 1)  # what is printed must not get between the messages
+    job, part, n_parts = pickle.load(sys.stdin.buffer)  # noqa: S301  # from our own process
 
-
-@contextmanager
-def _without_main() -> Iterator[None]:
-    """Within it, a process that starts does not run the user's script: workers need none of it.
-
-    Nor does it end by Ctrl+C, which its parent has, too, and ends it.
-    """
-    script = vars(sys.modules["__main__"])
-    names = ("__file__", "__spec__")
-    hidden: dict[str, Any] = {name: script[name] for name in names if name in script}
-    script.pop("__file__", None)
-    script["__spec__"] = None
-    is_main = threading.current_thread() is threading.main_thread()
-    handler = signal.signal(signal.SIGINT, signal.SIG_IGN) if is_main else None
-    try:
-        yield
-    finally:
-        script.update(hidden)
-        if handler is not None:
-            signal.signal(signal.SIGINT, handler)
-
-
-def _work(messages: Connection, job: Job, part: int, n_parts: int) -> None:
-    """Life of a worker, which ends with its parent's."""
-    parent = multiprocessing.parent_process()
-    assert parent is not None
+    def tell(message: str | Exception) -> None:
+        os.write(out, pickle.dumps(message).hex().encode() + b"\n")
 
     def end() -> None:
-        parent.join()
+        os.read(0, 1)
         os.kill(os.getpid(), signal.SIGTERM)
 
-    threading.Thread(target=end, daemon=True).start()
     end_on_request()
+    threading.Thread(target=end, daemon=True).start()
     try:
-        messages.send("")
+        tell("")
         for batch in drive(job, partial(in_process, part=part, n_parts=n_parts)):
-            messages.send(batch)
-    except KeyboardInterrupt:  # the parent has it, too, and says so
-        pass
-    except NvcoreError as error:  # the parent raises it
-        messages.send(error)
-    except Exception as error:  # noqa: BLE001  # which need not pickle
-        messages.send(RuntimeError("".join(traceback.format_exception(error))))
+            tell(batch)
+    except NvcoreError as error:
+        tell(error)
+    except Exception:  # noqa: BLE001  # which need not pickle
+        tell(RuntimeError(traceback.format_exc()))
     finally:  # to be ended at the end is no error
         signal.signal(signal.SIGTERM, signal.SIG_DFL)

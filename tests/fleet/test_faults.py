@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import signal
 import socket
 import subprocess
@@ -35,7 +36,7 @@ from object_store import make_bucket, options, served, troubled
 
 from nvcore.errors import InputError, StoreError
 from nvcore.fleet.folder import begin, finish, forget_quarantined, status
-from nvcore.fleet.leases import claim, seal, unseal
+from nvcore.fleet.leases import Lease, seal, unseal
 from nvcore.fleet.location import Location
 from nvcore.fleet.on_dask import on_dask
 from nvcore.fleet.plan import Plan
@@ -152,7 +153,23 @@ def test_an_error_that_does_not_pickle_ends_the_scan_too(store, out):
         list(in_pool(job, 1))
 
 
-def test_a_lease_is_written_in_the_order_of_what_is_said(tmp_path):
+def test_what_a_worker_prints_does_not_disturb_its_messages(store, out, capfd):
+    _, job = begin_scan(store, out, run=print)  # and returns nothing
+    with pytest.raises(RuntimeError, match="NoneType"):
+        list(in_pool(job, 1))
+    printed = capfd.readouterr()
+    assert "ScanParams" in printed.err
+    assert not printed.out
+
+
+def test_workers_that_do_not_begin_end_the_scan(store, out, monkeypatch):
+    _, job = begin_scan(store, out)
+    monkeypatch.setattr("sys.executable", shutil.which("false"))
+    with pytest.raises(InputError, match=r"die before they begin \(exit code 1\)"):
+        list(in_pool(job, 2))
+
+
+def test_a_lease_is_written_in_the_order_of_what_is_said(tmp_path, monkeypatch):
     class Watched(Location):
         busy, n_at_once, written = threading.Lock(), 0, b""
 
@@ -164,18 +181,15 @@ def test_a_lease_is_written_in_the_order_of_what_is_said(tmp_path):
             self.written = content
             self.busy.release()
 
+    monkeypatch.setattr("nvcore.fleet.leases.LEASE_S", 1e-4)
     place = Watched(tmp_path)
-    lease = claim(place, "a", 1e-4, time.time)
-    assert lease is not None
-    with lease:
+    with Lease(place, "a", clock=time.time) as lease:
         for number in range(100):
             lease.tell(at=f"r{number}")
     assert place.n_at_once == 0
     assert (unseal(place.written) or {})["ended"] == "done"
     (tmp_path / "leases/a/0001.json").write_bytes(b"")  # of a machine that lost its power
-    again = claim(place, "a", 60, time.time)
-    assert again is not None
-    assert again.n_killed == 1
+    assert Lease(place, "a", clock=time.time).killed_at == [None]
 
 
 def test_a_recording_that_kills_its_workers_is_set_aside(store, undisturbed, out, tmp_path):
