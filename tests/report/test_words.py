@@ -1,16 +1,14 @@
-"""What is told of misses, fusion, saliency and time left."""
+"""What is told of misses, fusion and saliency."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
 import pandas as pd
 import pytest
-from approach import PLACE, approach, only
 from builders import Place, at, make_dataset, result_of
 
-from nvcore.comparison import Result, compare
+from nvcore.comparison import Result
 from nvcore.metrics.venn import Venn, measure_exclusivity
 from nvcore.notes import Note
 from nvcore.objects import PEDESTRIAN
@@ -27,17 +25,6 @@ from nvcore.sentences import say
 from nvcore.sentences.encounters import Gain, NoFusion
 from nvcore.sentences.saliency import End, Relevance, Weight
 from nvcore.tables.encounters.miss_classes import fusion_table
-from nvcore.time_left.facts import (
-    Among,
-    Confirmed,
-    NotUrgent,
-    Others,
-    Speed,
-    Unknown,
-    UnknownReason,
-    Urgent,
-)
-from nvcore.time_left.said import confirmed, urgent
 
 
 @pytest.fixture(scope="module")
@@ -202,74 +189,6 @@ def test_with_risk_an_event_says_what_it_weighs():
 def test_what_follows_from_the_paper_s_rule_is_told_while_it_holds():
     assert "missing both can come out below missing one" in saliency_caveat(Params())
     assert saliency_caveat(Params(saliency_of="each")) == ""
-
-
-def test_who_is_urgent_at_which_speed_and_why_others_are_not():
-    people = [
-        *approach(range(40), 5, centre=20, track=1),
-        *approach(range(20), 2.1, centre=50, track=2),
-        *approach(range(4), 5, centre=70, track=3),
-        *(at(f, 85, track=4) for f in range(40)),
-    ]
-    tall = PLACE._replace(height=4000.0)
-    result = result_of(make_dataset(sorted(people), places=[tall]))
-    fact = urgent(result)
-    assert (fact.kind, {kind.kind: kind.n for kind in fact.others.kinds}) == (
-        "one",
-        {"no chance": 1, "not urgent": 1, "unknown": 1},
-    )
-    assert fact.others.kinds[-1].unknown == Unknown((UnknownReason("short", 0),))
-    corridor = result_of(result.dataset, corridor=0.5)
-    assert urgent(corridor).kind == "none"
-    assert NotUrgent("outside", 1) in urgent(corridor).others.kinds
-
-
-def test_distant_encounters_are_said_to_be_among_those_counted():
-    far = [at(f, 85, track=2, h=5) for f in range(40)]
-    result = compare(make_dataset([*approach(range(40), 5), *far], places=[PLACE]))
-    assert result.venn.distant == 1
-    fact = urgent(result)
-    assert fact == Urgent(
-        "one", Speed("assumed", 50.0), 1, Others((NotUrgent("not urgent", 1),)), Among(2, 1)
-    )
-    assert say(fact, result.objects) == (
-        "1 encounter is urgent at 50 km/h (assumed); 1 not urgent (of all 2 encounters, 1 distant "
-        "one among them)"
-    )
-
-
-def test_nobody_urgent_and_nothing_known_are_told_apart():
-    still = result_of(make_dataset([at(f, 50, track=1) for f in range(20)]))
-    assert urgent(still) == Urgent("none", Speed("assumed", 50.0))
-    assert confirmed(still) == ()
-    sampled = Place(range(0, 40, 2))
-    result = result_of(make_dataset(approach(range(0, 40, 2), 5), places=[sampled]))
-    assert urgent(result).unknown == Unknown((UnknownReason("sampled", 0),))
-    linked = [box._replace(track=-1) for box in approach(range(40), 5)]
-    result = result_of(make_dataset(linked, places=[PLACE]))
-    assert urgent(result).unknown == Unknown((UnknownReason("linked", 0),))
-
-
-def test_the_verdict_tells_who_leaves_time_to_stop():
-    boxes = approach(range(40), 5)
-    result = result_of(make_dataset(boxes, boxes, only(boxes, range(38, 40)), places=[PLACE]))
-    (said,) = confirmed(result)
-    assert said == Confirmed(1, 1, 0, 0.0, pytest.approx(50.0), Speed("assumed", 50.0))
-    assert say(said, result.objects) == (
-        "The only urgent encounter at 50 km/h (assumed) is confirmed in time by X, not by Y; "
-        "impact speed 0.0 km/h with X and 50.0 km/h with Y."
-    )
-
-
-def test_speeds_of_recordings_are_told_from_the_assumed_one():
-    boxes = [box for r in range(2) for box in approach(range(40), 5, recording=r)]
-    dataset = make_dataset(boxes, places=[PLACE] * 2)
-    for speeds, speed in (
-        ([30.0, np.nan], Speed("some", 50.0, 1)),
-        ([30.0, 90.0], Speed("own", 50.0)),
-    ):
-        stated = replace(dataset, recordings=dataset.recordings.assign(speed_kmh=speeds))
-        assert urgent(result_of(stated)).speed == speed
 
 
 @pytest.mark.parametrize(
