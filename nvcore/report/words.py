@@ -1,4 +1,4 @@
-"""What is told of misses, fusion and saliency of a comparison: facts, and cells of tables."""
+"""Notes about misses, fusion and saliency of a comparison, and cells of tables."""
 
 from __future__ import annotations
 
