@@ -10,7 +10,7 @@ from typing import Final
 from nvcore.errors import MissingExtraError
 from nvcore.subjects import subjects
 
-REPORT: Final = ("av", "cv2", "jinja2", "plotly", "tsdownsample")
+REPORT: Final = ("av", "cv2", "plotly", "tsdownsample")
 OF_SUBJECTS: Final = dict(chain(*(added.extras.items() for _, added in subjects().values())))
 OF_PAGES: Final = chain(*(of.extras.get(name, ()) for name, (_, of) in subjects().items() if of.ui))
 APP: Final = (*REPORT, *OF_PAGES, "streamlit")

@@ -17,7 +17,7 @@ from nvcore.report.terminal import code_lines
 from nvcore.report.verdict import PointOf
 from nvcore.sentences import phrase, say
 from nvcore.tables.scorecard import score_rows
-from nvcore.time_left.said import urgent
+from nvcore.time_left.notes import urgent
 from nvcore.wording import aligned, number, one_line
 
 MOST_SHOWN: Final = 8

@@ -14,6 +14,7 @@ from nvcore.evidence.table import judge_both
 from nvcore.findings import Finding, Severity
 from nvcore.metrics.encounter_classes import classes_of, shown_class
 from nvcore.metrics.proximity.horizon import estimate_horizons
+from nvcore.notes import phrase
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.report.plan import verdict_plan
 from nvcore.report.verdict import Verdict, verdict
@@ -29,8 +30,7 @@ from nvcore.report.words import (
 )
 from nvcore.schema import Category
 from nvcore.scoring import SystemResult
-from nvcore.sentences import phrase, say
-from nvcore.sentences.encounters import TERMINAL
+from nvcore.sentences import say
 from nvcore.sentences.facts import Fact
 from nvcore.subjects import contributed
 from nvcore.tables.encounters.miss_classes import class_counts
@@ -263,9 +263,9 @@ def _venn(result: Result) -> str:
         f"1 s), of encounters detected by {weights}",
     ]
     lines += code_lines(result)
-    facts = missed(result), parted(result)
-    lines.append("".join(phrase(fact, result.objects, TERMINAL) for fact in facts))
-    lines.append(phrase(lead(result), result.objects, TERMINAL))
+    notes = missed(result), parted(result)
+    lines.append("; ".join(phrase(note, result.objects, "terminal") for note in notes))
+    lines.append(phrase(lead(result), result.objects, "terminal"))
     for lines_of in contributed("lines"):
         lines += lines_of(result)
     boxes = result.boxes

@@ -1,9 +1,9 @@
-"""What is told of misses, fusion and saliency of a comparison: facts, and cells of tables."""
+"""Notes about misses, fusion and saliency of a comparison, and cells of tables."""
 
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -22,19 +22,6 @@ from nvcore.measures.values import relevant_share
 from nvcore.notes import Note
 from nvcore.params import Params
 from nvcore.scoring import SystemResult
-from nvcore.sentences.encounters import (
-    ClassesRead,
-    Correlated,
-    Fused,
-    Gain,
-    Lead,
-    Missed,
-    MoreEpisodes,
-    NoFusion,
-    Parted,
-)
-from nvcore.sentences.facts import Fact
-from nvcore.sentences.saliency import End, Event, OnAverage, Relevance, SaliencyOf, Sum, Weight
 from nvcore.tables.classes import names_classes, read_share
 from nvcore.tables.scorecard import ScoreRow, score_rows
 from nvcore.wording import (
@@ -155,63 +142,63 @@ def at_best(dataset: Dataset) -> tuple[Note, ...]:
     return (Note("verdict.at_best", n=n, noun=noun, n_needed=n_needed),)
 
 
-def missed(result: Result) -> Missed:
-    """How many encounters X, Y and both do not detect."""
+def missed(result: Result) -> Note:
+    """Return how many encounters X, Y and both do not detect."""
     e = result.exclusivity
-    counts = result.venn.n_near, e.missed_by_x, e.missed_by_y, e.missed_by_both
-    return Missed(*counts, e.jaccard, e.phi)
+    return Note(
+        "encounters.missed",
+        n=result.venn.n_near,
+        by_x=e.missed_by_x,
+        by_y=e.missed_by_y,
+        by_both=e.missed_by_both,
+        jaccard=e.jaccard,
+        phi=e.phi,
+    )
 
 
-def parted(result: Result) -> Parted:
-    """Whether the split between encounters that only one detects may be chance: McNemar's test."""
-    x, y, p = result.venn.x_only, result.venn.y_only, result.mcnemar_p
-    kind: Literal["none", "even", "short", "untested", "uneven", "chance"]
-    if not x + y:
-        kind = "none"
-    elif x == y:
-        kind = "even"
-    elif result.is_short:
-        kind = "short"
-    elif np.isnan(p):
-        kind = "untested"
-    else:
-        kind = "uneven" if p <= SIGNIFICANT else "chance"
-    return Parted(kind, x, y, p, is_as_set=are_unequal(result))
+def parted(result: Result) -> Note:
+    """Return how many encounters only one system detects, and McNemar's test of them."""
+    p = result.mcnemar_p
+    return Note(
+        "encounters.parted",
+        x=result.venn.x_only,
+        y=result.venn.y_only,
+        is_short=result.is_short,
+        p=None if np.isnan(p) else p,
+        is_uneven=bool(p <= SIGNIFICANT),
+        is_as_set=are_unequal(result),
+    )
 
 
-def misses(result: Result) -> tuple[Fact, ...]:
-    """Whether X and Y miss the same pedestrians.
+def misses(result: Result) -> tuple[Note, ...]:
+    """Return whether X and Y miss the same pedestrians.
 
     How many each system misses, how much the two sets of misses share (Jaccard index), how they
     correlate (phi), and how encounters part that only one system detects.
     """
-    first = missed(result)
-    if not first.n_missed:
+    first, e = missed(result), result.exclusivity
+    if not e.missed_by_x + e.missed_by_y:
         return (first,)
-    few = min(first.by_x, first.by_y) < FEW_MISSES
-    phi = [] if np.isnan(first.phi) else [Correlated("few" if few else "known", first.phi)]
-    return (first, *phi, parted(result))
+    if np.isnan(e.phi):
+        return (first, parted(result))
+    are_few = min(e.missed_by_x, e.missed_by_y) < FEW_MISSES
+    correlated = Note("encounters.few_misses" if are_few else "encounters.correlated", phi=e.phi)
+    return (first, correlated, parted(result))
 
 
-def lead(result: Result) -> Lead:
-    """Which system matches a pedestrian first: mean and median lead time (positive: X first)."""
+def lead(result: Result) -> Note:
+    """Return which system matches a pedestrian first: mean and median lead (positive: X first)."""
     lead_s = result.lead_time_s
     lead_s = lead_s[np.isfinite(lead_s)]
     if not len(lead_s):
-        return Lead("none")
-    mean_s, median_s = float(lead_s.mean()), float(np.median(lead_s))
-    mean, median = round(mean_s, 2), round(median_s, 2)
-    kind: Literal["neither", "usually", "apart", "clear"] = "clear"
-    if not median:
-        kind = "usually" if mean else "neither"
-    elif mean * median < 0:
-        kind = "apart"
+        return Note("encounters.lead", n=0)
     x, y = (int(np.count_nonzero(sign * lead_s > 0)) for sign in (1, -1))
-    return Lead(kind, len(lead_s), x, y, mean_s, median_s)
+    mean_s, median_s = float(lead_s.mean()), float(np.median(lead_s))
+    return Note("encounters.lead", n=len(lead_s), x=x, y=y, mean_s=mean_s, median_s=median_s)
 
 
-def fusion_gains(fusion: pd.DataFrame) -> tuple[Fact, ...]:
-    """What each fused system gains and costs against the better single one.
+def fusion_gains(fusion: pd.DataFrame) -> tuple[Note, ...]:
+    """Return what each fused system gains and costs against the better single one.
 
     Parameters
     ----------
@@ -221,32 +208,25 @@ def fusion_gains(fusion: pd.DataFrame) -> tuple[Fact, ...]:
     rows = {row["system"]: row for row in fusion.to_dict("records")}
     n = rows["x"]["encounters"]
     if not n:
-        return (NoFusion(),)
+        return (Note("encounters.no_fusion"),)
     # against the single system that detects more; X if they are equal
     best = max("xy", key=lambda letter: rows[letter]["encounters_detected"])
-    kinds: tuple[Literal["x_or_y", "x_and_y"], ...] = ("x_or_y", "x_and_y")
-    return tuple(_fused(rows[kind], kind, best, n) for kind in kinds)
-
-
-def _fused(
-    row: dict[Hashable, Any], kind: Literal["x_or_y", "x_and_y"], best: str, n: int
-) -> Fused:
-    gain, more = row[f"gain_on_{best}"], row[f"more_episodes_than_{best}"]
-    return Fused(
-        kind,
-        row["encounters_detected"],
-        n,
-        Gain(_sign_of(gain), abs(gain), best),
-        MoreEpisodes(_sign_of(more), abs(more)),
+    return tuple(
+        Note(
+            "encounters.fused",
+            system=system,
+            detected=rows[system]["encounters_detected"],
+            n=n,
+            gain=rows[system][f"gain_on_{best}"],
+            best=best,
+            more_episodes=rows[system][f"more_episodes_than_{best}"],
+        )
+        for system in ("x_or_y", "x_and_y")
     )
 
 
-def _sign_of(change: int) -> Literal["more", "fewer", "same"]:
-    return "more" if change > 0 else "fewer" if change < 0 else "same"
-
-
-def saliencies(result: Result) -> tuple[SaliencyOf, ...]:
-    """How each system's saliency over all recordings comes about."""
+def saliencies(result: Result) -> tuple[Note, ...]:
+    """Return how each system's saliency over all recordings comes about."""
     return tuple(_saliency_of(result, letter, system) for letter, system in result.sides)
 
 
@@ -260,44 +240,41 @@ def saliency_caveat(params: Params) -> str:
     )
 
 
-def _saliency_of(result: Result, letter: str, system: SystemResult) -> SaliencyOf:
-    events = system.events
+def _saliency_of(result: Result, letter: str, system: SystemResult) -> Note:
+    events, params = system.events, result.params
     if events.empty:
-        return SaliencyOf("none", letter)
-    share = relevant_share(system)
-    relevance = Relevance("all" if share == 1 else "part", share)
-    mean = OnAverage(system.saliency_s) if has_several_recordings(result) else None
-    if result.params.saliency_aggregate == "sum":
-        weight = _weight_of(result, "all", events["weight_s"].sum())
-        total = Sum(float(events["duration_s"].sum()), weight, float(events["saliency_s"].sum()))
-        return SaliencyOf("sum", letter, len(events), total, mean, relevance)
-    kind: Literal["largest", "mean"] = "mean" if mean else "largest"
-    return SaliencyOf(kind, letter, len(events), _largest(result, events), mean, relevance)
-
-
-def _weight_of(result: Result, kind: Literal["one", "all"], weight_s: float) -> Weight | None:
-    return Weight(kind, float(weight_s)) if result.params.saliency_weight == "risk" else None
-
-
-def _largest(result: Result, events: pd.DataFrame) -> Event:
-    """The largest event."""
+        return Note("saliency.none", system=letter)
+    shared = {
+        "system": letter,
+        "n": len(events),
+        "mean_s": system.saliency_s if has_several_recordings(result) else None,
+        "relevance": Note("saliency.relevance", share=relevant_share(system)),
+    }
+    is_by_risk = params.saliency_weight == "risk"
+    if params.saliency_aggregate == "sum":
+        total = events[["duration_s", "weight_s", "saliency_s"]].sum()
+        return Note(
+            "saliency.sum",
+            **shared,
+            duration_s=total["duration_s"],
+            weight_s=total["weight_s"] if is_by_risk else None,
+            saliency_s=total["saliency_s"],
+        )
     worst = events.iloc[events["saliency_s"].argmax()]
-    scope: Literal["encounter", "recording"] = (
-        "encounter" if result.params.saliency_scope == "encounter" else "recording"
-    )
-    in_seconds = result.params.recency_unit == "seconds"
-    return Event(
-        worst["duration_s"],
-        _weight_of(result, "one", worst["weight_s"]),
-        End("seconds", worst["rest_s"], scope) if in_seconds else End("share", worst["tau"], scope),
-        worst["recency"],
-        worst["weight_s"],
-        worst["saliency_s"],
+    in_seconds = params.recency_unit == "seconds"
+    return Note(
+        "saliency.largest",
+        **shared,
+        **worst[["duration_s", "weight_s", "recency", "saliency_s"]],
+        is_by_risk=is_by_risk,
+        rest_s=worst["rest_s"] if in_seconds else None,
+        passed=None if in_seconds else worst["tau"],
+        scope=params.saliency_scope,
     )
 
 
-def classes_read(result: Result, table: pd.DataFrame, letter: str) -> ClassesRead:
-    """How many of the matches of a system have the truth's class, with the interval.
+def classes_read(result: Result, table: pd.DataFrame, letter: str) -> Note:
+    """Return how many matches of a system have the truth's class, with Wilson's 95 % interval.
 
     Parameters
     ----------
@@ -307,8 +284,9 @@ def classes_read(result: Result, table: pd.DataFrame, letter: str) -> ClassesRea
         "x" or "y".
     """
     if not names_classes(result, dict(result.sides)[letter]):
-        return ClassesRead("no classes", letter)
+        return Note("encounters.no_classes", system=letter)
     right = read_share(table, letter)
     if not right.n:
-        return ClassesRead("none", letter)
-    return ClassesRead("known", letter, right.n, right.share, right.low, right.high)
+        return Note("encounters.classes_read", system=letter, n=0)
+    interval = {"low": right.low, "high": right.high}
+    return Note("encounters.classes_read", system=letter, n=right.n, share=right.share, **interval)

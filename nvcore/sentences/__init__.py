@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from string import Formatter
@@ -13,7 +14,6 @@ from nvcore.measures.table import inference_of
 from nvcore.notes import Note
 from nvcore.notes.caveats import caveats
 from nvcore.objects import Objects
-from nvcore.sentences import encounters, saliency
 from nvcore.sentences.facts import Fact
 from nvcore.sentences.texts import Texts
 from nvcore.subjects import contributed
@@ -48,7 +48,7 @@ def phrase(fact: Fact, objects: Objects, of_medium: Texts = MappingProxyType({})
 @cache
 def all_texts() -> Texts:
     """Templates of the core and of subjects, by type of fact."""
-    texts = {**encounters.TEXTS, **saliency.TEXTS}
+    texts: dict[type[Fact], str | Mapping[str, str]] = {}
     for added in contributed("texts"):
         texts.update(added)
     return texts

@@ -15,9 +15,8 @@ SUBJECT = Subject(
     entries="columns:ENTRIES",
     figures="figures.of_result:FIGURES",
     lanes="figures.timeline:LANES",
-    points="report:POINTS",
-    texts="facts:TEXTS",
-    lines="report:lines",
+    points="notes:POINTS",
+    lines="notes:lines",
     sections="section:SECTIONS",
     ui="ui.time_left",
 )

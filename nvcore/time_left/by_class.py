@@ -22,7 +22,6 @@ CLASS_HEAD: Final = (
     *("In time X", "In time Y", "X − Y", "95 % interval"),
     *("Impact X (km/h)", "Impact Y (km/h)", "X − Y", "95 % interval"),
 )
-IMPACT_MEANING: Final = "Impact: mean speed, 0 where the system was in time."
 
 
 class OfClass(NamedTuple):

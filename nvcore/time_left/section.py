@@ -7,6 +7,7 @@ from typing import Final
 import pandas as pd
 
 from nvcore.comparison import Result
+from nvcore.notes import Note, say
 from nvcore.params import Params
 from nvcore.report.html.blocks import (
     Chart,
@@ -19,13 +20,11 @@ from nvcore.report.html.blocks import (
     table,
 )
 from nvcore.report.html.result_sections import names_of
-from nvcore.sentences import say
-from nvcore.time_left.by_class import CLASS_HEAD, IMPACT_MEANING, time_left_by_class
+from nvcore.time_left.by_class import CLASS_HEAD, time_left_by_class
 from nvcore.time_left.encounters import urgent_encounters
-from nvcore.time_left.facts import NobodyMet
 from nvcore.time_left.figures.approach import MOST_ROWS, approach_plot
 from nvcore.time_left.figures.over_speed import LOOKS, OverSpeed, over_speed_plot
-from nvcore.time_left.said import confirmed, few_urgent, needed, orders, urgent
+from nvcore.time_left.notes import confirmed, few_urgent, needed, orders, urgent
 from nvcore.time_left.steps import time_left_in
 from nvcore.wording import Footnotes, capitalised, number
 
@@ -33,15 +32,16 @@ from nvcore.wording import Footnotes, capitalised, number
 def _section(result: Result) -> Section:
     """The urgent encounters up to contact, and both systems over the speed of the car."""
     curve, encounters = time_left_in(result).over_speed, urgent_encounters(result)
-    facts = (
+    of_urgent = urgent(result) or Note("time_left.nobody_met")
+    notes = (
         *few_urgent(result),
         *([needed(result.params)] if time_left_in(result).has_assumed_speed.any() else []),
         *orders(curve),
     )
     sentences = (
-        *(say(fact, result.objects) for fact in confirmed(result)),
-        f"{say(urgent(result) or NobodyMet(), result.objects)}.",
-        *(say(fact, result.objects) for fact in facts),
+        *(say(note, result.objects) for note in confirmed(result)),
+        f"{say(of_urgent, result.objects)}.",
+        *(say(note, result.objects) for note in notes),
     )
     blocks: list[Sentences | Chart | Table | Fold] = [Sentences(sentences)]
     if not encounters.empty:
@@ -90,8 +90,7 @@ def _by_class(result: Result) -> tuple[Fold, ...]:
         return ()
     title = result.objects.say("By class of {one}")
     texts = (f"{mark}: {capitalised(note)}." for note, mark in notes.marks.items())
-    several = result.objects.say("{A_one} may have several classes.")
-    note = " ".join((*texts, several, IMPACT_MEANING))
+    note = " ".join((*texts, say(Note("time_left.by_class"), result.objects)))
     head = ("Class", *CLASS_HEAD)
     return (Fold(title, (table(title, head, rows, right=range(1, len(head)), note=note),)),)
 

@@ -17,10 +17,9 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.inputs.session_toml import read_session, write_session
 from nvcore.inputs.speed import with_speeds
-from nvcore.sentences import say
+from nvcore.notes import Note, say
 from nvcore.tables.result import recordings_table
-from nvcore.time_left.facts import Speed, SpeedOfOne
-from nvcore.time_left.said import last_chance, speed_of_all
+from nvcore.time_left.notes import last_chance, speed_of_all
 from nvcore.time_left.steps import time_left_in, time_left_of
 
 HEAD = "time_s,speed_kmh"
@@ -108,21 +107,13 @@ def test_each_frame_has_its_own_last_chance_and_the_impact_is_at_the_speed_there
 
 
 def test_it_is_said_whether_speed_is_that_of_each_frame_or_assumed_in_some(tmp_path):
-    assert speed_of_all(met(tmp_path)) == Speed("assumed", 50.0)
-    for readings, speed, words in (
-        (("0,50", "4,90"), Speed("by frame", 50.0), "speed of the car in each frame"),
-        (
-            ("0,50", "2,90"),
-            Speed("some frames", 50.0, 1),
-            "(50 km/h assumed in 1 recording, where none is stated)",
-        ),
-    ):
+    assert speed_of_all(met(tmp_path)) == Note("time_left.speed", kmh=50.0)
+    for readings, n_assumed in ((("0,50", "4,90"), None), (("0,50", "2,90"), 1)):
         result = met(tmp_path, *readings)
+        speed = Note("time_left.speed", by="frame", kmh=50.0, n_assumed=n_assumed)
         assert speed_of_all(result) == speed
-        assert say(speed, result.objects).endswith(words)
         assert time_left_in(result).assumed_speed_kmh is None
-    own = last_chance(met(tmp_path, "0,50", "4,90"), 0).speed
-    assert own == SpeedOfOne("by frame", pytest.approx(74), pytest.approx(74))
+    own = last_chance(met(tmp_path, "0,50", "4,90"), 0)["speed"]
+    kmh = [pytest.approx(74), pytest.approx(74)]
+    assert own == Note("time_left.speed_of_one", kmh=kmh, is_stated=True)
     assert say(own, result.objects) == "74.0 km/h"
-    never = replace(own, kind="some frames", kmh=50.0)
-    assert say(never, result.objects) == "50.0 to 74.0 km/h (assumed in some frames)"

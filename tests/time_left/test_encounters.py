@@ -15,7 +15,7 @@ from nvcore.time_left.encounters import (
     nearest_contact,
     urgent_encounters,
 )
-from nvcore.time_left.said import responses
+from nvcore.time_left.notes import responses
 
 
 def test_the_fastest_impact_is_on_top_then_the_smaller_margin():

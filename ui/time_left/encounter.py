@@ -5,7 +5,7 @@ from __future__ import annotations
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.time_left.said import last_chance
+from nvcore.time_left.notes import last_chance
 from nvcore.time_left.steps import time_left_in
 from ui.session import state
 from ui.shell.navigate import open_row

@@ -13,13 +13,13 @@ from nvcore.evidence.companions import judge_keys
 from nvcore.evidence.measures import Evidence
 from nvcore.evidence.units import BLOCKS
 from nvcore.measures.table import evidence_form
+from nvcore.notes import Note
 from nvcore.report.words import WITHIN, WITHIN_NOTE
 from nvcore.stages import THRESHOLD
 from nvcore.tables.scorecard import score_rows
-from nvcore.time_left.by_class import CLASS_HEAD, IMPACT, IMPACT_MEANING, SHARE, time_left_by_class
-from nvcore.time_left.facts import NobodyMet
+from nvcore.time_left.by_class import CLASS_HEAD, IMPACT, SHARE, time_left_by_class
 from nvcore.time_left.kinds import TimeLeft, Urgency
-from nvcore.time_left.said import confirmed, few_urgent, needed, urgent
+from nvcore.time_left.notes import confirmed, few_urgent, needed, urgent
 from nvcore.time_left.settings import TIME_LEFT
 from nvcore.time_left.steps import time_left_in
 from nvcore.wording import Footnotes, capitalised, difference, interval_text, minus, number
@@ -49,7 +49,8 @@ def draw(result: Result) -> None:
 
 
 def _urgency(result: Result) -> str:
-    return plain(f"{state.say(urgent(result) or NobodyMet())}.")
+    note = urgent(result) or Note("time_left.nobody_met")
+    return plain(f"{state.say(note)}.")
 
 
 def _draw_nobody(result: Result) -> None:
@@ -181,8 +182,5 @@ def draw_by_class(result: Result) -> None:
     st.html(measures_html(shown, key="time-left-by-class", head=CLASS_HEAD, first="Class"))
     lines = [f"{mark}: {plain(capitalised(note))}." for note, mark in notes.marks.items()]
     classes = docs_link("Classes of encounters", "classes-of-encounters")
-    lines.append(
-        state.say("{A_one} may have several classes ({classes}). ", classes=classes)
-        + IMPACT_MEANING
-    )
+    lines.append(state.say(Note("time_left.by_class", link=classes)))
     st.caption("  \n".join(lines))

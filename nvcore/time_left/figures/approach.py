@@ -22,9 +22,9 @@ from nvcore.figures.style import (
     system_label,
     written,
 )
+from nvcore.notes import phrase
 from nvcore.palette import Theme
-from nvcore.sentences import phrase
-from nvcore.time_left.said import responses
+from nvcore.time_left.notes import responses
 from nvcore.wording import count_text
 
 MOST_ROWS: Final = 20
