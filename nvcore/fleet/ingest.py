@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError, NvcoreError, SessionError, StoreError
+from nvcore.errors import InputError, NvcoreError, SessionError
 from nvcore.extras import needs
 from nvcore.findings import TRUTH_NAME, Finding
 from nvcore.inputs.session import TABLES_OF_SUBJECTS, RecordingEntry, Session
@@ -26,13 +26,21 @@ from nvcore.metrics.encounter_classes import texts_of_truth
 from nvcore.params import Params
 from nvcore.progress import Progress, no_progress
 from nvcore.schema import NO_LABEL
-from nvcore.wording import MOST_NAMED, did_you_mean, listed
+from nvcore.wording import MOST_NAMED, count_text, did_you_mean, listed
 
 with needs("fleet", "a store needs"):
     import pyarrow as pa
 
-    from nvcore.fleet.store import Store
-    from nvcore.fleet.tables import FACTS, IN_MEMORY, MISSING, RECORDINGS, SOURCES, TRUTH_KINDS
+    from nvcore.fleet.store import Store, versions_in
+    from nvcore.fleet.tables import (
+        FACTS,
+        IN_MEMORY,
+        MISSING,
+        OLDER,
+        RECORDINGS,
+        SOURCES,
+        TRUTH_KINDS,
+    )
 
 BATCH_ROWS: Final = 1 << 20
 """Boxes and frames after which a batch is appended."""
@@ -57,6 +65,8 @@ _TABLE_OF: Final = {
 }
 """Tables of a session file that are fields of `Session`."""
 
+_RETURNED: Final = {"recordings": RECORDINGS, "sources": SOURCES, "older": OLDER}
+"""Tables that an append returns."""
 _Columns = Mapping[str, np.ndarray | pd.Categorical]
 
 
@@ -105,18 +115,14 @@ def tables_of(
     try:
         recordings = _recordings_of(dataset, frames, origin)
         counts = np.bincount(stretch, minlength=len(recordings) * len(sources))
-        rows = _sources_of(dataset, recordings, boxes, counts)
-        for row in rows:
-            row["kind"] = truth_kind if row["source"] == TRUTH_NAME else "system"
-            row["label"] = (labels or {}).get(row["source"], "")
+        rows = _sources_of(dataset, recordings, boxes, counts, truth_kind, labels or {})
         names = [row["recording"] for row in recordings]
         frames["recording"] = _texts(dataset.frames["recording"].to_numpy(), names)
         boxes["recording"] = _texts(stretch // len(sources), names)
         boxes["source"] = _texts(stretch % len(sources), sources)
-        own = {"file": "", "ingested_at": datetime.now(UTC), "amends": False}
         return {
-            "recordings": pa.Table.from_pylist([own | row for row in recordings], RECORDINGS),
-            "sources": pa.Table.from_pylist([own | row for row in rows], SOURCES),
+            "recordings": pa.Table.from_pylist(recordings, RECORDINGS),
+            "sources": pa.Table.from_pylist(rows, SOURCES),
             "frames": _table(frames, IN_MEMORY["frames"]),
             "boxes": _table(boxes, IN_MEMORY["boxes"]),
         }
@@ -211,7 +217,12 @@ def _time_of(text: str | None) -> datetime | None:
 
 
 def _sources_of(
-    dataset: Dataset, recordings: list[dict[str, Any]], boxes: _Columns, counts: np.ndarray
+    dataset: Dataset,
+    recordings: list[dict[str, Any]],
+    boxes: _Columns,
+    counts: np.ndarray,
+    truth_kind: str,
+    labels: Mapping[str, str],
 ) -> list[dict[str, Any]]:
     params, (x, y) = dataset.params_of(), dataset.compared()
     thresholds: dict[str | None, float | None] = {
@@ -229,6 +240,8 @@ def _sources_of(
             "source": source,
             "sha256": _sha256(repr(thresholds.get(source)), slice(start, stop), boxes),
             "recording_sha256": of["sha256"],
+            "kind": "system" if source != TRUTH_NAME else truth_kind,
+            "label": labels.get(source, ""),
             "threshold": thresholds.get(source),
             "inputs": inputs.get(source, []),
             "n_left_out": left_out.get((of["recording"], source), 0),
@@ -303,6 +316,15 @@ class Ingested:
     not_stored: dict[str, int] = field(default_factory=dict)
     older: pd.DataFrame = field(default_factory=pd.DataFrame)
 
+    def __str__(self) -> str:
+        n_frames, n_boxes = (int(of["n_rows"].sum()) for of in (self.recordings, self.sources))
+        known = count_text(self.n_known, "source was", "sources were")
+        return (
+            f"{count_text(len(self.recordings), 'recording')} ({count_text(n_frames, 'frame')}), "
+            f"{count_text(len(self.sources), 'source')} ({count_text(n_boxes, 'box', 'boxes')}) "
+            f"appended{f'; {known} there already' if self.n_known else ''}"
+        )
+
 
 def ingest_all(
     inputs: Iterable[tuple[str, Callable[[], Dataset]]],
@@ -343,7 +365,7 @@ def ingest_all(
                 f"name of at most {_LABEL_LETTERS} letters without @ that is no number"
             )
     done = Ingested()
-    new = [{"recordings": RECORDINGS.empty_table(), "sources": SOURCES.empty_table()}]
+    new = [{name: schema.empty_table() for name, schema in _RETURNED.items()}]
     batch: list[dict[str, pa.Table]] = []
     seen: dict[tuple[str, str], tuple[str, str]] = {}
     for name, load in inputs:
@@ -352,8 +374,6 @@ def ingest_all(
             dataset = load()
             tables = tables_of(dataset, origin=name, truth_kind=truth_kind, labels=labels)
             _check_seen(tables, name, seen)
-        except StoreError:
-            raise
         except NvcoreError as error:
             done.errors[name] = error
             continue
@@ -368,13 +388,11 @@ def ingest_all(
             batch = []
     if batch:
         new.append(store.append(batch, newest=newest))
-    done.recordings = pa.concat_tables([of["recordings"] for of in new]).to_pandas()
-    done.sources = pa.concat_tables([of["sources"] for of in new]).to_pandas()
+    rows = {of: pa.concat_tables([tables[of] for tables in new]).to_pandas() for of in _RETURNED}
+    done.recordings, done.sources = rows["recordings"], rows["sources"]
     done.n_known -= len(done.sources)
-    if done.n_known:
-        columns = ["recording", "source", "sha256"]
-        given = [(*key, sha256) for key, (sha256, _) in seen.items()]
-        done.older = store.snapshot().older(pd.DataFrame(given, columns=columns))
+    older = rows["older"].groupby(["source", "version", "newest"], as_index=False)
+    done.older = older.agg(n_recordings=("recording", "nunique"))
     names = {source for _, source in seen} - {""}
     for name in set(labels) - names if names else ():
         known = did_you_mean(name, names, f"they are {listed(sorted(names), most=MOST_NAMED)}")
@@ -386,9 +404,7 @@ def _check_seen(
     tables: Mapping[str, pa.Table], name: str, seen: dict[tuple[str, str], tuple[str, str]]
 ) -> None:
     """Refuse a recording that another input has with other content: it may be another drive."""
-    own = {(row["recording"], ""): row["sha256"] for row in tables["recordings"].to_pylist()} | {
-        (row["recording"], row["source"]): row["sha256"] for row in tables["sources"].to_pylist()
-    }
+    own = dict(of for row in tables["sources"].to_pylist() for of in versions_in(row))
     for (recording, source), sha256 in own.items():
         earlier, where = seen.get((recording, source), (sha256, name))
         if earlier != sha256:
@@ -411,12 +427,14 @@ def not_stored(dataset: Dataset) -> list[str]:
         tables += [(f"[{name}]", getattr(settings, name)) for name in TABLES_OF_SUBJECTS]
     stated = []
     for table, of in tables:
-        carried = CARRIED.get(table, "").split()
         for spec in fields(of):
-            factory = spec.default_factory
+            factory, key = spec.default_factory, f"{table} {spec.name}"
             default = spec.default if factory is REQUIRED else factory()
-            if spec.name not in carried and getattr(of, spec.name) != default:
-                stated.append(_TABLE_OF.get(f"{table} {spec.name}", f"{table} {spec.name}"))
+            if (
+                spec.name not in CARRIED.get(table, "").split()
+                and getattr(of, spec.name) != default
+            ):
+                stated.append(_TABLE_OF.get(key, key))
     if dataset.of("alerts") and not any(key.startswith("[[system]] alert") for key in stated):
         stated.append("alerts in files of detections")
     return [*dict.fromkeys(stated)]
