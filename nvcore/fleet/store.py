@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from dataclasses import asdict
 from datetime import UTC, datetime, timedelta
 from functools import cached_property
-from itertools import groupby
+from itertools import accumulate, groupby
 from operator import itemgetter
 from pathlib import Path
 from typing import Any, Final
@@ -100,8 +100,6 @@ class Store:
 
     def _create(self, name: str) -> DeltaTable:
         with self.location.at(name, "made"):
-            if self.location.path:
-                (self.location.path / name).mkdir(parents=True, exist_ok=True)
             try:
                 return DeltaTable.create(
                     f"{self.location.uri}/{name}",
@@ -154,25 +152,23 @@ class Store:
             content, facts = itemgetter(*_CONTENT[name]), _STATED[name]
             known = {content(row): row for row in stored}
             rows: dict[tuple[str, ...], dict[str, Any]] = {}
-            pieces, n_read = {}, 0
-            for row in given[name].to_pylist():
+            pieces = {}
+            # the rows of a batch follow each other in its tables
+            stops = np.cumsum(given[name]["n_rows"]).tolist()
+            for row, stop in zip(given[name].to_pylist(), stops, strict=True):
                 key = content(row)
                 before = rows.get(key) or known.get(key) or row | {"kind": TRUTH_KINDS[0]}
                 kept = ["file", "first_row", *([] if row[facts[0]] else facts)]
                 rows[key] = row | {fact: before[fact] for fact in kept}
                 if key not in known:
-                    pieces[key] = given[data].slice(n_read, row["n_rows"])
-                n_read += row["n_rows"]  # the rows of a batch follow each other in its tables
+                    pieces[key] = given[data].slice(stop - row["n_rows"], row["n_rows"])
             order = sorted(pieces)
             whole = pa.concat_tables([given[data].slice(0, 0), *(pieces[key] for key in order)])
             actions[data] = self._put(data, whole)
-            first_row = 0
-            for key in order:
-                rows[key] |= {
-                    "file": actions[data][0].path if len(whole) else "",
-                    "first_row": first_row,
-                }
-                first_row += len(pieces[key])
+            file = actions[data][0].path if len(whole) else ""
+            starts = accumulate((len(pieces[key]) for key in order), initial=0)
+            for key, start in zip(order, starts, strict=False):
+                rows[key] |= {"file": file, "first_row": start}
             if name == "sources":
                 new["older"] = _note_newest(stored, rows.values(), newest=newest)
             labels = {(content(row), of) for row in stored for of in ("", row.get("label", ""))}
@@ -198,9 +194,9 @@ class Store:
                 self._commit(name, actions[name])
         if any(actions.values()):
             reached = _versions_reached(self.location)
-            for of, table in tables.items():  # higher by 1, or by more with other writers
-                reached[of] = max(reached[of], table.version() + bool(actions[of]))
-            self.location.write(VERSIONS, json.dumps(reached).encode())
+            own = {name: table.version() + bool(actions[name]) for name, table in tables.items()}
+            after = {name: max(reached[name], own[name]) for name in own}  # others write, too
+            self.location.write(VERSIONS, json.dumps(after).encode())
         return new
 
     def _put(self, name: str, rows: pa.Table) -> list[AddAction]:
@@ -474,19 +470,24 @@ class Snapshot:
 
 def other_settings(recordings: pd.DataFrame, params: Params) -> str:
     """Say which settings of recordings a scan does not use, or return an empty text."""
-    used, others, n, words = asdict(params), set(), 0, {None: "the default"}
-    for text, count in recordings["parameters"].value_counts().items():
-        given = json.loads(str(text) or "{}")
-        differing = [name for name, value in given.items() if value != used.get(name)]
-        others |= {(name, str(words.get(given[name], given[name]))) for name in differing}
-        n += int(count) if differing else 0
+    used = asdict(params)
+    shown = {None: "the default"}
+    differing = [
+        {
+            (name, str(shown.get(value, value)))
+            for name, value in json.loads(text or "{}").items()
+            if value != used.get(name)
+        }
+        for text in recordings["parameters"]
+    ]
     texts = [
         f"{name} {' or '.join(value for _, value in values)} "
-        f"(the scan uses {words.get(used.get(name), used.get(name))})"
-        for name, values in groupby(sorted(others), key=itemgetter(0))
+        f"(the scan uses {shown.get(used.get(name), used.get(name))})"
+        for name, values in groupby(sorted(set().union(*differing)), key=itemgetter(0))
     ]
-    ingested = f"{n:,} of {count_text(len(recordings), 'recording')} {'was' if n == 1 else 'were'}"
-    return f"{ingested} ingested with other settings: {', '.join(texts)}" if n else ""
+    n, of = sum(map(bool, differing)), count_text(len(recordings), "recording")
+    verb = "was" if n == 1 else "were"
+    return f"{n:,} of {of} {verb} ingested with other settings: {', '.join(texts)}" if n else ""
 
 
 @contextmanager
