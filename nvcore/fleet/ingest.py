@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING as REQUIRED
 from dataclasses import dataclass, field, fields
@@ -31,16 +32,8 @@ from nvcore.wording import MOST_NAMED, count_text, did_you_mean, listed
 with needs("fleet", "a store needs"):
     import pyarrow as pa
 
-    from nvcore.fleet.store import Store, versions_in
-    from nvcore.fleet.tables import (
-        FACTS,
-        IN_MEMORY,
-        MISSING,
-        OLDER,
-        RECORDINGS,
-        SOURCES,
-        TRUTH_KINDS,
-    )
+    from nvcore.fleet.store import Older, Store, versions_in
+    from nvcore.fleet.tables import FACTS, IN_MEMORY, MISSING, RECORDINGS, SOURCES, TRUTH_KINDS
 
 BATCH_ROWS: Final = 1 << 20
 """Boxes and frames after which a batch is appended."""
@@ -65,8 +58,6 @@ _TABLE_OF: Final = {
 }
 """Tables of a session file that are fields of `Session`."""
 
-_RETURNED: Final = {"recordings": RECORDINGS, "sources": SOURCES, "older": OLDER}
-"""Tables that an append returns."""
 _Columns = Mapping[str, np.ndarray | pd.Categorical]
 
 
@@ -141,18 +132,19 @@ def _boxes_by_recording(dataset: Dataset) -> tuple[dict[str, Any], np.ndarray]:
     frame_index = boxes["frame_index"].to_numpy()
     recording = dataset.frames["recording"].to_numpy()[frame_index].astype(np.int64)
     stretch = recording * n_sources + boxes["source"].to_numpy()
-    every = {name: boxes[name].to_numpy() for name in IN_MEMORY["boxes"].names if name in boxes}
-    columns: dict[str, Any] = {name: of for name, of in every.items() if _is_any_known(name, of)}
+    columns: dict[str, Any] = {
+        name: of
+        for name in IN_MEMORY["boxes"].names
+        if name in boxes and _is_any_known(name, of := boxes[name].to_numpy())
+    }
     columns["frame"] = dataset.frames["frame"].to_numpy()[frame_index]
     if "label" in columns:
         columns["label"] = _texts(columns.pop("label"), dataset.labels)
-        columns["label"] = columns["label"].reorder_categories(sorted(dataset.labels))
     texts = texts_of_truth(dataset)
     if len(texts.categories):
         codes = np.full(len(boxes), -1)
         codes[: len(texts)] = texts.codes
         columns["attributes"] = _texts(codes, texts.categories)
-        columns["attributes"] = columns["attributes"].reorder_categories(sorted(texts.categories))
     if len(dataset.recordings) > 1:  # a dataset has all of one source first
         order = np.argsort(stretch, kind="stable")
         stretch = stretch[order]
@@ -161,8 +153,10 @@ def _boxes_by_recording(dataset: Dataset) -> tuple[dict[str, Any], np.ndarray]:
 
 
 def _texts(codes: np.ndarray, texts: Iterable[object]) -> pd.Categorical:
+    """Return texts by code, with sorted categories."""
     names = pd.Index([*map(str, texts)], dtype=object)
-    return pd.Categorical.from_codes(codes, names, validate=False)
+    found = pd.Categorical.from_codes(codes, names, validate=False)
+    return found.reorder_categories(names.sort_values())
 
 
 def _recordings_of(
@@ -187,12 +181,10 @@ def _recordings_of(
             "recorded_at": _time_of(entry.recorded_at),
             "objects": [objects.singular, objects.plural],
         }
-        text = json.dumps([*facts.values()], default=str)
-        pictures = "" if entry.pictures is None else str((folder / entry.pictures).absolute())
         own = {
             "recording": row["name"],
-            "sha256": _sha256(text, slice(*ends), frames),
-            "pictures": pictures,
+            "sha256": _sha256(json.dumps([*facts.values()], default=str), slice(*ends), frames),
+            "pictures": str((folder / entry.pictures).absolute()) if entry.pictures else "",
             "first_picture": entry.first_picture,
             "duration_s": duration_s,
             "parameters": json.dumps(given, sort_keys=True) if given else "",
@@ -313,7 +305,7 @@ class Ingested:
     n_known: int = 0
     errors: dict[str, NvcoreError] = field(default_factory=dict)
     findings: dict[str, tuple[Finding, ...]] = field(default_factory=dict)
-    not_stored: dict[str, int] = field(default_factory=dict)
+    not_stored: Counter[str] = field(default_factory=Counter)
     older: pd.DataFrame = field(default_factory=pd.DataFrame)
 
     def __str__(self) -> str:
@@ -365,7 +357,7 @@ def ingest_all(
                 f"name of at most {_LABEL_LETTERS} letters without @ that is no number"
             )
     done = Ingested()
-    new = [{name: schema.empty_table() for name, schema in _RETURNED.items()}]
+    new = [({"recordings": RECORDINGS.empty_table(), "sources": SOURCES.empty_table()}, Older())]
     batch: list[dict[str, pa.Table]] = []
     seen: dict[tuple[str, str], tuple[str, str]] = {}
     for name, load in inputs:
@@ -379,8 +371,7 @@ def ingest_all(
             continue
         if dataset.findings:
             done.findings[name] = dataset.findings
-        for key in not_stored(dataset):
-            done.not_stored[key] = done.not_stored.get(key, 0) + 1
+        done.not_stored.update(not_stored(dataset))
         batch.append(tables)
         done.n_known += len(tables["sources"])
         if sum(len(of["boxes"]) + len(of["frames"]) for of in batch) >= BATCH_ROWS:
@@ -388,11 +379,14 @@ def ingest_all(
             batch = []
     if batch:
         new.append(store.append(batch, newest=newest))
-    rows = {of: pa.concat_tables([tables[of] for tables in new]).to_pandas() for of in _RETURNED}
-    done.recordings, done.sources = rows["recordings"], rows["sources"]
+    done.recordings, done.sources = (
+        pa.concat_tables([tables[of] for tables, _ in new]).to_pandas()
+        for of in ("recordings", "sources")
+    )
     done.n_known -= len(done.sources)
-    older = rows["older"].groupby(["source", "version", "newest"], as_index=False)
-    done.older = older.agg(n_recordings=("recording", "nunique"))
+    columns = ["recording", "source", "version", "newest"]
+    older = pd.DataFrame(sorted(set().union(*(of for _, of in new))), columns=columns)
+    done.older = older.groupby(columns[1:], as_index=False).agg(n_recordings=("recording", "size"))
     names = {source for _, source in seen} - {""}
     for name in set(labels) - names if names else ():
         known = did_you_mean(name, names, f"they are {listed(sorted(names), most=MOST_NAMED)}")
@@ -445,11 +439,9 @@ def sessions_in(
 ) -> Iterator[tuple[str, Callable[[], Dataset]]]:
     """Yield session files, also those in folders, as `ingest_all` takes them."""
     for path in paths:
-        files = filter(_is_session, sorted(path.rglob("*.toml"))) if path.is_dir() else [path]
-        file = None
-        for file in files:
-            yield str(file), partial(load, file)
-        if file is None:
+        files = [*filter(_is_session, sorted(path.rglob("*.toml")))] if path.is_dir() else [path]
+        yield from ((str(file), partial(load, file)) for file in files)
+        if not files:
             yield str(path), partial(_refuse_folder, path)
 
 

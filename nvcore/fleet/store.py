@@ -40,7 +40,7 @@ with needs("fleet", "a store needs"):
     from deltalake.exceptions import DeltaError, TableNotFoundError
     from deltalake.transaction import AddAction, CommitProperties
 
-    from nvcore.fleet.tables import ADDED_LATER, IN_MEMORY, OLDER, RECORDINGS, SCHEMAS, TRUTH_KINDS
+    from nvcore.fleet.tables import ADDED_LATER, IN_MEMORY, RECORDINGS, SCHEMAS, TRUTH_KINDS
 
 GROUP_ROWS: Final = 1 << 18
 """Rows of a Parquet row group."""
@@ -61,6 +61,8 @@ _THREADS: Final = 8
 
 _Name = tuple[str, str]  # of a recording, and a source; without a source: of the recording itself
 _Versions = tuple[tuple[_Name, str], ...]
+Older = set[tuple[str, str, int, int]]
+"""Recording, source (empty: the recording itself), version, and the version that is the newest."""
 
 
 class Store:
@@ -113,7 +115,7 @@ class Store:
 
     def append(
         self, batch: Sequence[Mapping[str, pa.Table]], *, newest: bool = False
-    ) -> dict[str, pa.Table]:
+    ) -> tuple[dict[str, pa.Table], Older]:
         """Append new versions of recordings and sources, with one commit per table.
 
         A version that the store has does not become the newest again; a row notes new labels, kinds
@@ -130,8 +132,9 @@ class Store:
         Returns
         -------
         dict
-            Rows of ``recordings`` and ``sources`` whose content is new, and ``older``: the given
-            versions that are not the newest ones (`OLDER`).
+            Rows of ``recordings`` and ``sources`` whose content is new.
+        set
+            Given versions that are not the newest ones (`Older`).
 
         Raises
         ------
@@ -170,10 +173,10 @@ class Store:
             for key, start in zip(order, starts, strict=False):
                 rows[key] |= {"file": file, "first_row": start}
             if name == "sources":
-                new["older"] = _note_newest(stored, rows.values(), newest=newest)
+                older = _note_newest(stored, rows.values(), newest=newest)
             labels = {(content(row), of) for row in stored for of in ("", row.get("label", ""))}
             # later than what is stored, whatever the clocks of other writers say
-            start = max([datetime.now(UTC), *(row["ingested_at"] for row in stored[-1:])])
+            now = max([datetime.now(UTC), *(row["ingested_at"] for row in stored[-1:])])
             added: dict[tuple[str, ...], dict[str, Any]] = {}
             n_added = Counter[tuple[str, ...]]()
             for key, row in rows.items():
@@ -184,7 +187,7 @@ class Store:
                     or any(row.get(of) != known[key].get(of) for of in (*facts, "parameters"))
                 ):
                     n_added[key[:-1]] += 1
-                    at = start + n_added[key[:-1]] * timedelta(microseconds=1)
+                    at = now + n_added[key[:-1]] * timedelta(microseconds=1)
                     added[key] = row | {"ingested_at": at}
             made = pa.Table.from_pylist([*added.values()], SCHEMAS[name])
             new[name] = made.filter(pa.array([key not in known for key in added], pa.bool_()))
@@ -193,11 +196,11 @@ class Store:
             if actions[name]:
                 self._commit(name, actions[name])
         if any(actions.values()):
-            reached = _versions_reached(self.location)
-            own = {name: table.version() + bool(actions[name]) for name, table in tables.items()}
-            after = {name: max(reached[name], own[name]) for name in own}  # others write, too
+            after = _versions_reached(self.location)
+            for name, table in tables.items():  # higher by 1, or by more with other writers
+                after[name] = max(after[name], table.version() + bool(actions[name]))
             self.location.write(VERSIONS, json.dumps(after).encode())
-        return new
+        return new, older
 
     def _put(self, name: str, rows: pa.Table) -> list[AddAction]:
         """Write a file of rows sorted by recording, if any, and return its entry for the commit."""
@@ -233,15 +236,15 @@ class Store:
 
 def _note_newest(
     stored: Sequence[dict[str, Any]], given: Collection[dict[str, Any]], *, newest: bool
-) -> pa.Table:
-    """Set ``amends`` in given rows of sources, and return which are not the newest (`OLDER`)."""
+) -> Older:
+    """Set ``amends`` in given rows of sources, and return the versions that are not the newest."""
     numbers: dict[_Name, dict[str, int]] = {}
     last: dict[_Name, _Versions] = {}
     known: set[_Versions] = set()
-    for place, row in enumerate([*stored, *given]):
+    for row in (*stored, *given):
         own = versions_in(row)
         (recording, _), (source, _) = own
-        if place >= len(stored):
+        if row["amends"] is None:  # a given row
             is_last = last.get(source) == own and last[recording][0] == own[0]
             row["amends"] = own in known and (is_last or not newest)
         if not row["amends"]:
@@ -249,14 +252,12 @@ def _note_newest(
         known.add(own)
         for name, version in own:
             numbers.setdefault(name, {}).setdefault(version, len(numbers[name]) + 1)
-    older = {
+    return {
         (*name, numbers[name][version], numbers[name][dict(last[name])[name]])
         for row in given
         for name, version in versions_in(row)
         if version != dict(last[name])[name]
     }
-    rows = [dict(zip(OLDER.names, of, strict=True)) for of in older]
-    return pa.Table.from_pylist(rows, OLDER)
 
 
 def versions_in(row: Mapping[str, Any]) -> _Versions:
@@ -303,31 +304,23 @@ class Snapshot:
         table = _opened(self.location, name, self.versions[name])
         if table is None:  # it existed when the snapshot was made
             raise StoreError("cannot be read (it is not there)", file=self.location.uri)
-        rows: pd.DataFrame = _rows(self.location, name, table, self._known).to_pandas()
-        return rows
+        return pd.DataFrame(_rows(self.location, name, table, self._known).to_pandas())
 
     @cached_property
     def _stated(self) -> pd.DataFrame:
         """Rows of sources, oldest first, with the number of their version."""
         rows = self._table("sources")
-        number = (
-            (~rows.duplicated(_CONTENT["sources"]))
-            .groupby([rows["recording"], rows["source"]])
-            .cumsum()
-        )
+        is_first = ~rows.duplicated(_CONTENT["sources"])
+        number = is_first.groupby([rows["recording"], rows["source"]]).cumsum()
         version = number.groupby([rows[key] for key in _CONTENT["sources"]]).transform("first")
         return rows.assign(version=version, label=rows["label"].replace("", None))
 
     @cached_property
-    def _counting(self) -> pd.DataFrame:
-        """Rows of sources that make a version the newest."""
-        return self._stated[~self._stated["amends"]]
-
-    @cached_property
     def recordings(self) -> pd.DataFrame:
         """The newest version of every recording: the one with which a source came last."""
-        came = self._counting[["recording", "recording_sha256", "ingested_at"]]
-        came = came.rename(columns={"recording_sha256": "sha256"})
+        came = self._stated[~self._stated["amends"]]
+        came = came[["recording", "recording_sha256", "ingested_at"]]
+        came = came.set_axis([*_CONTENT["recordings"], "ingested_at"], axis=1)
         newest = came.drop_duplicates("recording", keep="last")[_CONTENT["recordings"]]
         rows = self._table("recordings").drop_duplicates(_CONTENT["recordings"], keep="last")
         first = came.drop_duplicates(_CONTENT["recordings"])
@@ -409,8 +402,7 @@ class Snapshot:
         dict
             ``recordings``, ``sources``, ``frames`` (by recording and frame) and ``boxes`` (by
             recording, source in the order asked for, and frame); first_row and n_rows of the first
-            two refer to the last two. The column source holds the names asked for. A table is read
-            when it is first looked up.
+            two refer to the last two. The column source holds the names asked for.
 
         Raises
         ------
@@ -454,13 +446,10 @@ class Snapshot:
                 groups = range(of_file["first_row"].min() // n_of_group, -(-last // n_of_group))
                 table = parquet.read_row_groups([*groups], columns=own.names)
             read[str(file)] = table, groups[0] * n_of_group
-        pieces = [own.empty_table()]
-        for file, first_row, n_rows in zip(
-            rows["file"], rows["first_row"], rows["n_rows"], strict=True
-        ):
-            table, start = read[file]
-            pieces.append(table.slice(first_row - start, n_rows))
-        whole = pa.concat_tables(pieces).unify_dictionaries().combine_chunks()
+        stretches = rows[["file", "first_row", "n_rows"]].itertuples(index=False)
+        pieces = [read[file][0].slice(at - read[file][1], n_rows) for file, at, n_rows in stretches]
+        whole = pa.concat_tables([own.empty_table(), *pieces])
+        whole = whole.unify_dictionaries().combine_chunks()
         version = np.repeat(np.arange(len(rows)), rows["n_rows"])
         for position, column in enumerate(given):
             of_version = pa.array(rows[column], pa.string()).dictionary_encode()
@@ -561,9 +550,8 @@ def _rows(
     def read(path: str) -> pa.Table:
         with _file_of(location, path) as parquet:
             rows = parquet.read()
-            for column, value in ADDED_LATER.items():
-                if column in schema.names and column not in rows.column_names:
-                    rows = rows.append_column(column, pa.repeat(value, len(rows)))
+            for column in {*schema.names}.difference(rows.column_names):
+                rows = rows.append_column(column, pa.repeat(ADDED_LATER[column], len(rows)))
             return rows.select(schema.names).cast(schema)
 
     with location.at(name, "read"):

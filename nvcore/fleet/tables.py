@@ -62,16 +62,6 @@ They are written last: a version of a recording counts once there is a source th
 ADDED_LATER: Final = {"parameters": "", "amends": False}
 """Columns that older stores lack, and their values there."""
 
-OLDER: Final = pa.schema(
-    [
-        ("recording", pa.string()),
-        ("source", pa.string()),  # empty: the recording itself
-        ("version", pa.int64()),
-        ("newest", pa.int64()),
-    ]
-)
-"""Versions that were given to a store and are not the newest ones there."""
-
 FRAMES: Final = pa.schema(
     [
         ("recording", pa.string()),

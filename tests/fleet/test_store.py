@@ -81,10 +81,10 @@ def test_a_dataset_is_read_as_it_was_appended(place: Location):
     dataset = make_dataset(truth, [full], labels=("zebra", "ant"), n_frames=9, horizon=40)
     dataset = replace(dataset, systems=("A", "none"))
     store = Store(place)
-    new = store.append([tables_of(dataset, truth_kind="automatic", labels={"A": "spring"})])
+    new, _ = store.append([tables_of(dataset, truth_kind="automatic", labels={"A": "spring"})])
     snapshot = pickle.loads(pickle.dumps(store.snapshot()))
     check_same(snapshot, dataset)
-    assert [len(new[name]) for name in ("recordings", "sources")] == [1, 3]
+    assert [len(rows) for rows in new.values()] == [1, 3]
     columns = ["source", "kind", "label", "version", "n_rows"]
     assert snapshot.sources[columns].to_numpy().tolist() == [
         ["A", "system", "spring", 1, 1],
@@ -134,8 +134,9 @@ def test_a_changed_source_is_a_new_version_and_the_same_one_is_none(tmp_path: Pa
     store.append(batch_of("a", "b"))
     before = store.snapshot()
     files = sorted(tmp_path.rglob("*"))
-    again = store.append(batch_of("b", "a"))
-    assert [len(rows) for rows in again.values()] == [0, 0, 0]
+    again, older = store.append(batch_of("b", "a"))
+    assert [len(rows) for rows in again.values()] == [0, 0]
+    assert not older
     assert sorted(tmp_path.rglob("*")) == files
     store.append([tables_of(recordings("a", seed=1), labels={"x": "second"})])
     now = store.snapshot()
@@ -153,8 +154,8 @@ def test_a_changed_source_is_a_new_version_and_the_same_one_is_none(tmp_path: Pa
     assert now.pick("x@2")["recording"].tolist() == ["a"]
     # the frame rate was corrected: another recording, with the boxes that it had
     corrected = recordings("b", fps=25.0)
-    new = store.append([tables_of(corrected)])
-    assert [len(new[name]) for name in ("recordings", "sources")] == [1, 0]
+    new, _ = store.append([tables_of(corrected)])
+    assert [len(rows) for rows in new.values()] == [1, 0]
     check_same(store.snapshot(), corrected)
     assert store.snapshot().pick("x")["version"].tolist() == [2, 1]
     assert len([*(tmp_path / "boxes").glob("*.parquet")]) == 2
@@ -353,8 +354,8 @@ def test_a_writer_that_dies_leaves_nothing_that_is_seen(tmp_path: Path):
         assert now.recordings.equals(before.recordings)
         assert now.sources.equals(before.sources)
         assert content(now).equals(content(before))
-    new = Store(location).append([tables_of(longer)])
-    assert [len(new[name]) for name in ("recordings", "sources")] == [
+    new, _ = Store(location).append([tables_of(longer)])
+    assert [len(rows) for rows in new.values()] == [
         0,
         3,
     ]  # the recording was there, unseen
