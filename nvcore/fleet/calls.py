@@ -167,7 +167,6 @@ class OpenArguments:
 def ingest(
     *inputs: PathLike | Session | Dataset,
     store: PathLike | Store,
-    partition: str | None = None,
     labels: Mapping[str, str] | None = None,
     truth_kind: str = "",
     newest: bool = False,
@@ -183,9 +182,6 @@ def ingest(
     store
         A folder, ``s3://bucket/folder`` (with what the environment says of the server), or what
         `open_store` returns; a new one is made.
-    partition
-        How a new store is divided: by ``month``, ``unit``, or the key of a tag, such as ``route``
-        where recordings have tags such as ``route=A9``.
     labels
         What to call these versions, by ``truth`` or the system's name: ``{"FIR": "2026-03"}``.
     truth_kind
@@ -204,9 +200,9 @@ def ingest(
     Raises
     ------
     InputError
-        If a folder holds no session file, or the store is divided in another way.
+        If a folder holds no session file.
     ParameterError
-        If `partition` or `storage` is given with an opened store.
+        If `storage` is given with an opened store.
     StoreError
         If the store cannot be read or written; what was appended until then is in it.
 
@@ -221,9 +217,9 @@ def ingest(
     from nvcore.fleet.store import Store
 
     if not isinstance(store, Store):
-        store = Store(Location(store, storage), partition=partition)
-    elif partition is not None or storage is not None:
-        raise ParameterError("partition, storage: the store that is given has its own")
+        store = Store(Location(store, storage))
+    elif storage is not None:
+        raise ParameterError("storage: the store that is given has its own")
     return ingest_all(_named(inputs), store, truth_kind=truth_kind, labels=labels, newest=newest)
 
 

@@ -49,7 +49,7 @@ STORE: Final = "Store"
     short_help="Append recordings to a store of many.",
     epilog=examples(
         "nvcore ingest night.toml --store fleet",
-        "nvcore ingest drives --store s3://ours/fleet --partition route --label FIR=2026-03",
+        "nvcore ingest drives --store s3://ours/fleet --label FIR=2026-03",
         "nvcore ingest --truth gt.csv --x fir.csv --size 640x480 --fps 20 --store fleet",
     ),
 )
@@ -61,13 +61,6 @@ STORE: Final = "Store"
     metavar="URI",
     help="A folder, or s3://bucket/folder with what the environment says of the server "
     "(AWS_ENDPOINT_URL, ...); made if there is none.",
-)
-@grouped_option(
-    STORE,
-    "--partition",
-    metavar="KEY",
-    help="How a new store is divided: by month, unit, or the key of a tag, such as route where "
-    "recordings have tags such as route=A9. Default: not.",
 )
 @grouped_option(
     STORE,
@@ -95,7 +88,6 @@ STORE: Final = "Store"
 def ingest(
     inputs: tuple[Path, ...],
     store: str,
-    partition: str | None,
     labels: dict[str, str],
     truth_kind: str | None,
     newest: bool,
@@ -128,45 +120,37 @@ def ingest(
         every = iter([(options["truth"][0] if options["truth"] else "", partial(loaded, None))])
     done = ingest_all(
         every,
-        Store(Location(store), partition=partition),
+        Store(Location(store)),
         truth_kind=truth_kind or "",
         labels=labels,
         newest=newest,
         progress=step_lines(),
     )
-    for name, findings in done.findings.items():
-        codes = ", ".join(dict.fromkeys(finding.code for finding in findings))
-        click.echo(one_line(f"note: {name}: {codes} (nvcore check says more)"), err=True)
-    notes = [
-        f"{key} is not stored ({count_text(n, 'input states it', 'inputs state it')})"
+    lines = [
+        f"note: {name}: {', '.join(dict.fromkeys(of.code for of in findings))} "
+        "(nvcore check says more)"
+        for name, findings in done.findings.items()
+    ]
+    lines += [
+        f"note: {key} is not stored ({count_text(n, 'input states it', 'inputs state it')})"
         for key, n in done.not_stored.items()
     ]
-    for source, version, last, n in done.older.itertuples(index=False):
-        what = f"{source or 'metadata'} of {count_text(n, 'recording', 'recordings')}"
-        notes.append(
-            f"{what} is there as version {version}; version {last} stays the newest "
-            "(--newest changes that)"
-        )
-    for note in notes:
-        click.echo(one_line(f"note: {note}"), err=True)
-    for name, error in done.errors.items():
-        text = str(error) if name in str(error) else f"{name}: {error}"
-        click.echo(one_line(f"error: {text}"), err=True)
-    recordings, sources = done.recordings, done.sources
-    noted = " (label or kind of truth noted)" if labels or truth_kind else ""
-    known = f"; {count_text(done.n_known, 'source was', 'sources were')} there already{noted}"
-    click.echo(
-        one_line(
-            f"{count_text(len(recordings), 'recording', 'recordings')} "
-            f"({count_text(int(recordings['n_rows'].sum()), 'frame', 'frames')}), "
-            f"{count_text(len(sources), 'source', 'sources')} "
-            f"({count_text(int(sources['n_rows'].sum()), 'box', 'boxes')}) appended to {store}"
-            f"{known if done.n_known else ''}"
-        )
-    )
+    lines += [
+        f"note: {source or 'metadata'} of {count_text(n, 'recording')} is there as version "
+        f"{version}; "
+        f"version {last} stays the newest (--newest changes that)"
+        for source, version, last, n in done.older.itertuples(index=False)
+    ]
+    lines += [
+        f"error: {error}" if name in str(error) else f"error: {name}: {error}"
+        for name, error in done.errors.items()
+    ]
+    for line in lines:
+        click.echo(one_line(line), err=True)
+    noted = " (label or kind of truth noted)" if done.n_known and (labels or truth_kind) else ""
+    click.echo(f"{done}{noted}")
     if done.errors:
-        is_empty = recordings.empty and sources.empty and not done.n_known
-        raise SystemExit(EXIT_BAD_INPUT if is_empty else EXIT_FINDINGS)
+        raise SystemExit(EXIT_FINDINGS if len(done.sources) or done.n_known else EXIT_BAD_INPUT)
 
 
 def _show_status(context: click.Context, _: click.Parameter, out: str | None) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING as REQUIRED
 from dataclasses import dataclass, field, fields
@@ -17,7 +18,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError, NvcoreError, SessionError, StoreError
+from nvcore.errors import InputError, NvcoreError, SessionError
 from nvcore.extras import needs
 from nvcore.findings import TRUTH_NAME, Finding
 from nvcore.inputs.session import TABLES_OF_SUBJECTS, RecordingEntry, Session
@@ -26,12 +27,12 @@ from nvcore.metrics.encounter_classes import texts_of_truth
 from nvcore.params import Params
 from nvcore.progress import Progress, no_progress
 from nvcore.schema import NO_LABEL
-from nvcore.wording import MOST_NAMED, did_you_mean, listed
+from nvcore.wording import MOST_NAMED, count_text, did_you_mean, listed
 
 with needs("fleet", "a store needs"):
     import pyarrow as pa
 
-    from nvcore.fleet.store import Store
+    from nvcore.fleet.store import Older, Store, versions_in
     from nvcore.fleet.tables import FACTS, IN_MEMORY, MISSING, RECORDINGS, SOURCES, TRUTH_KINDS
 
 BATCH_ROWS: Final = 1 << 20
@@ -105,18 +106,14 @@ def tables_of(
     try:
         recordings = _recordings_of(dataset, frames, origin)
         counts = np.bincount(stretch, minlength=len(recordings) * len(sources))
-        rows = _sources_of(dataset, recordings, boxes, counts)
-        for row in rows:
-            row["kind"] = truth_kind if row["source"] == TRUTH_NAME else "system"
-            row["label"] = (labels or {}).get(row["source"], "")
+        rows = _sources_of(dataset, recordings, boxes, counts, truth_kind, labels or {})
         names = [row["recording"] for row in recordings]
         frames["recording"] = _texts(dataset.frames["recording"].to_numpy(), names)
         boxes["recording"] = _texts(stretch // len(sources), names)
         boxes["source"] = _texts(stretch % len(sources), sources)
-        own = {"file": "", "ingested_at": datetime.now(UTC), "amends": False}
         return {
-            "recordings": pa.Table.from_pylist([own | row for row in recordings], RECORDINGS),
-            "sources": pa.Table.from_pylist([own | row for row in rows], SOURCES),
+            "recordings": pa.Table.from_pylist(recordings, RECORDINGS),
+            "sources": pa.Table.from_pylist(rows, SOURCES),
             "frames": _table(frames, IN_MEMORY["frames"]),
             "boxes": _table(boxes, IN_MEMORY["boxes"]),
         }
@@ -135,18 +132,19 @@ def _boxes_by_recording(dataset: Dataset) -> tuple[dict[str, Any], np.ndarray]:
     frame_index = boxes["frame_index"].to_numpy()
     recording = dataset.frames["recording"].to_numpy()[frame_index].astype(np.int64)
     stretch = recording * n_sources + boxes["source"].to_numpy()
-    every = {name: boxes[name].to_numpy() for name in IN_MEMORY["boxes"].names if name in boxes}
-    columns: dict[str, Any] = {name: of for name, of in every.items() if _is_any_known(name, of)}
+    columns: dict[str, Any] = {
+        name: of
+        for name in IN_MEMORY["boxes"].names
+        if name in boxes and _is_any_known(name, of := boxes[name].to_numpy())
+    }
     columns["frame"] = dataset.frames["frame"].to_numpy()[frame_index]
     if "label" in columns:
         columns["label"] = _texts(columns.pop("label"), dataset.labels)
-        columns["label"] = columns["label"].reorder_categories(sorted(dataset.labels))
     texts = texts_of_truth(dataset)
     if len(texts.categories):
         codes = np.full(len(boxes), -1)
         codes[: len(texts)] = texts.codes
         columns["attributes"] = _texts(codes, texts.categories)
-        columns["attributes"] = columns["attributes"].reorder_categories(sorted(texts.categories))
     if len(dataset.recordings) > 1:  # a dataset has all of one source first
         order = np.argsort(stretch, kind="stable")
         stretch = stretch[order]
@@ -155,8 +153,10 @@ def _boxes_by_recording(dataset: Dataset) -> tuple[dict[str, Any], np.ndarray]:
 
 
 def _texts(codes: np.ndarray, texts: Iterable[object]) -> pd.Categorical:
+    """Return texts by code, with sorted categories."""
     names = pd.Index([*map(str, texts)], dtype=object)
-    return pd.Categorical.from_codes(codes, names, validate=False)
+    found = pd.Categorical.from_codes(codes, names, validate=False)
+    return found.reorder_categories(names.sort_values())
 
 
 def _recordings_of(
@@ -181,12 +181,10 @@ def _recordings_of(
             "recorded_at": _time_of(entry.recorded_at),
             "objects": [objects.singular, objects.plural],
         }
-        text = json.dumps([*facts.values()], default=str)
-        pictures = "" if entry.pictures is None else str((folder / entry.pictures).absolute())
         own = {
             "recording": row["name"],
-            "sha256": _sha256(text, slice(*ends), frames),
-            "pictures": pictures,
+            "sha256": _sha256(json.dumps([*facts.values()], default=str), slice(*ends), frames),
+            "pictures": str((folder / entry.pictures).absolute()) if entry.pictures else "",
             "first_picture": entry.first_picture,
             "duration_s": duration_s,
             "parameters": json.dumps(given, sort_keys=True) if given else "",
@@ -211,7 +209,12 @@ def _time_of(text: str | None) -> datetime | None:
 
 
 def _sources_of(
-    dataset: Dataset, recordings: list[dict[str, Any]], boxes: _Columns, counts: np.ndarray
+    dataset: Dataset,
+    recordings: list[dict[str, Any]],
+    boxes: _Columns,
+    counts: np.ndarray,
+    truth_kind: str,
+    labels: Mapping[str, str],
 ) -> list[dict[str, Any]]:
     params, (x, y) = dataset.params_of(), dataset.compared()
     thresholds: dict[str | None, float | None] = {
@@ -229,6 +232,8 @@ def _sources_of(
             "source": source,
             "sha256": _sha256(repr(thresholds.get(source)), slice(start, stop), boxes),
             "recording_sha256": of["sha256"],
+            "kind": "system" if source != TRUTH_NAME else truth_kind,
+            "label": labels.get(source, ""),
             "threshold": thresholds.get(source),
             "inputs": inputs.get(source, []),
             "n_left_out": left_out.get((of["recording"], source), 0),
@@ -300,8 +305,17 @@ class Ingested:
     n_known: int = 0
     errors: dict[str, NvcoreError] = field(default_factory=dict)
     findings: dict[str, tuple[Finding, ...]] = field(default_factory=dict)
-    not_stored: dict[str, int] = field(default_factory=dict)
+    not_stored: Counter[str] = field(default_factory=Counter)
     older: pd.DataFrame = field(default_factory=pd.DataFrame)
+
+    def __str__(self) -> str:
+        n_frames, n_boxes = (int(of["n_rows"].sum()) for of in (self.recordings, self.sources))
+        known = count_text(self.n_known, "source was", "sources were")
+        return (
+            f"{count_text(len(self.recordings), 'recording')} ({count_text(n_frames, 'frame')}), "
+            f"{count_text(len(self.sources), 'source')} ({count_text(n_boxes, 'box', 'boxes')}) "
+            f"appended{f'; {known} there already' if self.n_known else ''}"
+        )
 
 
 def ingest_all(
@@ -343,7 +357,7 @@ def ingest_all(
                 f"name of at most {_LABEL_LETTERS} letters without @ that is no number"
             )
     done = Ingested()
-    new = [{"recordings": RECORDINGS.empty_table(), "sources": SOURCES.empty_table()}]
+    new = [({"recordings": RECORDINGS.empty_table(), "sources": SOURCES.empty_table()}, Older())]
     batch: list[dict[str, pa.Table]] = []
     seen: dict[tuple[str, str], tuple[str, str]] = {}
     for name, load in inputs:
@@ -352,15 +366,12 @@ def ingest_all(
             dataset = load()
             tables = tables_of(dataset, origin=name, truth_kind=truth_kind, labels=labels)
             _check_seen(tables, name, seen)
-        except StoreError:
-            raise
         except NvcoreError as error:
             done.errors[name] = error
             continue
         if dataset.findings:
             done.findings[name] = dataset.findings
-        for key in not_stored(dataset):
-            done.not_stored[key] = done.not_stored.get(key, 0) + 1
+        done.not_stored.update(not_stored(dataset))
         batch.append(tables)
         done.n_known += len(tables["sources"])
         if sum(len(of["boxes"]) + len(of["frames"]) for of in batch) >= BATCH_ROWS:
@@ -368,13 +379,14 @@ def ingest_all(
             batch = []
     if batch:
         new.append(store.append(batch, newest=newest))
-    done.recordings = pa.concat_tables([of["recordings"] for of in new]).to_pandas()
-    done.sources = pa.concat_tables([of["sources"] for of in new]).to_pandas()
+    done.recordings, done.sources = (
+        pa.concat_tables([tables[of] for tables, _ in new]).to_pandas()
+        for of in ("recordings", "sources")
+    )
     done.n_known -= len(done.sources)
-    if done.n_known:
-        columns = ["recording", "source", "sha256"]
-        given = [(*key, sha256) for key, (sha256, _) in seen.items()]
-        done.older = store.snapshot().older(pd.DataFrame(given, columns=columns))
+    columns = ["recording", "source", "version", "newest"]
+    older = pd.DataFrame(sorted(set().union(*(of for _, of in new))), columns=columns)
+    done.older = older.groupby(columns[1:], as_index=False).agg(n_recordings=("recording", "size"))
     names = {source for _, source in seen} - {""}
     for name in set(labels) - names if names else ():
         known = did_you_mean(name, names, f"they are {listed(sorted(names), most=MOST_NAMED)}")
@@ -386,9 +398,7 @@ def _check_seen(
     tables: Mapping[str, pa.Table], name: str, seen: dict[tuple[str, str], tuple[str, str]]
 ) -> None:
     """Refuse a recording that another input has with other content: it may be another drive."""
-    own = {(row["recording"], ""): row["sha256"] for row in tables["recordings"].to_pylist()} | {
-        (row["recording"], row["source"]): row["sha256"] for row in tables["sources"].to_pylist()
-    }
+    own = dict(of for row in tables["sources"].to_pylist() for of in versions_in(row))
     for (recording, source), sha256 in own.items():
         earlier, where = seen.get((recording, source), (sha256, name))
         if earlier != sha256:
@@ -411,12 +421,14 @@ def not_stored(dataset: Dataset) -> list[str]:
         tables += [(f"[{name}]", getattr(settings, name)) for name in TABLES_OF_SUBJECTS]
     stated = []
     for table, of in tables:
-        carried = CARRIED.get(table, "").split()
         for spec in fields(of):
-            factory = spec.default_factory
+            factory, key = spec.default_factory, f"{table} {spec.name}"
             default = spec.default if factory is REQUIRED else factory()
-            if spec.name not in carried and getattr(of, spec.name) != default:
-                stated.append(_TABLE_OF.get(f"{table} {spec.name}", f"{table} {spec.name}"))
+            if (
+                spec.name not in CARRIED.get(table, "").split()
+                and getattr(of, spec.name) != default
+            ):
+                stated.append(_TABLE_OF.get(key, key))
     if dataset.of("alerts") and not any(key.startswith("[[system]] alert") for key in stated):
         stated.append("alerts in files of detections")
     return [*dict.fromkeys(stated)]
@@ -427,11 +439,9 @@ def sessions_in(
 ) -> Iterator[tuple[str, Callable[[], Dataset]]]:
     """Yield session files, also those in folders, as `ingest_all` takes them."""
     for path in paths:
-        files = filter(_is_session, sorted(path.rglob("*.toml"))) if path.is_dir() else [path]
-        file = None
-        for file in files:
-            yield str(file), partial(load, file)
-        if file is None:
+        files = [*filter(_is_session, sorted(path.rglob("*.toml")))] if path.is_dir() else [path]
+        yield from ((str(file), partial(load, file)) for file in files)
+        if not files:
             yield str(path), partial(_refuse_folder, path)
 
 

@@ -9,15 +9,15 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import asdict
 from datetime import UTC, datetime, timedelta
 from functools import cached_property
-from itertools import groupby
+from itertools import accumulate, groupby
 from operator import itemgetter
 from pathlib import Path
 from typing import Any, Final
@@ -48,48 +48,28 @@ VERSIONS: Final = "versions.json"
 """File of a store with the version of each table after the last append; it may be behind."""
 ROWS_IN: Final = {"recordings": "frames", "sources": "boxes"}
 """Tables with a row per version, and the table that holds the frames or boxes of each."""
-_REFERS_TO: Final = {rows: name for name, rows in ROWS_IN.items()}
 _CONTENT: Final = {
     "recordings": ["recording", "sha256"],
     "sources": ["recording", "source", "sha256"],
 }
 """Columns that identify a version."""
-_PAIR: Final = [*_CONTENT["sources"], "recording_sha256"]
-"""Columns that identify a version of a source with the version of its recording."""
 _STATED: Final = {"recordings": ["pictures", "first_picture"], "sources": ["kind"]}
 """Facts that a version keeps if a later input with the same content leaves the first one empty."""
-_KEY: Final = re.compile(r"[a-z][a-z0-9_]{0,40}")
 _COMMIT_RETRIES: Final = 100
 """Commits of other writers in between before a writer gives up."""
 _THREADS: Final = 8
 
+_Name = tuple[str, str]  # of a recording, and a source; without a source: of the recording itself
+_Versions = tuple[tuple[_Name, str], ...]
+Older = set[tuple[str, str, int, int]]
+"""Recording, source (empty: the recording itself), version, and the version that is the newest."""
+
 
 class Store:
-    """A store of recordings at a location.
+    """A store of recordings at a location, a folder that the first append creates."""
 
-    Parameters
-    ----------
-    location
-        Its folder, created by the first append.
-    partition
-        Key that divides the files of a new store: ``month``, ``unit`` or the key of a tag. None: as
-        an existing store is divided; a new one is not.
-
-    Raises
-    ------
-    InputError
-        If `partition` is no such key.
-    """
-
-    def __init__(self, location: Location | str | Path, *, partition: str | None = None):
+    def __init__(self, location: Location | str | Path):
         self.location = location if isinstance(location, Location) else Location(location)
-        columns = {name for schema in SCHEMAS.values() for name in schema.names} - {"unit"}
-        if partition is not None and (not _KEY.fullmatch(partition) or partition in columns):
-            raise InputError(
-                f"a store cannot be divided by {partition[:40]!r}; expected month, unit, or "
-                "the key of a tag in lower-case letters that is none of its columns"
-            )
-        self._wanted = partition
         self._known: dict[str, pa.Table] = {}
 
     def __repr__(self) -> str:
@@ -106,9 +86,8 @@ class Store:
             If it cannot be read, or the newest file of a Delta log is missing.
         """
         reached = _versions_reached(self.location)
-        # what a source refers to is committed before it
-        found = {name: _opened(self.location, name) for name in reversed(SCHEMAS)}
-        tables = {name: table for name, table in found.items() if table is not None}
+        names = reversed(SCHEMAS)  # what a source refers to is committed before it
+        tables = {name: table for name in names if (table := _opened(self.location, name))}
         if len(tables) < len(SCHEMAS):
             raise InputError("there is no store here", file=self.location.uri)
         return Snapshot(self.location, _checked(self.location, tables, reached), self._known)
@@ -119,26 +98,14 @@ class Store:
         if self.location.list("plans/") and _opened(self.location, "sources") is None:
             uri = self.location.uri
             raise InputError("holds results of a scan; name another folder", file=uri)
-        tables = {name: _opened(self.location, name) or self._create(name) for name in SCHEMAS}
-        if self._wanted not in (None, _partition_of(tables["boxes"])):
-            raise InputError(
-                f"the store is divided by {_partition_of(tables['boxes']) or 'nothing'}, not by "
-                f"{self._wanted}; this cannot be changed",
-                file=self.location.uri,
-            )
-        return tables
+        return {name: _opened(self.location, name) or self._create(name) for name in SCHEMAS}
 
     def _create(self, name: str) -> DeltaTable:
-        parts = [self._wanted] if self._wanted and name in IN_MEMORY else []
-        schema = pa.schema([*SCHEMAS[name], *((part, pa.string()) for part in parts)])
         with self.location.at(name, "made"):
-            if self.location.path:
-                (self.location.path / name).mkdir(parents=True, exist_ok=True)
             try:
                 return DeltaTable.create(
                     f"{self.location.uri}/{name}",
-                    Schema.from_arrow(schema),
-                    partition_by=parts,
+                    Schema.from_arrow(SCHEMAS[name]),
                     storage_options=self.location.delta_options,
                 )
             except DeltaError:
@@ -148,17 +115,17 @@ class Store:
 
     def append(
         self, batch: Sequence[Mapping[str, pa.Table]], *, newest: bool = False
-    ) -> dict[str, pa.Table]:
+    ) -> tuple[dict[str, pa.Table], Older]:
         """Append new versions of recordings and sources, with one commit per table.
 
         A version that the store has does not become the newest again; a row notes new labels, kinds
-        of truth, pictures and parameters. Several writers may append at once. An interrupted append
-        leaves nothing visible.
+        of truth, pictures and parameters. If a batch has a version several times, the last one
+        counts. Several writers may append at once. An interrupted append leaves nothing visible.
 
         Parameters
         ----------
         batch
-            Tables of `nvcore.fleet.ingest.tables_of`.
+            One or more results of `nvcore.fleet.ingest.tables_of`.
         newest
             Whether versions that the store has become the newest again.
 
@@ -166,87 +133,79 @@ class Store:
         -------
         dict
             Rows of ``recordings`` and ``sources`` whose content is new.
+        set
+            Given versions that are not the newest ones (`Older`).
 
         Raises
         ------
-        InputError
-            If the store is divided by another key.
         StoreError
-            If it cannot be read or written.
+            If the store cannot be read or written.
         """
-        tables = self._tables
-        reached = _versions_reached(self.location)
+        tables, reached = self._tables, _versions_reached(self.location)
         with self.location.at("", "read"):
             for table in tables.values():
                 table.update_incremental()
         _checked(self.location, tables, reached)
-        empty = {name: IN_MEMORY.get(name, of).empty_table() for name, of in SCHEMAS.items()}
-        given = {name: pa.concat_tables([of[name] for of in (empty, *batch)]) for name in SCHEMAS}
-        key = _partition_of(tables["boxes"])
-        parts = {
-            row["recording"]: _part_of(row, key) if key else ""
-            for row in given["recordings"].to_pylist()
-        }
+        given = {name: pa.concat_tables([of[name] for of in batch]) for name in SCHEMAS}
         new: dict[str, pa.Table] = {}
         actions: dict[str, list[AddAction]] = {}
         for name, data in ROWS_IN.items():
-            stored = _rows(self.location, name, tables[name], self._known)
-            own = pc.is_in(stored["recording"], value_set=given[name]["recording"])
-            stored = stored.filter(own).sort_by("ingested_at")
-            rows = pa.concat_tables([stored, given[name]]).to_pandas()
-            is_given = rows.index >= len(stored)
-            content = rows.groupby(_CONTENT[name], sort=False).ngroup()
-            is_new = is_given & ~content.duplicated()
+            own = given[name]["recording"]
+            stored = _rows(self.location, name, tables[name], self._known, own).to_pylist()
+            content, facts = itemgetter(*_CONTENT[name]), _STATED[name]
+            known = {content(row): row for row in stored}
+            rows: dict[tuple[str, ...], dict[str, Any]] = {}
+            pieces = {}
             # the rows of a batch follow each other in its tables
-            n_rows = rows["n_rows"].where(is_given, 0)
-            rows["first_row"] = rows["first_row"].where(~is_given, n_rows.cumsum() - n_rows)
-            actions[data] = []
-            chosen = rows[is_new].sort_values(_CONTENT[name])
-            for part, of_part in chosen.groupby(chosen["recording"].map(parts)):
-                stretches = zip(of_part["first_row"], of_part["n_rows"], strict=True)
-                pieces = pa.concat_tables([given[data].slice(*stretch) for stretch in stretches])
-                if len(pieces):
-                    actions[data].append(
-                        self._put(data, pieces, {key: part or None} if key else {})
-                    )
-                    rows.loc[of_part.index, "file"] = actions[data][-1].path
-                first_row = of_part["n_rows"].cumsum() - of_part["n_rows"]
-                rows.loc[of_part.index, "first_row"] = first_row
-            places = ["file", "first_row"]
-            rows[places] = rows.groupby(content)[places].transform("first")
-            if name == "recordings":  # of several inputs with other parameters the last one counts
-                same = rows.groupby([content, is_given])
-                rows["parameters"] = same["parameters"].transform("last")
-            is_kept = is_new
-            if (is_given & ~is_new).any():
-                is_kept = is_new | (is_given & _says_more(name, rows, content))
+            stops = np.cumsum(given[name]["n_rows"]).tolist()
+            for row, stop in zip(given[name].to_pylist(), stops, strict=True):
+                key = content(row)
+                before = rows.get(key) or known.get(key) or row | {"kind": TRUTH_KINDS[0]}
+                kept = ["file", "first_row", *([] if row[facts[0]] else facts)]
+                rows[key] = row | {fact: before[fact] for fact in kept}
+                if key not in known:
+                    pieces[key] = given[data].slice(stop - row["n_rows"], row["n_rows"])
+            order = sorted(pieces)
+            whole = pa.concat_tables([given[data].slice(0, 0), *(pieces[key] for key in order)])
+            actions[data] = self._put(data, whole)
+            file = actions[data][0].path if len(whole) else ""
+            starts = accumulate((len(pieces[key]) for key in order), initial=0)
+            for key, start in zip(order, starts, strict=False):
+                rows[key] |= {"file": file, "first_row": start}
             if name == "sources":
-                rows["kind"] = rows["kind"].replace("", TRUTH_KINDS[0])
-                is_known = rows.duplicated(_PAIR).to_numpy()
-                if newest:
-                    is_known = is_known & ~_is_behind(rows, is_given)
-                rows["amends"] = rows["amends"].where(~is_given, is_known)
-                is_kept |= is_given & ~is_known
+                older = _note_newest(stored, rows.values(), newest=newest)
+            labels = {(content(row), of) for row in stored for of in ("", row.get("label", ""))}
             # later than what is stored, whatever the clocks of other writers say
-            start = max([pd.Timestamp(datetime.now(UTC)), *rows["ingested_at"][~is_given][-1:]])
-            kept = rows[is_kept]
-            order = kept.groupby(_CONTENT[name][:-1]).cumcount() + 1
-            kept = kept.assign(ingested_at=start + order * timedelta(microseconds=1))
-            made = pa.Table.from_pandas(kept, SCHEMAS[name], preserve_index=False)
-            new[name] = made.filter(pa.array(is_new[is_kept]))
-            actions[name] = [self._put(name, made.sort_by("recording"), {})] if len(made) else []
+            now = max([datetime.now(UTC), *(row["ingested_at"] for row in stored[-1:])])
+            added: dict[tuple[str, ...], dict[str, Any]] = {}
+            n_added = Counter[tuple[str, ...]]()
+            for key, row in rows.items():
+                if (
+                    key not in known
+                    or not row.get("amends", True)
+                    or (key, row.get("label", "")) not in labels
+                    or any(row.get(of) != known[key].get(of) for of in (*facts, "parameters"))
+                ):
+                    n_added[key[:-1]] += 1
+                    at = now + n_added[key[:-1]] * timedelta(microseconds=1)
+                    added[key] = row | {"ingested_at": at}
+            made = pa.Table.from_pylist([*added.values()], SCHEMAS[name])
+            new[name] = made.filter(pa.array([key not in known for key in added], pa.bool_()))
+            actions[name] = self._put(name, made.sort_by("recording"))
         for name in SCHEMAS:  # in this order: nothing is visible before the last one
             if actions[name]:
                 self._commit(name, actions[name])
         if any(actions.values()):
-            reached = _versions_reached(self.location)
-            for of, table in tables.items():  # higher by 1, or by more with other writers
-                reached[of] = max(reached[of], table.version() + bool(actions[of]))
-            self.location.write(VERSIONS, json.dumps(reached).encode())
-        return new
+            after = _versions_reached(self.location)
+            for name, table in tables.items():  # higher by 1, or by more with other writers
+                after[name] = max(after[name], table.version() + bool(actions[name]))
+            self.location.write(VERSIONS, json.dumps(after).encode())
+        return new, older
 
-    def _put(self, name: str, rows: pa.Table, values: Mapping[str, str | None]) -> AddAction:
-        """Write a file of rows sorted by recording, and return its entry for the commit."""
+    def _put(self, name: str, rows: pa.Table) -> list[AddAction]:
+        """Write a file of rows sorted by recording, if any, and return its entry for the commit."""
+        if not len(rows):
+            return []
         sink = pa.BufferOutputStream()
         pq.write_table(
             rows.unify_dictionaries(),
@@ -260,7 +219,9 @@ class Store:
         path = f"part-{hashlib.sha256(content).hexdigest()[:16]}.parquet"
         self.location.write(f"{name}/{path}", content.to_pybytes())
         stats = json.dumps({"numRecords": len(rows)})
-        return AddAction(path, content.size, values, int(time.time() * 1000), True, stats)
+        # stores of earlier versions may be partitioned: what is appended to them is in no part
+        parts = dict.fromkeys(self._tables[name].metadata().partition_columns)
+        return [AddAction(path, content.size, parts, int(time.time() * 1000), True, stats)]
 
     def _commit(self, name: str, actions: list[Any]) -> None:
         table = self._tables[name]
@@ -269,34 +230,40 @@ class Store:
                 actions,
                 mode="append",
                 schema=table.schema(),
-                partition_by=table.metadata().partition_columns,
                 commit_properties=CommitProperties(max_commit_retries=_COMMIT_RETRIES),
             )
 
 
-def _says_more(name: str, rows: pd.DataFrame, content: pd.Series) -> pd.Series:
-    """Whether each row says something else of a version than the rows before it.
+def _note_newest(
+    stored: Sequence[dict[str, Any]], given: Collection[dict[str, Any]], *, newest: bool
+) -> Older:
+    """Set ``amends`` in given rows of sources, and return the versions that are not the newest."""
+    numbers: dict[_Name, dict[str, int]] = {}
+    last: dict[_Name, _Versions] = {}
+    known: set[_Versions] = set()
+    for row in (*stored, *given):
+        own = versions_in(row)
+        (recording, _), (source, _) = own
+        if row["amends"] is None:  # a given row
+            is_last = last.get(source) == own and last[recording][0] == own[0]
+            row["amends"] = own in known and (is_last or not newest)
+        if not row["amends"]:
+            last[recording] = last[source] = own
+        known.add(own)
+        for name, version in own:
+            numbers.setdefault(name, {}).setdefault(version, len(numbers[name]) + 1)
+    return {
+        (*name, numbers[name][version], numbers[name][dict(last[name])[name]])
+        for row in given
+        for name, version in versions_in(row)
+        if version != dict(last[name])[name]
+    }
 
-    Facts that a row does not state are filled in from the rows before it.
-    """
-    facts = _STATED[name]
-    place = pd.Series(np.where(rows[facts[0]] != "", rows.index, -1)).groupby(content).cummax()
-    rows[facts] = rows[facts].take(np.where(place < 0, rows.index, place)).to_numpy()
-    facts = [*facts, "parameters"] if name == "recordings" else facts
-    said = pd.Series([*map(repr, rows[facts].itertuples(index=False, name=None))])
-    says_more: pd.Series = said != said.groupby(content).shift()
-    if name == "sources":
-        says_more |= (rows["label"] != "") & ~rows.duplicated([*_CONTENT[name], "label"])
-    return says_more
 
-
-def _is_behind(rows: pd.DataFrame, is_given: np.ndarray) -> np.ndarray:
-    """Whether a version of a source, or of its recording, is not the newest in the store."""
-    counting = rows[~is_given & ~rows["amends"].to_numpy(bool)]
-    newest = counting.drop_duplicates(["recording", "source"], keep="last")[_PAIR]
-    last = counting.drop_duplicates("recording", keep="last")[["recording", "recording_sha256"]]
-    found = rows[_PAIR].merge(newest.merge(last), how="left", indicator=True)
-    return (found["_merge"] != "both").to_numpy()
+def versions_in(row: Mapping[str, Any]) -> _Versions:
+    """Return the versions of a recording (without a source) and of a source, by their names."""
+    recording = row["recording"]
+    return ((recording, ""), row["recording_sha256"]), ((recording, row["source"]), row["sha256"])
 
 
 class Snapshot:
@@ -337,28 +304,27 @@ class Snapshot:
         table = _opened(self.location, name, self.versions[name])
         if table is None:  # it existed when the snapshot was made
             raise StoreError("cannot be read (it is not there)", file=self.location.uri)
-        rows: pd.DataFrame = _rows(self.location, name, table, self._known).to_pandas()
-        return rows.sort_values(["ingested_at", *_CONTENT[name]], ignore_index=True)
+        return pd.DataFrame(_rows(self.location, name, table, self._known).to_pandas())
 
     @cached_property
     def _stated(self) -> pd.DataFrame:
-        """Rows of sources, oldest first."""
-        return self._table("sources")
-
-    @cached_property
-    def _counting(self) -> pd.DataFrame:
-        """Rows of sources that make a version the newest."""
-        return self._stated[~self._stated["amends"]]
+        """Rows of sources, oldest first, with the number of their version."""
+        rows = self._table("sources")
+        is_first = ~rows.duplicated(_CONTENT["sources"])
+        number = is_first.groupby([rows["recording"], rows["source"]]).cumsum()
+        version = number.groupby([rows[key] for key in _CONTENT["sources"]]).transform("first")
+        return rows.assign(version=version, label=rows["label"].replace("", None))
 
     @cached_property
     def recordings(self) -> pd.DataFrame:
         """The newest version of every recording: the one with which a source came last."""
-        came = self._counting[["recording", "recording_sha256", "ingested_at"]]
+        came = self._stated[~self._stated["amends"]]
+        came = came[["recording", "recording_sha256", "ingested_at"]]
         came = came.set_axis([*_CONTENT["recordings"], "ingested_at"], axis=1)
-        first = came.groupby(_CONTENT["recordings"])["ingested_at"].transform("first")
-        newest = came.assign(ingested_at=first).drop_duplicates("recording", keep="last")
+        newest = came.drop_duplicates("recording", keep="last")[_CONTENT["recordings"]]
         rows = self._table("recordings").drop_duplicates(_CONTENT["recordings"], keep="last")
-        rows = rows.drop(columns="ingested_at").merge(newest)
+        first = came.drop_duplicates(_CONTENT["recordings"])
+        rows = rows.drop(columns="ingested_at").merge(newest).merge(first)
         if len(rows) < len(newest):
             raise StoreError(
                 "a commit is missing: the table sources refers to recordings that are not there",
@@ -370,29 +336,13 @@ class Snapshot:
     @cached_property
     def sources(self) -> pd.DataFrame:
         """Every version of every source."""
-        rows = self._stated.assign(label=self._stated["label"].replace("", None))
-        contents = rows.groupby(_CONTENT["sources"])  # a row that states nothing changes nothing
-        rows = contents.last().assign(ingested_at=contents["ingested_at"].first()).reset_index()
-        rows = rows.sort_values(["recording", "source", "ingested_at", "sha256"], ignore_index=True)
-        rows["label"] = rows["label"].fillna("")
-        return rows.assign(version=rows.groupby(["recording", "source"]).cumcount() + 1)
-
-    def older(self, given: pd.DataFrame) -> pd.DataFrame:
-        """Count the given versions that are not the newest ones.
-
-        `given` has the columns recording, source (empty: the recording itself) and sha256; the
-        result has source, version, newest (the version that is) and n_recordings.
-        """
-        key = ["recording", "source"]
-        of_recordings = self._counting.assign(source="", sha256=self._counting["recording_sha256"])
-        came = pd.concat([self._counting, of_recordings])[[*key, "sha256"]]
-        last = came.drop_duplicates(key, keep="last")
-        came = came.drop_duplicates(ignore_index=True)
-        came["version"] = came.groupby(key).cumcount() + 1
-        newest = came.merge(last).rename(columns={"version": "newest"})
-        rows = given.merge(came).merge(newest[[*key, "newest"]]).query("version != newest")
-        counts = rows.groupby(["source", "version", "newest"])["recording"].size()
-        return counts.rename("n_recordings").reset_index()
+        contents = self._stated.groupby(_CONTENT["sources"])
+        rows = contents.last()  # of what is stated: a row that states nothing changes nothing
+        rows = rows.assign(
+            ingested_at=contents["ingested_at"].first(), label=rows["label"].fillna("")
+        )
+        order = ["recording", "source", "version"]
+        return rows.reset_index().sort_values(order, ignore_index=True)
 
     def pick(self, source: str) -> pd.DataFrame:
         """Return one version of a source per recording, as rows of `sources` by recording.
@@ -412,23 +362,21 @@ class Snapshot:
         """
         if source in self._picked:
             return self._picked[source]
-        rows, names = self.sources, self.sources["source"].unique().tolist()
+        names = self.sources["source"].unique().tolist()
         name, at, version = source.rpartition("@")
         if source in names:
             name, at = source, ""
         elif name not in names:
             known = did_you_mean(source, names, f"there are {listed(names, most=MOST_NAMED)}")
             raise InputError(f"there is no source {source!r}; {known}", file=self.location.uri)
-        rows, came = (of[of["source"] == name] for of in (rows, self._counting))
+        rows = self._stated[self._stated["source"] == name]
         # what came with another version of its recording is of other frames or another picture
-        newest = self.recordings["sha256"].reindex(came["recording"]).to_numpy()
-        came = came[came["recording_sha256"] == newest][["recording", "sha256"]]
+        newest = self.recordings["sha256"].reindex(rows["recording"]).to_numpy()
+        came = rows[~rows["amends"] & (rows["recording_sha256"] == newest)][_CONTENT["sources"]]
         if at:
-            labelled = self._stated[self._stated["source"] == name]
-            labelled = labelled[(labelled["label"] == version) & (version != "")]
-            wanted = pd.concat([rows[rows["version"].map(str) == version], labelled])
+            wanted = rows[(rows["version"].map(str) == version) | (rows["label"] == version)]
             if wanted.empty:
-                labels = sorted({label for label in rows["label"] if label})
+                labels = sorted(rows["label"].dropna().unique())
                 raise InputError(
                     f"there is no version {version!r} of {name!r}; there are 1 to "
                     f"{rows['version'].max()}"
@@ -436,9 +384,8 @@ class Snapshot:
                     file=self.location.uri,
                 )
             wanted = wanted.drop_duplicates("recording", keep="last")
-            came = came.merge(wanted[["recording", "sha256"]])
-        came = came.drop_duplicates("recording", keep="last")
-        rows = rows.merge(came, on=["recording", "sha256"])
+            came = came.merge(wanted[_CONTENT["sources"]])
+        rows = self.sources.merge(came.drop_duplicates("recording", keep="last"))
         self._picked[source] = rows.set_axis(rows["recording"].array)
         return self._picked[source]
 
@@ -455,8 +402,7 @@ class Snapshot:
         dict
             ``recordings``, ``sources``, ``frames`` (by recording and frame) and ``boxes`` (by
             recording, source in the order asked for, and frame); first_row and n_rows of the first
-            two refer to the last two. The column source holds the names asked for. A table is read
-            when it is first looked up.
+            two refer to the last two. The column source holds the names asked for.
 
         Raises
         ------
@@ -475,16 +421,12 @@ class Snapshot:
         picked = [self.pick(of).assign(source=of) for of in sources]
         picked = [rows[rows.index.isin(names)] for rows in picked]
         found = pd.concat([self.sources[:0], *picked]).sort_values("recording", kind="stable")
-        rows_of = {"recordings": chosen, "sources": found}
-
-        def make(name: str) -> pa.Table:
-            if name in _REFERS_TO:
-                return self._read_rows(name, rows_of[_REFERS_TO[name]])
-            first_row = rows_of[name]["n_rows"].cumsum() - rows_of[name]["n_rows"]
-            own = rows_of[name].assign(file="", first_row=first_row)
-            return pa.Table.from_pandas(own, SCHEMAS[name], preserve_index=False)
-
-        return _WhenAsked(make)
+        tables = {}
+        for name, rows in (("recordings", chosen), ("sources", found)):
+            tables[ROWS_IN[name]] = self._read_rows(ROWS_IN[name], rows)
+            own = rows.assign(file="", first_row=rows["n_rows"].cumsum() - rows["n_rows"])
+            tables[name] = pa.Table.from_pandas(own, SCHEMAS[name], preserve_index=False)
+        return tables
 
     def _read_rows(self, name: str, rows: pd.DataFrame) -> pa.Table:
         """Read the stretches of rows that versions refer to, in their order."""
@@ -493,20 +435,20 @@ class Snapshot:
         given = [column for column in ("recording", "source") if column in schema.names]
         own = pa.schema([column for column in schema if column.name not in given])
         texts = [column.name for column in own if pa.types.is_dictionary(column.type)]
-        pieces = {-1: own.empty_table()}
-        placed = rows.assign(place=range(len(rows)), stop=rows["first_row"] + rows["n_rows"])
-        for file, of_file in placed[placed["n_rows"] > 0].groupby("file", sort=False):
-            first, last = int(of_file["first_row"].min()), int(of_file["stop"].max())
-            with _file_of(self.location, f"{name}/{file!s}", texts) as parquet:
+        read: dict[str, tuple[pa.Table, int]] = {}
+        rows = rows[rows["n_rows"] > 0]
+        for file, of_file in rows.groupby("file"):
+            last = (of_file["first_row"] + of_file["n_rows"]).max()
+            with _file_of(self.location, f"{name}/{file}", texts) as parquet:
                 if last > parquet.metadata.num_rows:
                     raise ValueError("it has fewer rows than the store says")
                 n_of_group = parquet.metadata.row_group(0).num_rows  # the last one may be smaller
-                groups = range(first // n_of_group, -(-last // n_of_group))
+                groups = range(of_file["first_row"].min() // n_of_group, -(-last // n_of_group))
                 table = parquet.read_row_groups([*groups], columns=own.names)
-            stretches = of_file[["place", "first_row", "n_rows"]].itertuples(index=False)
-            for place, first_row, n_rows in stretches:
-                pieces[place] = table.slice(first_row - groups[0] * n_of_group, n_rows)
-        whole = pa.concat_tables([pieces[place] for place in sorted(pieces)])
+            read[str(file)] = table, groups[0] * n_of_group
+        stretches = rows[["file", "first_row", "n_rows"]].itertuples(index=False)
+        pieces = [read[file][0].slice(at - read[file][1], n_rows) for file, at, n_rows in stretches]
+        whole = pa.concat_tables([own.empty_table(), *pieces])
         whole = whole.unify_dictionaries().combine_chunks()
         version = np.repeat(np.arange(len(rows)), rows["n_rows"])
         for position, column in enumerate(given):
@@ -517,30 +459,24 @@ class Snapshot:
 
 def other_settings(recordings: pd.DataFrame, params: Params) -> str:
     """Say which settings of recordings a scan does not use, or return an empty text."""
-    used, others, n, words = asdict(params), set(), 0, {None: "the default"}
-    for text, count in recordings["parameters"].value_counts().items():
-        given = json.loads(str(text) or "{}")
-        differing = [name for name, value in given.items() if value != used.get(name)]
-        others |= {(name, str(words.get(given[name], given[name]))) for name in differing}
-        n += int(count) if differing else 0
+    used = asdict(params)
+    shown = {None: "the default"}
+    differing = [
+        {
+            (name, str(shown.get(value, value)))
+            for name, value in json.loads(text or "{}").items()
+            if value != used.get(name)
+        }
+        for text in recordings["parameters"]
+    ]
     texts = [
         f"{name} {' or '.join(value for _, value in values)} "
-        f"(the scan uses {words.get(used.get(name), used.get(name))})"
-        for name, values in groupby(sorted(others), key=itemgetter(0))
+        f"(the scan uses {shown.get(used.get(name), used.get(name))})"
+        for name, values in groupby(sorted(set().union(*differing)), key=itemgetter(0))
     ]
-    ingested = f"{n:,} of {count_text(len(recordings), 'recording')} {'was' if n == 1 else 'were'}"
-    return f"{ingested} ingested with other settings: {', '.join(texts)}" if n else ""
-
-
-class _WhenAsked(dict[str, pa.Table]):
-    """Tables by name, each read when it is first looked up."""
-
-    def __init__(self, read: Callable[[str], pa.Table]):
-        self._read = read
-
-    def __missing__(self, name: str) -> pa.Table:
-        self[name] = self._read(name)
-        return self[name]
+    n, of = sum(map(bool, differing)), count_text(len(recordings), "recording")
+    verb = "was" if n == 1 else "were"
+    return f"{n:,} of {of} {verb} ingested with other settings: {', '.join(texts)}" if n else ""
 
 
 @contextmanager
@@ -601,20 +537,21 @@ def _checked(
     return versions
 
 
-def _partition_of(table: DeltaTable) -> str | None:
-    return next(iter(table.metadata().partition_columns), None)
-
-
-def _rows(location: Location, name: str, table: DeltaTable, known: dict[str, pa.Table]) -> pa.Table:
-    """Read the rows of recordings or sources, cached by file in `known`."""
+def _rows(
+    location: Location,
+    name: str,
+    table: DeltaTable,
+    known: dict[str, pa.Table],
+    recordings: pa.ChunkedArray | None = None,
+) -> pa.Table:
+    """Read the rows of (some) recordings or sources, oldest first, cached by file in `known`."""
     schema = SCHEMAS[name]
 
     def read(path: str) -> pa.Table:
         with _file_of(location, path) as parquet:
             rows = parquet.read()
-            for column, value in ADDED_LATER.items():
-                if column in schema.names and column not in rows.column_names:
-                    rows = rows.append_column(column, pa.repeat(value, len(rows)))
+            for column in {*schema.names}.difference(rows.column_names):
+                rows = rows.append_column(column, pa.repeat(ADDED_LATER[column], len(rows)))
             return rows.select(schema.names).cast(schema)
 
     with location.at(name, "read"):
@@ -623,14 +560,7 @@ def _rows(location: Location, name: str, table: DeltaTable, known: dict[str, pa.
     new = [path for path in paths if path not in known]
     with ThreadPoolExecutor(_THREADS) as pool:
         known.update(zip(new, pool.map(read, new), strict=True))
-    return pa.concat_tables([schema.empty_table(), *(known[path] for path in paths)])
-
-
-def _part_of(row: Mapping[str, Any], partition: str) -> str:
-    """Return the part of a divided store for a recording, empty if it has no such key."""
-    if partition == "unit":
-        return str(row["unit"])
-    if partition == "month":
-        return f"{row['recorded_at']:%Y-%m}" if row["recorded_at"] else ""
-    start = f"{partition}="
-    return next((tag[len(start) :] for tag in row["tags"] if tag.startswith(start)), "")
+    rows = pa.concat_tables([schema.empty_table(), *(known[path] for path in paths)])
+    if recordings is not None:
+        rows = rows.filter(pc.is_in(rows["recording"], value_set=recordings))
+    return rows.sort_by([(column, "ascending") for column in ("ingested_at", *_CONTENT[name])])

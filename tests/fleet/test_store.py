@@ -18,7 +18,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from builders import Box, make_dataset
-from deltalake import DeltaTable
+from deltalake import DeltaTable, Schema
 from object_store import options, troubled
 from store_writers import (
     DyingStore,
@@ -35,6 +35,7 @@ from nvcore.fleet import store as store_module
 from nvcore.fleet.ingest import tables_of
 from nvcore.fleet.location import Location
 from nvcore.fleet.store import Snapshot, Store
+from nvcore.fleet.tables import SCHEMAS
 
 SPAWN = multiprocessing.get_context("spawn")
 WRITES = 8  # files of four tables, and their commits
@@ -80,7 +81,7 @@ def test_a_dataset_is_read_as_it_was_appended(place: Location):
     dataset = make_dataset(truth, [full], labels=("zebra", "ant"), n_frames=9, horizon=40)
     dataset = replace(dataset, systems=("A", "none"))
     store = Store(place)
-    new = store.append([tables_of(dataset, truth_kind="automatic", labels={"A": "spring"})])
+    new, _ = store.append([tables_of(dataset, truth_kind="automatic", labels={"A": "spring"})])
     snapshot = pickle.loads(pickle.dumps(store.snapshot()))
     check_same(snapshot, dataset)
     assert [len(rows) for rows in new.values()] == [1, 3]
@@ -133,8 +134,9 @@ def test_a_changed_source_is_a_new_version_and_the_same_one_is_none(tmp_path: Pa
     store.append(batch_of("a", "b"))
     before = store.snapshot()
     files = sorted(tmp_path.rglob("*"))
-    again = store.append(batch_of("b", "a"))
+    again, older = store.append(batch_of("b", "a"))
     assert [len(rows) for rows in again.values()] == [0, 0]
+    assert not older
     assert sorted(tmp_path.rglob("*")) == files
     store.append([tables_of(recordings("a", seed=1), labels={"x": "second"})])
     now = store.snapshot()
@@ -152,7 +154,7 @@ def test_a_changed_source_is_a_new_version_and_the_same_one_is_none(tmp_path: Pa
     assert now.pick("x@2")["recording"].tolist() == ["a"]
     # the frame rate was corrected: another recording, with the boxes that it had
     corrected = recordings("b", fps=25.0)
-    new = store.append([tables_of(corrected)])
+    new, _ = store.append([tables_of(corrected)])
     assert [len(rows) for rows in new.values()] == [1, 0]
     check_same(store.snapshot(), corrected)
     assert store.snapshot().pick("x")["version"].tolist() == [2, 1]
@@ -275,34 +277,16 @@ def test_what_came_with_another_version_of_its_recording_is_left_out(tmp_path: P
     check_same(store.snapshot(), larger)
 
 
-def test_a_store_is_divided_by_a_tag_month_or_unit(tmp_path: Path):
-    names = ["a", "b", "c", "d"]
-    tags = pd.Series([("road=rural",), ("road=urban", "night"), (), ("road=../../x",)])
-    dataset = recordings(*names, tags=tags, unit=["v1", "v2", "", "v1"])
-    for key, parts in (
-        ("road", {"rural": "a", "urban": "b", None: "ce", "../../x": "d"}),
-        ("unit", {"v1": "ad", "v2": "b", None: "c", "e": "e"}),
-        ("month", {None: "abcde"}),
-    ):
-        folder = tmp_path / key
-        Store(folder, partition=key).append([tables_of(dataset)])
-        store = Store(folder)  # which knows by itself how it is divided
-        store.append([tables_of(recordings("e", unit=["e"]))])
-        check_same(store.snapshot(), dataset)
-        table = DeltaTable(folder / "boxes").to_pandas()
-        of_part = table.groupby(key, dropna=False)["recording"].unique()
-        assert parts == {
-            part if isinstance(part, str) else None: "".join(sorted(of))
-            for part, of in of_part.items()
-        }
-        assert {path.parent for path in folder.rglob("*.parquet")} <= {
-            folder / name for name in ("recordings", "sources", "frames", "boxes")
-        }
-    with pytest.raises(InputError, match="divided by unit, not by road; this cannot be changed"):
-        Store(tmp_path / "unit", partition="road").append(batch_of("f"))
-    for bad in ("a b", "track", "../x", "X" * 100):
-        with pytest.raises(InputError, match="expected month, unit, or the key of a tag"):
-            Store(tmp_path, partition=bad)
+def test_a_store_whose_files_were_partitioned_is_read_and_appended_to(tmp_path: Path):
+    for name in ("frames", "boxes"):
+        schema = pa.schema([*SCHEMAS[name], ("unit", pa.string())])
+        DeltaTable.create(tmp_path / name, Schema.from_arrow(schema), partition_by=["unit"])
+    for name in "ab":
+        Store(tmp_path).append(batch_of(name))
+    check_same(Store(tmp_path).snapshot(), recordings("b"))
+    table = DeltaTable(tmp_path / "boxes").to_pandas()
+    assert sorted(set(table["recording"])) == ["a", "b"]
+    assert table["unit"].isna().all()
 
 
 def test_hostile_names_are_names_alone(place: Location):
@@ -370,8 +354,11 @@ def test_a_writer_that_dies_leaves_nothing_that_is_seen(tmp_path: Path):
         assert now.recordings.equals(before.recordings)
         assert now.sources.equals(before.sources)
         assert content(now).equals(content(before))
-    new = Store(location).append([tables_of(longer)])
-    assert [len(rows) for rows in new.values()] == [0, 3]  # the recording was there, unseen
+    new, _ = Store(location).append([tables_of(longer)])
+    assert [len(rows) for rows in new.values()] == [
+        0,
+        3,
+    ]  # the recording was there, unseen
     now = Store(location).snapshot()
     assert now.sources["version"].max() == 2
     check_same(now, longer)
