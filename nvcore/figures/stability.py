@@ -26,7 +26,7 @@ from nvcore.palette import Theme
 from nvcore.stability.axes import Axis
 from nvcore.stability.flips import combine_axes
 from nvcore.stability.map import StabilityMap
-from nvcore.stability.words import (
+from nvcore.stability.notes import (
     CRITERIA,
     QUANTITY,
     UNDEFINED,

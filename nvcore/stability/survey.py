@@ -15,8 +15,8 @@ from nvcore.errors import InputError
 from nvcore.progress import Progress, no_progress, part_of
 from nvcore.stability.axes import Plane
 from nvcore.stability.map import StabilityMap, map_stability
+from nvcore.stability.notes import CRITERIA, PLANES, nearest_text, share_text, winner_text
 from nvcore.stability.scores import Criterion
-from nvcore.stability.words import CRITERIA, PLANES, nearest_text, share_text, winner_text
 
 SURVEY_PLANES: Final[tuple[Plane, ...]] = (
     "alpha-midpoint",

@@ -12,8 +12,8 @@ from nvcore.comparison import Result, compare
 from nvcore.params import Params
 from nvcore.stability.equal_alarms import N_RATES, equal_alarm_thresholds
 from nvcore.stability.map import map_stability
+from nvcore.stability.notes import describe_stability
 from nvcore.stability.scores import Criterion
-from nvcore.stability.words import describe_stability
 
 N_FRAMES = 100
 

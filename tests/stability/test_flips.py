@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from nvcore.stability.axes import Axis
 from nvcore.stability.flips import winners
 from nvcore.stability.map import StabilityMap
+from nvcore.stability.notes import describe_stability
 from nvcore.stability.scores import Criterion
-from nvcore.stability.words import describe_stability
 
 NAMES = ("alpha", "midpoint", "iou")
 CRITERIA: tuple[Criterion, ...] = ("similarity", "encounters", "saliency")

@@ -11,8 +11,8 @@ from nvcore.comparison import Result, compare
 from nvcore.params import Params
 from nvcore.stability.axes import Plane
 from nvcore.stability.map import map_stability
+from nvcore.stability.notes import describe_in_short, describe_stability, difference_text
 from nvcore.stability.scores import Criterion
-from nvcore.stability.words import describe_in_short, describe_stability, difference_text
 
 ALPHA, EDGE, BOTH, MATCHING = "alpha-midpoint", "edge-weight", "edge-weight-alpha", "matching"
 SIMILARITY, ENCOUNTERS, SALIENCY = "similarity", "encounters", "saliency"

@@ -16,6 +16,7 @@ from nvcore.figures.stability import stability_map
 from nvcore.params import Params
 from nvcore.stability.axes import Plane
 from nvcore.stability.map import map_stability
+from nvcore.stability.notes import CRITERIA, describe_chance, describe_stability, share_text
 from nvcore.stability.scores import Criterion
 from nvcore.stability.survey import (
     SURVEY_PLANES,
@@ -24,7 +25,6 @@ from nvcore.stability.survey import (
     survey_stability,
     survey_table,
 )
-from nvcore.stability.words import CRITERIA, describe_chance, describe_stability, share_text
 
 ONE = [at(0, 50, score=0.5), at(0, 20, score=0.2)]
 CASES: dict[str, Result] = {

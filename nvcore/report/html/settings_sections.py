@@ -22,14 +22,14 @@ from nvcore.report.html import words
 from nvcore.report.html.blocks import IN_THE_FILE, Block, Chart, Fold, Section, Sentences, table
 from nvcore.report.html.result_sections import MEASURES_HEAD, PART
 from nvcore.report.words import score_cells
-from nvcore.stability.survey import SurveyRow, survey_stability, survey_table
-from nvcore.stability.words import (
+from nvcore.stability.notes import (
     CRITERIA,
     PLANES,
     describe_chance,
     describe_equal_alarms,
     describe_stability,
 )
+from nvcore.stability.survey import SurveyRow, survey_stability, survey_table
 from nvcore.tables.scorecard import curve_rows
 from nvcore.wording import capitalised, count_text
 
