@@ -9,7 +9,7 @@ from nvcore.alerts.in_time import InTime
 from nvcore.alerts.settings import ALERTS
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
-from nvcore.driver.comparison.doubts import doubt_of_seen
+from nvcore.driver.comparison.notes import doubt_of_seen
 from nvcore.measures.entry import Measure
 from nvcore.notes import Note
 from nvcore.scoring import SystemResult

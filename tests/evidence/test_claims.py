@@ -14,7 +14,6 @@ from drives import turned_by_strict_pairing
 
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
-from nvcore.driver.comparison.facts import WeightedClaims
 from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.evidence.claims import Basis, Support, find_claims, values_of
 from nvcore.evidence.companions import (
@@ -38,6 +37,7 @@ from nvcore.evidence.pairwise import _claims as claims_of_pair
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table, judge_both
 from nvcore.evidence.units import find_units
+from nvcore.notes import Note
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
 from nvcore.report.gate.measures import gate_measures
@@ -418,4 +418,4 @@ def test_what_is_weighted_by_an_estimator_that_learned_nothing_is_no_claim():
     companions = find_companions(trusted, evidence)
     conclusion = verdict(trusted, evidence=evidence, companions=companions).headline.conclusion
     assert conclusion is not None
-    assert conclusion.remarks == (WeightedClaims(),)
+    assert conclusion.remarks == (Note("driver.weighted_claims"),)
