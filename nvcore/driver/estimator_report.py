@@ -120,21 +120,22 @@ def render_estimator(estimator: Estimator) -> str:
     )
     caution = caution_of(estimator)
     about = [
-        Note("driver.estimator", name=one_line(estimator.name)),
-        Note("driver.fingerprint", fingerprint=fingerprint(estimator)),
-        Note("driver.trained_on", trials=_trials(origin)),
         Note("driver.pictures_of_training", size_px=origin.picture_px),
         Note("driver.square", side_px=origin.square_px, centre_share=origin.centre_share),
         *_feature_settings(estimator),
     ]
     caution = caution_of(estimator)
     lines = [
+        f"{one_line(estimator.name)}: estimates what the driver sees by himself "
+        "(nvcore driver estimate)",
+        f"fingerprint: {fingerprint(estimator)}",
+        f"trained on: {phrase(_trials(origin), PEDESTRIAN)}",
         *_lines(about),
         "mean squared error on pedestrians left out, in five folds; 0 is best:",
         *_errors(errors, last="single"),
         "single: one for all periods, and one constant for all",
         *_choices(estimator),
-        *_lines([Note("driver.its_estimates", caution=caution)] if caution else []),
+        *_lines([Note("driver.estimates", whose="its", caution=caution)] if caution else []),
     ]
     return "\n".join(lines)
 

@@ -182,20 +182,20 @@ def light_doubt(
     if light is None or light.source is LightSource.PICTURE:
         return None
     if not len(light.time_s):
-        return Note("driver.no_reading")
+        return Note("driver.light_doubt")
     if not len(frames):
         return None
     highest = float(light.level.max())
     if highest > MOST_LUX:
-        return Note("driver.much_light", lux=_amount(highest))
+        return Note("driver.light_doubt", lux=_amount(highest))
     n, n_dark = len(light.level), int(np.count_nonzero(light.level < settings.least_lux))
     if n_dark >= MANY_DARK * n:
-        return Note("driver.many_dark", n_dark=n_dark, n=n, least_lux=settings.least_lux)
+        return Note("driver.light_doubt", n_dark=n_dark, n=n, least_lux=settings.least_lux)
     if every_s := _sparse(light, settings):
-        return Note("driver.few_readings", every_s=every_s)
+        return Note("driver.light_doubt", every_s=every_s)
     times_s = frames / fps
     share = float(((times_s >= light.time_s[0]) & (times_s <= light.end_s)).mean())
-    return Note("driver.light_of_part", share=share) if share < LEAST_COVERED else None
+    return Note("driver.light_doubt", share=share) if share < LEAST_COVERED else None
 
 
 def _sparse(light: Light, settings: LightSettings) -> str | None:
