@@ -72,8 +72,6 @@ class Subject:
         What stands in and above the lanes of the timeline (`nvcore.figures.over_time.lanes.Lanes`).
     points
         Points of the verdict (`nvcore.report.verdict.PointOf`).
-    texts
-        Templates of the facts that they say, by type (`nvcore.sentences.texts.TEXTS`).
     lines, sections
         Lines of the terminal's report, and sections of the HTML report
         (`nvcore.report.html.blocks.SectionOf`).
@@ -120,7 +118,6 @@ class Subject:
     figures: str = ""
     lanes: str = ""
     points: str = ""
-    texts: str = ""
     lines: str = ""
     sections: str = ""
     remarks: str = ""

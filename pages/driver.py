@@ -3,7 +3,7 @@
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.driver.comparison.said import counts, no_claim, view_facts
+from nvcore.driver.comparison.notes import counts, no_claim, view_notes
 from nvcore.driver.comparison.steps import driver_in
 from ui.driver import course, listed, regions, run
 from ui.session import state
@@ -31,11 +31,11 @@ def draw(result: Result) -> None:
     draw_operating_point(result)
     for doubt in no_claim(result):
         st.warning(plain(state.say(doubt)), icon=":material/warning:")
-    first, *others = view_facts(result)
+    first, *others = view_notes(result)
     st.markdown(plain(state.say(first)))
     region = regions.draw(result)
     with st.expander("What this rests on"):
-        st.markdown("\n".join(f"- {plain(state.say(fact))}" for fact in others))
+        st.markdown("\n".join(f"- {plain(state.say(note))}" for note in others))
         st.caption(state.say(counts(result)))
     run.draw_notes()
     run.draw(is_known=True)

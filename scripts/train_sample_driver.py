@@ -11,9 +11,9 @@ from tempfile import TemporaryDirectory
 from typing import Final
 
 import nvcore as nv
+from nvcore.driver.estimator_report import render_training
 from nvcore.driver.estimators.model_file import SAMPLE_ESTIMATOR
 from nvcore.driver.face import image_features
-from nvcore.driver.texts import render_training
 
 SAMPLE: Final = Path(__file__).resolve().parents[1] / "sample_data"
 NAME: Final = "sample"

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from nvcore.notes import TEXT, Note, entries, say
-from nvcore.objects import PEDESTRIAN
+from nvcore.objects import PEDESTRIAN, SPEED_SIGN
 from nvcore.subjects import subjects
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -59,6 +59,14 @@ def test_every_note_has_a_text_and_every_text_a_note():
     used = {key for key in keys if f'"{key}"' in source}
     assert used == keys
     assert {*re.findall(r'\bNote\(\s*"([\w.]+)"', source)} <= keys
+
+
+def test_what_users_named_is_never_a_template():
+    name = "{{ one }} of --fps 25 who {one}"
+    note = Note("verdict.worst_failure", system="x", track="7", recording=name, seconds=0.5)
+    assert say(note, SPEED_SIGN) == (
+        f"The worst single failure is X's: speed sign 7 in {name}, 0.5 s."
+    )
 
 
 if __name__ == "__main__":

@@ -76,7 +76,7 @@ def verdict_with(primary: Primary) -> Verdict:
     ],
 )
 def test_the_verdict_says_which_it_is(primary: Primary, kind: str):
-    (question,) = verdict_with(primary).points[0].facts
+    (question,) = verdict_with(primary).points[0].notes
     named = Note("verdict.measure", key=claimable_key(primary.key))
     assert (question.key, question["primary"]) == (f"verdict.primary_{kind}", named)
 

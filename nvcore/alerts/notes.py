@@ -9,11 +9,10 @@ from nvcore.alerts.in_time import InTime
 from nvcore.alerts.settings import ALERTS
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
-from nvcore.driver.comparison.doubts import doubt_of_seen
+from nvcore.driver.comparison.notes import doubt_of_seen
 from nvcore.measures.entry import Measure
-from nvcore.notes import Note
+from nvcore.notes import Note, phrase
 from nvcore.scoring import SystemResult
-from nvcore.sentences import phrase
 from nvcore.time_left.steps import time_left_in
 
 

@@ -11,6 +11,7 @@ from nvcore.alerts.in_time import DRIVER_WORDS
 from nvcore.alerts.notes import alert_notes, doubt_of_kind, in_time_by_kind
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
+from nvcore.notes import say
 from nvcore.report.html.blocks import (
     Block,
     Chart,
@@ -20,7 +21,6 @@ from nvcore.report.html.blocks import (
     Sentences,
     table,
 )
-from nvcore.sentences import say
 from nvcore.wording import number
 
 _IN_TIME: Final = (

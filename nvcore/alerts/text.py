@@ -13,9 +13,9 @@ from nvcore.alerts.notes import alert_notes, alerts_of, in_time_by_kind
 from nvcore.alerts.speeding import ROWS
 from nvcore.alerts.steps import AlertsView, alerts_in
 from nvcore.comparison import Result
+from nvcore.notes import phrase, say
 from nvcore.report.terminal import code_lines
 from nvcore.report.verdict import PointOf
-from nvcore.sentences import phrase, say
 from nvcore.tables.scorecard import score_rows
 from nvcore.time_left.notes import urgent
 from nvcore.wording import aligned, number, one_line

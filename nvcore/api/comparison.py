@@ -33,6 +33,7 @@ from nvcore.inputs.session import Session
 from nvcore.inputs.toml_text import parse_toml
 from nvcore.measures.entry import MeasureTable
 from nvcore.metrics.venn import BoxVenn, Exclusivity, Venn
+from nvcore.notes import Note
 from nvcore.params import Params
 from nvcore.protocols import Protocol
 from nvcore.report.files import (
@@ -47,7 +48,6 @@ from nvcore.report.protect_inputs import files_read, refuse_to_replace
 from nvcore.report.terminal import render_scorecard
 from nvcore.report.verdict import Verdict, verdict
 from nvcore.scoring import SystemResult
-from nvcore.sentences.facts import Fact
 from nvcore.tables.boxes.matches import matches_table
 from nvcore.tables.result import (
     encounters_table,
@@ -299,7 +299,7 @@ class Comparison:
         )
 
     @cached_property
-    def _plan(self) -> tuple[Fact, ...]:
+    def _plan(self) -> tuple[Note, ...]:
         return verdict_plan(self.result, self._evidence, self._companions)
 
     def _protect_inputs(self, outputs: Sequence[Path]) -> None:

@@ -14,10 +14,12 @@ from nvcore.driver.estimators import Estimator, fingerprint
 from nvcore.driver.estimators.words import LABELS, caution_of
 from nvcore.driver.feature_record import settings_words
 from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
-from nvcore.driver.picture_width import other_width_lines, other_widths
+from nvcore.driver.picture_width import other_width_notes, other_widths
 from nvcore.driver.run import BOX_COLUMNS, FeatureRun
 from nvcore.driver.steps import Steps, steps_between_periods
 from nvcore.errors import InputError, ParameterError
+from nvcore.notes import Note, phrase
+from nvcore.objects import PEDESTRIAN
 from nvcore.wording import MOST_NAMED, count_text, listed, one_line
 
 DETECTABILITY_COLUMNS: Final = (
@@ -79,62 +81,41 @@ class EstimateRun:
 
     def __str__(self) -> str:
         known = self.table[self.table["detectability"].notna()]
-        lines = [str(self.features), self._result(known)]
-        lines += [*self._of_heat(), *(self._lacking() if len(known) else ())]
-        origin = self.estimator.origin
-        if caution := caution_of(self.estimator, simulated=origin.simulated):
-            lines.append(f"estimates are {caution}")
-        lines += other_width_lines(self.features.recordings, self.estimator)
+        lacking = self._lacking() if len(known) else ()
+        notes = [self._result(known), *self._of_heat(), *lacking]
+        simulated = self.estimator.origin.simulated
+        if caution := caution_of(self.estimator, simulated=simulated):
+            notes.append(Note("driver.estimates", caution=caution))
+        notes += other_width_notes(self.features.recordings, self.estimator)
         if self.estimator.feature_settings is None:
-            lines.append(
-                "the estimator does not say with which settings its features were computed; "
-                f"these: {settings_words(self.features.settings.features)}"
-            )
+            settings = settings_words(self.features.settings.features)
+            notes.append(Note("driver.other_settings", settings=settings))
         if n_adapted := int(known["period_s"].isna().sum()):
-            n = self.n_light_unknown
-            unlit = f" (of {n:,} it is not known when the light last changed)" if n else ""
-            lines.append(
-                f"{count_text(n_adapted, 'estimate')} without a known change of light{unlit}: by "
-                "the estimator of the longest period, as for adapted eyes"
-            )
-        n_outside = int(known["is_outside"].sum())
-        if n_outside:
-            by_feature = listed([f"{name} in {n:,}" for name, n in self.outside_by_feature.items()])
-            lines.append(
-                f"{count_text(n_outside, 'estimate')} with features outside the range of the "
-                f"training ({by_feature}): to be taken with care"
-            )
+            n_unknown = self.n_light_unknown
+            notes.append(Note("driver.for_adapted_eyes", n=n_adapted, n_unknown=n_unknown))
+        if n_outside := int(known["is_outside"].sum()):
+            counts = self.outside_by_feature.items()
+            features = [Note("driver.in_feature", name=name, n=n) for name, n in counts]
+            notes.append(Note("driver.estimates_outside", n=n_outside, features=features))
         if self.steps.n_jumping:
-            tracks = count_text(self.steps.n_crossing, "track")
-            jumping = count_text(self.steps.n_jumping, "has an estimate", "have estimates")
-            step = "steps" if self.steps.n_jumping == 1 else "step"
-            lines.append(
-                f"of {tracks} for which another adaptation period's estimator is taken from "
-                f"some frame on, {jumping} that {step} there by more than the sd; interpolation "
-                "takes out such steps"
-            )
-        return "\n".join(lines)
+            notes.append(Note("driver.jumps", **self.steps._asdict()))
+        texts = [phrase(note, PEDESTRIAN) for note in notes]
+        return "\n".join([str(self.features), *texts])
 
-    def _result(self, known: pd.DataFrame) -> str:
-        boxes = count_text(len(self.table), "box", "boxes")
-        text = f"detectability of {len(known):,} of {boxes}"
-        if len(known):
-            return f"{text}: {known['detectability'].mean():.2f} on average"
-        return f"{text}: {', '.join(missing)}" if (missing := self._missing()) else text
+    def _result(self, known: pd.DataFrame) -> Note:
+        mean = known["detectability"].mean() if len(known) else None
+        missing = None if len(known) else self._missing()
+        return Note(
+            "driver.result", n_known=len(known), n=len(self.table), mean=mean, missing=missing
+        )
 
-    def _of_heat(self) -> list[str]:
-        """What is to be said of pictures that may be far infrared, if there are any."""
+    def _of_heat(self) -> list[Note]:
+        """Return that pictures may be far infrared, if some may."""
         names = [one_line(part.name) for part in self.features.recordings if part.may_be_of_heat]
-        if not names:
-            return []
-        return [
-            "no estimate from grey pictures that may be far infrared: "
-            f"{listed(names, most=MOST_NAMED)}; where they are of visible light, name them as "
-            "visible in the session"
-        ]
+        return [Note("driver.of_heat", names=listed(names, most=MOST_NAMED))] if names else []
 
-    def _lacking(self) -> list[str]:
-        """How many boxes in pictures have no estimate, for which features, at which periods."""
+    def _lacking(self) -> list[Note]:
+        """Return how many boxes in pictures have no estimate, for which features and periods."""
         table, features = self.table, self.features.table
         seen = (features["picture"] != "").to_numpy()
         is_lacking = seen & table["detectability"].isna().to_numpy()
@@ -148,30 +129,34 @@ class EstimateRun:
             key for key in self.estimator.features if features.loc[is_lacking, key].isna().any()
         ]
         periods = table.loc[is_lacking, "period_s"]
-        spans = f"{periods.min():.2g} to {periods.max():.2g} s after a change of light"
-        when = f" ({int(periods.notna().sum()):,} {spans})" if periods.notna().any() else ""
-        boxes = count_text(n, "box", "boxes")
-        why = f": the estimator needs {listed([LABELS[key] for key in keys])} there" if keys else ""
-        return [f"{boxes} in pictures without an estimate{when}{why}"]
+        return [
+            Note(
+                "driver.lacking",
+                n=n,
+                n_after=int(periods.notna().sum()),
+                periods_s=(periods.min(), periods.max()),
+                features=[LABELS[key] for key in keys],
+            )
+        ]
 
-    def _missing(self) -> list[str]:
-        """What is to be said of features that the estimator needs and no box has."""
+    def _missing(self) -> Note | None:
+        """Return which features the estimator needs and no box has; None if there are none."""
         tables = [part.table for part in self.features.recordings if not part.may_be_of_heat]
         tables = [table for table in tables if len(table)]
         if not tables:
-            return []
+            return None
         is_missing = pd.concat(tables)[list(self.estimator.features)].isna().all()
         keys = [key for key in self.estimator.features if is_missing[key]]
         if not keys:
-            return []
+            return None
         why = dict.fromkeys(
             f"{one_line(part.name)}: {part.why_missing[key]}"
             for part in self.features.recordings
             for key in keys
             if key in part.why_missing and not part.may_be_of_heat
         )
-        reasons = f" ({listed([*why], most=MOST_NAMED)})" if why else ""
-        return [f"the estimator needs {listed(keys)}, which no box has{reasons}"]
+        reasons = listed([*why], most=MOST_NAMED) or None
+        return Note("driver.missing", features=keys, reasons=reasons)
 
     def refuse_empty(self) -> None:
         """Refuse a run without any estimate, though there are pedestrians.
@@ -184,15 +169,13 @@ class EstimateRun:
         if self.n_estimated or self.table.empty:
             return
         n_unseen = sum(part.n_unseen for part in self.features.recordings)
-        if n_unseen == len(self.table):
-            reasons = ["they are in frames without a picture"]
-        else:
-            reasons = [*self._missing(), *self._of_heat()]
-            reasons = reasons or ["each lacks a feature that is needed"]
-            if n_unseen:
-                reasons.append(f"{n_unseen:,} are in frames without a picture")
-        boxes = count_text(len(self.table), "box", "boxes")
-        raise InputError(f"none of {boxes} can be estimated: {'; '.join(reasons)}")
+        note = Note(
+            "driver.no_estimate",
+            n=len(self.table),
+            n_unseen=n_unseen,
+            reasons=[*([missing] if (missing := self._missing()) else []), *self._of_heat()],
+        )
+        raise InputError(phrase(note, PEDESTRIAN))
 
     def counts_json(self) -> dict[str, Any]:
         """How many estimates there are, and which are to be taken with care, for a record."""

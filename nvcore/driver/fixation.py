@@ -21,7 +21,6 @@ from nvcore.driver.inputs.picture_boxes import LARGEST
 from nvcore.errors import FormatError, ParameterError
 from nvcore.inputs.readers.parse.table import read_table
 from nvcore.inputs.readers.parse.text import MAX_INTEGER
-from nvcore.wording import percent
 
 GAZE_COLUMNS: Final = ("frame", "x", "y")
 
@@ -106,10 +105,3 @@ class FixedPoint:
     def in_picture(self, width: int, height: int) -> tuple[float, float]:
         """The point in a picture of this size, px."""
         return self.x * width, self.y * height
-
-    @property
-    def words(self) -> str:
-        """What is assumed."""
-        if (self.x, self.y) == (0.5, 0.5):
-            return "the middle of the picture"
-        return f"{percent(self.x)} across and {percent(self.y)} down the picture"

@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from nvcore import __version__
+from nvcore import __version__, objects
 from nvcore.driver.feature_record import record_bytes
 from nvcore.driver.features import FEATURE_KEYS, features_of
 from nvcore.driver.inputs.picture_boxes import (
@@ -32,12 +32,13 @@ from nvcore.driver.inputs.picture_boxes import (
 from nvcore.driver.settings import DriverViewSettings
 from nvcore.errors import FormatError
 from nvcore.inputs.readers.parse.table import TextTable
+from nvcore.notes import Note, phrase
 from nvcore.pictures import Picture, is_below, stretch
 from nvcore.pictures.images import decode_image, file_bytes
 from nvcore.pictures.passes import PictureClock, in_order
 from nvcore.pictures.stretch import STRETCH
 from nvcore.progress import Progress, no_progress
-from nvcore.wording import count_text, did_you_mean, listed
+from nvcore.wording import did_you_mean, listed
 
 FIXATION_COLUMNS: Final = ("fixation_x", "fixation_y")
 _ALIKE: Final = 0.8
@@ -70,22 +71,18 @@ class ImageFeatures:
     sizes: tuple[tuple[int, int], ...]
 
     def __repr__(self) -> str:
-        return f"<ImageFeatures of {self._words}>"
+        return f"<ImageFeatures of {phrase(self._counts, objects.PEDESTRIAN)}>"
 
     def __str__(self) -> str:
-        lines = [self._words]
+        notes = [self._counts]
         if self.n_assumed:
-            everyone = "" if self.n_assumed == len(self.table) else f" of {self.n_assumed:,}"
-            lines.append(f"Fixation{everyone} assumed: {self.settings.fixation.words}.")
-        if (n_sizes := len(self.sizes)) > 1:
-            least, most = (
-                f"{width:,} x {height:,}" for width, height in self.sizes[:: n_sizes - 1]
-            )
-            lines.append(
-                f"The pictures are of {n_sizes:,} sizes, {least} to {most} px: sizes and distances "
-                "in px do not mean the same in each."
-            )
-        return "\n".join(lines)
+            at, n = self.settings.fixation, self.n_assumed
+            n_of = n if n < len(self.table) else None
+            notes.append(Note("driver.fixation_assumed", n=n_of, x=at.x, y=at.y))
+        if (n := len(self.sizes)) > 1:
+            least, *_, most = self.sizes
+            notes.append(Note("driver.picture_sizes", n=n, least=least, most=most))
+        return "\n".join(phrase(note, objects.PEDESTRIAN) for note in notes)
 
     @property
     def picture_px(self) -> tuple[int, int] | None:
@@ -104,9 +101,8 @@ class ImageFeatures:
         )
 
     @property
-    def _words(self) -> str:
-        pictures = count_text(self.n_images, "picture")
-        return f"{count_text(len(self.table), 'pedestrian')} in {pictures}"
+    def _counts(self) -> Note:
+        return Note("driver.images", n_boxes=len(self.table), n=self.n_images)
 
 
 def image_features(

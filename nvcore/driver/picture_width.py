@@ -8,6 +8,7 @@ from typing import Final
 from nvcore.driver.estimators import Estimator
 from nvcore.driver.features import FEATURES
 from nvcore.driver.run import RecordingFeatures
+from nvcore.notes import Note
 from nvcore.wording import MOST_NAMED, listed, one_line
 
 WIDTH_FACTOR: Final = 1.1
@@ -32,15 +33,20 @@ def other_widths(recordings: Sequence[RecordingFeatures], estimator: Estimator) 
     }
 
 
-def other_width_lines(recordings: Sequence[RecordingFeatures], estimator: Estimator) -> list[str]:
-    """What is to be said of these pictures, a line for each width."""
+def other_width_notes(recordings: Sequence[RecordingFeatures], estimator: Estimator) -> list[Note]:
+    """Return a note on these pictures for each width."""
     names: dict[int, list[str]] = {}
     for name, width in other_widths(recordings, estimator).items():
         names.setdefault(width, []).append(one_line(name))
     picture_px = estimator.origin.picture_px
     return [
-        f"pictures of {listed(of_width, most=MOST_NAMED)} are {width:,} px wide, those of the "
-        f"training {picture_px[0]:,}: another scale of {listed(_labels_of_scale(estimator))}"
+        Note(
+            "driver.other_width",
+            names=listed(of_width, most=MOST_NAMED),
+            width=width,
+            trained=picture_px[0],
+            features=_labels_of_scale(estimator),
+        )
         for width, of_width in names.items()
         if picture_px is not None
     ]

@@ -16,9 +16,10 @@ from nvcore.driver.fixation import FixedPoint, Gaze, read_gaze
 from nvcore.driver.illumination import Light, read_light
 from nvcore.errors import InputError, MediaError
 from nvcore.inputs.session import RecordingEntry, Session
+from nvcore.notes import Note
 from nvcore.pictures import Pictures, RecordingPictures, session_pictures
 from nvcore.pictures.index import is_of_other_shape
-from nvcore.wording import count_text, one_line
+from nvcore.wording import one_line
 
 _HOW_TO_NAME: Final = 'visible = "drive.mp4", or pictures = "drive.mp4",'
 _LOOKED_AT: Final = (0.5, 0.1, 0.9)
@@ -71,7 +72,7 @@ class DriverRecording:
     gaze: Gaze | None
     light: Light | None
     has_map: bool
-    doubts: tuple[str, ...]
+    doubts: tuple[Note, ...]
 
     @property
     def kind(self) -> str:
@@ -204,26 +205,21 @@ def _recording(
 
 def _doubts(
     source: Pictures, dataset: Dataset, number: int, entry: RecordingEntry, has_map: bool
-) -> tuple[str, ...]:
+) -> tuple[Note, ...]:
     """Where pictures are of another shape than the recording, or not as many as its frames."""
-    columns, name, doubts = dataset.frame_columns, one_line(source.name), []
-    width, height = float(columns.width[number]), float(columns.height[number])
-    if not has_map and is_of_other_shape(source, width, height):
-        doubts.append(
-            f"{name} is {source.width} x {source.height} px, the recording {width:g} x {height:g} "
-            f"px: boxes are scaled by {source.width / width:.3g} across and "
-            f"{source.height / height:.3g} down. Do they belong together? If so, give visible_map."
-        )
+    columns, name, doubts = dataset.frame_columns, one_line(source.name), list[Note]()
+    of_px = float(columns.width[number]), float(columns.height[number])
+    if not has_map and is_of_other_shape(source, *of_px):
+        size_px = source.width, source.height
+        doubts.append(Note("driver.other_shape", name=name, size_px=size_px, of_px=of_px))
     listed = columns.frame[columns.rows_of(number)]
     others = dataset.unlisted_frames(str(dataset.recordings["name"].iloc[number]))
     if source.numbers is None and not _is_as_long(
         source.n, listed, entry.first_picture, others=others
     ):
         frames = np.union1d(listed, others)
-        doubts.append(
-            f"{name} has {count_text(source.n, 'picture')}, the recording frames {frames[0]} to "
-            f"{frames[-1]}: do they belong together, with as many pictures a second?"
-        )
+        ends = {"first": frames[0], "last": frames[-1]}
+        doubts.append(Note("driver.other_length", name=name, n=source.n, **ends))
     return tuple(doubts)
 
 

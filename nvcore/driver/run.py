@@ -16,24 +16,25 @@ from nvcore.driver.features import FEATURE_KEYS, features_of
 from nvcore.driver.features.view import luminance_of
 from nvcore.driver.illumination import Light, LightSource, picture_level
 from nvcore.driver.illumination.clock import AdaptationClock, adaptation_clock
-from nvcore.driver.notes import (
-    fixation_note,
+from nvcore.driver.recording import DriverRecording, open_recordings
+from nvcore.driver.recording_notes import (
+    boxes_outside,
+    fixation,
     light_doubt,
     light_note,
     other_frames,
-    outside_note,
-    picture_doubt,
+    picture_doubts,
     picture_notes,
 )
-from nvcore.driver.recording import DriverRecording, open_recordings
 from nvcore.driver.settings import DriverViewSettings
 from nvcore.inputs.session import Session
+from nvcore.notes import Note, phrase
 from nvcore.pictures import Picture, stretch
 from nvcore.pictures.passes import PictureClock, in_order, pictures_of
 from nvcore.pictures.stretch import STRETCH
 from nvcore.progress import Progress, no_progress
 from nvcore.schema import NO_TRACK, integers_of
-from nvcore.wording import MOST_NAMED, capitalised, count_text, duration_text, listed, one_line
+from nvcore.wording import MOST_NAMED, count_text, duration_text, listed, one_line
 
 BOX_COLUMNS: Final = ("recording", "frame", "track", "x", "y", "w", "h")
 FEATURE_COLUMNS: Final = (
@@ -187,7 +188,7 @@ class _Pass:
     """The pass over one recording; frames are counted from its first evaluated one."""
 
     def __init__(self, recording: DriverRecording, dataset: Dataset, settings: DriverViewSettings):
-        self.recording, self.settings = recording, settings
+        self.recording, self.settings, self.objects = recording, settings, dataset.objects
         columns, truth = dataset.frame_columns, dataset.truth
         rows = columns.rows_of(recording.number)
         self.frame = columns.frame[rows]
@@ -239,8 +240,8 @@ class _Pass:
             recording.name_in_data,
             recording.picture_px,
             self._why_missing(),
-            light_doubt(light, self.frame, self.fps, self.settings.light),
-            picture_doubt(recording, self.settings.fixation, self.with_boxes),
+            self._say(light_doubt(light, self.frame, self.fps, self.settings.light)),
+            self._say(*picture_doubts(recording, self.settings.fixation, self.with_boxes)),
         )
 
     def _look(self, row: int, picture: Picture) -> int:
@@ -293,10 +294,11 @@ class _Pass:
         """Why no box of it has a feature, by its key, as a clause."""
         n_seen, n_outside = self._n_outside()
         if n_seen and n_outside == n_seen:
-            return dict.fromkeys(FEATURE_KEYS, outside_note(self.recording, n_outside, n_seen))
+            outside = boxes_outside(self.recording, n_outside, n_seen)
+            return dict.fromkeys(FEATURE_KEYS, self._say(outside))
         gaze = self.recording.gaze
-        fault = "" if gaze is None else other_frames(gaze, self.frame)
-        return {"fixation_distance_px": fault} if fault else {}
+        fault = None if gaze is None else other_frames(gaze, self.frame)
+        return {"fixation_distance_px": self._say(fault)} if fault else {}
 
     def _n_outside(self) -> tuple[int, int]:
         """Boxes in frames with a picture, and those of them that lie outside of it."""
@@ -309,11 +311,14 @@ class _Pass:
     ) -> tuple[str, ...]:
         recording = self.recording
         n_seen, n_outside = self._n_outside()
-        outside = outside_note(recording, n_outside, n_seen)
+        outside = boxes_outside(recording, n_outside, n_seen)
         notes = [
             *picture_notes(recording, faults, n_unseen),
-            f"{capitalised(outside)}." if outside else "",
-            fixation_note(recording, self.settings.fixation, self.frame, self.with_boxes),
+            *([Note("driver.sentence", clause=outside)] if outside else []),
+            fixation(recording, self.settings.fixation, self.frame, self.with_boxes),
             light_note(light, clock, self.frame, self.fps, self.settings.light),
         ]
-        return tuple(filter(None, notes))
+        return tuple(map(self._say, notes))
+
+    def _say(self, *notes: Note | None) -> str:
+        return " ".join(phrase(note, self.objects) for note in notes if note is not None)

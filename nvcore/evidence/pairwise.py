@@ -23,10 +23,9 @@ from nvcore.evidence.measures import (
 from nvcore.evidence.operating_points import are_unequal, why_not_equal
 from nvcore.evidence.paired_tests import SIGNIFICANT, holm
 from nvcore.evidence.units import find_units
-from nvcore.notes import Note
+from nvcore.notes import Note, phrase
 from nvcore.params import Params
 from nvcore.progress import Progress, no_progress
-from nvcore.sentences import phrase
 
 COLUMNS: Final = (
     "x",

@@ -40,15 +40,7 @@ if TYPE_CHECKING:
 TEXT: Final = "text"
 
 
-class Fact:
-    """Something to say by a type of its own, see `nvcore.sentences`."""
-
-
-WORD_FACT: Final[list[Callable[[Fact, Objects], str]]] = []
-"""Words a fact that is no note; `nvcore.sentences` adds it."""
-
-
-class Note(Fact):
+class Note:
     """Something to say: the key of a template, and the values that it needs.
 
     A value of None is absent: templates ask whether it ``is defined``.
@@ -77,7 +69,7 @@ class Note(Fact):
         return f"Note({self.key!r}{given})"
 
 
-def say(note: Fact, objects: Objects, form: str = TEXT) -> str:
+def say(note: Note, objects: Objects, form: str = TEXT) -> str:
     """Word a note as a sentence, with a capital letter.
 
     Parameters
@@ -94,10 +86,8 @@ def say(note: Fact, objects: Objects, form: str = TEXT) -> str:
     return capitalised(phrase(note, objects, form))
 
 
-def phrase(note: Fact, objects: Objects, form: str = TEXT) -> str:
+def phrase(note: Note, objects: Objects, form: str = TEXT) -> str:
     """Word a note as part of a sentence."""
-    if not isinstance(note, Note):
-        return WORD_FACT[0](note, objects)
     own = {"_objects": objects, "_form": form}
     return _template(note.key, form).render({**objects.words, **note.fields, **own})
 
@@ -123,7 +113,7 @@ def _environment() -> Environment:
 
     @pass_context
     def worded(context: Mapping[str, Any], value: Any) -> Any:
-        if isinstance(value, Fact):
+        if isinstance(value, Note):
             return phrase(value, context["_objects"], context["_form"])
         if isinstance(value, tuple | list):
             return listed([str(worded(context, each)) for each in value])

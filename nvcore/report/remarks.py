@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.measures.entry import Measure
-from nvcore.sentences.facts import Fact
+from nvcore.notes import Note
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Remarks:
         Title of a column of the HTML report's table of recordings, and a text for each recording.
     """
 
-    note: Callable[[Result], tuple[Fact, ...]]
-    limits: Callable[[Result], tuple[Fact, ...]]
-    of_claims: Callable[[Result, Sequence[Measure]], Fact | None]
+    note: Callable[[Result], tuple[Note, ...]]
+    limits: Callable[[Result], tuple[Note, ...]]
+    of_claims: Callable[[Result, Sequence[Measure]], Note | None]
     recordings: tuple[str, Callable[[Dataset], list[str]]]

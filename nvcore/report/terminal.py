@@ -14,7 +14,7 @@ from nvcore.evidence.table import judge_both
 from nvcore.findings import Finding, Severity
 from nvcore.metrics.encounter_classes import classes_of, shown_class
 from nvcore.metrics.proximity.horizon import estimate_horizons
-from nvcore.notes import phrase
+from nvcore.notes import Note, phrase, say
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.report.plan import verdict_plan
 from nvcore.report.verdict import Verdict, verdict
@@ -30,8 +30,6 @@ from nvcore.report.words import (
 )
 from nvcore.schema import Category
 from nvcore.scoring import SystemResult
-from nvcore.sentences import say
-from nvcore.sentences.facts import Fact
 from nvcore.subjects import contributed
 from nvcore.tables.encounters.miss_classes import class_counts
 from nvcore.tables.inputs import inputs_table
@@ -61,7 +59,7 @@ def render_scorecard(
     *,
     evidence: pd.DataFrame | None = None,
     companions: Companions | None = None,
-    plan: tuple[Fact, ...] | None = None,
+    plan: tuple[Note, ...] | None = None,
 ) -> str:
     """Scorecard of both systems, Venn counts, fusion, worst moments, and the verdict.
 

@@ -23,8 +23,8 @@ import numpy as np
 
 from nvcore.detectors.icf import IcfDetector
 from nvcore.detectors.icf.model_file import from_bytes, to_bytes
+from nvcore.driver.estimator_report import render_estimator
 from nvcore.driver.estimators import model_file as driver_file
-from nvcore.driver.texts import render_estimator
 from nvcore.output.arrays import pack
 from scripts.fuzz.target import mutated_text, target
 

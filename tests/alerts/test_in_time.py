@@ -27,9 +27,9 @@ from nvcore.comparison import Result, compare
 from nvcore.evidence.bootstrap import expanded_tail
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
+from nvcore.notes import say
 from nvcore.objects import PEDESTRIAN
 from nvcore.params import Params
-from nvcore.sentences import say
 from nvcore.time_left.steps import confirmed_by, is_in_time, time_left_of
 
 EXACTLY = {"own": Reaction(1.2, 0.0)}

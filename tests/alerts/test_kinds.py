@@ -17,9 +17,9 @@ from nvcore.alerts.section import SECTIONS
 from nvcore.alerts.steps import alerts_in
 from nvcore.alerts.text import render_alerts
 from nvcore.comparison import Result, compare
+from nvcore.notes import say
 from nvcore.objects import PEDESTRIAN, SPEED_SIGN
 from nvcore.params import Params
-from nvcore.sentences import say
 
 # The car reaches the pedestrian after 5 s; at 50 km/h the last chance is frame 29 (ten a second).
 LAST_CHANCE = 29

@@ -14,7 +14,7 @@ from driver_estimators import CONTRAST, LAB, estimator, origin, regression
 from picture_files import write_picture
 
 from nvcore.comparison import compare
-from nvcore.driver.comparison.said import source
+from nvcore.driver.comparison.notes import source
 from nvcore.driver.estimate import DETECTABILITY_COLUMNS, EstimateRun, run_estimate
 from nvcore.driver.estimators import Estimator, Quality, write_estimator
 from nvcore.driver.face import estimate_driver
@@ -184,7 +184,7 @@ def test_why_the_estimator_is_to_be_doubted_is_said_and_recorded(place: Path):
     assert dataset.of("driver") is not None
     assert dataset.of("driver").caution == caution
     assert caution in dataset.inputs["conversion"].iloc[-1]
-    assert source(compare(dataset))[0].made_by[-1] == caution
+    assert source(compare(dataset))[0]["caution"] == caution
     assert "no better" not in str(run(place, estimator()))
 
 
@@ -219,7 +219,7 @@ def test_another_width_is_in_the_record_and_what_is_said_of_the_comparison(place
     assert record["recordings"][0]["picture_px"] == [64, 48]
     comparison = compare(load(read_session(written.session)))
     words = "in drive made on pictures of another width than the training's"
-    assert words in source(comparison)[0].how
+    assert words in source(comparison)[0]["caution"]
 
 
 def test_features_outside_the_training_are_named(place: Path):

@@ -65,9 +65,7 @@ def test_a_missing_column_or_file_is_refused(tmp_path: Path):
 
 def test_the_fixed_point_is_the_middle_unless_told_otherwise():
     assert FixedPoint().in_picture(1920, 1080) == (960, 540)
-    assert FixedPoint().words == "the middle of the picture"
     assert FixedPoint(0.25, 0.6).in_picture(1000, 500) == (250, 300)
-    assert FixedPoint(0.25, 0.6).words == "25 % across and 60 % down the picture"
 
 
 @pytest.mark.parametrize("x", [-0.1, 1.1, float("nan")])

@@ -14,7 +14,6 @@ from drives import turned_by_strict_pairing
 
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
-from nvcore.driver.comparison.facts import WeightedClaims
 from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.evidence.claims import Basis, Support, find_claims, values_of
 from nvcore.evidence.companions import (
@@ -417,4 +416,4 @@ def test_what_is_weighted_by_an_estimator_that_learned_nothing_is_no_claim():
     evidence = evidence_table(trusted)
     companions = find_companions(trusted, evidence)
     conclusion = verdict(trusted, evidence=evidence, companions=companions).headline["conclusion"]
-    assert conclusion["remarks"] == [WeightedClaims()]
+    assert conclusion["remarks"] == [Note("driver.weighted_claims")]

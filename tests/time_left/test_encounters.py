@@ -7,8 +7,8 @@ import pytest
 from approach import ALL, LATE, NEVER, approach, met
 from builders import at, make_dataset, result_of
 
+from nvcore.notes import phrase
 from nvcore.objects import PEDESTRIAN
-from nvcore.sentences import phrase
 from nvcore.time_left.encounters import (
     contact_at,
     count_in_time,

@@ -9,7 +9,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.driver.comparison.simulated import describe_change
+from nvcore.driver.comparison.notes import simulated_change
 from nvcore.errors import NvcoreError
 from nvcore.figures.over_time.similarity import end_of
 from ui.driver.confined import simulate
@@ -74,16 +74,14 @@ def draw(
     except NvcoreError as error:
         st.error(shown_error(error), icon=":material/error:")
         return None
-    threshold = result.params.driver_threshold
-    text = describe_change(
+    note = simulated_change(
         course,
         estimates,
-        threshold=threshold,
+        threshold=result.params.driver_threshold,
         change_s=change_s,
         caution=caution_of(result),
-        objects=result.objects,
     )
-    st.info(text, icon=":material/dark_mode:")
+    st.info(state.say(note), icon=":material/dark_mode:")
     return Change(change_s, estimates)
 
 

@@ -19,10 +19,10 @@ from nvcore.evidence.planning.pilot import too_few_for_pilot
 from nvcore.evidence.units import WHOLE, count_whole
 from nvcore.figures.power import power_plot
 from nvcore.measures.table import count_recordings, inference_of
+from nvcore.notes import Note
 from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
 from nvcore.report.plan import verdict_plan
-from nvcore.sentences.facts import Fact
 from nvcore.wording import capitalised, count_text
 from ui.jobs.computed import Computation
 from ui.session import state, store
@@ -43,12 +43,12 @@ QUESTIONS: Final = {
 
 class _Answer(NamedTuple):
     plan: Plan
-    of_verdict: tuple[Fact, ...]
+    of_verdict: tuple[Note, ...]
 
 
-def known_plan(result: Result) -> tuple[Fact, ...]:
+def known_plan(result: Result) -> tuple[Note, ...]:
     """What the verdict says of more recordings, once any plan was computed; else nothing."""
-    facts: tuple[Fact, ...] | None = state.known("verdict_plan", comparison_key(result))
+    facts: tuple[Note, ...] | None = state.known("verdict_plan", comparison_key(result))
     return facts or ()
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
+from nvcore.notes import phrase
 from nvcore.objects import Objects
 from nvcore.report.tiles import Tile
-from nvcore.sentences import phrase
 from ui.widgets.html import stamp_html, value_hooks
 
 

@@ -10,10 +10,10 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
 from nvcore.findings import Finding
+from nvcore.notes import Note
 from nvcore.report.tiles import tiles
 from nvcore.report.verdict import verdict
 from nvcore.report.words import sampling_note
-from nvcore.sentences.facts import Fact
 from nvcore.tables.influence import lead_text, other_leads_text
 from nvcore.wording import count_text, percent
 from ui.overview.tiles import tiles_html
@@ -57,7 +57,7 @@ class VerdictBox:
         findings: Sequence[Finding],
         evidence: pd.DataFrame,
         companions: Companions | None,
-        plan: tuple[Fact, ...],
+        plan: tuple[Note, ...],
     ) -> None:
         """What the measures support, how much more it would take, and what it depends on."""
         result = self._result
@@ -73,13 +73,13 @@ class VerdictBox:
             st.caption(_short_extent(result))
             for point in conclusion.points:
                 if point.is_warning:
-                    st.markdown(f":material/warning: {plain(conclusion.say(*point.facts))}")
+                    st.markdown(f":material/warning: {plain(conclusion.say(*point.notes))}")
             if conclusion.doubt:
                 _draw_doubt(conclusion.say(conclusion.doubt))
         with self._rest:
             st.markdown(
                 "\n".join(
-                    f"- **{plain(point.topic)}:** {plain(conclusion.say(*point.facts))}"
+                    f"- **{plain(point.topic)}:** {plain(conclusion.say(*point.notes))}"
                     for point in conclusion.points
                 )
             )

@@ -11,16 +11,16 @@ from typing import Any, Final, TypeVar
 import numpy as np
 import streamlit as st
 
-from nvcore import sentences
+from nvcore import notes
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.detection.operating_point import span_of_scores
 from nvcore.evidence.operating_points import at_operating_point
 from nvcore.inputs.session import Session
+from nvcore.notes import Note
 from nvcore.palette import Scheme, Shade, scheme_for
 from nvcore.params import SETTINGS, Params
 from nvcore.protocols import Protocol
-from nvcore.sentences.facts import Fact
 from nvcore.settings import OperatingPoint
 from nvcore.stages import SALIENT, THRESHOLD
 from ui.access.people import is_same
@@ -297,10 +297,10 @@ def theme() -> Scheme:
     return scheme_for(shade, opened().dataset.systems, *systems())
 
 
-def say(text: str | Fact, /, **values: object) -> str:
-    """A fact, or a template of ours (`nvcore.objects.Objects.say`), in words for what is open."""
+def say(text: str | Note, /, **values: object) -> str:
+    """Word a note, or a template of `nvcore.objects.Objects.say`, for the objects that are open."""
     objects = opened().dataset.objects
-    return objects.say(text, **values) if isinstance(text, str) else sentences.say(text, objects)
+    return objects.say(text, **values) if isinstance(text, str) else notes.say(text, objects)
 
 
 def recording_names() -> list[str]:

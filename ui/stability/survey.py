@@ -11,8 +11,8 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.progress import Progress
+from nvcore.stability.notes import CRITERIA, PLANES
 from nvcore.stability.survey import SURVEY_PLANES, SurveyRow, held_text, survey_stability
-from nvcore.stability.words import CRITERIA, PLANES
 from ui.jobs.computed import Computation
 from ui.session import state
 from ui.widgets.table import draw_table, own_headings

@@ -15,15 +15,15 @@ from nvcore.params import Params
 from nvcore.progress import Progress
 from nvcore.stability.axes import Plane
 from nvcore.stability.map import StabilityMap, map_stability
-from nvcore.stability.scores import Criterion
-from nvcore.stability.survey import SURVEY_PLANES
-from nvcore.stability.words import (
+from nvcore.stability.notes import (
     CRITERIA,
     PLANES,
     describe_chance,
     describe_in_short,
     describe_stability,
 )
+from nvcore.stability.scores import Criterion
+from nvcore.stability.survey import SURVEY_PLANES
 from ui.jobs.background import BackgroundJob
 from ui.jobs.computed import Computation
 from ui.jobs.progress import start_as_made

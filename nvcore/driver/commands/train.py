@@ -112,7 +112,7 @@ def train(trials: Path, out: Path, **options: Any) -> None:
     ends it and leaves nothing behind. Exit code 0: fine, 2: bad input.
     """
     with needs("driver", "nvcore driver train needs"):
-        from nvcore.driver.texts import render_training
+        from nvcore.driver.estimator_report import render_training
         from nvcore.driver.trials.face import train_driver
 
     with ShareProgress() as progress:
@@ -144,7 +144,7 @@ def evaluate(trials: Path, out: Path | None, html: Path | None, **options: Any) 
     a tenth. Exit code 0: fine, 2: bad input.
     """
     with needs("driver", "nvcore driver evaluate needs"):
-        from nvcore.driver.texts import render_evaluation
+        from nvcore.driver.estimator_report import render_evaluation
         from nvcore.driver.trials.face import evaluate_driver
 
     if html is not None:

@@ -12,6 +12,7 @@ from nvcore.driver.comparison.in_time import is_in_time_alone
 from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.metrics.encounters import RELEVANT_K
+from nvcore.notes import Note, say
 from nvcore.tables.result import encounters_table
 
 REGION_NAMES: Final[dict[DriverRegion, str]] = {
@@ -67,23 +68,28 @@ def describe_sight(result: Result, encounter: int) -> str:
     Examples
     --------
     >>> describe_sight(result, 0)  # doctest: +SKIP
-    'Driver: detectability 0.52 ± 0.15 at most up to the first frame that counts: open.'
+    'Driver: open. Detectability reaches 0.52 ± 0.15 by the first frame that counts.'
     """
     sight: Sight = driver_sights(result)[encounter]
     if sight == "distant" or not result.dataset.has_detectability:
         return ""
     if sight == "unknown":
-        return f"Driver: {SIGHT_WORDS[sight]}, as {result.objects.say(SIGHT_TEXT[sight])}."
+        note = Note(
+            "driver.sight", sight=SIGHT_WORDS[sight], why=result.objects.say(SIGHT_TEXT[sight])
+        )
+        return say(note, result.objects)
     largest, sd = driver_in(result).table[["detectability", "sd"]].iloc[encounter]
-    value = f"{largest:.2f}" + (f" ± {sd:.2f}" if np.isfinite(sd) else "")
     record = result.dataset.of("driver")
     name = result.dataset.recordings["name"].iloc[result.encounters.recording[encounter]]
-    if record is not None and record.caution and name in record.estimated_in:
-        value = f"{value} ({record.caution})"
-    return (
-        f"Driver: {SIGHT_WORDS[sight]}. Detectability reaches {value} by the first frame that "
-        "counts."
+    is_estimated = record is not None and name in record.estimated_in
+    note = Note(
+        "driver.sight",
+        sight=SIGHT_WORDS[sight],
+        largest=largest,
+        sd=sd if np.isfinite(sd) else None,
+        caution=(record.caution or None) if is_estimated else None,
     )
+    return say(note, result.objects)
 
 
 def driver_venn_table(result: Result) -> pd.DataFrame:

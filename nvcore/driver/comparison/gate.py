@@ -8,16 +8,20 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.driver.comparison.doubts import doubt_of, doubt_of_estimator, doubt_of_seen
-from nvcore.driver.comparison.facts import NoClaim
 from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.measures import KNOWN
-from nvcore.driver.comparison.said import known, no_claim
+from nvcore.driver.comparison.notes import (
+    doubt_of,
+    doubt_of_seen,
+    known,
+    no_claim,
+    no_claim_of_weighted,
+)
 from nvcore.driver.comparison.settings import DRIVER
 from nvcore.driver.comparison.steps import driver_in
+from nvcore.notes import Note
 from nvcore.report.gate.added import RulesOf
 from nvcore.report.gate.measures import CONDITIONS, MEASURE_OF
-from nvcore.sentences.facts import Fact
 
 OF_DRIVER: Final = frozenset(
     {
@@ -41,11 +45,10 @@ OF_ANY_ESTIMATOR: Final = frozenset(
 """Those of them that are as good with an estimator that learned nothing."""
 
 
-def _facts(result: Result, name: str) -> tuple[Fact, ...]:
+def _notes(result: Result, name: str) -> tuple[Note, ...]:
     if name not in OF_DRIVER:
         measure = MEASURE_OF.get(name)
-        why = doubt_of_estimator(result) if measure and doubt_of(result, measure) else None
-        return (NoClaim("weighted", why),) if why else ()
+        return no_claim_of_weighted(result) if measure and doubt_of(result, measure) else ()
     if not driver_in(result).has_any:
         return ()
     return known(result, of_urgent=name in OF_URGENT), *no_claim(result)
@@ -57,7 +60,7 @@ def _is_in(result: Result, *, regions: tuple[DriverRegion, ...]) -> np.ndarray:
 
 RULES: Final = RulesOf(
     undefined=lambda result: OF_DRIVER - OF_ANY_ESTIMATOR if doubt_of_seen(result) else set(),
-    facts=_facts,
+    notes=_notes,
     counted={
         **{
             f"driver_venn.{region.value}": partial(_is_in, regions=(region,))

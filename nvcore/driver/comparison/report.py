@@ -2,33 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Final
 
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.driver.comparison.columns import driver_views
-from nvcore.driver.comparison.doubts import is_stated, is_weighted
-from nvcore.driver.comparison.facts import Estimated, WeightedClaims
-from nvcore.driver.comparison.said import (
-    basis_facts,
-    driver_facts,
-    no_claim,
+from nvcore.driver.comparison.notes import (
+    basis_notes,
+    driver_notes,
+    limits,
     seen_by,
+    weighted_claims,
     weighting,
-    weighting_facts,
+    weighting_notes,
 )
 from nvcore.driver.comparison.steps import driver_in
-from nvcore.measures.entry import Measure
+from nvcore.notes import phrase, say
 from nvcore.report.remarks import Remarks
 from nvcore.report.verdict import PointOf
-from nvcore.sentences import phrase, say
-from nvcore.sentences.facts import Fact
 from nvcore.wording import capitalised
 
 POINTS: Final = (
-    PointOf("Weighting", weighting_facts, after="Operating points", is_warning=True),
-    PointOf("The driver", driver_facts, after="Time left"),
+    PointOf("Weighting", weighting_notes, after="Operating points", is_warning=True),
+    PointOf("The driver", driver_notes, after="Time left"),
 )
 
 
@@ -36,27 +32,9 @@ def lines(result: Result) -> list[str]:
     """Who sees the encounters, and on whose word, for the terminal."""
     if not driver_in(result).has_any:
         return []
-    first, *others = basis_facts(result)
-    texts = [phrase(first, result.objects), *(say(fact, result.objects) for fact in others)]
+    first, *others = basis_notes(result)
+    texts = [phrase(first, result.objects), *(say(note, result.objects) for note in others)]
     return [phrase(seen_by(result), result.objects), f"the driver: {' '.join(texts)}"]
-
-
-def _limits(result: Result) -> tuple[Fact, ...]:
-    return (*(no_claim(result) or _estimated(result)), *weighting_facts(result))
-
-
-def _estimated(result: Result) -> tuple[Fact, ...]:
-    """Why what is said of the driver is to be doubted; none: nothing is known, or nothing said."""
-    estimate = result.dataset.of("driver")
-    if not driver_in(result).has_any or estimate is None or is_stated(result):
-        return ()
-    return (Estimated(estimate.caution),) if estimate.caution else ()
-
-
-def _of_claims(result: Result, measures: Sequence[Measure]) -> WeightedClaims | None:
-    """That claims are of measures weighted by what the driver does not see; None: none is."""
-    is_any = any(measure.depends_on("driver_weighting") for measure in measures)
-    return WeightedClaims() if is_any and is_weighted(result) else None
 
 
 def _views(dataset: Dataset) -> list[str]:
@@ -73,4 +51,4 @@ def _views(dataset: Dataset) -> list[str]:
     ]
 
 
-REMARKS: Final = Remarks(weighting, _limits, _of_claims, ("Driver's view", _views))
+REMARKS: Final = Remarks(weighting, limits, weighted_claims, ("Driver's view", _views))

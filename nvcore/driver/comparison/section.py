@@ -7,17 +7,17 @@ from typing import Final
 from nvcore.comparison import Result
 from nvcore.driver.comparison.encounters import driver_venn_table, saved_encounters
 from nvcore.driver.comparison.kinds import DriverRegion
-from nvcore.driver.comparison.said import driver_facts
+from nvcore.driver.comparison.notes import driver_notes
 from nvcore.driver.comparison.steps import driver_in
+from nvcore.notes import say
 from nvcore.params import Params
 from nvcore.report.html.blocks import Intro, Section, SectionOf, Sentences, Table, table
-from nvcore.sentences import say
 from nvcore.wording import number
 
 
 def driver_section(result: Result) -> Section:
     """The eight regions of driver, X and Y, and the urgent encounters that one alone saves."""
-    sentences = tuple(say(fact, result.objects) for fact in driver_facts(result))
+    sentences = tuple(say(note, result.objects) for note in driver_notes(result))
     blocks: list[Sentences | Table] = [Sentences(sentences), _regions(result)]
     saved = _saved(result)
     if saved.rows:

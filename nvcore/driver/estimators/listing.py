@@ -8,8 +8,8 @@ from typing import Final
 import click
 
 from nvcore.cli.models import Models
+from nvcore.driver.estimator_report import render_estimator, render_estimators
 from nvcore.driver.estimators.model_file import estimator_path, is_estimator_file, read_estimator
-from nvcore.driver.texts import render_estimator, render_estimators
 
 
 def _described(model: str, settings: Mapping[str, str]) -> str:

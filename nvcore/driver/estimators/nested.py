@@ -28,8 +28,9 @@ from nvcore.driver.features import FEATURE_KEYS
 from nvcore.driver.inputs.picture_boxes import PEDESTRIAN
 from nvcore.driver.trials.table import TrainingTable
 from nvcore.errors import InputError
+from nvcore.notes import Note
 from nvcore.progress import Progress, run_steps
-from nvcore.wording import count_text, listed, percent
+from nvcore.wording import count_text, percent
 
 LEAST_PEDESTRIANS: Final = 8
 """Fewest at each period: with fewer there is nothing to choose by."""
@@ -58,7 +59,7 @@ class Samples:
     periods_s
         Adaptation periods, ascending, float64, shape (p,).
     notes
-        What was left out, as sentences without a full stop.
+        What was left out.
     trials_file
         What the table was read from, for errors.
     """
@@ -69,7 +70,7 @@ class Samples:
     group: NDArray[np.int64]
     row: NDArray[np.int64]
     periods_s: NDArray[np.float64]
-    notes: tuple[str, ...]
+    notes: tuple[Note, ...]
     trials_file: Path | None = None
 
     def __len__(self) -> int:
@@ -139,17 +140,11 @@ def _refuse_equal(rows: pd.DataFrame, trials_file: Path | None) -> None:
 
 def _notes(
     is_known: NDArray[Any], group: NDArray[np.int64], is_whole: NDArray[Any]
-) -> tuple[str, ...]:
+) -> tuple[Note, ...]:
     unknown = [key for key, known in zip(FEATURE_KEYS, is_known, strict=True) if not known]
     n_lost = len(np.unique(group[~is_whole]))
-    return (
-        *(
-            [f"not used, being undefined for many pedestrians: {listed(unknown)}"]
-            if unknown
-            else []
-        ),
-        *([f"left out, lacking a feature: {count_text(n_lost, 'pedestrian')}"] if n_lost else []),
-    )
+    notes = [Note("driver.features_not_used", features=unknown)] if unknown else []
+    return (*notes, *([Note("driver.pedestrians_left_out", n=n_lost)] if n_lost else []))
 
 
 @dataclass(frozen=True)

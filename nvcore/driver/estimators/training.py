@@ -16,6 +16,7 @@ from nvcore.driver.estimators.nested import OutOfFold, Samples, out_of_fold, sam
 from nvcore.driver.estimators.search import Search, folds_of
 from nvcore.driver.features import FEATURE_KEYS
 from nvcore.driver.trials.table import TrainingTable
+from nvcore.notes import Note
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.progress import Progress, no_progress, part_of, with_time_left
 
@@ -37,7 +38,7 @@ class Training:
         Mean squared error at each period, on pedestrians left out: of the period's estimator, of
         the single one, and of the mean of the training's targets; float64, shape (p,), 0 is best.
     notes
-        What was not learned, as sentences without a full stop.
+        What was not learned.
     seconds
         How long it took.
     """
@@ -47,7 +48,7 @@ class Training:
     switched_errors: NDArray[np.float64]
     single_errors: NDArray[np.float64]
     constant_errors: NDArray[np.float64]
-    notes: tuple[str, ...]
+    notes: tuple[Note, ...]
     seconds: float
 
 

@@ -9,8 +9,14 @@ from typing import Any, Final
 import pandas as pd
 
 from nvcore import __version__
+from nvcore.driver.estimator_report import (
+    ERROR,
+    basis_of_errors,
+    describe_evaluated,
+    learning,
+)
 from nvcore.driver.estimators.training import origin_of
-from nvcore.driver.evaluation import PUBLISHED_NOTE, Evaluation, evaluation_tables
+from nvcore.driver.evaluation import Evaluation, evaluation_tables
 from nvcore.driver.evaluation.figures import (
     detectability_histograms_plot,
     detectability_plot,
@@ -20,7 +26,8 @@ from nvcore.driver.evaluation.figures import (
     pair_ranks_plot,
 )
 from nvcore.driver.evaluation.tables import errors_table
-from nvcore.driver.texts import ERROR, SAMPLING_NOTE, describe_evaluated, describe_learning
+from nvcore.notes import Note, say
+from nvcore.objects import PEDESTRIAN
 from nvcore.output.files import write_whole
 from nvcore.report.html.blocks import Chart, Intro, Section, Sentences, Table, table
 from nvcore.report.html.page import render_page
@@ -88,12 +95,9 @@ def write_evaluation_html(evaluation: Evaluation, path: Path) -> None:
 def _summary(evaluation: Evaluation) -> list[str]:
     """What came out, then what it rests on."""
     mean = errors_table(evaluation).iloc[-1]
-    switched, single, constant = (
-        number(mean[name], ERROR) for name in ("switched", "single", "constant")
-    )
+    of = {name: mean[name] for name in ("switched", "single", "constant")}
     return [
-        f"Mean squared error {switched} with an estimator for each adaptation period, {single} "
-        f"with one for all, {constant} with a constant.",
+        say(Note("driver.mean_errors", **of), PEDESTRIAN),
         *(f"{capitalised(text)}." for text in describe_evaluated(evaluation)),
     ]
 
@@ -159,13 +163,12 @@ def _sections(evaluation: Evaluation) -> list[Section]:
 
 def _learned(errors: pd.DataFrame) -> tuple[str, ...]:
     """Where nothing was learned, or that something was everywhere."""
-    texts = describe_learning(errors) or ["at no period is the constant as good"]
-    return tuple(f"{capitalised(text)}." for text in texts)
+    notes = learning(errors) or [Note("driver.all_learned")]
+    return tuple(f"{say(note, PEDESTRIAN)}." for note in notes)
 
 
 def _errors(errors: pd.DataFrame) -> Table:
     shown = [name for name in _ERROR_TITLES if errors[name].notna().any()]
-    notes = [SAMPLING_NOTE] if "sampling" in shown else []
     return _table(
         "Mean squared error; 0 is best",
         errors,
@@ -174,7 +177,7 @@ def _errors(errors: pd.DataFrame) -> Table:
             "Pedestrians": lambda row: f"{row['n']:,}",
             **{_ERROR_TITLES[name]: _number_of(name, ERROR) for name in shown},
         },
-        note=" ".join([*notes, PUBLISHED_NOTE]),
+        note=" ".join(basis_of_errors(errors)),
     )
 
 

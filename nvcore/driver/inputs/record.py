@@ -19,7 +19,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from nvcore.dataset.records import numbers_of, read_record, typed, value_of
-from nvcore.wording import MOST_NAMED, count_text, listed, one_line, shortened
+from nvcore.notes import Note, phrase
+from nvcore.objects import PEDESTRIAN
+from nvcore.wording import MOST_NAMED, listed, one_line, shortened
 
 SIMULATED: Final = ("no", "some", "all", "")
 """Of how many subjects the answers were simulated; empty: not known."""
@@ -28,10 +30,6 @@ SEARCHES: Final = ("", "quick")
 _EXPECTED: Final = (
     "expected the record that nvcore driver estimate writes (docs/driver-reference.md)"
 )
-_SUBJECTS: Final = {
-    "all": "learnt from simulated subjects",
-    "some": "learnt in part from simulated subjects",
-}
 _MOST: Final = 2**53
 _SHOWN_NAME: Final = 40
 _OF_ESTIMATOR: Final = {"name": str, "fingerprint": str, "simulated": str, "n_subjects": int}
@@ -115,51 +113,30 @@ class EstimateRecord:
         """The estimator in a few words; empty: not known."""
         if not self.name:
             return ""
-        name = shortened(one_line(self.name), _SHOWN_NAME)
-        subjects = count_text(self.n_subjects, "subject") if self.n_subjects else ""
-        known = f"fingerprint {one_line(self.fingerprint[:12])}" if self.fingerprint else ""
-        facts = ", ".join(filter(None, (subjects, known)))
-        return f"estimated by the estimator {name}" + (f" ({facts})" if facts else "")
+        note = Note(
+            "driver.made_by",
+            name=shortened(one_line(self.name), _SHOWN_NAME),
+            n_subjects=self.n_subjects,
+            fingerprint=one_line(self.fingerprint[:12]),
+        )
+        return phrase(note, PEDESTRIAN)
 
     @property
     def caution(self) -> str:
         """Why it is to be doubted: subjects, learning, pictures, light; empty: nothing is known."""
-        learnt = _SUBJECTS.get(self.simulated, "")
-        if self.search:
-            learnt = f"{learnt or 'learnt'} by a quick search"
-        parts = learnt, self._no_better, self._other_width, self._light_doubts, self._picture_doubts
-        return listed([part for part in parts if part])
-
-    @property
-    def _no_better(self) -> str:
-        if self.of_no_use:
-            return "as a whole no better than a constant"
-        if not self.no_better_at_s:
-            return ""
-        periods = listed([f"{period:g}" for period in self.no_better_at_s], most=MOST_NAMED)
-        return f"no better than a constant at {periods} s"
-
-    @property
-    def _other_width(self) -> str:
-        if not self.other_width:
-            return ""
-        return (
-            f"in {_named(self.other_width)} made on pictures of another width than the training's"
-        )
-
-    @property
-    def _light_doubts(self) -> str:
-        if not self.light_doubts:
-            return ""
-        return (
-            f"in {_named(self.light_doubts)} by a light meter that may be of another unit or clock"
-        )
-
-    @property
-    def _picture_doubts(self) -> str:
-        if not self.picture_doubts:
-            return ""
-        return f"in {_named(self.picture_doubts)} from pictures or gaze that may be of another view"
+        notes = []
+        if self.search or self.simulated in ("all", "some"):
+            notes.append(Note("driver.learnt", simulated=self.simulated, search=self.search))
+        if self.of_no_use or self.no_better_at_s:
+            periods = listed([f"{period:g}" for period in self.no_better_at_s], most=MOST_NAMED)
+            notes.append(Note("driver.no_better", at_s=None if self.of_no_use else periods))
+        if self.other_width:
+            notes.append(Note("driver.in_other_width", names=_named(self.other_width)))
+        if self.light_doubts:
+            notes.append(Note("driver.in_doubtful_light", names=_named(self.light_doubts)))
+        if self.picture_doubts:
+            notes.append(Note("driver.in_doubtful_pictures", names=_named(self.picture_doubts)))
+        return listed([phrase(note, PEDESTRIAN) for note in notes])
 
 
 def _named(names: Iterable[str]) -> str:

@@ -86,8 +86,8 @@ def evaluate_driver(arguments: EvaluateArguments) -> Evaluation:
     >>> evaluation = evaluate_driver("trials.csv", "features.csv", "tables")  # doctest: +SKIP
     """
     with needs("driver", "evaluating an estimator needs"):
+        from nvcore.driver.estimator_report import EVALUATION_FILES, evaluation_files
         from nvcore.driver.evaluation import evaluate_estimators
-        from nvcore.driver.texts import EVALUATION_FILES, evaluation_files
     out, html = (None if path is None else Path(path) for path in (arguments.out, arguments.html))
     if html is not None:
         with needs("report", "the HTML page of an evaluation needs"):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.sentences.facts import Fact
+from nvcore.notes import Note
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,6 @@ class RulesOf:
     """
 
     undefined: Callable[[Result], Set[str]]
-    facts: Callable[[Result, str], tuple[Fact, ...]]
+    notes: Callable[[Result, str], tuple[Note, ...]]
     counted: Mapping[str, Callable[[Result], np.ndarray]]
     is_open: Callable[[Result], np.ndarray]

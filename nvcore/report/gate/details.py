@@ -12,7 +12,7 @@ from nvcore.comparison import Result
 from nvcore.evidence.operating_points import alarms_as_set, is_undecided
 from nvcore.findings import Finding
 from nvcore.measures.table import hides_rate
-from nvcore.notes import Note
+from nvcore.notes import Note, phrase, say
 from nvcore.report.gate.added import RulesOf
 from nvcore.report.gate.measures import (
     COUNTED_ENCOUNTERS,
@@ -24,7 +24,6 @@ from nvcore.report.gate.measures import (
 from nvcore.report.gate.outcomes import RuleOutcome
 from nvcore.report.gate.rules import class_in
 from nvcore.schema import Category
-from nvcore.sentences import phrase, say
 from nvcore.subjects import contributed
 from nvcore.wording import LEAST_HOURLY_S, duration_text
 
@@ -48,7 +47,7 @@ def _details(outcome: RuleOutcome, result: Result, findings: Sequence[Finding]) 
         return (f"No rate per hour is given of less than {asked}: the recordings last {there}",)
     of_subjects: tuple[RulesOf, ...] = contributed("rules")
     known = tuple(
-        say(fact, result.objects) for of in of_subjects for fact in of.facts(result, name)
+        say(note, result.objects) for of in of_subjects for note in of.notes(result, name)
     )
     if outcome.is_passed:
         return known

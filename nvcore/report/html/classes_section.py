@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from nvcore.comparison import Result
 from nvcore.figures.classes import NO_CLASS, classes_plot
+from nvcore.notes import say
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Block, Chart, Section, Sentences, table
 from nvcore.report.words import classes_read
-from nvcore.sentences import say
 from nvcore.tables.classes import classes_table, names_classes
 
 

@@ -13,7 +13,7 @@ from nvcore.evidence.operating_points import alarms_as_set, are_unequal
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import judge_both
 from nvcore.findings import Finding
-from nvcore.notes import Note
+from nvcore.notes import Note, say
 from nvcore.palette import Scheme, Theme, scheme_of
 from nvcore.pictures.recordings import RecordingPictures
 from nvcore.progress import Progress, part_of
@@ -40,7 +40,6 @@ from nvcore.report.html.result_sections import (
     similarity_section,
 )
 from nvcore.report.html.settings_sections import detection_section, stability_section
-from nvcore.sentences import say
 from nvcore.stability.map import MAPS
 from nvcore.subjects import contributed
 from nvcore.tables.classes import has_classes

@@ -15,15 +15,13 @@ from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import alarms_as_set, are_unequal, point_note
 from nvcore.evidence.units import MIN_RECORDINGS
 from nvcore.measures.table import count_recordings
-from nvcore.notes import Note
+from nvcore.notes import Note, phrase
 from nvcore.objects import Objects
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Photo
 from nvcore.report.tiles import Tile, tiles
 from nvcore.report.verdict import Verdict
 from nvcore.report.words import n_frames_text, sampling_note
-from nvcore.sentences import phrase
-from nvcore.sentences.facts import Fact
 from nvcore.subjects import contributed
 from nvcore.wording import count_text, duration_text, one_line
 
@@ -69,9 +67,9 @@ class Cover:
     limits: tuple[str, ...]
     objects: Objects
 
-    def say(self, fact: Fact | None) -> str:
-        """A fact of a tile, without a capital."""
-        return "" if fact is None else phrase(fact, self.objects)
+    def say(self, note: Note | None) -> str:
+        """Word a note of a tile, without a capital."""
+        return "" if note is None else phrase(note, self.objects)
 
 
 def cover_of(
@@ -148,7 +146,7 @@ def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
         "cameras they say nothing."
     )
     points = [
-        conclusion.say(*point.facts)
+        conclusion.say(*point.notes)
         for point in conclusion.points
         if point.topic in ("More recordings", "Thresholds")
     ]

@@ -12,6 +12,7 @@ from nvcore.figures.encounters import miss_classes_plot
 from nvcore.figures.venn import WORDS, venn_figure
 from nvcore.figures.weightings import weightings_plot
 from nvcore.measures.entry import MeasureTable
+from nvcore.notes import say as said
 from nvcore.report.html import words
 from nvcore.report.html.blocks import MAX_ROWS, Chart, Fold, Section, Sentences, Table, table
 from nvcore.report.html.result_sections import names_of
@@ -22,7 +23,6 @@ from nvcore.report.words import (
     misses,
 )
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT, Category
-from nvcore.sentences import say as said
 from nvcore.tables.encounters.miss_classes import fusion_table
 from nvcore.tables.encounters.severity import weighed_encounters
 from nvcore.tables.encounters.weightings import compare_weightings

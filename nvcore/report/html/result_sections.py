@@ -11,6 +11,7 @@ from nvcore.figures.over_time.strip import loss_strip_plot
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.saliency import plane_plot
 from nvcore.measures.entry import MeasureTable
+from nvcore.notes import say
 from nvcore.report.html import words
 from nvcore.report.html.blocks import MAX_ROWS, Chart, Fold, Section, Sentences, Table, table
 from nvcore.report.html.input_sections import span_in_use
@@ -20,7 +21,6 @@ from nvcore.report.words import (
     score_cells,
     scorecard_cells,
 )
-from nvcore.sentences import say
 from nvcore.subjects import contributed
 from nvcore.tables.influence import lead_text, other_leads_text
 from nvcore.tables.loss_strip import loss_strip

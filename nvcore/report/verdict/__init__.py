@@ -1,4 +1,4 @@
-"""What a comparison supports: a headline, and facts by topic, no stronger than its data."""
+"""What a comparison supports: a headline, and notes by topic, no stronger than its data."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from nvcore.evidence.claims import Basis, Claim, decided_on, find_claims
 from nvcore.evidence.companions import Companions
 from nvcore.findings import Finding, Severity
 from nvcore.measures.table import as_shown
-from nvcore.notes import Fact, Note, phrase, say
+from nvcore.notes import Note, phrase, say
 from nvcore.notes.caveats import caveats
 from nvcore.objects import Objects
 from nvcore.report.verdict import points
@@ -37,7 +37,7 @@ class Point:
     ----------
     topic
         In a word or two, such as ``Encounters``.
-    facts
+    notes
         At least one.
     after
         Topic of the point that it follows; empty: it has its own place.
@@ -46,7 +46,7 @@ class Point:
     """
 
     topic: str
-    facts: tuple[Fact, ...]
+    notes: tuple[Note, ...]
     after: str = ""
     is_warning: bool = False
 
@@ -65,7 +65,7 @@ class PointOf:
     topic
         In a word or two.
     find
-        Its facts; none: there is nothing to say.
+        Its notes; none: there is nothing to say.
     after
         Topic of the point that it follows.
     is_warning
@@ -73,7 +73,7 @@ class PointOf:
     """
 
     topic: str
-    find: Callable[[Result], tuple[Fact, ...]]
+    find: Callable[[Result], tuple[Note, ...]]
     after: str
     is_warning: bool = False
 
@@ -105,9 +105,9 @@ class Verdict:
     doubt: Note | None
     objects: Objects
 
-    def say(self, *facts: Fact | None) -> str:
-        """Facts in sentences."""
-        return " ".join(say(fact, self.objects) for fact in facts if fact is not None)
+    def say(self, *notes: Note | None) -> str:
+        """Word notes as sentences."""
+        return " ".join(say(note, self.objects) for note in notes if note is not None)
 
     @property
     def in_short(self) -> str:
@@ -123,12 +123,12 @@ class Verdict:
     def topics(self) -> tuple[tuple[str, str], ...]:
         """Each point in a word or two, and what is to be said on it; at last the audit."""
         doubt = [("Audit", self.say(self.doubt))] if self.doubt else []
-        return (*((point.topic, self.say(*point.facts)) for point in self.points), *doubt)
+        return (*((point.topic, self.say(*point.notes)) for point in self.points), *doubt)
 
     @property
     def sentences(self) -> tuple[str, ...]:
         """Headline, points and doubt, sentence by sentence."""
-        of_points = chain.from_iterable(point.facts for point in self.points)
+        of_points = chain.from_iterable(point.notes for point in self.points)
         every = (self.headline, *of_points, self.doubt)
         return tuple(self.say(fact) for fact in every if fact is not None)
 
@@ -139,7 +139,7 @@ def verdict(
     *,
     evidence: pd.DataFrame | None = None,
     companions: Companions | None = None,
-    plan: tuple[Fact, ...] = (),
+    plan: tuple[Note, ...] = (),
 ) -> Verdict:
     """Which differences between X and Y may be claimed, and what the measures say.
 
@@ -216,7 +216,7 @@ def verdict(
     )
     return Verdict(
         headline(result, decisive, companions, support),
-        tuple(point for point in every if point.facts),
+        tuple(point for point in every if point.notes),
         support.claims,
         support.basis,
         doubt,

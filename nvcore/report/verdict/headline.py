@@ -16,7 +16,7 @@ from nvcore.evidence.measures import primary_of
 from nvcore.evidence.operating_points import are_unequal, has_scores
 from nvcore.evidence.units import MIN_RECORDINGS, WHOLE, count_whole
 from nvcore.measures.table import evidence_form, measure_of, shown_as
-from nvcore.notes import Fact, Note
+from nvcore.notes import Note
 from nvcore.subjects import contributed
 
 
@@ -85,7 +85,7 @@ def _conclusion(
     return Note("verdict.not_shown", n=n, noun=noun, primary=named)
 
 
-def _remarks(result: Result, claims: Sequence[Claim]) -> list[Fact]:
+def _remarks(result: Result, claims: Sequence[Claim]) -> list[Note]:
     """Return what subjects say of claims about these measures."""
     measures = [measure_of(claim.key) for claim in claims]
     remarks = (subject.of_claims(result, measures) for subject in contributed("remarks"))

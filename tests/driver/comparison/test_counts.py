@@ -5,8 +5,8 @@ from __future__ import annotations
 from approach import approach, only
 from builders import NAN, Place, at, make_dataset, result_of
 
-from nvcore.driver.comparison.facts import Counts, InTime
-from nvcore.driver.comparison.said import counts, driver_facts
+from nvcore.driver.comparison.notes import counts, driver_notes
+from nvcore.notes import Note
 
 
 def test_each_encounter_and_each_urgent_one_is_in_one_part():
@@ -23,11 +23,18 @@ def test_each_encounter_and_each_urgent_one_is_in_one_part():
     truth += [at(0, 5, h=4, track=9)._replace(detectability=0.5)]
     dataset = make_dataset(truth, x, y, places=[Place(always)] * len(kinds))
     result = result_of(dataset, proximity="height")
-    assert counts(result) == Counts(6, n_seen=1, n_unseen=3, n_unknown=1, n_distant=1)
-    assert InTime(4, driver=1, both=1, x=0, y=1, neither=1) in driver_facts(result)
+    assert counts(result).values == {
+        "n": 6,
+        "n_seen": 1,
+        "n_unseen": 3,
+        "n_unknown": 1,
+        "n_distant": 1,
+    }
+    in_time = Note("driver.in_time", n=4, driver=1, both=1, x=0, y=1, nobody=1)
+    assert in_time in driver_notes(result)
 
 
 def test_where_all_are_near_and_known_and_none_is_urgent_no_more_is_said():
     truth = [at(0, 50)._replace(detectability=0.1)]
     result = result_of(make_dataset(truth, x=[at(0, 50)], n_frames=1))
-    assert counts(result) == Counts(1, n_seen=0, n_unseen=1, n_unknown=0, n_distant=0)
+    assert [*counts(result).values.values()] == [1, 0, 1, 0, 0]

@@ -6,8 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from nvcore.driver.comparison.simulated import NOBODY_THERE, describe_change
+from nvcore.driver.comparison.notes import simulated_change
 from nvcore.driver.illumination.clock import period_after
+from nvcore.notes import say
 from nvcore.objects import PEDESTRIAN
 
 NAN = np.nan
@@ -29,8 +30,11 @@ def simulated(*detectability: float, since: int = 1) -> pd.DataFrame:
     return pd.DataFrame({"detectability": detectability, "is_simulated": is_after})
 
 
-def words(was: pd.DataFrame, would: pd.DataFrame) -> str:
-    return describe_change(was, would, threshold=0.5, change_s=0.1, objects=PEDESTRIAN)
+def words(was: pd.DataFrame, would: pd.DataFrame, change_s: float = 0.1) -> str:
+    return say(simulated_change(was, would, threshold=0.5, change_s=change_s), PEDESTRIAN)
+
+
+NOBODY_THERE = "The pedestrian is in no frame after it: nothing changes."
 
 
 def test_frames_until_he_sees_the_pedestrian_are_counted_from_the_change():
@@ -108,7 +112,7 @@ def test_a_frame_after_the_first_that_counts_is_no_alert_s_and_seeing_him_then_n
 ):
     """He sees the pedestrian in the frames that follow alone, and it is dark from the third on."""
     was, would = course(0.1, 0.9, 0.9, n_up_to=n_up_to), simulated(0.1, 0.9, 0.1, since=2)
-    text = describe_change(was, would, threshold=0.5, change_s=0.2, objects=PEDESTRIAN)
+    text = words(was, would, 0.2)
     assert "had seen" not in text
     assert "would see the pedestrian again in none of 1 frame" in text
 
@@ -126,7 +130,7 @@ def test_a_distant_pedestrian_need_not_be_seen_by_a_certain_frame():
 
 
 def test_a_change_after_the_last_frame_changes_nothing():
-    assert PEDESTRIAN.say(NOBODY_THERE) in words(course(0.9, 0.9), simulated(0.9, 0.9, since=2))
+    assert NOBODY_THERE in words(course(0.9, 0.9), simulated(0.9, 0.9, since=2))
 
 
 @pytest.mark.parametrize("fps", [10.0, 20.0, 25.0, 29.97])
@@ -141,18 +145,12 @@ def test_the_frame_before_the_change_is_seen_as_it_was(fps: float):
         period_s, is_simulated = period_after(np.full(60, np.nan), end_s, change_s)
         would = np.where(period_s < 5.5 / fps, 0.1, 0.9)  # not in five frames
         after = pd.DataFrame({"detectability": would, "is_simulated": is_simulated})
-        text = describe_change(table, after, threshold=0.5, change_s=change_s, objects=PEDESTRIAN)
+        text = words(table, after, change_s)
         if k < 55:
             assert f"5 frames ({5 / fps:.2f} s) later" in text
         assert "the driver would have seen the pedestrian, with the change or without" in text
-    text = describe_change(
-        table,
-        after.assign(is_simulated=False),
-        threshold=0.5,
-        change_s=60 / fps,
-        objects=PEDESTRIAN,
-    )
-    assert PEDESTRIAN.say(NOBODY_THERE) in text
+    text = words(table, after.assign(is_simulated=False), 60 / fps)
+    assert NOBODY_THERE in text
 
 
 def test_who_was_seen_by_the_frame_that_counts_still_is_where_it_becomes_dark_after_it():
@@ -165,7 +163,7 @@ def test_who_was_seen_by_the_frame_that_counts_still_is_where_it_becomes_dark_af
             "is_simulated": is_simulated,
         }
     )
-    text = describe_change(was, would, threshold=0.5, change_s=0.3, objects=PEDESTRIAN)
+    text = words(was, would, 0.3)
     assert (
         "at 0.20 s, the driver would have seen the pedestrian, with the change or without" in text
     )
@@ -196,12 +194,11 @@ def test_frames_in_which_it_is_not_known_are_neither_seen_nor_unseen():
 
 
 def test_a_simulated_observer_is_named():
-    text = describe_change(
+    note = simulated_change(
         course(0.9, 0.9),
         simulated(0.9, 0.1),
         threshold=0.5,
         change_s=0.1,
         caution="learnt from simulated subjects",
-        objects=PEDESTRIAN,
     )
-    assert "Estimates are learnt from simulated subjects." in text
+    assert note["caution"] == "learnt from simulated subjects"

@@ -10,8 +10,9 @@ import pytest
 from driver_trials import made_table
 
 from nvcore.driver.commands.train import say_how_to_leave_out
+from nvcore.driver.estimator_report import render_table, render_training
 from nvcore.driver.estimators import Search, Training, train_estimator
-from nvcore.driver.texts import render_table, render_training
+from nvcore.notes import Note
 from nvcore.wording import MOST_NAMED
 
 
@@ -88,7 +89,7 @@ def test_where_the_single_estimator_is_worse_than_the_constant_it_is_said(traini
 
 
 def test_what_was_left_out_is_said(training: Training):
-    noted = replace(training, notes=("left out, lacking a feature: 1 pedestrian",))
+    noted = replace(training, notes=(Note("driver.pedestrians_left_out", n=1),))
     assert "\nLeft out, lacking a feature: 1 pedestrian\n" in render_training(noted)
 
 

@@ -23,6 +23,7 @@ from damaged_models import (
     with_odd_values,
 )
 
+from nvcore.driver.estimator_report import render_estimator
 from nvcore.driver.estimators import (
     Estimator,
     Origin,
@@ -36,7 +37,6 @@ from nvcore.driver.estimators.model import SvrSettings
 from nvcore.driver.estimators.model_file import SAMPLE_ESTIMATOR, from_bytes, to_bytes
 from nvcore.driver.estimators.search import fit
 from nvcore.driver.features import FeatureSettings
-from nvcore.driver.texts import render_estimator
 from nvcore.errors import EstimatorError
 
 

@@ -23,6 +23,7 @@ from nvcore.driver.estimators.search import draw_settings, feature_sets, folds_o
 from nvcore.driver.features import FEATURE_KEYS
 from nvcore.driver.trials import TrainingTable
 from nvcore.errors import InputError, ParameterError
+from nvcore.notes import Note
 
 SEARCH = Search(n_settings=2, n_folds=3)
 
@@ -184,7 +185,7 @@ def test_a_feature_that_grey_pictures_lack_is_not_used(table: TrainingTable):
     rows = table.rows.copy()
     rows["lab_distance"] = np.nan
     samples = samples_of(replace(table, rows=rows))
-    assert samples.notes == ("not used, being undefined for many pedestrians: lab_distance",)
+    assert samples.notes == (Note("driver.features_not_used", features=["lab_distance"]),)
     assert np.isnan(samples.features[:, FEATURE_KEYS.index("lab_distance")]).all()
     assert len(samples) == 24 * 6
 
@@ -193,7 +194,7 @@ def test_a_pedestrian_that_lacks_a_feature_is_left_out(table: TrainingTable):
     rows = table.rows.copy()
     rows.loc[rows["image"] == "night_03.jpg", "edge_contrast"] = np.nan
     samples = samples_of(replace(table, rows=rows))
-    assert samples.notes == ("left out, lacking a feature: 1 pedestrian",)
+    assert samples.notes == (Note("driver.pedestrians_left_out", n=1),)
     assert len(samples) == 23 * 6
 
 

@@ -10,8 +10,8 @@ import pytest
 from driver_estimators import estimator
 from driver_trials import made_table
 
+from nvcore.driver.estimator_report import render_table, render_training
 from nvcore.driver.estimators import Training
-from nvcore.driver.texts import render_table, render_training
 from nvcore.driver.trials import TrainingTable
 
 

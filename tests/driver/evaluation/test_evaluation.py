@@ -12,6 +12,7 @@ import pytest
 from driver_trials import CHOSEN, PERIODS_S, made_table
 from places import ROOT
 
+from nvcore.driver.estimator_report import EVALUATION_FILES, evaluation_files, render_evaluation
 from nvcore.driver.estimators import Search
 from nvcore.driver.estimators.search import PAIRS
 from nvcore.driver.evaluation import (
@@ -22,7 +23,6 @@ from nvcore.driver.evaluation import (
     published,
 )
 from nvcore.driver.features import FEATURE_KEYS
-from nvcore.driver.texts import EVALUATION_FILES, evaluation_files, render_evaluation
 
 N = 10
 

@@ -69,7 +69,7 @@ def verdict_by(result: Result, *rows: dict[str, object], companions: bool = True
 
 def said(text: Verdict, topic: str) -> tuple[Any, ...]:
     """The facts of a verdict on a topic; none: it says nothing on it."""
-    return next((point.facts for point in text.points if point.topic == topic), ())
+    return next((point.notes for point in text.points if point.topic == topic), ())
 
 
 def whole_verdict(result: Result) -> Verdict:

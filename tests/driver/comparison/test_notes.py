@@ -7,7 +7,6 @@ import re
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import product
-from typing import TypeVar
 
 import numpy as np
 import pytest
@@ -21,37 +20,23 @@ from nvcore.driver.comparison.encounters import (
     features_of_course,
     saved_encounters,
 )
-from nvcore.driver.comparison.facts import (
-    Adapted,
-    Alerts,
-    DetectabilitySource,
-    InTime,
-    LightUnknown,
-    NoClaim,
-    NothingKnown,
-    Open,
-    Outside,
-    SeenTooLate,
-    Seldom,
-    Weighting,
-    Why,
-)
 from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
-from nvcore.driver.comparison.said import (
-    alerts,
-    basis_facts,
-    driver_facts,
+from nvcore.driver.comparison.notes import (
+    basis_notes,
+    driver_notes,
     no_claim,
     seen_by,
+    seen_unaided,
     source,
     weighting,
-    weighting_facts,
+    weighting_notes,
 )
 from nvcore.driver.comparison.section import driver_section
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.evidence.measures import significance_table
 from nvcore.measures.table import MEASURES
+from nvcore.notes import Note, say
 from nvcore.objects import objects_from
 from nvcore.params import Params
 from nvcore.report.gate import run_gate
@@ -60,13 +45,9 @@ from nvcore.report.gate.rules import parse_rule
 from nvcore.report.terminal import render_scorecard
 from nvcore.report.tiles import tiles
 from nvcore.report.verdict import verdict
-from nvcore.sentences import say
-from nvcore.sentences.facts import Fact
 from nvcore.tables.result import encounters_table, recordings_table
 from nvcore.tables.scorecard import score_rows
 from nvcore.tables.summary import summary
-
-F = TypeVar("F", bound=Fact)
 
 
 def eight(n_recordings: int = 1, *, unknown: int = 1, **params: str) -> Result:
@@ -113,28 +94,32 @@ def test_of_recordings_of_which_nothing_is_known_the_alerts_are_undefined():
     assert "useful_alerts_x" not in bare
 
 
-def only_of(kind: type[F], facts: Iterable[Fact]) -> F:
-    """The only fact of a type."""
-    (fact,) = (fact for fact in facts if isinstance(fact, kind))
-    return fact
+def only_of(key: str, notes: Iterable[Note]) -> Note:
+    """The only note of a key."""
+    (note,) = (note for note in notes if note.key == key)
+    return note
 
 
-def words_of(result: Result, facts: Iterable[Fact]) -> str:
-    return " ".join(say(fact, result.objects) for fact in facts)
+def keys_of(notes: Iterable[Note]) -> list[str]:
+    return [note.key for note in notes]
+
+
+def words_of(result: Result, notes: Iterable[Note]) -> str:
+    return " ".join(say(note, result.objects) for note in notes)
 
 
 def test_what_is_known_of_the_driver_in_words():
     """The golden text, of the ground truth's own values and of estimates."""
     result = eight()
-    assert words_of(result, driver_facts(result)) == (
+    assert words_of(result, driver_notes(result)) == (
         "By the ground truth, the driver sees 4 of 8 encounters unaided; of the 4 not seen, X "
         "detects 2 and Y 2 (X alone 1, Y alone 1, neither 1). Detectability is as the ground truth "
         "states it; seen means that at least 50 % of drivers would see the pedestrian. It is known "
         "of 8 of 9 pedestrian boxes; 1 encounter of which it is unknown is not counted here."
     )
-    assert words_of(result, driver_facts(result)) == dict(verdict(result).topics)["The driver"]
+    assert words_of(result, driver_notes(result)) == dict(verdict(result).topics)["The driver"]
     simulated = with_estimate(eight(unknown=0), EstimateRecord("m", "ab12", "all", 12))
-    assert words_of(simulated, driver_facts(simulated)) == (
+    assert words_of(simulated, driver_notes(simulated)) == (
         "Nothing is claimed of whom the driver sees: the estimator learnt from simulated subjects "
         "alone, not from people. By the estimates (learnt from simulated subjects), the driver "
         "sees 4 of 8 encounters unaided; of the 4 not seen, X detects 2 and Y 2 (X alone 1, Y "
@@ -146,10 +131,10 @@ def test_what_is_known_of_the_driver_in_words():
 
 def test_estimates_of_simulated_subjects_alone_are_no_ground_for_a_claim():
     result = with_estimate(eight(unknown=0), EstimateRecord("m", "ab12", "all", 12))
-    assert no_claim(result) == (NoClaim("seen", Why("simulated")),)
+    assert no_claim(result) == (Note("driver.no_claim", why=Note("driver.simulated_subjects")),)
     assert not no_claim(with_estimate(result, EstimateRecord("m", "ab12", "some", 12)))
     plain = with_estimate(eight(unknown=0), EstimateRecord())
-    assert source(plain) == (DetectabilitySource("estimates", 0.5, ("estimated",)),)
+    assert words_of(plain, source(plain)).startswith("Detectability is estimated; seen means")
 
 
 def test_what_is_estimated_and_what_the_truth_states_are_told_apart():
@@ -161,15 +146,16 @@ def test_what_is_estimated_and_what_the_truth_states_are_told_apart():
     stated = with_estimate(result, replace(record, estimated_in=other, stated_in=own))
     estimated = with_estimate(result, replace(record, estimated_in=own, stated_in=other))
     for each, kind in ((both, "both"), (stated, "truth"), (estimated, "estimates")):
-        assert alerts(each).by.kind == source(each)[0].kind == kind
-    assert (alerts(both).by.n_estimated, alerts(both).by.n_stated) == (1, 1)
-    assert alerts(estimated).by.caution is not None
-    assert alerts(stated).by.caution is None
+        assert seen_unaided(each)["by"]["origin"] == source(each)[0]["origin"] == kind
+    by = seen_unaided(both)["by"]
+    assert (by["n_estimated"], by["n_stated"]) == (1, 1)
+    assert "caution" in seen_unaided(estimated)["by"].values
+    assert "caution" not in seen_unaided(stated)["by"].values
 
 
 def test_the_regions_stand_in_the_terminal_and_the_unknown_only_where_there_are_some():
-    assert [region.n for region in seen_by(eight()).regions] == [1] * 9
-    assert len(seen_by(eight(unknown=0)).regions) == 8
+    assert [region["n"] for region in seen_by(eight())["regions"]] == [1] * 9
+    assert len(seen_by(eight(unknown=0))["regions"]) == 8
     assert (
         "encounters seen by: driver, X and Y 1, driver and X 1, driver and Y 1, driver alone 1, X "
         "and Y 1, X alone 1, Y alone 1, none of them 1, unknown of the driver 1\n"
@@ -178,7 +164,7 @@ def test_the_regions_stand_in_the_terminal_and_the_unknown_only_where_there_are_
 
 def test_where_nothing_is_known_nothing_is_said():
     result = result_of(make_dataset([at(0, 50, track=1)]))
-    assert driver_facts(result) == ()
+    assert driver_notes(result) == ()
     assert "driver" not in render_scorecard(result)
     assert "driver" not in str(summary(result))
     assert not any("driver" in name for name in encounters_table(result))
@@ -189,15 +175,18 @@ def test_where_nothing_is_known_nothing_is_said():
 def test_weighting_is_said_and_of_how_many_boxes_it_is_not():
     assert weighting(eight()) == ()
     weighted = eight(driver_weighting="on")
-    assert weighting(weighted) == (Weighting("one", 1),)
-    assert weighting(eight(unknown=0, driver_weighting="on")) == (Weighting("all"),)
+    assert weighting(weighted) == (Note("driver.weighting", n_unknown=1),)
+    assert weighting(eight(unknown=0, driver_weighting="on")) == (
+        Note("driver.weighting", n_unknown=0),
+    )
     assert "weighted by (1 - detectability)" in render_scorecard(weighted)
     (point,) = [point for point in verdict(weighted).points if point.topic == "Weighting"]
-    assert (point.facts, point.is_warning) == (weighting(weighted), True)
+    assert (point.notes, point.is_warning) == (weighting(weighted), True)
     simulated = with_estimate(weighted, EstimateRecord("m", "", "all", 3))
-    assert weighting_facts(simulated)[1] == NoClaim("weighted", Why("simulated"))
+    why = Note("driver.simulated_subjects")
+    assert weighting_notes(simulated)[1] == Note("driver.no_claim_of_weighted", why=why)
     bare = result_of(make_dataset([at(0, 50, track=1)]), driver_weighting="on")
-    assert weighting(bare) == (Weighting("none"),)
+    assert weighting(bare) == (Note("driver.no_weighting"),)
 
 
 def test_the_table_of_regions_has_a_row_for_each_with_words():
@@ -230,8 +219,8 @@ def test_neither_the_driver_nor_x_but_y_is_counted_listed_and_said():
     assert rows["in_time_alone"] == (0, 1)
     saved = saved_encounters(result)
     assert saved[["recording", "system", "impact_kmh_y"]].to_numpy().tolist() == [["r1", "y", 0.0]]
-    in_time = only_of(InTime, driver_facts(result))
-    assert in_time == InTime(n=3, driver=1, both=0, x=0, y=1, neither=1)
+    in_time = Note("driver.in_time", n=3, driver=1, both=0, x=0, y=1, nobody=1)
+    assert in_time in driver_notes(result)
     assert encounters_table(result)["driver_in_time"].tolist()[:3] == [False, False, True]
     assert encounters_table(result)["driver_in_time"].isna().tolist() == [False] * 3 + [True]
 
@@ -372,19 +361,21 @@ def test_a_share_of_estimates_that_say_little_is_said_with_the_features():
     counts = {"Height": 5, "Edge contrast": 3, "Width": 2, "Lab distance": 1, "Luma": 1}
     record = EstimateRecord("m", n_estimates=100, n_light_unknown=6, outside=counts)
 
-    def basis(record: EstimateRecord, n_outside: int) -> tuple[Fact, ...]:
+    def basis(record: EstimateRecord, n_outside: int) -> tuple[Note, ...]:
         marked = boxes.assign(is_outside=np.arange(len(boxes)) < n_outside)
         dataset = replace(result.dataset, boxes=marked)
-        return basis_facts(with_estimate(compare(dataset, Params(proximity="none")), record))
+        return basis_notes(with_estimate(compare(dataset, Params(proximity="none")), record))
 
-    named = ("Height", "Edge contrast", "Width", "2 more")
-    assert Outside(1, n, n_deciding=1, n_encounters=8, names=named) in basis(record, 1)
-    assert LightUnknown(0.06) in basis(record, 1)
+    outside = {"n": 1, "n_known": n, "n_deciding": 1, "n_encounters": 8}
+    named = "Height, Edge contrast, Width and 2 more"
+    assert Note("driver.outside", **outside, features=named) in basis(record, 1)
+    assert Note("driver.light_unknown", share=0.06) in basis(record, 1)
     (name,) = result.dataset.recordings["name"]
-    assert LightUnknown(0.06) not in basis(replace(record, stated_in=frozenset([name])), 1)
+    stated = basis(replace(record, stated_in=frozenset([name])), 1)
+    assert "driver.light_unknown" not in keys_of(stated)
     few = basis(replace(record, n_light_unknown=5), 0)
-    assert not [fact for fact in few if isinstance(fact, LightUnknown | Outside)]
-    assert Outside(1, n, 1, 8, ()) in basis(replace(record, outside={}), 1)
+    assert not {"driver.light_unknown", "driver.outside"} & {*keys_of(few)}
+    assert Note("driver.outside", **outside) in basis(replace(record, outside={}), 1)
 
 
 def test_where_boxes_are_outside_the_training_but_no_encounter_is_that_is_said():
@@ -393,20 +384,19 @@ def test_where_boxes_are_outside_the_training_but_no_encounter_is_that_is_said()
     result = result_of(make_dataset(truth))
     boxes = result.dataset.boxes
     outside = boxes.assign(is_outside=(boxes["detectability"] == 0.2).to_numpy())
-    facts = basis_facts(compare(replace(result.dataset, boxes=outside), result.params))
-    assert only_of(Outside, facts) == Outside(1, 2, n_deciding=0, n_encounters=1, names=())
+    notes = basis_notes(compare(replace(result.dataset, boxes=outside), result.params))
+    assert Note("driver.outside", n=1, n_known=2, n_deciding=0, n_encounters=1) in notes
 
 
 def test_encounters_whose_largest_value_is_within_its_sd_of_the_threshold_are_open():
     shares = (0.5, 0.55, 0.45, 0.8, 0.2)
     truth = [at(0, 50, track=i, detectability=share) for i, share in enumerate(shares)]
     bare = result_of(make_dataset(truth))
-    assert not [fact for fact in basis_facts(bare) if isinstance(fact, Open)]
+    assert "driver.open" not in keys_of(basis_notes(bare))
     boxes = bare.dataset.boxes.assign(detectability_sd=0.1)
     result = compare(replace(bare.dataset, boxes=boxes), bare.params)
-    assert only_of(Open, basis_facts(result)) == Open(
-        n=3, n_known=5, is_least=False, n_open_unseen=1, n_unseen=2, threshold=0.5
-    )
+    of = {"n": 3, "n_known": 5, "is_least": False, "n_open_unseen": 1, "n_unseen": 2}
+    assert Note("driver.open", **of, threshold=0.5) in basis_notes(result)
     assert encounters_table(result)["within_sd"].tolist() == [1, 1, 1, 0, 0]
     assert summary(result)["driver"]["within_sd"] == 3
 
@@ -417,9 +407,10 @@ def test_where_every_encounter_is_open_nothing_is_claimed_of_the_driver():
     assert not no_claim(bare)
     boxes = bare.dataset.boxes.assign(detectability_sd=[0.1, 0.1])
     result = compare(replace(bare.dataset, boxes=boxes), bare.params)
-    assert no_claim(result) == (NoClaim("seen", Why("open", 2, threshold=0.5)),)
-    assert alerts(result).kind == "all"  # not "redundant"
-    assert not [fact for fact in basis_facts(result) if isinstance(fact, Open)]  # said before
+    why = Note("driver.all_open", n=2, is_of_unseen=False, threshold=0.5)
+    assert no_claim(result) == (Note("driver.no_claim", why=why),)
+    assert not seen_unaided(result)["is_redundant"]
+    assert "driver.open" not in keys_of(basis_notes(result))  # said before
     assert (
         "the driver: nothing is claimed of whom the driver sees: in all 2 encounters of which it "
         "is known, the value that decides is within one standard deviation of 0.5."
@@ -430,11 +421,12 @@ def test_where_every_encounter_is_open_nothing_is_claimed_of_the_driver():
 
 def test_of_an_estimator_that_learned_nothing_nothing_is_claimed():
     result = with_estimate(eight(unknown=0), EstimateRecord("m", "", "no", 3, of_no_use=True))
-    assert no_claim(result) == (NoClaim("seen", Why("useless")),)
-    assert alerts(result).by.caution is not None
+    assert no_claim(result) == (Note("driver.no_claim", why=Note("driver.useless")),)
+    assert "caution" in seen_unaided(result)["by"].values
     seen = make_dataset([at(0, 50, track=1, detectability=0.9)])
     useless = with_estimate(result_of(seen), result.dataset.of("driver"))
-    assert (alerts(useless).kind, alerts(useless).n_seen) == ("all", 1)
+    assert not seen_unaided(useless)["is_redundant"]
+    assert seen_unaided(useless)["n_seen"] == 1
     (name,) = result.dataset.recordings["name"]
     stated = EstimateRecord("m", of_no_use=True, stated_in=frozenset([name]))
     assert not no_claim(with_estimate(result, stated))
@@ -451,7 +443,8 @@ def test_where_half_is_decided_outside_of_the_training_nothing_is_claimed_nor_pa
 
     few, many = decided(3), decided(4)
     assert not no_claim(few)
-    assert no_claim(many) == (NoClaim("seen", Why("range", 4, 8)),)
+    why = Note("driver.out_of_range", n=4, n_known=8)
+    assert no_claim(many) == (Note("driver.no_claim", why=why),)
     rules = [parse_rule("unprotected_x <= 9"), parse_rule("driver_venn.unknown <= 9")]
     passed = [
         [outcome.is_passed for outcome in run_gate(rules, result, (), strict=False)[0][:2]]
@@ -489,10 +482,10 @@ def test_whom_the_driver_sees_for_a_few_frames_only_is_counted():
     far = [at(f, 50, h=4, track=1, detectability=0.1 + 0.5 * (f == 3)) for f in range(6)]
     truth = [*far, at(6, 50, h=40, track=1, detectability=0.2), at(6, 20, detectability=0.9)]
     result = result_of(make_dataset(truth), proximity="height")
-    assert only_of(Seldom, driver_facts(result)) == Seldom(1, 2, 0.5)
+    assert Note("driver.seldom", n=1, n_seen=2, share=0.5) in driver_notes(result)
     assert summary(result)["driver"]["seldom"] == 1
     often = result_of(make_dataset([b._replace(detectability=0.9) for b in truth]))
-    assert not [fact for fact in driver_facts(often) if isinstance(fact, Seldom)]
+    assert "driver.seldom" not in keys_of(driver_notes(often))
 
 
 def test_who_is_seen_too_late_to_stop_is_said_and_no_alert_about_him_is_called_redundant():
@@ -500,10 +493,10 @@ def test_who_is_seen_too_late_to_stop_is_said_and_no_alert_about_him_is_called_r
     truth = [b._replace(detectability=float(b.frame >= 33)) for b in approach(range(40), 5)]
     sides = approach(range(40), 5), only(approach(range(40), 5), range(36, 40))
     result = result_of(make_dataset(truth, *sides), proximity="height", midpoint=30.0)
-    facts = driver_facts(result)
-    assert only_of(Alerts, facts).kind == "all"
-    assert only_of(InTime, facts) == InTime(n=1, driver=0, both=0, x=1, y=0, neither=0)
-    assert only_of(SeenTooLate, facts) == SeenTooLate(1)
+    notes = driver_notes(result)
+    assert not only_of("driver.seen_unaided", notes)["is_redundant"]
+    assert Note("driver.in_time", n=1, driver=0, both=0, x=1, y=0, nobody=0) in notes
+    assert Note("driver.too_late", n=1) in notes
     assert summary(result)["driver"]["too_late"] == 1
 
 
@@ -514,8 +507,8 @@ def test_of_a_pedestrian_who_is_not_seen_any_estimate_outside_the_training_decid
     for threshold, n in ((0.5, 1), (0.2, 0)):
         result = compare(replace(bare.dataset, boxes=boxes), bare.params)
         result = compare(result.dataset, replace(bare.params, driver_threshold=threshold))
-        of_all = only_of(Outside, basis_facts(result))
-        assert (of_all.n_deciding, of_all.n_encounters) == (n, 1)
+        of_all = only_of("driver.outside", basis_notes(result))
+        assert (of_all["n_deciding"], of_all["n_encounters"]) == (n, 1)
         assert encounters_table(result)["outside_training"].tolist() == [n]
 
 
@@ -524,10 +517,10 @@ def test_how_many_encounters_estimates_for_adapted_eyes_decide_is_said():
     boxes = bare.dataset.boxes
     marked = boxes.assign(is_adapted=(boxes["detectability"] == 0.1).to_numpy())
     result = compare(replace(bare.dataset, boxes=marked), bare.params)
-    assert only_of(Adapted, driver_facts(result)) == Adapted(4, 8)
+    assert Note("driver.adapted", n=4, n_known=8) in driver_notes(result)
     assert encounters_table(result)["adapted_eyes"].tolist() == [0] * 4 + [1] * 4
     assert summary(result)["driver"]["adapted"] == 4
-    assert not [fact for fact in driver_facts(bare) if isinstance(fact, Adapted)]
+    assert "driver.adapted" not in keys_of(driver_notes(bare))
 
 
 def test_rules_are_undefined_by_an_estimator_that_learned_nothing_but_for_those_on_what_is_known():
@@ -593,7 +586,7 @@ def test_the_driver_stays_a_person_where_the_objects_are_others():
     settings = replace(met.dataset.settings, objects=objects_from("cyclist"))
     result = compare(replace(met.dataset, settings=settings), met.params)
     regions = map(result.objects.say, DRIVER_REGION_TEXT.values())
-    text = " ".join([words_of(result, driver_facts(result)), *regions])
+    text = " ".join([words_of(result, driver_notes(result)), *regions])
     assert not re.search(r"\b(it needs|warn it|its confirmation|nothing|it is taken)\b", text)
     assert "at least 50 % of drivers would see the cyclist" in text
     assert "none of them in 1" in text
@@ -607,20 +600,20 @@ def test_without_a_standard_deviation_it_is_not_known_who_is_near_the_threshold(
     boxes = bare.dataset.boxes.assign(detectability_sd=[0.1, np.nan])
     result = compare(replace(bare.dataset, boxes=boxes), bare.params)
     assert encounters_table(result)["within_sd"].isna().tolist() == [False, True]
-    assert only_of(Open, basis_facts(result)).is_least
+    assert only_of("driver.open", basis_notes(result))["is_least"]
 
 
 def test_detectability_of_none_of_the_frames_that_decide_is_said():
     near = [at(f, 50, track=1, detectability=value) for f, value in ((0, NAN), (1, 0.9))]
     result = result_of(make_dataset(near))
     assert not driver_in(result).has_any
-    assert driver_facts(result) == (NothingKnown(),)
+    assert driver_notes(result) == (Note("driver.nothing_known"),)
 
 
 def test_if_he_sees_everybody_shares_of_the_others_are_undefined_not_an_error():
     truth = [at(0, 50, track=1, detectability=1.0)]
     result = result_of(make_dataset(truth, [at(0, 50, score=1.0)]))
-    assert alerts(result).kind == "redundant"
+    assert seen_unaided(result)["is_redundant"]
     table = significance_table(result).set_index("figure")
     assert np.isnan(table.loc["useful_alerts", "x"])
 
@@ -629,6 +622,6 @@ def test_estimates_outside_the_training_are_counted():
     result = eight(unknown=0)
     boxes = result.dataset.boxes.assign(is_outside=np.arange(len(result.dataset.boxes)) < 3)
     outside = compare(replace(result.dataset, boxes=boxes), Params(proximity="none"))
-    of_all = only_of(Outside, basis_facts(outside))
-    assert (of_all.n_deciding, of_all.n_encounters) == (3, 8)
+    of_all = only_of("driver.outside", basis_notes(outside))
+    assert (of_all["n_deciding"], of_all["n_encounters"]) == (3, 8)
     assert encounters_table(outside)["outside_training"].sum() == 3

@@ -1,0 +1,417 @@
+"""Notes about whom the driver sees and whom each system warns of; driver/notes.toml words them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from nvcore.comparison import Result
+from nvcore.driver.comparison.encounters import REGION_NAMES
+from nvcore.driver.comparison.in_time import count_in_time, is_judged_in_time, is_seen_too_late
+from nvcore.driver.comparison.judging import SELDOM, count_unknown
+from nvcore.driver.comparison.kinds import DriverRegion
+from nvcore.driver.comparison.settings import DRIVER
+from nvcore.driver.comparison.steps import driver_in
+from nvcore.measures.entry import Measure
+from nvcore.notes import Note, phrase
+from nvcore.time_left.steps import time_left_in
+from nvcore.wording import listed, one_line, shortened
+
+MOST_OUTSIDE: Final = 0.5
+"""From this share of encounters on that are decided outside the range of the training, nothing is
+claimed (ours)."""
+SMALL_SHARE: Final = 0.05
+"""Share of the estimates up to which their doubts are not said (ours)."""
+_MOST_NAMED: Final = 3
+_SHOWN_NAME: Final = 40
+
+
+def driver_notes(result: Result) -> tuple[Note, ...]:
+    """Return whom the driver sees and whom each system warns of; none if nothing is known."""
+    return (*no_claim(result), *view_notes(result))
+
+
+def view_notes(result: Result) -> tuple[Note, ...]:
+    """Return `driver_notes` without why nothing is claimed."""
+    driver = driver_in(result)
+    if not driver.has_any:
+        return (Note("driver.nothing_known"),) if result.dataset.has_detectability else ()
+    notes = [seen_unaided(result)]
+    if n_seldom := _n(driver.is_seldom_seen):
+        notes.append(Note("driver.seldom", n=n_seldom, n_seen=driver.venn.n_seen, share=SELDOM))
+    notes += _open(result)
+    if (parts := count_in_time(result)).n:
+        notes.append(Note("driver.in_time", n=parts.n, **parts._asdict()))
+        n_late = _n(is_seen_too_late(result))
+        notes += [Note("driver.too_late", n=n_late)] if n_late else []
+    return (*notes, *_origin(result))
+
+
+def basis_notes(result: Result) -> tuple[Note, ...]:
+    """Return what is in doubt, where detectability comes from, and how far it can be trusted."""
+    return (*no_claim(result), *_open(result), *_origin(result))
+
+
+def no_claim(result: Result) -> tuple[Note, ...]:
+    """Return why nothing is claimed of whom the driver sees, if there is a reason."""
+    why = doubt_of_seen(result) if driver_in(result).has_any else None
+    return (Note("driver.no_claim", why=why),) if why else ()
+
+
+def weighting(result: Result) -> tuple[Note, ...]:
+    """Return how misses weigh by what the driver does not see; none if they weigh in full."""
+    if result.params.driver_weighting == "off":
+        return ()
+    if not result.dataset.has_detectability:
+        return (Note("driver.no_weighting"),)
+    return (Note("driver.weighting", n_unknown=count_unknown(result.dataset)),)
+
+
+def weighting_notes(result: Result) -> tuple[Note, ...]:
+    """Return `weighting`, and why nothing is claimed of what is weighted."""
+    return (*weighting(result), *no_claim_of_weighted(result))
+
+
+def no_claim_of_weighted(result: Result) -> tuple[Note, ...]:
+    """Return why nothing is claimed of what is weighted by detectability, if there is a reason."""
+    why = doubt_of_estimator(result) if is_weighted(result) else None
+    return (Note("driver.no_claim_of_weighted", why=why),) if why else ()
+
+
+def weighted_claims(result: Result, measures: Sequence[Measure]) -> Note | None:
+    """Return that claims about these measures are weighted by detectability; None: they aren't."""
+    is_any = any(measure.depends_on("driver_weighting") for measure in measures)
+    return Note("driver.weighted_claims") if is_any and is_weighted(result) else None
+
+
+def limits(result: Result) -> tuple[Note, ...]:
+    """Return why nothing is claimed, or else why estimates are doubtful; then the weighting."""
+    notes = no_claim(result)
+    caution = origin_of(result).get("caution")
+    if not notes and driver_in(result).has_any and caution:
+        notes = (Note("driver.estimated", caution=caution),)
+    return (*notes, *weighting_notes(result))
+
+
+def seen_unaided(result: Result) -> Note:
+    """Return how many the driver sees, and how many of the others each system detects."""
+    driver = driver_in(result)
+    venn, count = driver.venn, driver.venn.counts
+    of: dict[str, Any] = {"by": by(result), "n_seen": venn.n_seen, "n_known": venn.n_known}
+    if not venn.n_unseen:
+        is_open = doubt_of_seen(result) or driver.is_within_sd.any()
+        is_redundant = not (is_open or is_seen_too_late(result).any())
+        return Note("driver.seen_unaided", **of, is_redundant=is_redundant)
+    x, y, both = (count[of] for of in (DriverRegion.X, DriverRegion.Y, DriverRegion.X_Y))
+    return Note(
+        "driver.seen_unaided",
+        **of,
+        n_unseen=venn.n_unseen,
+        useful_x=both + x,
+        useful_y=both + y,
+        x=x,
+        y=y,
+        neither=count[DriverRegion.NOBODY],
+    )
+
+
+def counts(result: Result) -> Note:
+    """Return where each encounter is counted, including those that no other note is about."""
+    venn = driver_in(result).venn
+    unknown, distant = (venn.counts[of] for of in (DriverRegion.UNKNOWN, DriverRegion.DISTANT))
+    return Note(
+        "driver.counts",
+        n=venn.n_known + unknown + distant,
+        n_seen=venn.n_seen,
+        n_unseen=venn.n_unseen,
+        n_unknown=unknown,
+        n_distant=distant,
+    )
+
+
+def known(result: Result, *, of_urgent: bool = False) -> Note:
+    """Return of how many encounters it is known whether the driver sees them, and by whom."""
+    driver = driver_in(result)
+    n, is_counted = result.venn.n_near, driver.is_known
+    if of_urgent:
+        n, is_counted = _n(time_left_in(result).is_urgent), is_judged_in_time(result)
+    return Note(
+        "driver.known",
+        n_known=_n(is_counted),
+        n=n,
+        is_of_urgent=of_urgent,
+        n_open=_n(driver.is_within_sd & is_counted),
+        by=by(result),
+    )
+
+
+def seen_by(result: Result) -> Note:
+    """Return the number of encounters in each region of the driver's Venn diagram."""
+    n_of = driver_in(result).venn.counts
+    regions = [
+        Note("driver.region", name=who, n=n_of[region])
+        for region, who in REGION_NAMES.items()
+        if n_of[region] or region is not DriverRegion.UNKNOWN
+    ]
+    return Note("driver.seen_by", regions=regions)
+
+
+def by(result: Result) -> Note:
+    """Return whose word it is what the driver sees."""
+    return Note("driver.by", **origin_of(result))
+
+
+def origin_of(result: Result) -> dict[str, Any]:
+    """Return where detectability comes from, as values of notes.
+
+    Returns
+    -------
+    origin (``truth``, ``estimates`` or ``both``), and of estimates n_estimated and n_stated (in how
+    many recordings each is), made_by and caution (None: nothing is known).
+    """
+    estimate = result.dataset.of("driver")
+    if estimate is None or is_stated(result):
+        return {"origin": "truth"}
+    n_estimated, n_stated = count_origins(result)
+    return {
+        "origin": "both" if n_stated else "estimates",
+        "n_estimated": n_estimated,
+        "n_stated": n_stated,
+        "made_by": estimate.made_by or None,
+        "caution": estimate.caution or None,
+    }
+
+
+def source(result: Result) -> tuple[Note, ...]:
+    """Return where detectability comes from, and of how much it is known if not of nearly all."""
+    threshold = result.params.driver_threshold
+    note = Note("driver.source", threshold=threshold, **origin_of(result))
+    values = result.dataset.detectability.value
+    n_known = _n(~(np.isnan(values) | result.dataset.truth.ignore))
+    n_boxes = n_known + count_unknown(result.dataset)
+    is_small = n_known < (1 - SMALL_SHARE) * n_boxes
+    n_unknown = driver_in(result).venn.counts[DriverRegion.UNKNOWN]
+    if not (is_small or n_unknown):
+        return (note,)
+    of_boxes = {"n_known": n_known, "n_boxes": n_boxes} if is_small else {}
+    return (note, Note("driver.known_extent", n_unknown=n_unknown, **of_boxes))
+
+
+def _origin(result: Result) -> tuple[Note, ...]:
+    return (*source(result), *_outside(result), *_adapted(result))
+
+
+def _outside(result: Result) -> tuple[Note, ...]:
+    """Return how many values are outside the training's range, and how many of them decide."""
+    record, values = result.dataset.of("driver"), result.dataset.detectability
+    is_known = ~(np.isnan(values.value) | result.dataset.truth.ignore)
+    n_known, n = _n(is_known), _n(is_known & values.is_outside)
+    driver = driver_in(result)
+    if not driver.n_outside and n <= SMALL_SHARE * n_known:
+        return ()
+    names = [shortened(one_line(name), _SHOWN_NAME) for name in (record.outside if record else ())]
+    return (
+        Note(
+            "driver.outside",
+            n=n,
+            n_known=n_known,
+            n_deciding=driver.n_outside,
+            n_encounters=driver.venn.n_known,
+            features=listed(names, most=_MOST_NAMED) or None,
+        ),
+    )
+
+
+def _open(result: Result) -> tuple[Note, ...]:
+    """Return how many encounters may as well be on the other side of the threshold."""
+    driver = driver_in(result)
+    n = _n(driver.is_within_sd)
+    is_said = are_all_open(result) and not doubt_of_estimator(result)  # by `no_claim`
+    if not n or is_said:
+        return ()
+    return (
+        Note(
+            "driver.open",
+            n=n,
+            n_known=driver.venn.n_known,
+            is_least=_n(driver.has_sd) < driver.venn.n_known,
+            n_open_unseen=_n(driver.is_within_sd & driver.is_unseen),
+            n_unseen=driver.venn.n_unseen,
+            threshold=result.params.driver_threshold,
+        ),
+    )
+
+
+def _adapted(result: Result) -> tuple[Note, ...]:
+    """Return how many estimates are for adapted eyes, where these are not few or decide."""
+    record = result.dataset.of("driver")
+    if record is None or is_stated(result):
+        return ()
+    notes = []
+    if record.n_light_unknown > SMALL_SHARE * record.n_estimates:
+        share = record.n_light_unknown / record.n_estimates
+        notes.append(Note("driver.light_unknown", share=share))
+    if n_adapted := _n(driver_in(result).is_adapted):
+        notes.append(Note("driver.adapted", n=n_adapted, n_known=driver_in(result).venn.n_known))
+    return tuple(notes)
+
+
+def doubt_of_estimator(result: Result) -> Note | None:
+    """Return why no estimate is to be believed; None if no reason is known, or none was made."""
+    estimate = result.dataset.of("driver")
+    if estimate is None or is_stated(result):
+        return None
+    if estimate.of_no_use:
+        return Note("driver.useless")
+    return Note("driver.simulated_subjects") if estimate.simulated == "all" else None
+
+
+def doubt_of_seen(result: Result) -> Note | None:
+    """Return why nothing is claimed of whom the driver sees, whatever the counts; None: nothing."""
+    if why := doubt_of_estimator(result):
+        return why
+    driver, threshold = driver_in(result), result.params.driver_threshold
+    n_known, is_unseen = driver.venn.n_known, driver.is_unseen
+    if driver.n_outside and driver.n_outside >= MOST_OUTSIDE * n_known:
+        return Note("driver.out_of_range", n=driver.n_outside, n_known=n_known)
+    if are_all_open(result):
+        return Note("driver.all_open", n=n_known, is_of_unseen=False, threshold=threshold)
+    if is_unseen.any() and bool(driver.is_within_sd[is_unseen].all()):
+        return Note("driver.all_open", n=_n(is_unseen), is_of_unseen=True, threshold=threshold)
+    return None
+
+
+def doubt_of(result: Result, measure: Measure) -> str:
+    """Return why no claim can rest on a measure, nor a value be the better one; empty: nothing."""
+    why = None
+    if DRIVER in measure.stages:
+        why = doubt_of_seen(result)
+    elif measure.depends_on("driver_weighting") and is_weighted(result):
+        why = doubt_of_estimator(result)
+    return phrase(why, result.objects) if why else ""
+
+
+def is_stated(result: Result) -> bool:
+    """Whether all that is known of the driver is the ground truth's, whatever record there is."""
+    n_estimated, n_stated = count_origins(result)
+    return bool(n_stated and not n_estimated)
+
+
+def count_origins(result: Result) -> tuple[int, int]:
+    """In how many recordings detectability is estimated, and in how many the ground truth's own."""
+    estimate = result.dataset.of("driver")
+    if estimate is None:
+        return 0, 0
+    names = frozenset(result.dataset.recordings["name"])
+    return len(names & estimate.estimated_in), len(names & estimate.stated_in)
+
+
+def is_weighted(result: Result) -> bool:
+    """Whether misses weigh by what the driver does not see."""
+    return result.params.driver_weighting != "off" and result.dataset.has_detectability
+
+
+def are_all_open(result: Result) -> bool:
+    """Whether no encounter is further than its standard deviation from the threshold."""
+    driver = driver_in(result)
+    n_known = driver.venn.n_known
+    return n_known > 0 and _n(driver.is_within_sd) == n_known
+
+
+def simulated_change(
+    course: pd.DataFrame,
+    simulated: pd.DataFrame,
+    *,
+    threshold: float,
+    change_s: float,
+    caution: str = "",
+) -> Note:
+    """Return when the driver would see whom, had it become dark at `change_s`, beside what was.
+
+    Parameters
+    ----------
+    course
+        Of `nvcore.driver.comparison.encounters.detectability_course`.
+    simulated
+        The same rows by `nvcore.driver.simulation.simulate_change`.
+    threshold
+        Detectability (0..1) at which the driver is taken to see the pedestrian.
+    change_s
+        Seconds from the recording's first frame, as those of the course.
+    caution
+        Whose answers the estimates rest on, where some were simulated
+        (`nvcore.driver.inputs.record.EstimateRecord.caution`).
+    """
+    is_after = simulated["is_simulated"].to_numpy(bool)
+    if not is_after.any():
+        return Note("driver.simulated_after_all", change_s=change_s)
+    time_s, is_up_to = course["time_s"].to_numpy(float), course["is_up_to_relevant"].to_numpy(bool)
+    was, would = (table["detectability"].to_numpy(float) for table in (course, simulated))
+    seen = np.flatnonzero(was[: np.argmax(is_after)] >= threshold)
+    later_s = time_s[is_after] - change_s
+    before, soon = (
+        _first_seen(
+            share[is_after],
+            threshold,
+            later_s,
+            is_there=not is_after[0] or round(later_s[0], 6) <= 0,
+            is_until_change=not is_after[-1],
+        )
+        for share in (was, would)
+    )
+    saw, would_see = (
+        bool((share[is_up_to] >= threshold).any()) if np.isfinite(share[is_up_to]).any() else None
+        for share in (was, would)
+    )
+    return Note(
+        "driver.simulated",
+        change_s=change_s,
+        caution=caution or None,
+        seen_before_s=time_s[seen[0]] if len(seen) and is_up_to[seen[0]] else None,
+        soon=soon,
+        before=before,
+        is_again=len(seen) > 0,
+        relevant_s=time_s[is_up_to][-1] if is_up_to.any() else None,
+        saw=saw,
+        would_see=would_see,
+    )
+
+
+def _first_seen(
+    share: NDArray[np.float64],
+    threshold: float,
+    later_s: NDArray[np.float64],
+    *,
+    is_there: bool,
+    is_until_change: bool,
+) -> Note | None:
+    """Return after how many frames the driver first sees the pedestrian; None if that is unknown.
+
+    Parameters
+    ----------
+    later_s
+        Seconds of the pedestrian's frames since the change.
+    is_there
+        Whether the pedestrian was there before the change; else frames count from the first one.
+    is_until_change
+        Whether the next real change of light ends these frames, not the pedestrian.
+    """
+    is_known, sees = np.isfinite(share), share >= threshold  # never where it is unknown
+    if not is_known.any():
+        return None
+    if not sees.any():
+        of = {"n_known": _n(is_known), "n": len(share)}
+        return Note("driver.never_seen", **of, is_until_change=is_until_change)
+    n = int(np.argmax(sees))
+    is_certain = bool(is_known[:n].all())
+    return Note(
+        "driver.first_seen", n=n, later_s=later_s[n], is_there=is_there, is_certain=is_certain
+    )
+
+
+def _n(is_member: NDArray[np.bool_]) -> int:
+    return int(np.count_nonzero(is_member))

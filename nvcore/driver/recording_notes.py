@@ -1,0 +1,235 @@
+"""Notes on a recording's pictures, gaze and light: assumptions made, and what is doubtful.
+
+They are worded by `nvcore.notes.phrase`: some begin with the name of a file, which stays as it is.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.driver.fixation import FixedPoint, Gaze
+from nvcore.driver.illumination import Light, LightSettings, LightSource
+from nvcore.driver.illumination.clock import AdaptationClock
+from nvcore.driver.illumination.meter import LEAST_HELD_S
+from nvcore.driver.recording import DriverRecording
+from nvcore.notes import Note
+
+MANY_DARK: Final = 0.1
+"""From this share of readings below `least_lux` on it is said how many are: a wrong unit; ours."""
+LEAST_COVERED: Final = 0.9
+"""Readings of a smaller part of a recording may be of another clock; ours."""
+MOST_LUX: Final = 200_000.0
+"""Direct sun has about 130,000 lx: readings above this are of another unit; ours."""
+MOST_OUTSIDE: Final = 0.5
+"""From this share of its points outside of the pictures on, gaze may be of other ones; ours."""
+
+
+def picture_notes(recording: DriverRecording, faults: list[str], n_unseen: int) -> list[Note]:
+    """Return which pictures were used, and what is wrong with them.
+
+    Parameters
+    ----------
+    faults
+        Of pictures that cannot be read.
+    n_unseen
+        Pedestrian boxes in frames without a picture.
+    """
+    notes = []
+    if recording.pictures is not None and not recording.is_visible:
+        notes.append(Note("driver.own_pictures"))
+        notes += [Note("driver.grey_pictures")] if recording.may_be_of_heat else []
+    notes += recording.doubts
+    if n_unseen:
+        why = recording.picture_note or None
+        notes.append(Note("driver.boxes_without_picture", n=n_unseen, why=why))
+    if faults:
+        notes.append(Note("driver.unreadable_pictures", n=len(faults), fault=faults[0]))
+    return notes
+
+
+def boxes_outside(recording: DriverRecording, n_outside: int, n_seen: int) -> Note | None:
+    """Return how many boxes lie outside the picture of their frame, as a clause; None: none."""
+    if not n_outside:
+        return None
+    return Note("driver.boxes_outside", has_map=recording.has_map, n_outside=n_outside, n=n_seen)
+
+
+def other_frames(gaze: Gaze, frames: NDArray[np.int64]) -> Note | None:
+    """Return why no gaze point belongs to a frame (n,), as a clause; None if some do."""
+    if not len(gaze.frame):
+        return Note("driver.no_gaze")
+    if not len(frames) or not np.isnan(gaze.at(frames)).all():
+        return None
+    ends = {"gaze_first": gaze.frame[0], "gaze_last": gaze.frame[-1]}
+    return Note("driver.gaze_of_other_frames", **ends, first=frames[0], last=frames[-1])
+
+
+def fixation(
+    recording: DriverRecording,
+    assumed: FixedPoint,
+    frames: NDArray[np.int64],
+    with_boxes: NDArray[np.int64],
+) -> Note:
+    """Return where the driver is assumed to look.
+
+    Parameters
+    ----------
+    frames, with_boxes
+        Numbers of the recording's frames, and of those of them with pedestrians, ascending.
+    """
+    if recording.gaze is None:
+        return Note("driver.fixation_assumed", x=assumed.x, y=assumed.y)
+    if fault := other_frames(recording.gaze, frames):
+        return Note("driver.fixation_unknown", why=fault)
+    n_known, n_outside = _count_gaze(recording, assumed, with_boxes)
+    return Note(
+        "driver.fixation",
+        n=len(with_boxes),
+        n_known=n_known,
+        n_outside=n_outside,
+        size_px=recording.picture_px,
+    )
+
+
+def picture_doubts(
+    recording: DriverRecording, assumed: FixedPoint, with_boxes: NDArray[np.int64]
+) -> list[Note]:
+    """Return signs that pictures or gaze belong to another recording.
+
+    Parameters
+    ----------
+    with_boxes
+        Numbers of the recording's frames with pedestrians, ascending.
+    """
+    n_known, n_outside = _count_gaze(recording, assumed, with_boxes)
+    if not n_outside or n_outside < MOST_OUTSIDE * n_known:
+        return [*recording.doubts]
+    return [*recording.doubts, Note("driver.gaze_outside", n_outside=n_outside, n=n_known)]
+
+
+def _count_gaze(
+    recording: DriverRecording, assumed: FixedPoint, with_boxes: NDArray[np.int64]
+) -> tuple[int, int]:
+    """Number of these frames in which the gaze is known, and in which it is off the picture."""
+    if recording.gaze is None:
+        return 0, 0
+    known = with_boxes[~np.isnan(recording.gaze.at(with_boxes)[:, 0])]
+    if recording.picture_px is None:
+        return len(known), 0
+    points = recording.fixations(known, assumed, recording.picture_px)
+    is_outside = ((points < 0) | (points > recording.picture_px)).any(axis=1)
+    return len(known), int(np.count_nonzero(is_outside))
+
+
+def light_note(
+    light: Light | None,
+    clock: AdaptationClock | None,
+    frames: NDArray[np.int64],
+    fps: float,
+    settings: LightSettings,
+) -> Note:
+    """Return the source of the brightness, and how often it became dark.
+
+    Parameters
+    ----------
+    light, clock
+        None: nothing is known.
+    frames
+        Numbers of the recording's frames, ascending.
+    """
+    is_empty = light is not None and not len(light.time_s)
+    if light is None or is_empty or clock is None or not len(frames):
+        return Note("driver.no_light", is_empty=is_empty)
+    begin_s, end_s = float(frames[0]) / fps, float(frames[-1] + 1) / fps
+    first_s, is_meter = light.time_s[0], light.source is LightSource.METER
+    ends_s = {"first": first_s, "last": light.time_s[-1], "begin": begin_s, "end": end_s}
+    times = Note("driver.light_times", **{name: _amount(of) for name, of in ends_s.items()})
+    if is_meter and (first_s >= end_s or light.end_s < begin_s):
+        return Note("driver.no_light", is_empty=False, times=times)
+    is_short = first_s > begin_s + LEAST_HELD_S or light.end_s < frames[-1] / fps
+    n_dark = int(np.count_nonzero(light.level < settings.least_lux))
+    return Note(
+        "driver.light",
+        noun="reading" if is_meter else "picture",
+        n_changes=int(np.count_nonzero((clock.change_s >= 0) & (clock.change_s < end_s - begin_s))),
+        n_before=int(np.count_nonzero(clock.change_s < 0)),
+        every_s=_sparse(light, settings),
+        low=_amount(light.level.min()),
+        high=_amount(light.level.max()),
+        n=len(light.level),
+        n_dark=n_dark if n_dark >= MANY_DARK * len(light.level) else 0,
+        least_lux=settings.least_lux,
+        gaps=_gaps(light, begin_s, end_s, settings),
+        times=times if is_short else None,
+    )
+
+
+def light_doubt(
+    light: Light | None, frames: NDArray[np.int64], fps: float, settings: LightSettings
+) -> Note | None:
+    """Return signs of another unit or clock of the light meter, as a clause; None if none.
+
+    Parameters
+    ----------
+    light
+        None: nothing is known.
+    frames
+        Numbers of the recording's frames, ascending.
+    """
+    if light is None or light.source is LightSource.PICTURE:
+        return None
+    if not len(light.time_s):
+        return Note("driver.light_doubt")
+    if not len(frames):
+        return None
+    highest = float(light.level.max())
+    if highest > MOST_LUX:
+        return Note("driver.light_doubt", lux=_amount(highest))
+    n, n_dark = len(light.level), int(np.count_nonzero(light.level < settings.least_lux))
+    if n_dark >= MANY_DARK * n:
+        return Note("driver.light_doubt", n_dark=n_dark, n=n, least_lux=settings.least_lux)
+    if every_s := _sparse(light, settings):
+        return Note("driver.light_doubt", every_s=every_s)
+    times_s = frames / fps
+    share = float(((times_s >= light.time_s[0]) & (times_s <= light.end_s)).mean())
+    return Note("driver.light_doubt", share=share) if share < LEAST_COVERED else None
+
+
+def _sparse(light: Light, settings: LightSettings) -> str | None:
+    """Return the seconds between readings if a change could fall between two; else None."""
+    return _amount(light.step_s) if light.step_s > settings.bright_for_s / 2 else None
+
+
+def _gaps(light: Light, begin_s: float, end_s: float, settings: LightSettings) -> Note | None:
+    """Return gaps in the readings in which the light is unknown; None if there are none.
+
+    Parameters
+    ----------
+    begin_s, end_s
+        Of the recording, on the axis of the light.
+    """
+    gaps_s = light.gaps_s
+    unknown_until_s = gaps_s[:, 1] + settings.bright_for_s
+    gaps_s = gaps_s[(gaps_s[:, 0] + light.held_s < end_s) & (unknown_until_s > begin_s)]
+    if not len(gaps_s):
+        return None
+    before_s, after_s = gaps_s[np.diff(gaps_s, axis=1).argmax()]
+    of_s = {
+        "before": before_s,
+        "after": after_s,
+        "unknown_from": before_s + light.held_s,
+        "unknown_to": after_s + settings.bright_for_s,
+        "held": light.held_s,
+        "bright_for": settings.bright_for_s,
+    }
+    noun = "picture" if light.source is LightSource.PICTURE else "reading"
+    amounts = {name: _amount(value) for name, value in of_s.items()}
+    return Note("driver.light_gaps", n=len(gaps_s), noun=noun, **amounts)
+
+
+def _amount(value: float) -> str:
+    """A number with three figures, or all before the point."""
+    return f"{value:,.0f}" if abs(value) >= 100 else f"{value:.3g}"
