@@ -23,7 +23,7 @@ def test_each_encounter_and_each_urgent_one_is_in_one_part():
     truth += [at(0, 5, h=4, track=9)._replace(detectability=0.5)]
     dataset = make_dataset(truth, x, y, places=[Place(always)] * len(kinds))
     result = result_of(dataset, proximity="height")
-    assert counts(result).values == {
+    assert counts(result).fields == {
         "n": 6,
         "n_seen": 1,
         "n_unseen": 3,
@@ -37,4 +37,4 @@ def test_each_encounter_and_each_urgent_one_is_in_one_part():
 def test_where_all_are_near_and_known_and_none_is_urgent_no_more_is_said():
     truth = [at(0, 50)._replace(detectability=0.1)]
     result = result_of(make_dataset(truth, x=[at(0, 50)], n_frames=1))
-    assert [*counts(result).values.values()] == [1, 0, 1, 0, 0]
+    assert [*counts(result).fields.values()] == [1, 0, 1, 0, 0]

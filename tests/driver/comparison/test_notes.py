@@ -149,8 +149,8 @@ def test_what_is_estimated_and_what_the_truth_states_are_told_apart():
         assert seen_unaided(each)["by"]["origin"] == source(each)[0]["origin"] == kind
     by = seen_unaided(both)["by"]
     assert (by["n_estimated"], by["n_stated"]) == (1, 1)
-    assert "caution" in seen_unaided(estimated)["by"].values
-    assert "caution" not in seen_unaided(stated)["by"].values
+    assert "caution" in seen_unaided(estimated)["by"].fields
+    assert "caution" not in seen_unaided(stated)["by"].fields
 
 
 def test_the_regions_stand_in_the_terminal_and_the_unknown_only_where_there_are_some():
@@ -422,7 +422,7 @@ def test_where_every_encounter_is_open_nothing_is_claimed_of_the_driver():
 def test_of_an_estimator_that_learned_nothing_nothing_is_claimed():
     result = with_estimate(eight(unknown=0), EstimateRecord("m", "", "no", 3, of_no_use=True))
     assert no_claim(result) == (Note("driver.no_claim", why=Note("driver.useless")),)
-    assert "caution" in seen_unaided(result)["by"].values
+    assert "caution" in seen_unaided(result)["by"].fields
     seen = make_dataset([at(0, 50, track=1, detectability=0.9)])
     useless = with_estimate(result_of(seen), result.dataset.of("driver"))
     assert not seen_unaided(useless)["is_redundant"]
