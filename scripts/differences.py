@@ -30,9 +30,11 @@ SHOWN = 3
 DURATION = r"[\d.,]+ (?:ms|s|min|h)(?: [\d.]+ s)?"
 MASKS = tuple((re.compile(name), re.compile(text, re.MULTILINE), by) for name, text, by in (
     # which lines of progress a log has depends on how long the work takes
-    (r"\.stderr\.txt", r"^(?:\d+% done|reading pictures|step \d+ of|\S+: [\d,]+ of).*\n", ""),
+    (r"\.stderr\.txt", r"^(?:\d+% done|step \d+ of|\S+: [\d,]+ of|reading pictures|stability maps"
+     r"|testing the diff|detection curves|evidence frames|the page|studies of|done).*\n", ""),
     (r"\.std(?:err|out)\.txt", rf"\b(in|about) {DURATION}( \(|$)", r"\1 TIME\2"),
     (r"\.std(?:err|out)\.txt", r"\([-\de.,]+ (s a picture|pictures a second)\)", r"(N \1)"),
+    (r"\.stderr\.txt", r"^Traceback .*\n(?:(?: .*)?\n)*", "Traceback: "),
     # times of the run itself, such as when the primary measure was chosen
     (r"", r"\d{4}-\d\d-\d\d(?:T| at )\d\d:\d\d(?::\d\d)?", "WHEN"),
     (r"", r"(\bnvcore |\bversion\"?(?: =|:) \")\d+\.\d+\.\d+\w*", r"\1VERSION"),

@@ -40,6 +40,18 @@ RANGES = {
 }  # fmt: skip
 
 
+FAULT = """\
+Traceback (most recent call last):
+  File "{}", line {}, in plan
+    ^^^
+
+    return json
+TypeError: no text
+
+Error: this is a fault
+"""
+
+
 def where(name: str, old: bytes, new: bytes, *wordings: Wording) -> str | None:
     return compare_files(name, old, new, Rewording(wordings))
 
@@ -81,6 +93,7 @@ def test_the_first_lines_that_differ_are_shown_and_the_others_are_counted():
         ("7-train.stderr.txt", "12% done: background, about 8 s left\nwritten\n", "written\n"),
         ("5-detect.stderr.txt", "about 1 s (0.077 s a picture)", "about 2 s (9.6e-06 s a picture)"),
         ("5-detect.stdout.txt", "in 1.4 s (7.4 pictures a second)", "in 2 s (5 pictures a second)"),
+        ("3-plan.stderr.txt", FAULT.format("/old/a.py", 1), FAULT.format("/new/b.py", 20)),
         ("3-compare.stdout.txt", "chosen on 2026-11-29 at 20:37", "chosen on 2026-11-30 at 08:00"),
         ("summary.json", '{"version": "0.1.0"}', '{"version": "0.2.0"}'),
         ("detect/provenance.json", "nvcore 0.1.0", "nvcore 1.10.0rc1"),
@@ -99,6 +112,7 @@ def test_times_of_the_run_and_versions_are_masked(
     [
         ("3-compare.stdout.txt", "3 against 5 in 150 s)", "3 against 5 in 151 s)"),
         ("7-train.stderr.txt", "trained in 5.8 s", "learned in 5.8 s"),
+        ("3-plan.stderr.txt", FAULT, FAULT.replace("TypeError", "ValueError")),
         ("frames.csv", "in 5.8 s", "in 5.9 s"),
         ("report/SHA256SUMS", f"{'0a' * 32}  a.csv", f"{'0a' * 32}  b.csv"),
     ],
