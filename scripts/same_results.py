@@ -109,6 +109,11 @@ class Task:
     flags: tuple[str, ...]
     commands: tuple[tuple[str, ...], ...]
 
+    @property
+    def names(self) -> tuple[str, str]:
+        """Names by which `--only` picks it."""
+        return self.comparison.name, f"{self.comparison.name}/{self.setting}"
+
 
 def random_flags(
     ranges: dict[str, Any], comparison: Comparison, *, seed: int, index: int
@@ -304,7 +309,7 @@ def main() -> int:
             print(f"{checkout}: has no .venv/bin/nvcore; run make run in it once", file=sys.stderr)
             return 2
     realdata = Path(os.environ.get("NVCORE_REALDATA", new.parent / "shared" / "realdata")).resolve()
-    comparisons = [item for item in COMPARISONS if not options.only or item.name in options.only]
+    comparisons: Sequence[Comparison] = COMPARISONS
     if not realdata.is_dir():
         print(f"no real recordings in {realdata}: sessions of the sample only; set NVCORE_REALDATA")
         comparisons = [item for item in comparisons if "{realdata}" not in item.text]
@@ -317,6 +322,15 @@ def main() -> int:
     tasks = make_tasks(
         ranges, comparisons, old / "sample_data", count=options.random, seed=options.seed
     )
+    if options.only:
+        names = {name for task in tasks for name in task.names}
+        if unknown := {*options.only} - names:
+            print(
+                f"there is no {', '.join(sorted(unknown))}; there are {', '.join(sorted(names))}",
+                file=sys.stderr,
+            )
+            return 2
+        tasks = [task for task in tasks if {*options.only} & {*task.names}]
     rewording = None if options.numbers else Rewording(read_wordings(WORDINGS))
     began = time.monotonic()
     print(f"{'comparison':12} {'settings':12} files        bytes    time exit codes     result")
@@ -352,8 +366,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--random", type=int, default=2, metavar="N", help="random settings (2)")
     parser.add_argument("--seed", type=int, default=1, metavar="S", help="of the settings (1)")
     parser.add_argument(
-        "--only", nargs="+", metavar="NAME", choices=[item.name for item in COMPARISONS],
-        help="of these comparisons: %(choices)s",
+        "--only", nargs="+", metavar="NAME",
+        help=f"only these of {', '.join(item.name for item in COMPARISONS)}, or of their settings, "
+        "such as sample/errors",
     )  # fmt: skip
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="at a time (2)")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="keep what is written there")
