@@ -24,7 +24,24 @@ FIXED_COLUMN = "figure"
 
 EXCERPT = 70
 """Characters that are shown on either side of the first difference in a line."""
-FACTS_SHOWN = 3
+SHOWN = 3
+"""Lines or facts of a file that are shown."""
+
+DURATION = r"[\d.,]+ (?:ms|s|min|h)(?: [\d.]+ s)?"
+MASKS = tuple((re.compile(name), re.compile(text, re.MULTILINE), by) for name, text, by in (
+    # which lines of progress a log has depends on how long the work takes
+    (r"\.stderr\.txt", r"^(?:\d+% done|step \d+ of|\S+: [\d,]+ of|reading pictures|stability maps"
+     r"|testing the diff|detection curves|evidence frames|the page|studies of|done).*\n", ""),
+    (r"\.std(?:err|out)\.txt", rf"\b(in|about) {DURATION}( \(|$)", r"\1 TIME\2"),
+    (r"\.std(?:err|out)\.txt", r"\([-\de.,]+ (s a picture|pictures a second)\)", r"(N \1)"),
+    (r"\.stderr\.txt", r"^Traceback .*\n(?:(?: .*)?\n)*", "Traceback: "),
+    # times of the run itself, such as when the primary measure was chosen
+    (r"", r"\d{4}-\d\d-\d\d(?:T| at )\d\d:\d\d(?::\d\d)?", "WHEN"),
+    (r"", r"(\bnvcore |\bversion\"?(?: =|:) \")\d+\.\d+\.\d+\w*", r"\1VERSION"),
+    # the files are compared themselves
+    (r"SHA256SUMS", r"^[0-9a-f]{64}", "HASH"),
+))  # fmt: skip
+"""What differs from run to run or with the version: in which files, what, and what it becomes."""
 
 
 class WordingError(ValueError):
@@ -160,10 +177,19 @@ def compare_files(name: str, old: bytes, new: bytes, rewording: Rewording | None
             min(len(old), len(new)),
         )
         return f"byte {index} ({len(old)} and {len(new)} bytes)"
+    old_text, new_text = masked(name, old_text), masked(name, new_text)
     if rewording is None:
         return _different_facts(facts(name, old_text), facts(name, new_text))
     reworded = rewording.file(name, old_text)
-    return None if reworded == new_text else _first_difference(reworded, new_text)
+    return None if reworded == new_text else _different_lines(reworded, new_text)
+
+
+def masked(name: str, text: str) -> str:
+    """The text of a file without what `MASKS` says."""
+    for names, pattern, by in MASKS:
+        if names.search(name):
+            text = pattern.sub(by, text)
+    return text
 
 
 def _different_facts(old: dict[str, str], new: dict[str, str]) -> str | None:
@@ -171,17 +197,17 @@ def _different_facts(old: dict[str, str], new: dict[str, str]) -> str | None:
     shown = [
         f"\n  - {place}: {_excerpt(old.get(place), new.get(place))}"
         f"\n  + {place}: {_excerpt(new.get(place), old.get(place))}"
-        for place in places[:FACTS_SHOWN]
+        for place in places[:SHOWN]
     ]
     return f"{len(places)} of {len(old)} facts" + "".join(shown) if places else None
 
 
-def _first_difference(old: str, new: str) -> str:
+def _different_lines(old: str, new: str) -> str:
     lines = zip_longest(old.splitlines(keepends=True), new.splitlines(keepends=True))
-    for number, (a, b) in enumerate(lines, start=1):
-        if a != b:
-            return f"line {number}\n  - {_excerpt(a, b)}\n  + {_excerpt(b, a)}"
-    raise AssertionError("the texts differ")
+    pairs = [(number, a, b) for number, (a, b) in enumerate(lines, start=1) if a != b]
+    shown = [f"line {i}\n  - {_excerpt(a, b)}\n  + {_excerpt(b, a)}" for i, a, b in pairs[:SHOWN]]
+    more = [f"and {len(pairs) - SHOWN:,} more lines"] if len(pairs) > SHOWN else []
+    return "\n  ".join([*shown, *more])
 
 
 def _excerpt(line: str | None, other: str | None) -> str:

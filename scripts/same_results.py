@@ -3,16 +3,18 @@
     python scripts/same_results.py OLD_CHECKOUT NEW_CHECKOUT
         [--numbers] [--random N] [--seed S] [--only NAME ...] [--keep DIR] [--jobs N]
 
-Each checkout needs its `.venv` (`make run` makes it). Every comparison is run by the command line
-of either checkout, with the default settings, with wrong corrections of X and Y that the audit has
-to notice, and with N random settings. What they write and print is compared to the byte, but for
-the texts listed in `scripts/wordings.toml`; with `--numbers` only file names and the facts that
-`scripts/facts.py` tells from prose. Exit code 0: all the same, 1: something differs or could not be
-compared, 2: it cannot be run.
+Each checkout needs its `.venv` with all extras (`make check` makes it). The command lines of
+`scripts/comparisons.py` are run by either checkout: all commands with the default settings, with
+wrong corrections of X and Y that the audit has to notice, and with bad inputs, and those that
+compare with N random settings. What they write and print is compared to the byte, but for what
+`scripts/differences.py` masks and the texts listed in `scripts/wordings.toml`; with `--numbers`
+only file names and the facts that `scripts/facts.py` tells from prose. Commands that both refuse
+are the same and named, as nothing but their message was compared. Exit code 0: all the same,
+1: something differs, 2: it cannot be run.
 
 The real recordings are those in `$NVCORE_REALDATA` (default: `../shared/realdata` beside the newer
-checkout); without them only the sample is compared. `--keep DIR` keeps all that was written; what
-the older checkout wrote is used again while its commit and the commands stay the same.
+checkout); without them only sessions of the sample are compared. `--keep DIR` keeps what was
+written; that of the older checkout is used again while its commit and the commands stay the same.
 """
 
 from __future__ import annotations
@@ -21,12 +23,14 @@ import argparse
 import json
 import os
 import random
+import re
 import shlex
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
+from collections import Counter
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -35,7 +39,15 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from scripts.comparisons import COMPARISONS, Comparison, Range
+from scripts.comparisons import (
+    COMPARISONS,
+    FILES,
+    RUNS,
+    RUNS_OF_ALL,
+    SCRIPTS,
+    Comparison,
+    Range,
+)
 from scripts.differences import Rewording, compare_folders, read_wordings
 
 WORDINGS = Path(__file__).with_name("wordings.toml")
@@ -64,16 +76,6 @@ SHARE_AT_AN_END = 0.1
 
 CORRECTIONS = ("--offset-frames-x", "3", "--offset-px-y=-8,4", "--scale-y", "1.1")
 
-RULES = """\
-frames >= 100
-new_misses == 0
-lamr_y <= 0.10
-lamr_difference >= -0.01
-longest_episode_s_y <= 1 or undefined
-mean_similarity_x > 0.9
-audit_warnings <= 1
-"""
-
 # prints what `Params` accepts and the names of the protocols, in the older checkout
 READ_RANGES = """
 import json
@@ -97,12 +99,20 @@ print(json.dumps({"params": ranges, "protocols": list(PROTOCOLS)}))
 
 @dataclass(frozen=True)
 class Task:
-    """A comparison under one setting: commands that both checkouts run."""
+    """A comparison under one setting: commands that both checkouts run.
+
+    A command that begins with "!" has to be refused; "python" runs one of `SCRIPTS`.
+    """
 
     comparison: Comparison
     setting: str
     flags: tuple[str, ...]
     commands: tuple[tuple[str, ...], ...]
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """Names by which `--only` picks it."""
+        return self.comparison.name, f"{self.comparison.name}/{self.setting}"
 
 
 def random_flags(
@@ -115,6 +125,7 @@ def random_flags(
         f"threshold_{letter}": comparison.systems[name].scores
         for letter, name in (("x", x), ("y", y))
     }
+    thresholds["alert_score"] = comparison.systems[x].scores
     values: dict[str, str] = {}
     for name, spec in ranges["params"].items():
         is_set, at_an_end = draw.random() < SHARE_SET, draw.random() < SHARE_AT_AN_END
@@ -154,53 +165,23 @@ def make_tasks(
     """Every comparison under every setting, the commands of each."""
     tasks = []
     for comparison in comparisons:
-        session = "session.toml" if comparison.head else str(sample / "session.toml")
-        tasks.append(Task(comparison, "default", (), _default_commands(session)))
-        corrected = (
-            ("check", session, *CORRECTIONS),
-            ("compare", session, *CORRECTIONS, "--out", "report"),
-        )
-        tasks.append(Task(comparison, "corrections", CORRECTIONS, corrected))
+        settings: dict[str, tuple[str, tuple[str, ...]]] = {
+            name: (name, CORRECTIONS if name == "corrections" else ())
+            for name in (*RUNS_OF_ALL, *comparison.runs)
+        }
         for index in range(1, count + 1):
             flags = random_flags(ranges, comparison, seed=seed, index=index)
-            commands = _scoring_commands(session, flags)
-            tasks.append(Task(comparison, f"random-{index}", flags, commands))
-        if comparison.head is None:
-            tasks.append(Task(comparison, "subjects", (), _subject_commands(session)))
+            settings[f"random-{index}"] = ("random", flags)
+        for setting, (run, flags) in settings.items():
+            x, y, *_ = comparison.systems
+            values = {"x": x, "y": y, "recording": comparison.recording}
+            text = f"{comparison.first}\n{RUNS[run]}".replace("{session}", comparison.path)
+            for name, value in {**values, "sample": str(sample)}.items():
+                text = text.replace(f"{{{name}}}", shlex.quote(value))
+            lines = re.split(r"\n| ; ", text.replace("{flags}", shlex.join(flags)))
+            commands = tuple(tuple(shlex.split(line)) for line in lines if line.strip())
+            tasks.append(Task(comparison, setting, flags, commands))
     return tasks
-
-
-def _scoring_commands(session: str, flags: Sequence[str]) -> tuple[tuple[str, ...], ...]:
-    gate = ("--rules", "rules.txt", "--list", "--junit", "gate.xml", "--markdown", "gate.md")
-    return (
-        ("compare", session, *flags, "--out", "report"),
-        ("report", session, *flags, "--out", "report.html"),
-        ("gate", session, *flags, *gate),
-    )
-
-
-def _default_commands(session: str) -> tuple[tuple[str, ...], ...]:
-    return (
-        *_scoring_commands(session, ()),
-        ("check", session, "--strict"),
-        ("compare", session, "--json"),
-        ("gate", "report/session.toml", "--rule", "no_such_measure == 0"),
-        ("matrix", session, "--out", "matrix"),
-        ("plan", session, "--out", "plan.json"),
-    )
-
-
-def _subject_commands(session: str) -> tuple[tuple[str, ...], ...]:
-    """Whom the driver sees, and a detector of our own, as systems of further comparisons."""
-    pictures = ("--only", "rural_child", "--frames", "100:299:4")
-    return (
-        ("driver", "estimate", session, *pictures[:2], "--model", "sample", "--out", "driver"),
-        *_scoring_commands("driver/session.toml", ("--driver-weighting", "on")),
-        ("detect", session, *pictures, "--detector", "icf:sample", "--out", "detect"),
-        ("compare", "detect/session.toml", "--out", "detected"),
-        ("models",),
-        ("convert", str(Path(session).with_name("truth.csv")), "truth.json"),
-    )
 
 
 class Runner:
@@ -220,39 +201,50 @@ class Runner:
         self.old, self.new, self.folder, self.realdata = old, new, folder, realdata
         self.old_commit = _clean_commit(old)
 
-    def run(self, task: Task) -> tuple[Path, Path]:
-        """Folders of what the older and the newer checkout wrote."""
+    def run(self, task: Task) -> tuple[Path, Path, float]:
+        """Folders of what the older and the newer checkout wrote, and seconds of the newer one."""
         folder = self.folder / task.comparison.name / task.setting
         folder.mkdir(parents=True, exist_ok=True)
-        session = task.comparison.session(self.realdata)
+        files = {**FILES, "session.toml": task.comparison.text}
+        for name, text in files.items():
+            for key, path in (("sample", self.old / "sample_data"), ("realdata", self.realdata)):
+                text = text.replace(f"{{{key}}}", str(path))
+            files[name] = text
         stamp = folder / "old.json"
-        expected_stamp = json.dumps([self.old_commit, str(folder), session, RULES, task.commands])
+        expected_stamp = json.dumps([self.old_commit, str(folder), files, SCRIPTS, task.commands])
         if not (self.old_commit and stamp.is_file() and stamp.read_text() == expected_stamp):
             stamp.unlink(missing_ok=True)
-            self._run(self.old, task, session, folder / "old")
+            self._run(self.old, task, files, folder / "old")
             stamp.write_text(expected_stamp)
-        self._run(self.new, task, session, folder / "new")
-        return folder / "old", folder / "new"
+        began = time.monotonic()
+        self._run(self.new, task, files, folder / "new")
+        return folder / "old", folder / "new", time.monotonic() - began
 
-    def _run(self, checkout: Path, task: Task, session: str | None, outputs: Path) -> None:
+    def _run(self, checkout: Path, task: Task, files: dict[str, str], outputs: Path) -> None:
         # both run in the folder of this name: paths in what they print are the same
         work = outputs.with_name("work")
         for folder in (work, outputs):
             shutil.rmtree(folder, ignore_errors=True)
-        work.mkdir()
-        (work / "rules.txt").write_text(RULES, encoding="utf-8")
-        if session:
-            (work / "session.toml").write_text(session, encoding="utf-8")
-        environment = {**os.environ, "COLUMNS": "100"}
-        program = str(checkout / ".venv" / "bin" / "nvcore")
+        printed = work / "printed"
+        printed.mkdir(parents=True)
+        for name, text in files.items():
+            if text or name != "session.toml":
+                (work / name).write_text(text, encoding="utf-8")
+        programs = checkout / ".venv" / "bin"
+        # first in the path: so that it calls itself by its name, not by this path
+        path = os.pathsep.join([str(programs), os.environ.get("PATH", "")])
+        environment = {**os.environ, "COLUMNS": "100", "PATH": path}
         for number, command in enumerate(task.commands, start=1):
+            words = [word for word in command if word != "!"]
+            if words[0] == "python":
+                call = [str(programs / "python"), "-c", SCRIPTS[words[1]], *words[2:]]
+            else:
+                call = [str(programs / "nvcore"), *words]
             process = subprocess.run(
-                [program, *command], cwd=work, env=environment, capture_output=True, check=False
+                call, cwd=work, env=environment, capture_output=True, check=False
             )
-            printed = work / "printed"
-            printed.mkdir(exist_ok=True)
-            stem = f"{number}-{command[0]}"
-            kind = "json" if "--json" in command else "txt"
+            stem = f"{number:02}-{words[0]}"
+            kind = "json" if "--json" in words else "txt"
             (printed / f"{stem}.stdout.{kind}").write_bytes(process.stdout)
             (printed / f"{stem}.stderr.txt").write_bytes(process.stderr)
             (printed / f"{stem}.exit.txt").write_text(f"{process.returncode}\n")
@@ -269,32 +261,43 @@ def _clean_commit(checkout: Path) -> str | None:
     return commit.strip() or None if not changes.strip() else None
 
 
-def exit_codes(outputs: Path) -> str:
-    """Exit codes of a task's commands, in their order."""
+def exit_codes(task: Task, outputs: Path) -> list[tuple[str, bool]]:
+    """Exit code of each command, and whether it is as meant: refused (from 2 on) or not."""
     paths = sorted((outputs / "printed").glob("*.exit.txt"))
-    return " ".join(path.read_text().strip() for path in paths)
+    codes = [path.read_text().strip() for path in paths]
+    return [
+        (code, (code not in ("0", "1")) == (command[0] == "!"))
+        for code, command in zip(codes, task.commands, strict=True)
+    ]
 
 
-def is_refused(outputs: Path) -> bool:
-    """Whether the comparison itself could not be made, so that nothing was compared."""
-    return not (outputs / "report" / "summary.json").is_file()
+def report(
+    task: Task, old: Path, new: Path, seconds: float, rewording: Rewording | None
+) -> tuple[bool, list[str]]:
+    """Print a task's line of the table and what differs.
 
-
-def report(task: Task, old: Path, new: Path, rewording: Rewording | None) -> bool:
-    """Print a task's line of the table and what differs; whether all is the same."""
-    refused = is_refused(old)
+    Returns whether all is the same, and lines on the commands that ended in another way than meant.
+    """
+    codes = exit_codes(task, new)
     differing = list(compare_folders(old, new, rewording))
     files = [path for path in new.rglob("*") if path.is_file()]
     size = sum(path.stat().st_size for path in files)
-    verdict = f"{len(differing)} DIFFER" if differing else "REFUSED" if refused else "same"
+    verdict = f"{len(differing)} DIFFER" if differing else "same"
+    counts = sorted(Counter(code for code, _ in codes).items())
     print(
-        f"{task.comparison.name:14} {task.setting:12} {len(files):5} {size:12,} "
-        f"{exit_codes(new):12} {verdict:10} {shlex.join(task.flags)}".rstrip(),
+        f"{task.comparison.name:12} {task.setting:12} {len(files):5} {size:12,} {seconds:5.0f} s "
+        f"{' '.join(f'{n}x{code}' for code, n in counts):14} {verdict:10} "
+        f"{shlex.join(task.flags)}".rstrip(),
         flush=True,
     )
     for name, where in differing:
         print(f"  {name}: {where}", flush=True)
-    return not (differing or refused)
+    unmeant = [
+        f"exit code {code}: {task.comparison.name} {task.setting}: {shlex.join(command)}"
+        for (code, is_meant), command in zip(codes, task.commands, strict=True)
+        if not is_meant
+    ]
+    return not differing, unmeant
 
 
 def main() -> int:
@@ -306,10 +309,10 @@ def main() -> int:
             print(f"{checkout}: has no .venv/bin/nvcore; run make run in it once", file=sys.stderr)
             return 2
     realdata = Path(os.environ.get("NVCORE_REALDATA", new.parent / "shared" / "realdata")).resolve()
-    comparisons = [item for item in COMPARISONS if not options.only or item.name in options.only]
+    comparisons: Sequence[Comparison] = COMPARISONS
     if not realdata.is_dir():
-        print(f"no real recordings in {realdata}: the sample only; set NVCORE_REALDATA")
-        comparisons = [item for item in comparisons if item.head is None]
+        print(f"no real recordings in {realdata}: sessions of the sample only; set NVCORE_REALDATA")
+        comparisons = [item for item in comparisons if "{realdata}" not in item.text]
     ranges = json.loads(
         subprocess.run(
             [old / ".venv" / "bin" / "python", "-c", READ_RANGES],
@@ -319,18 +322,30 @@ def main() -> int:
     tasks = make_tasks(
         ranges, comparisons, old / "sample_data", count=options.random, seed=options.seed
     )
+    if options.only:
+        names = {name for task in tasks for name in task.names}
+        if unknown := {*options.only} - names:
+            print(
+                f"there is no {', '.join(sorted(unknown))}; there are {', '.join(sorted(names))}",
+                file=sys.stderr,
+            )
+            return 2
+        tasks = [task for task in tasks if {*options.only} & {*task.names}]
     rewording = None if options.numbers else Rewording(read_wordings(WORDINGS))
     began = time.monotonic()
-    print(f"{'comparison':14} {'settings':12} files        bytes exit codes   result     flags")
+    print(f"{'comparison':12} {'settings':12} files        bytes    time exit codes     result")
     with tempfile.TemporaryDirectory(prefix="same_results_") as temporary:
         folder = Path(options.keep or temporary).resolve()
         runner = Runner(old, new, folder, realdata)
         with ThreadPoolExecutor(options.jobs) as pool:
             outputs = pool.map(runner.run, tasks)
-            are_same = [
-                report(task, *folders, rewording)
-                for task, folders in zip(tasks, outputs, strict=True)
+            reports = [
+                report(task, *written, rewording)
+                for task, written in zip(tasks, outputs, strict=True)
             ]
+    are_same = [is_same for is_same, _ in reports]
+    for line in [line for _, unmeant in reports for line in unmeant]:
+        print(line)
     minutes = (time.monotonic() - began) / 60
     print(f"{sum(are_same)} of {len(are_same)} the same; {minutes:.1f} minutes")
     if rewording:
@@ -351,8 +366,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--random", type=int, default=2, metavar="N", help="random settings (2)")
     parser.add_argument("--seed", type=int, default=1, metavar="S", help="of the settings (1)")
     parser.add_argument(
-        "--only", nargs="+", metavar="NAME", choices=[item.name for item in COMPARISONS],
-        help="of these comparisons: %(choices)s",
+        "--only", nargs="+", metavar="NAME",
+        help=f"only these of {', '.join(item.name for item in COMPARISONS)}, or of their settings, "
+        "such as sample/errors",
     )  # fmt: skip
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="at a time (2)")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="keep what is written there")

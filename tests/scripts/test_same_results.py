@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import click
 import pytest
 
-from scripts.comparisons import COMPARISONS
+from nvcore.cli import main
+from scripts.comparisons import COMPARISONS, FILES
 from scripts.differences import (
     Rewording,
     Wording,
@@ -16,7 +18,7 @@ from scripts.differences import (
     compare_folders,
     read_wordings,
 )
-from scripts.same_results import WORDINGS, make_tasks
+from scripts.same_results import WORDINGS, Task, exit_codes, make_tasks, report
 
 SHORTER = Wording("there is no such file", "no such file")
 TABLE = b"figure,label,x\nlamr,log-average miss rate,0.6271\n"
@@ -36,6 +38,18 @@ RANGES = {
     },
     "protocols": ["all", "near"],
 }  # fmt: skip
+
+
+FAULT = """\
+Traceback (most recent call last):
+  File "{}", line {}, in plan
+    ^^^
+
+    return json
+TypeError: no text
+
+Error: this is a fault
+"""
 
 
 def where(name: str, old: bytes, new: bytes, *wordings: Wording) -> str | None:
@@ -60,6 +74,51 @@ def test_a_changed_number_is_shown_with_its_line():
     assert difference.startswith("line 2\n")
     assert "0.6271" in difference
     assert "0.6272" in difference
+
+
+def test_the_first_lines_that_differ_are_shown_and_the_others_are_counted():
+    old = "".join(f"miss {i}\n" for i in range(6))
+    difference = where("a.txt", old.encode(), old.replace("miss", "alarm").encode())
+    assert difference is not None
+    assert [line for line in ("line 1", "line 3", "line 4") if line in difference] == [
+        "line 1", "line 3",
+    ]  # fmt: skip
+    assert difference.endswith("and 3 more lines")
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("7-train.stderr.txt", "trained in 5.8 s\n", "trained in 1 min 20 s\n"),
+        ("7-train.stderr.txt", "12% done: background, about 8 s left\nwritten\n", "written\n"),
+        ("5-detect.stderr.txt", "about 1 s (0.077 s a picture)", "about 2 s (9.6e-06 s a picture)"),
+        ("5-detect.stdout.txt", "in 1.4 s (7.4 pictures a second)", "in 2 s (5 pictures a second)"),
+        ("3-plan.stderr.txt", FAULT.format("/old/a.py", 1), FAULT.format("/new/b.py", 20)),
+        ("3-compare.stdout.txt", "chosen on 2026-11-29 at 20:37", "chosen on 2026-11-30 at 08:00"),
+        ("summary.json", '{"version": "0.1.0"}', '{"version": "0.2.0"}'),
+        ("detect/provenance.json", "nvcore 0.1.0", "nvcore 1.10.0rc1"),
+        ("report/SHA256SUMS", f"{'0a' * 32}  a.csv\n", f"{'1b' * 32}  a.csv\n"),
+    ],
+)
+@pytest.mark.parametrize("rewording", [Rewording(), None], ids=["wordings", "facts"])
+def test_times_of_the_run_and_versions_are_masked(
+    name: str, old: str, new: str, rewording: Rewording | None
+):
+    assert compare_files(name, old.encode(), new.encode(), rewording) is None
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("3-compare.stdout.txt", "3 against 5 in 150 s)", "3 against 5 in 151 s)"),
+        ("7-train.stderr.txt", "trained in 5.8 s", "learned in 5.8 s"),
+        ("3-plan.stderr.txt", FAULT, FAULT.replace("TypeError", "ValueError")),
+        ("frames.csv", "in 5.8 s", "in 5.9 s"),
+        ("report/SHA256SUMS", f"{'0a' * 32}  a.csv", f"{'0a' * 32}  b.csv"),
+    ],
+)
+def test_numbers_of_results_and_sentences_are_not_masked(name: str, old: str, new: str):
+    assert where(name, old.encode(), new.encode()) is not None
 
 
 def test_a_file_that_is_written_by_one_program_only_is_a_difference(tmp_path: Path):
@@ -167,6 +226,47 @@ def test_random_settings_are_in_their_ranges():
     assert {"1", "3", "100"} < given["--confirm-n"] <= {str(n) for n in range(1, 101)}
     assert "100" in given["--confirm-m"]  # never fewer than confirm
     assert all(-0.9 <= float(value) <= 8.6 for value in given["--threshold-x"])
+
+
+def names_of(group: click.Command, name: str = "") -> set[str]:
+    """All commands of the program, such as ``driver train``."""
+    if not isinstance(group, click.Group):
+        return {name.strip()}
+    return set().union(*(names_of(known, f"{name} {key}") for key, known in group.commands.items()))
+
+
+def test_every_command_is_run_and_but_for_the_server_is_meant_to_succeed():
+    tasks = make_tasks(RANGES, COMPARISONS, Path("sample"), count=1, seed=1)
+    run = {command for task in tasks for command in task.commands if command[0] != "!"}
+    names = {" ".join(command[:n]) for command in run for n in (1, 2)}
+    assert names_of(main) - names == {"app"}
+
+
+def test_commands_name_files_that_are_there_and_no_placeholder_is_left():
+    tasks = make_tasks(RANGES, COMPARISONS, Path("sample"), count=1, seed=1)
+    words = {word for task in tasks for command in task.commands for word in command}
+    assert not [word for word in words if "{" in word]
+    assert {*FILES} - {"alerts.csv", "gaze.csv", "speed.csv"} <= words
+
+
+def test_a_command_that_ends_otherwise_than_meant_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    commands = (("check", "a"), ("!", "check", "b"), ("plan", "c d"), ("!", "models"))
+    task = Task(COMPARISONS[0], "default", (), commands)
+    for side in ("old", "new"):
+        (tmp_path / side / "printed").mkdir(parents=True)
+        for number, code in enumerate((1, 2, 2, 0), start=1):
+            (tmp_path / side / "printed" / f"{number:02}-x.exit.txt").write_text(f"{code}\n")
+    old, new = tmp_path / "old", tmp_path / "new"
+    assert exit_codes(task, new) == [("1", True), ("2", True), ("2", False), ("0", False)]
+    is_same, named = report(task, old, new, 1.0, Rewording())
+    assert is_same
+    assert named == [
+        "exit code 2: sample default: plan 'c d'",
+        "exit code 0: sample default: '!' models",
+    ]
+    assert "1x0 1x1 2x2" in capsys.readouterr().out
 
 
 FACTS = {
