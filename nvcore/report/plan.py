@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from nvcore.arguments.plan import PlanArguments
@@ -88,11 +89,11 @@ def plan_values(plan: Plan) -> dict[str, Any]:
             name: _defined(getattr(row, name))
             for name in ("x", "y", "difference", "low", "high", "p")
         },
-        "n": row.n,
+        "n": _defined(row.n),
         "unit": row.unit,
-        "n_encounters": plan.n_encounters,
-        "duration_s": plan.duration_s,
-        "power": plan.power,
+        "n_encounters": _defined(plan.n_encounters),
+        "duration_s": _defined(plan.duration_s),
+        "power": _defined(plan.power),
         "n_tests": plan.n_tests,
         "noninferiority": None
         if plan.noninferiority is None
@@ -104,7 +105,10 @@ def plan_values(plan: Plan) -> dict[str, Any]:
                     for name in size.__dataclass_fields__
                     if name != "points"
                 },
-                "points": [point._asdict() for point in size.points],
+                "points": [
+                    {name: _defined(value) for name, value in point._asdict().items()}
+                    for point in size.points
+                ],
             }
             for size in plan.sizes
         ],
@@ -118,4 +122,5 @@ def plan_json(plan: Plan) -> str:
 
 
 def _defined(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    plain = value.item() if isinstance(value, np.generic) else value
+    return None if isinstance(plain, float) and not math.isfinite(plain) else plain

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 from typing import Any
@@ -48,6 +49,7 @@ from nvcore.evidence.planning.thresholds import (
 )
 from nvcore.evidence.units import find_units
 from nvcore.notes import Note
+from nvcore.report.plan import plan_json
 
 
 def normal_pilot(n: int = 60, difference: float = 0.5, seed: int = 5) -> Pilot:
@@ -514,3 +516,9 @@ def test_a_plan_at_thresholds_of_their_own_is_about_equal_false_alarms() -> None
     (size,) = plan.sizes
     assert 0.75 < size.power < 0.9
     assert Comparison(equal.as_set).plan(measure="mean_similarity").sizes == plan.sizes
+
+
+def test_a_plan_is_json_whatever_kind_of_integers_it_holds():
+    plan = plan_recordings(result_of(quiet_drives(12)))
+    numbers = replace(plan, n_encounters=np.int64(plan.n_encounters))
+    assert json.loads(plan_json(numbers)) == json.loads(plan_json(plan))
