@@ -247,6 +247,8 @@ def _condition(text: str, known: _Known) -> exp.Expr:
     except sqlglot.errors.SqlglotError as error:
         found = getattr(error, "errors", None) or [{"col": 0, "description": str(error)}]
         what = str(found[0]["description"]).partition(".")[0].lower()
+        if what.startswith("required keyword"):  # it names a class of the parser
+            what = "a column or value is missing"
         raise _fault(f"cannot be read at character {found[0]['col']}: {what}") from error
     except RecursionError as error:
         raise _fault("expected fewer conditions and brackets") from error

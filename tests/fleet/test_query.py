@@ -113,6 +113,7 @@ def test_a_filter_chooses_rows_by_their_columns_tags_and_recordings(results, whe
     ("where", "message"),
     [
         ("category = 'x'; drop table encounters", "cannot be read at character"),
+        ("n_frames >", "cannot be read at character 10: a column or value is missing$"),
         ("1 = 1; select 2 = 2", "filter: "),
         ("category = (select 'x')", r"found \(SELECT 'x'\); expected conditions"),
         ("n_frames in (select 1)", "found n_frames IN"),
