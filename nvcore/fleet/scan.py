@@ -130,7 +130,6 @@ def _compared(job: Job, batch: str, lease: Lease) -> dict[str, pa.Table]:
     if len(lease.killed_at) < WHOLE_ATTEMPTS:
         try:
             tables = store.read(recordings, params.sources)
-            tables["boxes"]  # read now: a damaged file is no fault of all of these recordings
             pa.default_memory_pool().release_unused()  # the pieces they were put together from
             return run(tables, params)
         except Exception as error:  # noqa: BLE001  # whatever it is: which recording is it about?
@@ -276,10 +275,14 @@ def work() -> None:
     """Run a worker of `in_pool`, which ends when its standard input does: with its parent."""
     out = os.dup(1)  # closed when the process ends, not before
     os.dup2(2, 1)  # what is printed must not get between the messages
-    job, part, n_parts = pickle.load(sys.stdin.buffer)  # noqa: S301  # from our own process
+    try:
+        job, part, n_parts = pickle.load(sys.stdin.buffer)  # noqa: S301  # from our own process
+    except EOFError:  # the parent died before it sent the job
+        return
 
     def tell(message: str | Exception) -> None:
-        os.write(out, pickle.dumps(message).hex().encode() + b"\n")
+        with suppress(BrokenPipeError):  # the parent has died: `end` follows
+            os.write(out, pickle.dumps(message).hex().encode() + b"\n")
 
     def end() -> None:
         os.read(0, 1)
