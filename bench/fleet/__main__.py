@@ -1,4 +1,4 @@
-"""What a fleet costs: ingest, scan, merging, questions; and, simulated, what larger ones would.
+"""What a fleet costs: ingest, scan, finishing, questions; and, simulated, what larger ones would.
 
     python -m bench.fleet [--frames 1e5 1e6 1e7] [--keep FOLDER] [--out docs]
 
@@ -19,7 +19,6 @@ import tempfile
 import threading
 from collections.abc import Callable
 from functools import partial
-from multiprocessing import active_children
 from pathlib import Path
 from statistics import median
 from time import perf_counter
@@ -70,15 +69,16 @@ class Watch:
 
     def _look(self) -> None:
         while not self._is_over.wait(POLL_S):
-            for process in active_children():
+            tasks = Path("/proc/self/task").glob("*/children")
+            for pid in [int(pid) for task in tasks for pid in task.read_text().split()]:
                 try:
-                    status = Path(f"/proc/{process.pid}/status").read_text()
+                    status = Path(f"/proc/{pid}/status").read_text()
                 except OSError:  # it has just ended
                     continue
                 lines = [line for line in status.splitlines() if line.startswith("VmHWM")]
                 if lines:
                     peak_mb = int(lines[0].split()[1]) / 1024
-                    self._seen.setdefault(process.pid or 0, []).append(peak_mb)
+                    self._seen.setdefault(pid, []).append(peak_mb)
 
 
 def ingest(store: str, n_frames: int) -> dict[str, Any]:

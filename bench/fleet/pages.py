@@ -24,9 +24,9 @@ A synthetic fleet (`bench/fleet/generate.py`: 4 pedestrians a frame, 4 + 4 detec
 1,000 to 3,000 frames) in a store on the local disk. *Ingest* is from boxes in memory to a store,
 drawing them is not in it; *from CSV* reads files first. *Scan* goes from the store to the tables of
 results, in batches of up to 100,000 frames, with its worker processes' start in it; *finishing*
-merges what the batches gave and is in it, too. *Top* are the 20 worst encounters by night on rural
-roads. *Growth* is the slope of log time over log frames. The first scan of a checkout compiles
-loops. Load of the machine when it began: {load:.1f}.
+computes the measures of all recordings and is in it, too. *Top* are the 20 worst encounters by
+night on rural roads. *Growth* is the slope of log time over log frames. The first scan of a
+checkout compiles loops. Load of the machine when it began: {load:.1f}.
 
 {table}
 

@@ -108,7 +108,7 @@ def simulate(
         How much larger batches are than those that were measured.
     stores
         Into how many stores the fleet is divided, each with its scan and its share of the workers;
-        their summaries are merged.
+        joining their results is not in it.
     """
     n_frames, workers = n_frames / stores, max(workers // stores, 1)
     n = max(round(n_frames / (times * costs.batch)), 1)

@@ -18,7 +18,7 @@ import pyarrow as pa
 from nvcore.comparison import compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
-from nvcore.errors import InputError, NvcoreError, StoreError
+from nvcore.errors import InputError, NvcoreError
 from nvcore.fleet.results import ScanParams, gather, result_tables
 from nvcore.fleet.tables import MISSING, TRUTH_KINDS
 from nvcore.objects import PEDESTRIAN, objects_from
@@ -50,8 +50,6 @@ def scan_batch(tables: Mapping[str, pa.Table], params: ScanParams) -> dict[str, 
     ------
     InputError
         If a recording is there twice.
-    StoreError
-        If a table cannot be read.
     """
     batch, refused, parts = _Batch(tables, params), dict[str, str](), []
     waiting = batch.alike(refused)
@@ -59,8 +57,6 @@ def scan_batch(tables: Mapping[str, pa.Table], params: ScanParams) -> dict[str, 
         names = waiting.pop()
         try:
             parts.append(batch.compare(names))
-        except StoreError:  # no fault of a recording
-            raise
         except NvcoreError as error:
             if len(names) == 1:
                 refused[names[0]] = str(error)

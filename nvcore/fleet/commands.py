@@ -137,8 +137,7 @@ def ingest(
     ]
     lines += [
         f"note: {source or 'metadata'} of {count_text(n, 'recording')} is there as version "
-        f"{version}; "
-        f"version {last} stays the newest (--newest changes that)"
+        f"{version}; version {last} stays the newest (--newest changes that)"
         for source, version, last, n in done.older.itertuples(index=False)
     ]
     lines += [

@@ -19,11 +19,11 @@ from nvcore.fleet.location import Location
 from nvcore.wording import one_line
 
 LEASE_S: Final = 120.0
-"""How long a batch waits for a worker that gives no sign of life, until another one takes it. The
-clocks of machines should differ by less."""
+"""Seconds after which another worker may take a batch whose lease is no longer renewed. Clocks of
+machines should differ by less."""
 ATTEMPTS: Final = 2
-"""Workers that a recording may kill before its batch waits for all others. After one more kill the
-recording is left out."""
+"""Workers that a recording may kill before its batch has to wait for all others. One more, and the
+recording goes into quarantine."""
 
 
 def seal(content: Mapping[str, Any]) -> bytes:
@@ -45,17 +45,17 @@ class HeldError(Exception):
 
 
 class Lease:
-    """The right to work on a batch, held and renewed by a thread from entry to exit.
+    """The right to work on a batch: a context manager whose thread renews it until exit.
 
-    Entry raises HeldError if another worker has it.
+    Entry raises HeldError if another worker has the lease.
 
     Attributes
     ----------
     killed_at
-        The recording, or None for all of the batch, that each earlier attempt that ended without
-        a word was comparing.
+        Recording that each lost attempt was comparing, or None if it compared the whole batch. An
+        attempt is lost if its worker was killed.
     is_late
-        Whether no worker has the batch, and it has to wait for all others.
+        Whether the batch is free, but has killed so many workers that it waits for all others.
     """
 
     def __init__(self, out: Location, key: str, *, clock: Callable[[], float]):
@@ -70,13 +70,13 @@ class Lease:
         self._clock, self._lock, self._is_over = clock, threading.Lock(), threading.Event()
 
     def _content(self, **changes: str) -> bytes:
-        """Return the content of its file, with a new time of expiry."""
+        """Return the content of the lease's file, with a new expiry time."""
         self._state |= {"expires": self._clock() + LEASE_S, **changes}
         return seal(self._state)
 
     def tell(self, **changes: str) -> None:
-        """Renew it, and say at which recording the work is (`at`), or why the batch `failed`."""
-        with self._lock:  # a write that is slow would else undo a later one
+        """Renew the lease, and note the current recording (`at`) or why the batch `failed`."""
+        with self._lock:  # otherwise a slow write could undo a later one
             self._out.write(self._path, self._content(**changes))
 
     def __enter__(self) -> Lease:
@@ -98,22 +98,22 @@ class Lease:
 
 
 def attempt_of(content: bytes) -> dict[str, Any]:
-    """Read the file of a lease, or take a damaged one for a lost attempt."""
+    """Parse the file of a lease; a damaged one counts as a lost attempt."""
     return unseal(content) or {"host": "", "pid": 0, "at": None, "ended": None, "expires": 0.0}
 
 
 @cache
 def _host() -> str:
-    """Name of the machine since it was started, and of what numbers processes in it."""
+    """Identify the machine, its boot and its PID namespace, in which process ids are unique."""
     name = socket.gethostname()
-    with suppress(OSError):  # Linux alone has them
+    with suppress(OSError):  # only Linux has these files
         name += " " + Path("/proc/sys/kernel/random/boot_id").read_text().strip()
         name += f" {Path('/proc/self/ns/pid').readlink()}"
     return name
 
 
 def is_held(attempt: Mapping[str, Any], now: float) -> bool:
-    """Whether the worker of a lease may be at work, which is known of processes on this host."""
+    """Whether the worker of a lease may still be running; on this host, look up its process."""
     if attempt["ended"] is not None or attempt["expires"] <= now:
         return False
     try:

@@ -89,7 +89,7 @@ _EXTREMES: Final[dict[str, Callable[[list[Any]], float]]] = {
     "worst_severity_s": max,
     "longest_episode_s": max,
 }
-"""Columns of recordings, for each system, of which the smallest or largest value counts."""
+"""Columns of each system in the table of recordings that are reduced to their extreme value."""
 
 
 @dataclass(frozen=True)
@@ -319,13 +319,16 @@ class Summary:
 
     @staticmethod
     def of(recordings: pa.Table, quarantined: int, params: ScanParams) -> Summary:
-        """Summarize the columns `reductions` of the table of recordings."""
-        known = {name: recordings[name].drop_null().to_pylist() for name in reductions()}
-        totals = {name: reductions()[name](values) for name, values in known.items() if values}
+        """Summarize a table of recordings that has the columns of `reductions`."""
+        totals = {
+            name: reduce(values)
+            for name, reduce in reductions().items()
+            if (values := recordings[name].drop_null().to_pylist())
+        }
         return Summary(params, len(recordings), quarantined, totals)
 
     def total(self, column: str) -> float:
-        """Return the value of a column of `reductions`, or NaN if no recording has one."""
+        """Return the total or extreme of a column, or NaN if no recording has a value."""
         return self.totals.get(column, np.nan)
 
     def measures(self) -> pd.DataFrame:
@@ -367,9 +370,9 @@ class Summary:
 
 @cache
 def reductions() -> dict[str, Callable[[list[Any]], float]]:
-    """Return how the values of all recordings become one, by column of the table of recordings.
+    """Return the functions that reduce columns of the table of recordings to one value, by column.
 
-    Sums are rounded once, so that the order of recordings changes no digit.
+    Sums are rounded once, so they do not depend on the order of recordings.
     """
     columns = schema("recordings")
     sums = ["duration_s", "share_of_recording", *_both([*_TIMES, "severity_s"])]

@@ -1,7 +1,7 @@
-"""Scans: the comparison of all recordings of a store, batch by batch, on whatever runs them.
+"""Scans: compare all recordings of a store, batch by batch, on any engine.
 
-A scan keeps its state in the folder of its results (`nvcore.fleet.folder`), so that any number of
-processes on any number of machines can work on it, and any of them may die.
+A scan keeps its state in the folder of its results (`nvcore.fleet.folder`). Any number of processes
+on any number of machines can work on it, and any of them may die.
 """
 
 from __future__ import annotations
@@ -77,14 +77,14 @@ class Job:
         Returns
         -------
         str
-            ``done``, or ``busy`` if another worker is at it, or others have to be done first.
+            ``done``, or ``busy`` if another worker has the batch or it has to wait for others.
 
         Raises
         ------
         InputError
             If the programs differ from those of the plan.
         StoreError
-            If storage cannot be written or read, as where a disk is full; what is done stays.
+            If storage cannot be read or written, such as a full disk; finished batches stay.
         """
         out, *_ = _open(self)
         lease_of = partial(Lease, out, clock=self.options.clock)
@@ -97,13 +97,13 @@ class Job:
             results = _compared(self, batch, lease)
             out.create(done, write_batch(out, batch, results))
             del results
-            pa.default_memory_pool().release_unused()  # allocators keep what the largest batch took
+            pa.default_memory_pool().release_unused()  # it keeps as much as the largest batch took
             _glibc("malloc_trim", 0)
             return "done"
         return "busy"
 
     def missing(self, among: slice = slice(None)) -> list[str]:
-        """List the keys of batches, or of these of the plan, that are not done, in its order."""
+        """List the keys of batches that are not done, of all or a slice of the plan's batches."""
         out, plan, _ = _open(self)
         done = done_in(out)
         return [batch.key for batch in plan.batches[among] if batch.key not in done]
@@ -111,8 +111,8 @@ class Job:
 
 @lru_cache(maxsize=2)
 def _open(job: Job) -> tuple[Location, Plan, Snapshot]:
-    """Open results and store, once a process."""
-    _glibc("mallopt", -8, 1)  # M_ARENA_MAX: a heap of each thread would keep what it has freed
+    """Open results and store, once per process."""
+    _glibc("mallopt", -8, 1)  # M_ARENA_MAX: a heap per thread would hold on to freed memory
     out = Location(job.out, dict(job.options.storage))
     plan = plan_in(out, job.plan)
     if plan is None:
@@ -130,10 +130,9 @@ def _compared(job: Job, batch: str, lease: Lease) -> dict[str, pa.Table]:
     if len(lease.killed_at) < WHOLE_ATTEMPTS:
         try:
             tables = store.read(recordings, params.sources)
-            tables["boxes"]  # read now: a damaged file is no fault of all of these recordings
-            pa.default_memory_pool().release_unused()  # the pieces they were put together from
+            pa.default_memory_pool().release_unused()  # the pieces that tables were joined from
             return run(tables, params)
-        except Exception as error:  # noqa: BLE001  # whatever it is: which recording is it about?
+        except Exception as error:  # noqa: BLE001  # find out which recording causes it
             lease.tell(failed=_reason(error))
     parts, reasons, faults = [], {}, 0
     for name in recordings:
@@ -146,7 +145,7 @@ def _compared(job: Job, batch: str, lease: Lease) -> dict[str, pa.Table]:
         except Exception as error:
             reasons[name] = _reason(error)
             faults += not isinstance(error, NvcoreError)
-            if faults == len(recordings) > 1:  # then it is no fault of theirs
+            if faults == len(recordings) > 1:  # then no recording is to blame
                 raise
     for part in parts:
         reasons |= dict(zip(*part["quarantine"].to_pydict().values(), strict=True))
@@ -154,13 +153,13 @@ def _compared(job: Job, batch: str, lease: Lease) -> dict[str, pa.Table]:
 
 
 def _glibc(name: str, *values: int) -> None:
-    """Call a function of glibc; do nothing where another library is in its place."""
+    """Call a function of glibc; do nothing with another C library."""
     with suppress(AttributeError, OSError, TypeError):
         getattr(ctypes.CDLL(None), name)(*values)
 
 
 def _reason(error: Exception) -> str:
-    """Describe in one line why a recording fails; raise the error if the storage is at fault."""
+    """Describe in one line why a recording fails, or raise the error if storage caused it."""
     is_of_system = isinstance(error, OSError) and error.errno is not None  # no damaged file
     is_of_storage = is_of_system and not isinstance(error, FileNotFoundError)
     if is_of_storage or isinstance(error, StoreError | BaseError):
@@ -170,13 +169,13 @@ def _reason(error: Exception) -> str:
 
 
 def end_on_request() -> None:
-    """Have SIGTERM end this process by an exception, so that it gives its batch back."""
+    """Turn SIGTERM into SystemExit, so that the process releases its batch."""
     signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
 
 
 Engine = Callable[[Job], Iterable[str]]
-"""Runs missing batches by `Job.run`, and gives the keys of those that are done. It may leave some:
-it is called again until none is missing."""
+"""Runs missing batches by `Job.run`, and yields the keys of those that are done. It may skip some,
+and is called again until none is missing."""
 
 
 def drive(job: Job, engine: Engine) -> Iterator[str]:
@@ -186,20 +185,20 @@ def drive(job: Job, engine: Engine) -> Iterator[str]:
         time.sleep(wait_s)
         wait_s = min(2 * wait_s, LEASE_S / 4) or 0.2
         for batch in engine(job):
-            wait_s = 0.0  # else other scans are at work on all missing batches
+            wait_s = 0.0  # it keeps growing while other scans have all missing batches
             yield batch
 
 
 def in_process(job: Job, part: int = 0, n_parts: int = 1) -> Iterator[str]:
-    """Run every n-th missing batch from `part` on in this process, then what others have left."""
+    """Run every n-th batch of the plan from `part` on, then all others that are still missing."""
     yield from (key for key in job.missing(slice(part, None, n_parts)) if job.run(key) == "done")
     left = job.missing()
-    start = len(left) * part // n_parts  # each at another place
+    start = len(left) * part // n_parts  # each part begins elsewhere
     yield from (key for key in left[start:] + left[:start] if job.run(key) == "done")
 
 
 def in_pool(job: Job, n_workers: int) -> Iterator[str]:
-    """Run all missing batches in so many processes, and yield keys as batches are done.
+    """Run all missing batches in `n_workers` processes, and yield keys as batches are done.
 
     A worker that is killed is replaced. The workers end when the generator is closed.
 
@@ -233,7 +232,7 @@ def in_pool(job: Job, n_workers: int) -> Iterator[str]:
         threading.Thread(target=listen, args=(worker, content), daemon=True).start()
 
     def listen(worker: Any, content: bytes) -> None:
-        """Give a worker its job, pass on its messages, and an empty one when it has ended."""
+        """Send a worker its job, and queue its messages, then an empty one when it ends."""
         with worker:
             with suppress(BrokenPipeError):  # it has died
                 os.write(worker.stdin.fileno(), content)
@@ -273,13 +272,17 @@ def in_pool(job: Job, n_workers: int) -> Iterator[str]:
 
 
 def work() -> None:
-    """Run a worker of `in_pool`, which ends when its standard input does: with its parent."""
+    """Run as a worker of `in_pool` until no batch is missing, or the parent ends."""
     out = os.dup(1)  # closed when the process ends, not before
-    os.dup2(2, 1)  # what is printed must not get between the messages
-    job, part, n_parts = pickle.load(sys.stdin.buffer)  # noqa: S301  # from our own process
+    os.dup2(2, 1)  # printed text must not mix with the messages
+    try:
+        job, part, n_parts = pickle.load(sys.stdin.buffer)  # noqa: S301  # from our own process
+    except EOFError:  # the parent died before it sent the job
+        return
 
     def tell(message: str | Exception) -> None:
-        os.write(out, pickle.dumps(message).hex().encode() + b"\n")
+        with suppress(BrokenPipeError):  # the parent has died: `end` follows
+            os.write(out, pickle.dumps(message).hex().encode() + b"\n")
 
     def end() -> None:
         os.read(0, 1)
@@ -295,5 +298,5 @@ def work() -> None:
         tell(error)
     except Exception:  # noqa: BLE001  # which need not pickle
         tell(RuntimeError(traceback.format_exc()))
-    finally:  # to be ended at the end is no error
+    finally:  # the parent may terminate it while it exits
         signal.signal(signal.SIGTERM, signal.SIG_DFL)

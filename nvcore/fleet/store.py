@@ -86,7 +86,7 @@ class Store:
             If it cannot be read, or the newest file of a Delta log is missing.
         """
         reached = _versions_reached(self.location)
-        names = reversed(SCHEMAS)  # what a source refers to is committed before it
+        names = reversed(SCHEMAS)  # recordings are committed before the sources that refer to them
         tables = {name: table for name in names if (table := _opened(self.location, name))}
         if len(tables) < len(SCHEMAS):
             raise InputError("there is no store here", file=self.location.uri)
@@ -203,7 +203,7 @@ class Store:
         return new, older
 
     def _put(self, name: str, rows: pa.Table) -> list[AddAction]:
-        """Write a file of rows sorted by recording, if any, and return its entry for the commit."""
+        """Write a file of rows sorted by recording, unless empty, and return its commit action."""
         if not len(rows):
             return []
         sink = pa.BufferOutputStream()
@@ -219,7 +219,7 @@ class Store:
         path = f"part-{hashlib.sha256(content).hexdigest()[:16]}.parquet"
         self.location.write(f"{name}/{path}", content.to_pybytes())
         stats = json.dumps({"numRecords": len(rows)})
-        # stores of earlier versions may be partitioned: what is appended to them is in no part
+        # older stores may be partitioned: new files get no value of the key
         parts = dict.fromkeys(self._tables[name].metadata().partition_columns)
         return [AddAction(path, content.size, parts, int(time.time() * 1000), True, stats)]
 

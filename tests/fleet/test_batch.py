@@ -18,7 +18,7 @@ from scenes import draw_scene
 
 from nvcore.comparison import compare
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError, ParameterError, StoreError
+from nvcore.errors import InputError, ParameterError
 from nvcore.fleet import batch
 from nvcore.fleet.batch import ScanParams, dataset_of, scan_batch
 from nvcore.fleet.ingest import tables_of
@@ -291,16 +291,6 @@ def test_a_recording_that_a_system_was_not_run_on_is_quarantined(tables: Tables)
     ]
     with pytest.raises(InputError, match="'r1': there are no results of y"):
         dataset_of(fewer, SCAN)
-
-
-def test_storage_that_fails_is_no_fault_of_a_recording(tables: Tables):
-    class Lost(dict[str, pa.Table]):
-        def __missing__(self, name: str) -> pa.Table:
-            raise StoreError("cannot be read", file=name)
-
-    there = Lost({name: table for name, table in tables.items() if name != "boxes"})
-    with pytest.raises(StoreError, match="boxes: cannot be read"):
-        scan_batch(there, SCAN)
 
 
 def test_without_a_horizon_only_those_that_lack_it_are_refused(tables: Tables):

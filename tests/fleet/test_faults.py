@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import pickle
 import shutil
 import signal
 import socket
 import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -157,6 +160,24 @@ def test_what_a_worker_prints_does_not_disturb_its_messages(store, out, capfd):
     printed = capfd.readouterr()
     assert "ScanParams" in printed.err
     assert not printed.out
+
+
+def test_a_worker_whose_parent_has_died_says_nothing(store, undisturbed, out):
+    command = [sys.executable, "-c", "from nvcore.fleet.scan import work; work()"]
+    plan, job = begin_scan(store, out)
+    for content in (b"", pickle.dumps((job, 0, 1))):  # it died before it sent the job, and after
+        read, write = os.pipe()
+        os.close(read)
+        with subprocess.Popen(command, stdin=-1, stdout=write, stderr=-1) as worker:
+            os.close(write)
+            assert worker.stdin
+            assert worker.stderr
+            os.write(worker.stdin.fileno(), content)
+            if not content:
+                worker.stdin.close()
+            assert worker.stderr.read() == b""
+            assert worker.wait() == 0
+    assert finished(out, plan) == undisturbed
 
 
 def test_workers_that_do_not_begin_end_the_scan(store, out, monkeypatch):
