@@ -8,6 +8,7 @@ from typing import Any, Final
 import streamlit as st
 
 from nvcore.errors import ParameterError
+from nvcore.evidence.operating_points import moved_of
 from nvcore.figures.cost_map import cost_plot
 from nvcore.figures.inputs import proximity_plot
 from nvcore.params import SETTINGS, settings_for
@@ -185,7 +186,12 @@ def _threshold(name: str) -> None:
         step=step,
         help_text=SETTINGS[name].meaning + " At the left end all count.",
     )
-    if live_params.counts_all(letter):
+    result = state.result()
+    if result is not None and result.as_set is not None and moved_of(result) == letter:
+        threshold = result.system(letter).threshold
+        in_use = "every detection counts" if threshold is None else f"**{threshold:g}**"
+        st.caption(f"In use at equal false alarms: {in_use}.")
+    elif live_params.counts_all(letter):
         st.caption(f"Every detection of {letter.upper()} counts.")
 
 
