@@ -25,12 +25,13 @@ def draw(result: Result) -> None:
     )
     draw_notices(result)
     speeding.draw(result)
-    policy.draw(result)
-    if not alerts_in(result).is_asked:
+    judged = policy.judged(result)
+    policy.draw(judged, is_asked=alerts_in(result).is_asked)
+    if not alerts_in(judged).is_asked:
         return
-    numbers.draw(result)
-    listed.draw(result)
-    in_time.draw(result)
+    numbers.draw(judged)
+    listed.draw(judged)
+    in_time.draw(judged)
 
 
 st.title("Alerts")
