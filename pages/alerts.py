@@ -6,7 +6,7 @@ from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
 from ui.alerts import in_time, listed, numbers, policy, speeding
 from ui.session import state
-from ui.shell.messages import draw_operating_point, draw_warnings, needs_comparison
+from ui.shell.messages import draw_notices, needs_comparison
 from ui.widgets.text import docs_link
 
 
@@ -23,15 +23,15 @@ def draw(result: Result) -> None:
             ),
         )
     )
-    draw_warnings(result)
-    draw_operating_point(result)
+    draw_notices(result)
     speeding.draw(result)
-    policy.draw(result)
-    if not alerts_in(result).is_asked:
+    judged = policy.judged(result)
+    policy.draw(judged, is_asked=alerts_in(result).is_asked)
+    if not alerts_in(judged).is_asked:
         return
-    numbers.draw(result)
-    listed.draw(result)
-    in_time.draw(result)
+    numbers.draw(judged)
+    listed.draw(judged)
+    in_time.draw(judged)
 
 
 st.title("Alerts")

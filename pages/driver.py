@@ -7,7 +7,7 @@ from nvcore.driver.comparison.notes import counts, no_claim, view_notes
 from nvcore.driver.comparison.steps import driver_in
 from ui.driver import course, listed, regions, run
 from ui.session import state
-from ui.shell.messages import draw_operating_point, draw_warnings, needs_comparison
+from ui.shell.messages import draw_notices, needs_comparison
 from ui.widgets.text import docs_link, plain
 
 
@@ -27,8 +27,7 @@ def draw(result: Result) -> None:
         run.draw(is_known=False)
         run.draw_commands()
         return
-    draw_warnings(result)
-    draw_operating_point(result)
+    draw_notices(result)
     for doubt in no_claim(result):
         st.warning(plain(state.say(doubt)), icon=":material/warning:")
     first, *others = view_notes(result)

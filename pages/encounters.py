@@ -11,7 +11,7 @@ from ui.encounters import address, classes, details, figures, filters, selection
 from ui.encounters.order import Order
 from ui.session import state, store
 from ui.session.chosen import choose_named, encounter_of, name_of
-from ui.shell.messages import draw_operating_point, draw_warnings, needs_comparison
+from ui.shell.messages import draw_notices, needs_comparison
 from ui.widgets.text import docs_link, plain
 
 
@@ -97,8 +97,7 @@ def draw(result: Result) -> None:
             miss_class=docs_link("Miss class", "miss-classes"),
         )
     )
-    draw_warnings(result)
-    draw_operating_point(result)
+    draw_notices(result)
     draw_filtered()
     classes.draw(result)
     figures.draw_exclusivity(result)

@@ -4,7 +4,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from ui.saliency import events, figures
-from ui.shell.messages import draw_operating_point, draw_warnings, needs_comparison
+from ui.shell.messages import draw_notices, needs_comparison
 
 
 @st.fragment
@@ -23,8 +23,7 @@ def draw_events(result: Result) -> None:
 def draw(result: Result) -> None:
     """What saliency is, the numbers, and the events behind them."""
     st.caption(figures.what_it_is(result.params))
-    draw_warnings(result)
-    draw_operating_point(result)
+    draw_notices(result)
     figures.draw_numbers(result)
     draw_events()
 

@@ -3,7 +3,7 @@
 import streamlit as st
 
 from nvcore.comparison import Result
-from ui.shell.messages import draw_operating_point, draw_warnings, needs_comparison
+from ui.shell.messages import draw_notices, needs_comparison
 from ui.stability import survey, verdict_map
 from ui.widgets.text import docs_link
 
@@ -17,8 +17,7 @@ def draw(result: Result) -> None:
         "plausible range does not depend on them "
         f"({docs_link('Stability', 'stability', doc='significance')})."
     )
-    draw_warnings(result)
-    draw_operating_point(result)
+    draw_notices(result)
     above = st.container()  # filled last: the map is there sooner
     verdict_map.draw(result)
     with above:

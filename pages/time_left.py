@@ -5,7 +5,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.time_left.steps import time_left_in
 from ui.session import state, store
-from ui.shell.messages import draw_operating_point, draw_warnings, needs_comparison
+from ui.shell.messages import draw_notices, needs_comparison
 from ui.time_left import approaches, listed, numbers, speeds
 from ui.time_left.listed import open_encounter
 from ui.widgets.text import docs_link
@@ -30,8 +30,7 @@ def draw(result: Result) -> None:
             urgent=docs_link("urgent", "the-last-chance"),
         )
     )
-    draw_warnings(result)
-    draw_operating_point(result)
+    draw_notices(result)
     numbers.draw(result)
     if time_left_in(result).is_urgent.any():
         urgent = approaches.urgent_of(result)

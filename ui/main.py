@@ -22,9 +22,11 @@ from ui.shell.messages import error_banner
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import (
     all_pages,
+    controls_of,
     draw_bar,
     draw_questions,
     draw_tabs,
+    idle_on,
     is_folded_on,
     own_of,
     shown_on,
@@ -89,7 +91,14 @@ store.CLICKED.pop()  # it is no longer there
 if wrong_params is not None and not is_participant():  # something is open
     try:
         shown = shown_on(page)
-        sidebar.draw(wrong_params, shown, own=own_of(page), is_folded=is_folded_on(page, shown))
+        sidebar.draw(
+            wrong_params,
+            shown,
+            own=own_of(page),
+            controls=controls_of(page),
+            idle=idle_on(page),
+            is_folded=is_folded_on(page, shown),
+        )
     except Exception as error:  # noqa: BLE001  # what follows is drawn
         if failure is None:
             error_banner(error)

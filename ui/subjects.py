@@ -47,6 +47,10 @@ class Page:
         quiet in the sidebar.
     own
         Stages that it is about: on it their settings stand first, unfolded.
+    controls
+        Settings of these stages that the page itself has buttons for: the sidebar leaves them out.
+    idle
+        Returns the settings that have no effect on the page as it is; None: `shown` tells them.
     is_folded
         Whether the settings are folded away, though they move what it shows.
     script
@@ -59,6 +63,8 @@ class Page:
     after: str = ""
     shown: tuple[Stage, ...] | None = None
     own: tuple[Stage, ...] = ()
+    controls: tuple[str, ...] = ()
+    idle: Callable[[], frozenset[str]] | None = None
     is_folded: bool = False
     script: str = ""
     icon: str = ""

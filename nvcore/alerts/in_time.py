@@ -258,8 +258,9 @@ class InTime:
         Returns
         -------
         Rows ``sees``, ``does_not``, ``not_known`` (of the driver), each if there is such an
-        encounter, and ``all``; columns encounters, both, only_x, only_y, neither (in time with such
-        an alert; they add up to encounters).
+        encounter, and ``all``. If the driver is known of no encounter, ``sees`` and ``does_not``
+        are NaN, and ``not_known`` is left out: it would be ``all`` again. Columns encounters, both,
+        only_x, only_y, neither (in time with such an alert; they add up to encounters).
         """
         chance = {name: self.chances[f"{kind}_{name}"] for name in ("x", "y", "both")}
         parts = pd.DataFrame(
@@ -276,6 +277,8 @@ class InTime:
         )
         rows = parts.groupby(driver).sum()
         rows.loc["all"] = rows.sum()
+        if not self.chances["is_known"].any():
+            rows = rows.reindex(["sees", "does_not", "all"])
         return 100 * rows.loc[[of for of in DRIVER_WORDS if of in rows.index]] / len(self.chances)
 
 

@@ -83,8 +83,9 @@ def _in_time(result: Result) -> tuple[Block, ...]:
     figure = alerts_in_time(result, theme=result.scheme("light"))
     kinds = list(dict.fromkeys(judged.table["kind"]))
     facts = (*in_time_by_kind(result), *(doubt_of_kind(judged, kind) for kind in kinds))
+    say_driver = {name: result.objects.say(words) for name, words in DRIVER_WORDS.items()}
     rows = [
-        (kind, result.objects.say(DRIVER_WORDS[driver]), *(f"{share:.0f}" for share in shares))
+        (kind, say_driver[driver], *(number(share, ".0f") for share in shares))
         for kind in kinds
         for driver, *shares in judged.of_hundred(kind).itertuples()
     ]

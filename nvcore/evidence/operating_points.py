@@ -26,6 +26,8 @@ from nvcore.settings import OperatingPoint
 UNEQUAL_POINTS: Final = "X and Y are set to different operating points"
 AS_SET: Final = "as set: at unequal operating points"
 """Marks numbers of X and Y from which nothing is claimed."""
+SETTLED: Final = "score-floors"
+"""Code of the finding that a comparison at equal false alarms settles."""
 
 
 def count_alarms(system: SystemResult) -> int:

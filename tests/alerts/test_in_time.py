@@ -245,6 +245,16 @@ def test_of_a_hundred_encounters_everyone_is_counted_once(judged: InTime) -> Non
     assert table.index.tolist() == ["sees", "does_not", "not_known", "all"]
 
 
+def test_of_a_hundred_encounters_nobody_is_said_to_be_unseen_if_nothing_is_known(
+    judged: InTime,
+) -> None:
+    chances = judged.chances.assign(is_known=False, is_seen=False)
+    table = replace(judged, chances=chances).of_hundred("haptic")
+    assert table.index.tolist() == ["sees", "does_not", "all"]
+    assert table.loc[["sees", "does_not"]].isna().all(axis=None)
+    assert table.loc["all", "encounters"] == 100
+
+
 def test_a_chance_is_what_the_lognormal_says() -> None:
     haptic = REACTIONS["haptic"]
     median = haptic.mean_s / np.sqrt(1 + (haptic.sd_s / haptic.mean_s) ** 2)

@@ -293,6 +293,27 @@ def test_what_a_miss_would_cost_is_laid_over_the_picture_by_key_and_follows_the_
     expect(button).to_have_attribute("aria-pressed", "false")
 
 
+@pytest.mark.parametrize("is_review", [False, True])
+def test_the_controls_are_in_sight_without_scrolling(visit, is_review: bool):
+    # X at 0.1 has more false alarms than Y: the switch of operating points stands above, too
+    place = "data?threshold_x=0.1" if is_review else f"{LINK}&threshold_x=0.1"
+    one = visit(place)
+    if is_review:
+        one.page.get_by_role("button", name=re.compile("^Show (all|the)")).first.click()
+        one.table("entries_table_").get_by_role("rowheader").first.click()
+        expect(one.heading("Timeline", level=1)).to_be_visible()
+        expect(one.keyed("listed")).to_be_visible()
+    one.wait_until_drawn()
+    expect(one.keyed("operating_points")).to_be_visible()
+    controls = one.viewer.get_by_role("toolbar", name="Transport")
+    expect(controls).to_be_in_viewport(ratio=1)
+    scrolled = one.page.get_by_test_id("stMain").evaluate("main => main.scrollTop")
+    assert scrolled == 0
+    one.viewer.press("n")  # the legend has other counts then
+    one.wait_until_drawn()
+    expect(controls).to_be_in_viewport(ratio=1)
+
+
 def test_the_time_since_the_light_has_changed_moves_no_picture(visit):
     one = visit(f"{LINK}&picture=visible")
     expect(one.viewer).to_have_attribute("data-picture", "visible")

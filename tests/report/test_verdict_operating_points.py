@@ -7,8 +7,10 @@ from drives import at_thresholds, turned_by_strict_pairing
 from verdict_scenes import said, whole_verdict
 
 from nvcore.evidence.claims import Basis
+from nvcore.evidence.companions import find_companions
 from nvcore.evidence.measures import significance_table
 from nvcore.evidence.operating_points import find_equal_alarms
+from nvcore.findings import Finding, Severity
 from nvcore.notes import Note
 from nvcore.report.verdict import verdict
 
@@ -75,3 +77,15 @@ def test_where_strict_pairing_disagrees_it_is_said_and_nothing_claimed():
     reasons = {of["key"]: note["reason"] for note in unclaimed for of in note["measures"]}
     assert reasons["mean_similarity"] == Note("verdict.turned_strictly")
     assert "mean_similarity" not in {claim.key for claim in text.claims}
+
+
+def test_the_audit_s_doubt_about_operating_points_ends_at_equal_false_alarms():
+    floors = Finding(Severity.WARNING, "score-floors", "x", 1, "", "")
+    result = at_thresholds()
+    as_set = verdict(result, [floors], evidence=significance_table(result))
+    assert as_set.doubt is not None
+    assert as_set.doubt["known"] == ["score-floors"]
+    equal = find_equal_alarms(result)
+    assert verdict(equal, [floors], evidence=significance_table(equal)).doubt is None
+    companions = find_companions(result, significance_table(result))
+    assert verdict(result, [floors], companions=companions).doubt is None

@@ -5,6 +5,7 @@ from typing import Final
 from nvcore.alerts.figures.episodes import alerts_over_time
 from nvcore.alerts.settings import ALERTS, IN_TIME, SPEEDING
 from nvcore.alerts.steps import alerts_in
+from ui.alerts.policy import find_idle
 from ui.subjects import ColumnLook, Document, Page, TimelinePlot
 
 PAGES: Final = (
@@ -15,6 +16,8 @@ PAGES: Final = (
         after="time_left",
         shown=(ALERTS, IN_TIME, SPEEDING),
         own=(ALERTS, IN_TIME, SPEEDING),
+        controls=("alerts",),
+        idle=find_idle,
         asks="Which alerts would reach the driver?",
     ),
 )

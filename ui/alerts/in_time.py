@@ -14,7 +14,7 @@ from ui.session.results import comparison_key
 from ui.widgets.charts import draw_chart, kept_figure
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.html import MeasureRow, measures_html
-from ui.widgets.text import docs_link, plain
+from ui.widgets.text import docs_link, number, plain
 
 
 def draw(result: Result) -> None:
@@ -47,7 +47,7 @@ def draw(result: Result) -> None:
     kind = choose_side_by_side("Kind of alert", kinds, "alerts_reaction", default=kinds[0])
     table = judged.of_hundred(kind)
     rows = [
-        MeasureRow(state.say(DRIVER_WORDS[name]), tuple(f"{share:.0f}" for share in shares))
+        MeasureRow(state.say(DRIVER_WORDS[name]), tuple(number(share, ".0f") for share in shares))
         for name, *shares in table.itertuples()
     ]
     head = ("of 100", "X and Y in time", "only X", "only Y", "neither")

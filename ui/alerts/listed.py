@@ -7,10 +7,11 @@ from dataclasses import replace
 from functools import partial
 from typing import Final
 
+import numpy as np
 import pandas as pd
 import streamlit as st
 
-from nvcore.alerts.episodes import ALERT_TEXT, AlertKind
+from nvcore.alerts.episodes import ALERT_TEXT, UNWANTED, AlertKind
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
 from nvcore.wording import capitalised
@@ -39,7 +40,7 @@ COLUMNS: Final = {
 
 
 def draw(result: Result) -> None:
-    """The alerts of X, Y or both, of all kinds or one; the chosen one in the viewer."""
+    """Draw the alerts of X, Y or both, unwanted ones first; the chosen one in the viewer."""
     st.header("One by one")
     view = alerts_in(result)
     alerts = pd.concat([view.of(system) for _, system in result.sides], ignore_index=True)
@@ -59,6 +60,8 @@ def draw(result: Result) -> None:
         if chosen.get() not in kinds:
             chosen.set("")
         kind = choose_side_by_side("Kind", kinds, "alerts_kind")
+    is_wanted = ~table["kind"].isin([each.value for each in UNWANTED])
+    table = table.iloc[np.argsort(is_wanted.to_numpy(), kind="stable")]
     if kind:
         table = table[table["kind"] == kind]
         st.caption(capitalised(state.say(ALERT_TEXT[AlertKind(kind)])))
@@ -71,7 +74,7 @@ def draw(result: Result) -> None:
         shown.assign(system=shown["system"].str.upper()),
         COLUMNS,
         key="alerts",
-        name="Alerts, those of X first",
+        name="Alerts, unwanted ones first",
     )
     if told := rows_told(len(table), "first"):
         st.caption(told)
@@ -84,6 +87,8 @@ def draw(result: Result) -> None:
         ):
             store.RATINGS_PART.set("session")
             store.RATING_ALERTS.set("these")
+            if state.params().alerts == "off":  # they are shown on this page alone
+                state.set_params(alerts="policy")
             open_page("ratings")
 
 

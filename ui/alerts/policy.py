@@ -1,14 +1,70 @@
-"""Alerts page: the policy that makes alerts of detections."""
+"""Alerts page: the policy that makes alerts of detections, and which settings act on the page."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import streamlit as st
 
-from nvcore.alerts.policy import POLICIES, named_policy
+from nvcore.alerts.policy import POLICIES, POLICY_SETTINGS, named_policy
+from nvcore.alerts.settings import ALERTS, IN_TIME, SPEEDING
 from nvcore.alerts.steps import alerts_in
-from nvcore.comparison import Result
+from nvcore.comparison import Result, compare
+from nvcore.params import SETTINGS
+from nvcore.stages import Stage
 from ui.session import state
+from ui.session.results import comparison_key
 from ui.widgets.text import plain
+
+
+def judged(result: Result) -> Result:
+    """Return the comparison with alerts; where they are off, with those of the set policy.
+
+    So the page has something to show before a policy is chosen, while verdict, files and other
+    pages stay without alerts. Speed signs have alerts of their own instead.
+    """
+    view = alerts_in(result)
+    if view.is_asked or view.speeding is not None:
+        return result
+
+    def make() -> Result:
+        changed: dict[str, Any] = {"alerts": "policy"}
+        params = replace(result.params, **changed)
+        x, y = result.x.name, result.y.name
+        with_alerts = compare(result.dataset, params, x=x, y=y, previous=result)
+        return replace(with_alerts, as_set=result.as_set)
+
+    found: Result = state.cached("alerts_page", comparison_key(result), make)
+    return found
+
+
+def find_idle() -> frozenset[str]:
+    """Return the settings of alerts that change nothing on the page as it is."""
+    result = state.result()
+    if result is None:
+        return frozenset()
+    result = judged(result)
+    view = alerts_in(result)
+    idle: set[str] = set()
+    if not view.is_asked:
+        idle |= _settings_of(ALERTS, IN_TIME)
+    if view.speeding is None:
+        idle |= _settings_of(SPEEDING)
+    if not view.has_urgency:
+        idle |= _settings_of(IN_TIME)
+    if not result.dataset.has_detectability:
+        idle.add("alert_oracle")
+    if result.params.own_reaction_s is None:
+        idle.add("own_reaction_sd_s")
+    own = own_policies(result)
+    if all(letter in own or view.is_logged(system) for letter, system in result.sides):
+        idle |= {*POLICY_SETTINGS}
+    return frozenset(idle)
+
+
+def _settings_of(*stages: Stage) -> set[str]:
+    return {name for name, setting in SETTINGS.items() if setting.stage in stages}
 
 
 def own_policies(result: Result) -> dict[str, str]:
@@ -22,8 +78,16 @@ def own_policies(result: Result) -> dict[str, str]:
     }
 
 
-def draw(result: Result) -> None:
-    """The named policies, of which the one in use is marked; a click takes another."""
+def draw(result: Result, *, is_asked: bool) -> None:
+    """Draw the named policies, with a mark on the one in use; a click takes another.
+
+    Parameters
+    ----------
+    result
+        As `judged` returns it.
+    is_asked
+        Whether alerts are judged on other pages as well.
+    """
     params, view, own = result.params, alerts_in(result), own_policies(result)
     if view.speeding is not None:
         st.header("Alerts by a policy")
@@ -41,15 +105,26 @@ def draw(result: Result) -> None:
         if any(view.has_log(system) for _, system in result.sides):
             text = "The alerts that the systems themselves have logged, where they have."
             _choice("Own log", {"alerts": "log"}, text, is_in_use=params.alerts == "log")
-        if view.is_asked:
-            _choice("Off", {"alerts": "off"}, "Alerts are not judged.", is_in_use=False)
+        if is_asked:
+            text = "Alerts are not judged, but for this page."
+            if view.speeding is not None:
+                text = "Alerts are not judged."
+            _choice("Off", {"alerts": "off"}, text, is_in_use=False)
     for letter, file in own.items():
         if not view.is_logged(result.system(letter)):
             st.caption(f"{letter.upper()} follows its own policy file {plain(file)}.")
+    hints = []
+    if view.is_asked and not is_asked:
+        hints.append(
+            "Shown on this page alone. Choose a policy to have its alerts on the Timeline, in the "
+            "verdict and in files."
+        )
     others = [letter.upper() for letter, _ in result.sides if letter not in own]
     if view.is_asked and others:
         whose = f" of {others[0]}" if own else ""
-        st.caption(f"Each part of the policy{whose} can be moved in the sidebar, under Alerts.")
+        hints.append(f"Each part of the policy{whose} can be moved in the sidebar, under Alerts.")
+    if hints:
+        st.caption(" ".join(hints))
 
 
 def _choice(label: str, values: dict[str, object], text: str, *, is_in_use: bool) -> None:

@@ -180,6 +180,10 @@ SIDEBAR_SHOWN: Entry[tuple[Stage, ...]] = Entry("sidebar_shown", ())
 """Stages that the page shows."""
 SIDEBAR_OWN: Entry[tuple[Stage, ...]] = Entry("sidebar_own", ())
 """Stages that the page is about."""
+SIDEBAR_CONTROLS: Entry[tuple[str, ...]] = Entry("sidebar_controls", ())
+"""Settings that the page itself has buttons for."""
+SIDEBAR_IDLE: Entry[frozenset[str]] = Entry("sidebar_idle", frozenset())
+"""Settings without effect on the page as it is now."""
 SIDEBAR_CHANGED: Entry[dict[str, Any]] = Entry("sidebar_changed", {})
 """Settings that were moved, and the values that they had."""
 PRESET: Entry[tuple[int | None, str]] = Entry("preset_chosen", (None, ""))

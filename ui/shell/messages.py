@@ -12,7 +12,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.errors import NvcoreError
-from nvcore.evidence.operating_points import can_be_equal, moved_of, point_note
+from nvcore.evidence.operating_points import SETTLED, can_be_equal, moved_of, point_note
 from nvcore.findings import Severity
 from nvcore.notes.caveats import caveats
 from nvcore.report.html.words import SHORT_ENCOUNTERS
@@ -34,8 +34,23 @@ POINTS: Final[dict[OperatingPoint, str]] = {
 }
 
 
-def draw_warnings(result: Result, *, is_of_encounters: bool = True) -> None:
-    """Warn of what the audit found and, where the page is about encounters, of single frames."""
+def draw_notices(result: Result) -> None:
+    """Draw what the audit warns of, then the operating points of all numbers on the page."""
+    draw_warnings(result, has_point=True)
+    draw_operating_point(result)
+
+
+def draw_warnings(
+    result: Result, *, is_of_encounters: bool = True, has_point: bool = False
+) -> None:
+    """Warn of what the audit found and, where the page is about encounters, of single frames.
+
+    Unequal operating points are left out at equal false alarms, and on a page that names the
+    operating points itself (`has_point`).
+    """
+    told = {"short-encounters"}
+    if has_point or result.as_set is not None:
+        told.add(SETTLED)
     if is_of_encounters and result.is_short:
         st.warning(state.say(SHORT_ENCOUNTERS), icon=":material/warning:")
     warned = caveats().warned
@@ -44,7 +59,7 @@ def draw_warnings(result: Result, *, is_of_encounters: bool = True) -> None:
         for finding in input_findings()
         if finding.severity is not Severity.NOTE
         and finding.code in warned
-        and finding.code != "short-encounters"
+        and finding.code not in told
     ]
     if texts:
         text = "; ".join(dict.fromkeys(texts))

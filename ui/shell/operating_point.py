@@ -109,11 +109,10 @@ def draw() -> None:
         return
     now = points(result)
     x, y = (_rate(point) for point in now)
+    as_set = "" if state.result() is result else ", as set"
     st.caption(
-        f"False boxes per frame: X\N{NO-BREAK SPACE}**{x}**, "
-        f"Y\N{NO-BREAK SPACE}**{y}**. Make them equal:"
-        if state.result() is result
-        else "As set, X and Y have unequally many false alarms. Make them equal:",
+        f"False boxes per frame{as_set}: X\N{NO-BREAK SPACE}**{x}**, "
+        f"Y\N{NO-BREAK SPACE}**{y}**. Make them equal:",
         help=state.say(
             "False alarms: detections that match {nobody}, counted in every frame. False-alert "
             "episodes are fewer: there a run of them counts once. A system that reports more of "

@@ -111,6 +111,18 @@ def own_of(page: StreamlitPage) -> tuple[Stage, ...]:
     return OWN.get(page.url_path, ())
 
 
+def controls_of(page: StreamlitPage) -> tuple[str, ...]:
+    """The settings that the page itself has buttons for."""
+    here = _OF.get(page.url_path)
+    return here.controls if here else ()
+
+
+def idle_on(page: StreamlitPage) -> frozenset[str]:
+    """The settings without effect on the page as it is now, beside those that move no stage."""
+    here = _OF.get(page.url_path)
+    return here.idle() if here and here.idle else frozenset()
+
+
 def is_folded_on(page: StreamlitPage, shown: tuple[Stage, ...]) -> bool:
     """Whether the sidebar's settings are folded away, as they move little or nothing shown."""
     return page.url_path in FOLDED or not shown

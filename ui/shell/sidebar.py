@@ -8,6 +8,7 @@ from typing import Any, Final
 import streamlit as st
 
 from nvcore.errors import ParameterError
+from nvcore.evidence.operating_points import moved_of
 from nvcore.figures.cost_map import cost_plot
 from nvcore.figures.inputs import proximity_plot
 from nvcore.params import SETTINGS, settings_for
@@ -29,16 +30,25 @@ GREY: Final = "Settings in grey have no effect on this page."
 
 
 def draw(
-    wrong: str, shown: Sequence[Stage], *, own: Sequence[Stage] = (), is_folded: bool = False
+    wrong: str,
+    shown: Sequence[Stage],
+    *,
+    own: Sequence[Stage] = (),
+    controls: Sequence[str] = (),
+    idle: frozenset[str] = frozenset(),
+    is_folded: bool = False,
 ) -> None:
     """Draw the sidebar with what is wrong, after the page: its values are in use before.
 
-    Settings of the stages that are the page's `own` stand first. Those on which nothing of what it
-    has `shown` depends are quiet. Folded, they are drawn only where they are asked for. X and Y are
-    drawn before the page, by `ui.shell.systems`.
+    Settings of the stages that are the page's `own` stand first, without those for which the page
+    has `controls`. Those on which nothing of what it has `shown` depends are quiet, and so are
+    those that are `idle`. Folded, they are drawn only where they are asked for. X and Y are drawn
+    before the page, by `ui.shell.systems`.
     """
     store.SIDEBAR_SHOWN.set(tuple(shown))
     store.SIDEBAR_OWN.set(tuple(own))
+    store.SIDEBAR_CONTROLS.set(tuple(controls))
+    store.SIDEBAR_IDLE.set(idle)
     moved = presets.changed()
     store.SIDEBAR_CHANGED.set(moved)
     with st.sidebar:
@@ -59,12 +69,12 @@ def _draw_settings(moved: dict[str, Any]) -> None:
 
     Before all of them stands what the page is about.
     """
-    _own_settings()
+    has_told = _own_settings()
     for name in settings_for(THRESHOLD):
         _threshold(name)
     operating_point.draw()
     presets.draw(moved)
-    if any(not setting.is_advanced for setting in _quiet_settings()):
+    if not has_told and any(not setting.is_advanced for setting in _quiet_settings()):
         st.caption(GREY)
     for name, setting in SETTINGS.items():
         if name == "proximity":
@@ -75,15 +85,25 @@ def _draw_settings(moved: dict[str, Any]) -> None:
     st.button("Reset all parameters", width="stretch", on_click=_reset)
 
 
-def _own_settings() -> None:
-    """The settings that the page is about, stage by stage."""
+def _own_settings() -> bool:
+    """Draw the settings that the page is about, stage by stage; whether some of them are grey."""
     stages = store.SIDEBAR_OWN.get()
-    if stages:
-        st.markdown(f"**{stages[0].group}**")
-    for stage in stages:
-        for name, setting in SETTINGS.items():
-            if setting.stage is stage:
-                _widget(name)
+    if not stages:
+        return False
+    controls = store.SIDEBAR_CONTROLS.get()
+    names = [
+        name
+        for stage in stages
+        for name, setting in SETTINGS.items()
+        if setting.stage is stage and name not in controls
+    ]
+    st.markdown(f"**{stages[0].group}**")
+    is_any_quiet = any(_is_quiet(SETTINGS[name]) for name in names)
+    if is_any_quiet:
+        st.caption(GREY)
+    for name in names:
+        _widget(name)
+    return is_any_quiet
 
 
 def _reset() -> None:
@@ -99,14 +119,19 @@ def _label(name: str) -> str:
 
 def _quiet_settings() -> list[Setting]:
     """Settings in use that have no effect on this page."""
-    shown = store.SIDEBAR_SHOWN.get()
     used = (setting for setting in SETTINGS.values() if live_params.is_used(setting))
-    return [setting for setting in used if not setting.moves(shown)]
+    return [setting for setting in used if _is_quiet(setting)]
+
+
+def _is_quiet(setting: Setting) -> bool:
+    """Whether a setting has no effect on this page."""
+    idle = [SETTINGS[name] for name in store.SIDEBAR_IDLE.get()]
+    return setting in idle or not setting.moves(store.SIDEBAR_SHOWN.get())
 
 
 def _quietness(setting: Setting, text: str = "") -> dict[str, Any]:
     """Help of a widget, and whether it is grey: its setting has no effect on this page."""
-    is_quiet = not setting.moves(store.SIDEBAR_SHOWN.get())
+    is_quiet = _is_quiet(setting)
     start = "Grey: no effect on this page. " if is_quiet else ""
     return {
         "help": f"{start}{state.say(text or setting.meaning)} Acts on: {setting.acts_on}.",
@@ -185,7 +210,12 @@ def _threshold(name: str) -> None:
         step=step,
         help_text=SETTINGS[name].meaning + " At the left end all count.",
     )
-    if live_params.counts_all(letter):
+    result = state.result()
+    if result is not None and result.as_set is not None and moved_of(result) == letter:
+        threshold = result.system(letter).threshold
+        in_use = "every detection counts" if threshold is None else f"**{threshold:g}**"
+        st.caption(f"In use at equal false alarms: {in_use}.")
+    elif live_params.counts_all(letter):
         st.caption(f"Every detection of {letter.upper()} counts.")
 
 

@@ -8,7 +8,6 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.tables.inputs import NO_ROW
-from nvcore.wording import shortened
 from ui.session import state
 from ui.shell import review
 from ui.shell.messages import without_paths
@@ -18,8 +17,6 @@ from ui.widgets.choices import draw_steps
 from ui.widgets.text import plain
 from ui.widgets.viewer import ListedBox
 
-MOST_WORDS: Final = 140
-"""Characters of the finding; all of it stands on the Data page."""
 BOX: Final = ["x", "y", "w", "h"]
 
 
@@ -41,10 +38,10 @@ def draw() -> None:
     walk = review.current()
     if walk is None:
         return
-    with st.container(border=True, key="listed", gap="small"):
-        with st.container(horizontal=True, vertical_alignment="center"):
-            text = shortened(without_paths(walk.finding.message), MOST_WORDS)
-            st.markdown(f"**{plain(review.subject_text(walk.finding))}:** {plain(text)}")
+    with st.container(border=True, key="listed", gap=None):
+        with st.container(horizontal=True, vertical_alignment="center", key="listed_head"):
+            subject, text = review.subject_text(walk.finding), without_paths(walk.finding.message)
+            st.caption(f"**{plain(subject)}:** {plain(text)}", width="stretch")
             if button(
                 "Back to the list", key="listed_back", icon=":material/list:", type="tertiary"
             ):

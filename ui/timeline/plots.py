@@ -67,7 +67,7 @@ def draw_all(result: Result, recording: int) -> None:
         _draw_plot(result)
     with left:
         box = listed.box_in(state.recording())
-        compared_viewer.draw(result, VIEWER, height_px=VIEWER_PX, listed=box)
+        compared_viewer.draw(result, VIEWER, height_px=VIEWER_PX, fits_window=True, listed=box)
     with right, st.container(height=PANEL_PX, border=False, key="frame_panel"):
         panel.draw(result, state.row_in_all())
     _draw_lanes(result)

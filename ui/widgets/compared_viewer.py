@@ -41,6 +41,7 @@ def draw(
     key: str,
     *,
     height_px: int,
+    fits_window: bool = False,
     listed: ListedBox | None = None,
     seen: Look | None = None,
     visible: VisiblePictures | None = None,
@@ -50,7 +51,7 @@ def draw(
 
     Parameters
     ----------
-    listed
+    fits_window, listed
         As of `viewer`.
     seen
         How the pictures are seen at first; None: as chosen in this browser session.
@@ -82,6 +83,7 @@ def draw(
         look=look() if seen is None else seen,
         on_look=keep_look,
         height_px=height_px,
+        fits_window=fits_window,
         key=key,
     )
     for sight in contributed("SIGHT"):

@@ -12,6 +12,7 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.evidence.claims import Basis, Claim, decided_on, find_claims
 from nvcore.evidence.companions import Companions
+from nvcore.evidence.operating_points import SETTLED
 from nvcore.findings import Finding, Severity
 from nvcore.measures.table import as_shown
 from nvcore.notes import Note, phrase, say
@@ -172,12 +173,15 @@ def verdict(
     >>> verdict(result).sentences[0]  # doctest: +SKIP
     'X is better on encounters detected (31 against 24): more than chance over 12 recordings.'
     """
+    about, decisive = decided_on(result, evidence, companions)
+    is_at_equal_alarms = about is not result or result.as_set is not None
+    told = {*NO_COMPARISON, SETTLED} if is_at_equal_alarms else {*NO_COMPARISON}
     serious = [
         finding
         for finding in findings
         if finding.severity is not Severity.NOTE
         and not finding.is_of_pictures
-        and finding.code not in NO_COMPARISON  # the headline says it
+        and finding.code not in told  # the headline says it
     ]
     doubt = _doubt(serious) if serious else None
     others = {*result.dataset.systems} - {result.x.name, result.y.name}
@@ -188,7 +192,6 @@ def verdict(
     if of_codes:
         return Verdict(of_codes[0], (), (), Basis.NONE, doubt, result.objects)
     support = find_claims(result, evidence, companions)
-    about, decisive = decided_on(result, evidence, companions)
     decisive = None if decisive is None else as_shown(about, decisive)
     tested = decisive if about is result else None
     every = in_place(

@@ -8,9 +8,22 @@ import pytest
 from places import SAMPLE
 from streamlit.testing.v1 import AppTest
 
-from nvcore.alerts.policy import POLICIES, named_policy
+from nvcore.alerts.episodes import UNWANTED
+from nvcore.alerts.policy import POLICIES, POLICY_SETTINGS, named_policy
 from nvcore.alerts.steps import alerts_in
-from pages import alone, begin_with, checked, figures, opened, press, rows, tables, texts, write
+from pages import (
+    alone,
+    begin_with,
+    checked,
+    figures,
+    measures,
+    opened,
+    press,
+    rows,
+    tables,
+    texts,
+    write,
+)
 
 
 @pytest.fixture(scope="module")
@@ -23,27 +36,83 @@ def titles(page: AppTest) -> list[str]:
     return [figure["layout"]["meta"][0] for figure in figures(page)]
 
 
-def test_without_a_policy_it_asks_for_one_and_a_named_one_is_taken() -> None:
+def kinds_of(page: AppTest) -> set[str | None]:
+    return {widget.key for widget in page.segmented_control}
+
+
+def marked(page: AppTest) -> list[str]:
+    """The named policies that are marked as in use."""
+    return [
+        name
+        for name in POLICIES
+        if page.button(key=f"alerts_policy_{name}").proto.type == "primary"
+    ]
+
+
+def test_it_opens_with_the_balanced_policy_on_this_page_alone() -> None:
+    page = checked(opened("alerts", is_folded=True))
+    assert marked(page) == ["balanced"]
+    assert "Shown on this page alone." in texts(page)
+    assert "alerts_kind" in kinds_of(page)
+    assert measures(page, "alerts")
+    assert page.session_state["workspace"].result.params.alerts == "off"
+    assert "alerts" not in page.query_params
+    assert "alerts_policy_off" not in {button.key for button in page.button}
+    press(page, "alerts_ask")
+    assert page.session_state["workspace"].result.params.alerts == "policy"
+
+
+def test_before_a_policy_is_chosen_its_sliders_act_on_the_page() -> None:
+    page = checked(opened("alerts"))
+    before = tables(page)[-1]
+    checked(page.slider(key="alert_k").set_value(0.9).run())
+    assert len(tables(page)[-1]) < len(before)
+    assert marked(page) == []
+    assert page.session_state["workspace"].result.params.alerts == "off"
+
+
+def is_grey(page: AppTest, *names: str) -> set[bool]:
+    """Whether the widgets of these settings are grey; the set has one entry where all agree."""
+    kinds = ("slider", "checkbox", "selectbox")
+    widgets = {widget.key: widget for kind in kinds for widget in page.get(kind)}
+    found = [widgets.get(name) or widgets[f"{name}_unset"] for name in names]
+    return {widget.disabled for widget in found}
+
+
+def test_settings_without_effect_are_grey_and_the_page_has_buttons_for_the_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    page = checked(opened("alerts"))
+    assert is_grey(page, *POLICY_SETTINGS, "foot_s", "own_reaction_s") == {False}
+    assert is_grey(page, "alert_oracle", "own_reaction_sd_s", "limit_unit") == {True}
+    assert "alerts" not in {widget.key for widget in page.selectbox}
+    begin_with(SAMPLE.parent / "speed_signs" / "session.toml", monkeypatch)
+    page = checked(opened("alerts"))
+    assert is_grey(page, *POLICY_SETTINGS, "foot_s") == {True}
+    assert is_grey(page, "limit_unit", "speeding_after_s") == {False}
+    press(page, "alerts_policy_balanced")
+    assert is_grey(page, *POLICY_SETTINGS) == {False}
+    assert is_grey(page, "foot_s") == {True}  # a sign is never urgent
+
+
+def test_a_named_policy_is_taken_for_all_pages_and_off_leaves_it_to_this_one() -> None:
     page = opened("alerts", is_folded=True, alert_score="0.9")
-    assert "Alerts are off. Choose a policy to judge them." in texts(page)
-    assert "alerts_kind" not in {widget.key for widget in page.segmented_control}
+    assert marked(page) == []
     press(page, "alerts_policy_eager")
     params = page.session_state["workspace"].result.params
+    assert "Shown on this page alone." not in texts(page)
     assert params.alerts == "policy"
     for name, value in named_policy("eager").items():
         assert getattr(params, name) == value
     assert page.button(key="alerts_policy_eager").proto.type == "primary"
     press(page, "alerts_policy_off")
     assert page.session_state["workspace"].result.params.alerts == "off"
+    assert marked(page) == ["eager"]
+    assert "Shown on this page alone." in texts(page)
 
 
 def test_the_policy_in_use_is_marked_and_no_other(page: AppTest) -> None:
-    marked = [
-        name
-        for name in POLICIES
-        if page.button(key=f"alerts_policy_{name}").proto.type == "primary"
-    ]
-    assert marked == ["balanced"]
+    assert marked(page) == ["balanced"]
 
 
 def own_policy(folder: Path, monkeypatch: pytest.MonkeyPatch, *letters: str) -> AppTest:
@@ -95,10 +164,19 @@ def test_it_lists_every_alert_and_those_of_a_kind(page: AppTest) -> None:
     assert tables(checked(one))[-1]["kind"].tolist() == ["false"] * n_false
 
 
+def test_the_list_begins_with_unwanted_alerts(page: AppTest) -> None:
+    kinds = tables(page)[-1]["kind"].tolist()
+    is_unwanted = [kind in UNWANTED for kind in kinds]
+    assert is_unwanted[0]
+    assert is_unwanted == sorted(is_unwanted, reverse=True)
+    systems = tables(page)[-1]["system"].tolist()[: sum(is_unwanted)]
+    assert systems == sorted(systems)  # else in the order in which they were
+
+
 def test_an_alert_of_the_list_is_gone_to(page: AppTest) -> None:
     one = checked(alone("alerts", alerts="policy").run())
     view = alerts_in(one.session_state["workspace"].result)
-    rows = view.of(view.result.x)["first_row"].tolist()
+    rows = [row for _, system in view.result.sides for row in view.rows_of_kind(system, *UNWANTED)]
     press(one, "alerts_next")
     press(one, "alerts_next")
     frames = view.result.dataset.frame_columns
@@ -114,6 +192,14 @@ def test_of_100_encounters_each_kind_of_alert_has_its_table(page: AppTest) -> No
     assert "With visual alerts X" in said
     checked(page.segmented_control(key="alerts_reaction").set_value("haptic").run())
     assert "With haptic alerts X" in texts(page)
+
+
+def test_whom_the_driver_sees_is_undefined_where_it_is_not_known(page: AppTest) -> None:
+    rows = measures(page, "alerts-hundred")
+    assert rows["sees him in time without an alert"] == ("–",) * 5
+    assert rows["does not"] == ("–",) * 5
+    assert rows["all"][0] == "100"
+    assert "not known" not in rows
 
 
 def test_where_nobody_is_urgent_no_share_is_invented() -> None:

@@ -11,6 +11,7 @@ from xml.etree.ElementTree import Element, fromstring
 import pandas as pd
 import pytest
 from inputs import drive, session_of
+from inputs import write as write_lines
 from places import ROOT
 from streamlit.testing.v1 import AppTest
 
@@ -175,6 +176,17 @@ def _cell_text(cell: Element) -> str:
 def session(folder: Path, *systems: str) -> Session:
     """The truth of `drive`, and these files of it as systems."""
     return session_of(drive(folder), "truth.csv", *systems)
+
+
+def unequal_session(folder: Path) -> Session:
+    """Two systems without thresholds; X has scores down to 0.01, Y down to 0.5."""
+    opened_session = session(folder, "fir.csv", "nir.csv")
+    for name, floor, n_boxes in (("fir", 0.01, 6), ("nir", 0.5, 3)):
+        lines = [f"urban,{f},{10 * x},0,10,50" for f in range(20) for x in range(n_boxes)]
+        lines += [f"urban,{f},{100 + 3 * f},200,40,100" for f in range(20)]  # the pedestrian
+        scores = (f"{line},{min(0.99, floor + i / 200):.3f}" for i, line in enumerate(lines))
+        write_lines(folder / f"{name}.csv", "recording,frame,x,y,w,h,score", *scores)
+    return opened_session
 
 
 HEAD = "recording,frame,x,y,w,h,track,score\n"

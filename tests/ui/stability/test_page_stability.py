@@ -110,18 +110,6 @@ def test_the_table_of_many_frames_is_made_on_a_wish():
     assert table.loc["Both thresholds"].tolist() == expected
 
 
-def test_what_the_audit_warns_of_stands_above_the_map(tmp_path, monkeypatch: pytest.MonkeyPatch):
-    two_floors = session(tmp_path, "fir.csv", "nir.csv")
-    for name, floor, n_boxes in (("fir", 0.01, 6), ("nir", 0.5, 3)):
-        rows = [f"urban,{f},{10 * x},0,10,50" for f in range(20) for x in range(n_boxes)]
-        rows += [f"urban,{f},{100 + 3 * f},200,40,100" for f in range(20)]  # the pedestrian
-        scores = (f"{row},{min(0.99, floor + i / 200):.3f}" for i, row in enumerate(rows))
-        write(tmp_path / f"{name}.csv", "recording,frame,x,y,w,h,score", *scores)
-    begin_with(two_floors, monkeypatch)
-    (warning,) = opened("ui.shell.messages.draw_warnings(RESULT)").warning
-    assert "X and Y are compared at different operating points" in warning.value
-
-
 def test_a_large_map_is_made_on_a_wish_and_then_known(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(verdict_map, "AT_ONCE", 0)
     monkeypatch.setattr(sample, "_samples", type(sample._samples)())  # nobody has made one before

@@ -80,6 +80,7 @@ def viewer(
     theme: Theme,
     height_px: int,
     key: str,
+    fits_window: bool = False,
     picture_version: str = "",
     only: Literal["x", "y"] | None = None,
     rows: range | None = None,
@@ -132,6 +133,8 @@ def viewer(
         Largest height of the picture.
     key : str
         Streamlit's key of the component.
+    fits_window : bool
+        Whether the picture is made so low that the controls below it end within the window.
     picture_version : str
         Changes when the recording gets other pictures: they are then fetched again.
     only : {"x", "y"} or None
@@ -195,6 +198,7 @@ def viewer(
             "theme": scheme_of(theme).shade,
             "colours": colours_of(theme),
             "height_px": int(height_px),
+            "fits_window": fits_window,
             "only": only,
             "rows": None if rows is None else [rows.start, rows.stop - 1],
             "cost": None if cost is None or only else pack_cost(cost, objects),

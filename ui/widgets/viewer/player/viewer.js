@@ -25,6 +25,10 @@ import { advance } from "./playback.js";
 import { LOADING_TEXT_MS } from "./player.js";
 
 const HINT_MS = 4000;
+const SCROLLER = '[data-testid="stMain"]';
+const PAGE = '[data-testid="stMainBlockContainer"]';
+const LEAST_STAGE_PX = 200;
+const BELOW_BAR_PX = 4; // border of the viewer, and rounding
 
 export class Viewer extends Looking {
   constructor() {
@@ -152,6 +156,7 @@ export class Viewer extends Looking {
       this.parts.cost.hidden = !this.cost.isKnown;
     }
     if (differs("height_px", "width", "height", "visible")) this.showLook();
+    this.watchPage();
     if (differs("words")) nameFollow(this.parts.follow, sent.words);
     if (differs("listed")) showMissKeys(this.parts, sent.listed !== null);
     const isSeek = isOther || before.seek[1] !== sent.seek[1];
@@ -196,6 +201,26 @@ export class Viewer extends Looking {
     style.aspectRatio = `${this.look.nPanes * w} / ${h}`;
     // the transport stays in sight below the picture
     style.maxHeight = `min(${this.sent.height_px}px, max(300px, calc(100vh - 27.2rem)))`;
+    this.fitHeight();
+  }
+
+  // The controls end within the window while the page is at its top, whatever stands above.
+  fitHeight() {
+    const { bar, stage } = this.parts;
+    const isApart = this.dock?.isDocked || this.root.getRootNode().fullscreenElement === this.root;
+    if (!this.sent.fits_window || !this.root.isConnected || isApart) return;
+    const { top, bottom } = stage.getBoundingClientRect();
+    const scrolled = this.dock?.around(SCROLLER)?.scrollTop ?? window.scrollY;
+    const below = bar.getBoundingClientRect().bottom - bottom;
+    const room = Math.floor(window.innerHeight - (top + scrolled) - below - BELOW_BAR_PX);
+    stage.style.maxHeight = `min(${this.sent.height_px}px, ${Math.max(LEAST_STAGE_PX, room)}px)`;
+  }
+
+  // Whatever grows on the page or around the picture later leaves it another height.
+  watchPage() {
+    if (!this.sent.fits_window) return;
+    const { bar, legend, sources } = this.parts;
+    for (const part of [this.dock?.around(PAGE), legend, sources.root, bar]) if (part) this.observer.observe(part);
   }
 
   // ---- painting
@@ -242,6 +267,7 @@ export class Viewer extends Looking {
   }
 
   resize() {
+    this.fitHeight();
     const ratio = window.devicePixelRatio || 1;
     const { picture, stage } = this.parts;
     const width = Math.max(1, Math.round(stage.clientWidth * ratio));
