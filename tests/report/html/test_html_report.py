@@ -444,10 +444,10 @@ def test_all_numbers_are_at_one_operating_point(tmp_path):
     for of, n_marked in ((result, 10), (equal, 0)):
         write_html_report(of, Settings(), (), path, stability=False)
         page = Page(path.read_text(encoding="utf-8"))
-        as_set = "As set: at unequal operating points"
+        as_set = "As set, at unequal operating points"
         assert sum(text.startswith(as_set) for text in page.words) == n_marked
         assert ("nothing is claimed from that comparison." in page.text) == (of is result)
-        assert ("At equal false alarms (X with scores of" in page.text) == (of is equal)
+        assert ("At equal false alarms (X at a confidence" in page.text) == (of is equal)
         rows = {row[0]: row[1:] for row in page.tables["Measures of X and Y"][1:]}
         assert rows["mean similarity"][0] == number(of.x.summary.mean, ".4f")
         assert f"of {of.venn.n_near}" in page.text
