@@ -81,7 +81,7 @@ def say(note: Note, objects: Objects, form: str = TEXT) -> str:
     --------
     >>> from nvcore.objects import PEDESTRIAN
     >>> say(Note("alerts.no_oracle"), PEDESTRIAN)
-    'The oracle has no effect, as it is not known whether the driver sees a pedestrian.'
+    'The oracle has no effect because it is not known whether the driver sees a pedestrian.'
     """
     return capitalised(phrase(note, objects, form))
 
