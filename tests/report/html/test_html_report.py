@@ -94,8 +94,8 @@ def test_what_classes_were_read_is_counted_by_hand():
     section = classes_section(limits_read())
     read_by_x, figure, counts, read_by_y = section.blocks
     assert read_by_x == Sentences(
-        ("X: 60.0 % of 5 matches right, 95 % interval 23.1 % to 88.2 % (Wilson; as if boxes were "
-         "independent).",)
+        ("X: class correct in 60.0 % of 5 matches, 95 % confidence interval 23.1 % to 88.2 % "
+         "(Wilson, as if boxes were independent).",)
     )  # fmt: skip
     assert isinstance(figure, Chart)
     assert isinstance(counts, Table)
@@ -344,7 +344,7 @@ def test_frames_rather_than_persons_are_no_evidence_of_their_own(tmp_path, page)
     ):
         section = content.partition(f'<section id="{anchor}">')[2].partition("</section>")[0]
         assert sentence in section
-    assert "so uneven a split" not in content
+    assert "A split this uneven" not in content
     short = Page(content)
     label = "share of encounters detected, within these recordings"
     assert short.row("Differences and tests", f"{label} ↑")[3:7] == ["–"] * 4

@@ -69,7 +69,7 @@ def test_all_encounters_of_the_sample_are_listed_the_heaviest_failures_first(pag
     assert set(rows["category"].tail(8)) == {"distant"}
     assert page.selectbox(key="encounters_order").value == "severity"
     assert "encounters_clear" not in [button.key for button in page.button]
-    assert "X does not detect 8 and Y does not detect 11" in texts(page)
+    assert "X misses 8 and Y misses 11" in texts(page)
     assert "“X or Y” detects 35 of 38 encounters, 5 more than X alone" in texts(page)
     assert list(rows) == list(table.FIRST_COLUMNS)  # until all are asked for
     more = part(f"ui.encounters.table.draw({ALL}, 0)")
