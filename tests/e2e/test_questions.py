@@ -113,7 +113,7 @@ def test_about_who_was_missed_and_when(visit):
     asker.open("Time left")
     row = asker.visit.page.locator(".nv-time-left-by-class tr", has_text="child")
     expect(row).to_be_visible()
-    asker.reads(re.compile(r"Below \d+ km/h [XY] .* from there on [XY]"))
+    asker.reads(re.compile(r"Below \d+ km/h, [XY] .* from there on, [XY]"))
     for speed in range(55, 85, 5):
         asker.visit.slider("Assumed speed").press("ArrowRight")
         expect(asker.visit.slider("Assumed speed")).to_have_value(str(speed))
