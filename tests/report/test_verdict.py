@@ -343,8 +343,8 @@ def test_a_verdict_in_words(better_x: Result):
         "+20.0 pp to +90.0 pp, p = 0.006; 0.012 after correction).",
         "Not claimed: mean similarity (X ends early).",
         "The other differences are not shown to be more than chance.",
-        "This is the size of a study of its own, whose end is set before it begins: recordings "
-        "added until p is small enough show differences that are not there.",
+        "This is the size of a separate study whose end is set before it begins. Adding "
+        "recordings until p is small enough shows differences that are not there.",
         "Every detection of X and Y counts, however low its score.",
         "This depends on what the audit found: the truth contradicts the picture size of some "
         "recordings; 1 other finding.",
