@@ -1,4 +1,4 @@
-"""Notes of a comparison of groups: what the tests show, and what to bear in mind."""
+"""Notes on a comparison of groups: results of the tests, and cautions."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from nvcore.group_statistics.comparison import GroupComparison
 
 SMALL: Final = 6
-"""Groups of fewer values, or fewer persons, are compared by permutation."""
+"""Groups with fewer values or persons than this are compared by permutation."""
 
 
 def results(comparison: GroupComparison) -> list[Note]:
-    """Return what the tests that fit show."""
+    """Return the results of the tests that fit."""
     names = comparison.groups["condition"]
     if len(names) < 2:
         reason = "there is one condition alone" if len(names) else "there is no value"
@@ -59,7 +59,7 @@ def _pair(pair: pd.Series, form: str) -> Note:
 
 
 def cautions(comparison: GroupComparison, asked: GroupArguments) -> list[Note]:
-    """Return what to bear in mind, and the size of a further study."""
+    """Return cautions about the results, and the size of a further study."""
     notes = []
     fitting = comparison.tests[comparison.tests["fits"]]
     for n_ways in fitting.loc[fitting["is_exact"], "n_ways"]:

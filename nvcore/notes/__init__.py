@@ -1,15 +1,15 @@
-"""Notes: what the program says, as a key with values, and the templates that word them.
+"""Notes: messages to users as keys with values, and the templates that render them.
 
-A note ``alerts.given`` is worded by the entry ``[given]`` of ``notes.toml`` in the package of the
-subject ``alerts``; a topic of the core has its file in this package, ``verdict.toml``. An entry has
-a Jinja2 template ``text``, templates of the same note in other forms (``short``), and, unless it
-has no values, an ``example`` of these, in which a table with a key ``note`` is a note itself. Line
-breaks of a template become spaces.
+The entry ``[given]`` of ``notes.toml`` in the package of the subject ``alerts`` renders the note
+``alerts.given``. Topics of the core have their files in this package, such as ``verdict.toml``. An
+entry has a Jinja2 template ``text`` and templates for other forms of the same note (``short``). If
+the note has values, the entry has an ``example`` of them, in which a table with a key ``note`` is a
+note itself. Line breaks of a template become spaces.
 
-Templates know the values of the note, the words for the objects (``{{ one }}``, ``{{ many }}``, see
-`nvcore.wording.objects`), and the filters of `_FILTERS`. A note among the values is worded in
-place, a list of them as "one, another and a third". Undefined names are errors. What comes out is
-plain text; whoever shows it escapes it for their medium.
+Templates use the values of the note, the words for the objects (``{{ one }}``, ``{{ many }}``, see
+`nvcore.wording.objects`) and the filters of `_FILTERS`. A note among the values is rendered in
+place, and a list of notes as "one, another and a third". Undefined names are errors. The result is
+plain text, which the caller escapes for its medium.
 """
 
 from __future__ import annotations
@@ -41,9 +41,9 @@ TEXT: Final = "text"
 
 
 class Note:
-    """Something to say: the key of a template, and the values that it needs.
+    """A message: the key of a template and the values that it needs.
 
-    A value of None is absent: templates ask whether it ``is defined``.
+    Values of None are dropped, so that templates can test whether a value ``is defined``.
 
     Examples
     --------
@@ -70,31 +70,31 @@ class Note:
 
 
 def say(note: Note, objects: Objects, form: str = TEXT) -> str:
-    """Word a note as a sentence, with a capital letter.
+    """Render a note as a sentence that begins with a capital letter.
 
     Parameters
     ----------
     form
-        Which template of the entry; an entry without it is worded by ``text``.
+        Name of the template in the entry; ``text`` is used if there is no such template.
 
     Examples
     --------
     >>> from nvcore.objects import PEDESTRIAN
     >>> say(Note("alerts.no_oracle"), PEDESTRIAN)
-    'The oracle has no effect, as it is not known whether the driver sees a pedestrian.'
+    'The oracle has no effect because it is not known whether the driver sees a pedestrian.'
     """
     return capitalised(phrase(note, objects, form))
 
 
 def phrase(note: Note, objects: Objects, form: str = TEXT) -> str:
-    """Word a note as part of a sentence."""
+    """Render a note as part of a sentence."""
     own = {"_objects": objects, "_form": form}
     return _template(note.key, form).render({**objects.words, **note.fields, **own})
 
 
 @cache
 def entries(topic: str) -> dict[str, dict[str, Any]]:
-    """Return the entries of a topic, by the name after the dot in keys."""
+    """Return the entries of a topic by name (the part of a key after the dot)."""
     package, _ = subjects().get(topic, ("", None))
     place = resources.files(package or __name__)
     return tomllib.loads((place / f"{'notes' if package else topic}.toml").read_text("utf-8"))
@@ -109,7 +109,7 @@ def _template(key: str, form: str) -> Template:
 
 @cache
 def _environment() -> Environment:
-    from jinja2 import Environment, StrictUndefined, pass_context  # 50 ms: when first needed
+    from jinja2 import Environment, StrictUndefined, pass_context  # 50 ms: import when needed
 
     @pass_context
     def worded(context: Mapping[str, Any], value: Any) -> Any:
@@ -128,7 +128,7 @@ def _environment() -> Environment:
         objects: Objects = context["_objects"]
         return objects.say(inference_of(key).noun)
 
-    # plain text: every medium escapes it
+    # the result is plain text; callers escape it for their medium
     environment = Environment(undefined=StrictUndefined, finalize=worded)  # noqa: S701
 
     @pass_context
@@ -143,7 +143,7 @@ def _environment() -> Environment:
 
 
 def _system(letter: str) -> str:
-    """Return what texts call a system: X or Y, or its name."""
+    """Return the label of a system in texts: X, Y or its name."""
     return letter.upper() if letter in ("x", "y") else letter
 
 
@@ -158,4 +158,4 @@ _FILTERS: Final[dict[str, Callable[..., str]]] = {
     "size": size_text,
     "capital": capitalised,
 }
-"""Filters of templates, beside those of Jinja2, ``noun`` of a measure and ``caveats`` of codes."""
+"""Filters of templates, beside those of Jinja2 and ``join``, ``noun`` and ``caveats``."""

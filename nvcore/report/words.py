@@ -1,4 +1,4 @@
-"""Notes about misses, fusion and saliency of a comparison, and cells of tables."""
+"""Notes on misses, fusion and saliency of a comparison, and cells of tables."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from nvcore.wording import (
 )
 
 FEW_MISSES: Final = 5
-"""Fewest misses of a system for an explanation of phi."""
+"""Phi is explained only if both systems have at least this many misses."""
 
 
 FUSION_RULE: Final = (
@@ -45,16 +45,17 @@ FUSION_RULE: Final = (
     "both detect, in different frames; and as runs of false alarms break up, \u201cX and Y\u201d "
     "can have more episodes than either system."
 )
-"""Why the counts of fused systems are not those of the Venn diagram."""
+"""Reason why the counts of fused systems differ from those of the Venn diagram."""
 WITHIN: Final = "*"
 WITHIN_NOTE: Final = "within these recordings alone"
-"""Mark of an interval that speaks of no others, and what it says."""
+"""Mark and footnote of an interval that says nothing about other recordings."""
 
 
 def score_cells(rows: Iterable[ScoreRow], *, indent: str, mark: str = "") -> list[tuple[str, ...]]:
-    """Measures as text: label, X, Y, X - Y, and which is better; `indent` marks parts.
+    """Return measures as text: label, X, Y, X - Y, and which direction is better.
 
-    Labels of measures that need encounters of several frames end with `mark`.
+    `indent` precedes the labels of parts. Labels of measures that need encounters of several frames
+    end with `mark`.
     """
     return [
         (
@@ -68,7 +69,7 @@ def score_cells(rows: Iterable[ScoreRow], *, indent: str, mark: str = "") -> lis
 
 
 def scorecard_cells(result: Result, *, indent: str, mark: str = "") -> list[tuple[str, ...]]:
-    """The scorecard, then how the encounters went, as `score_cells`."""
+    """Return the scorecard and the outcomes of encounters, as `score_cells`."""
     return [
         *score_cells(score_rows(result), indent=indent, mark=mark),
         (f"how the {count_text(result.venn.n_near, 'encounter')} went:", "", "", "", ""),
@@ -77,7 +78,7 @@ def scorecard_cells(result: Result, *, indent: str, mark: str = "") -> list[tupl
 
 
 def interval_cell(of: Evidence, notes: Footnotes) -> tuple[str, str]:
-    """The interval of a difference, and the mark of why there is none or what it speaks of."""
+    """Return the interval of a difference, and the mark of the footnote if there is none."""
     interval = minus(interval_text(of.low, of.high, evidence_form(of.figure)))
     if interval == UNDEFINED:
         reason = of.note.partition("; ")[0]
@@ -89,7 +90,7 @@ def interval_cell(of: Evidence, notes: Footnotes) -> tuple[str, str]:
 
 
 def effect_text(row: Mapping[Hashable, Any]) -> str:
-    """The size of a difference in a row of the table of evidence, with what it is measured in.
+    """Return the effect size in a row of the table of evidence, with its kind.
 
     Examples
     --------
@@ -103,7 +104,7 @@ def effect_text(row: Mapping[Hashable, Any]) -> str:
 
 
 def every_nth(frames: FrameColumns) -> str:
-    """Which frames are evaluated: "every 10th frame"; empty where all are."""
+    """Return which frames are evaluated ("every 10th frame"), or an empty string for all."""
     steps = [round(float(step)) for step in frames.sampling_step]
     sampled = sorted({step for step in steps if step > 1})
     if not sampled:
@@ -117,13 +118,13 @@ def every_nth(frames: FrameColumns) -> str:
 
 
 def n_frames_text(result: Result, noun: str = "frame") -> str:
-    """How many frames are evaluated, and of how many, where not all are."""
+    """Return the number of evaluated frames, and which they are if not all."""
     every = every_nth(result.dataset.frame_columns)
     return count_text(len(result.dataset.frames), noun) + (f" ({every})" if every else "")
 
 
 def sampling_note(frames: FrameColumns) -> str:
-    """A sentence for beside a rate per minute or hour; empty where every frame is evaluated."""
+    """Return a caution for rates per minute or hour, or an empty string without sampled frames."""
     every = every_nth(frames)
     if not every:
         return ""
@@ -134,7 +135,7 @@ def sampling_note(frames: FrameColumns) -> str:
 
 
 def at_best(dataset: Dataset) -> tuple[Note, ...]:
-    """Return what so few recordings could show at best; empty if there are enough."""
+    """Return the most that the recordings could show, if they are few."""
     n, noun = count_whole(dataset)
     if n > MIN_RECORDINGS:
         return ()
@@ -173,8 +174,8 @@ def parted(result: Result) -> Note:
 def misses(result: Result) -> tuple[Note, ...]:
     """Return whether X and Y miss the same pedestrians.
 
-    How many each system misses, how much the two sets of misses share (Jaccard index), how they
-    correlate (phi), and how encounters part that only one system detects.
+    The notes give the misses of each system, the overlap of the two sets (Jaccard index), their
+    correlation (phi), and how many encounters only X or only Y detects.
     """
     first, e = missed(result), result.exclusivity
     if not e.missed_by_x + e.missed_by_y:
@@ -203,13 +204,13 @@ def fusion_gains(fusion: pd.DataFrame) -> tuple[Note, ...]:
     Parameters
     ----------
     fusion
-        `nvcore.tables.encounters.miss_classes.fusion_table`.
+        Table of `nvcore.tables.encounters.miss_classes.fusion_table`.
     """
     rows = {row["system"]: row for row in fusion.to_dict("records")}
     n = rows["x"]["encounters"]
     if not n:
         return (Note("encounters.no_fusion"),)
-    # against the single system that detects more; X if they are equal
+    # compare with the single system that detects more, or with X if they are equal
     best = max("xy", key=lambda letter: rows[letter]["encounters_detected"])
     return tuple(
         Note(
@@ -226,12 +227,12 @@ def fusion_gains(fusion: pd.DataFrame) -> tuple[Note, ...]:
 
 
 def saliencies(result: Result) -> tuple[Note, ...]:
-    """Return how each system's saliency over all recordings comes about."""
+    """Return the derivation of each system's saliency over all recordings."""
     return tuple(_saliency_of(result, letter, system) for letter, system in result.sides)
 
 
 def saliency_caveat(params: Params) -> str:
-    """What to know of a saliency that follows the paper's rule, a template; empty: of another."""
+    """Return a caution (a template) on saliency by the rule of the paper, empty for other rules."""
     if params.saliency_of != "most_salient":
         return ""
     return (
@@ -274,12 +275,12 @@ def _saliency_of(result: Result, letter: str, system: SystemResult) -> Note:
 
 
 def classes_read(result: Result, table: pd.DataFrame, letter: str) -> Note:
-    """Return how many matches of a system have the truth's class, with Wilson's 95 % interval.
+    """Return how many matches of a system have the true class, with a Wilson 95 % interval.
 
     Parameters
     ----------
     table
-        `nvcore.tables.classes.classes_table`.
+        Table of `nvcore.tables.classes.classes_table`.
     letter
         "x" or "y".
     """

@@ -1,4 +1,4 @@
-"""Notes of a stability map, which claim no more than its cells show.
+"""Notes on a stability map, which claim no more than its cells show.
 
 The systems are called X and Y; no note contains names from files.
 """
@@ -45,7 +45,7 @@ UNDEFINED: Final[dict[Criterion, str]] = {
     "saliency": "there are no frames",
 }
 ALL: Final = 1e-9
-"""A share this close to 1 or 0 counts as all or none: shares are sums of rounded parts."""
+"""Shares this close to 1 or 0 count as all or none, since they are sums of rounded parts."""
 
 
 def difference_text(criterion: Criterion, difference: float) -> str:
@@ -89,16 +89,17 @@ def nearest_text(stability: StabilityMap) -> str:
 def describe_stability(stability: StabilityMap) -> tuple[str, ...]:
     """Say whether the verdict depends on the settings of the map, in sentences.
 
-    The verdict as analysed; the share of the plausible range in which it holds, why that range, and
-    whether the settings in use lie in it; how far each setting can be moved alone; and the nearest
-    setting that overturns it, in every separate part of the map. All this concerns these settings
-    and these data; `describe_chance` says whether a difference is more than chance.
+    The sentences give the verdict as analysed, the share of the plausible range in which it holds,
+    the reason for that range, and whether the settings in use lie in it. Then follow how far each
+    setting can be moved alone, and the nearest setting that overturns the verdict in every separate
+    part of the map. They are about these settings and data only; `describe_chance` says whether a
+    difference is more than chance.
     """
     return tuple(say(note, PEDESTRIAN) for note in _notes(stability))
 
 
 def describe_in_short(stability: StabilityMap) -> str:
-    """Say the verdict as analysed, and in which share of the plausible range it holds."""
+    """Say the verdict as analysed and the share of the plausible range in which it holds."""
     held = [
         note
         for note in _notes(stability)
@@ -160,7 +161,7 @@ def _held(stability: StabilityMap) -> Note:
 
 
 def describe_equal_alarms(stability: StabilityMap) -> str:
-    """Say who is better at equally many false alarms; empty unless both thresholds are varied."""
+    """Say who is better at equal false alarms, if both thresholds are varied."""
     note = _equal_alarms(stability)
     return say(note, PEDESTRIAN) if note else ""
 
@@ -186,9 +187,9 @@ def _equal_alarms(stability: StabilityMap) -> Note | None:
 
 
 def describe_chance(stability: StabilityMap, evidence: pd.DataFrame) -> str:
-    """Say what p says of the difference as analysed; empty if there is no difference.
+    """Say whether the difference as analysed is more than chance, if there is a difference.
 
-    Whether the difference may be claimed, at equal false alarms as well, is up to the verdict.
+    The verdict decides whether the difference may be claimed, also at equal false alarms.
 
     Parameters
     ----------
@@ -209,7 +210,7 @@ def describe_chance(stability: StabilityMap, evidence: pd.DataFrame) -> str:
 
 
 def _present(stability: StabilityMap) -> list[Note]:
-    """Return what readers must know about the settings in use to understand the rest."""
+    """Return remarks on the settings in use that readers need to understand the other notes."""
     axes = _axes_that_matter(stability)
     notes = [
         Note("stability.own_values", setting=axis.label, range=axis.range_text(*axis.present))
@@ -242,7 +243,7 @@ def _interval(stability: StabilityMap, interval: FlipInterval) -> Note:
 
 
 def _choices(stability: StabilityMap) -> list[Note]:
-    """Return who is better with the other values of a choice, all else unchanged."""
+    """Return who is better with the other values of a choice and all else unchanged."""
     present = [axis.present_index for axis in stability.axes]
     if stability.present_cell is None:
         return []

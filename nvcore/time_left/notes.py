@@ -1,4 +1,4 @@
-"""Notes about the time left to stop; notes.toml words them."""
+"""Notes about the time left to stop."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from nvcore.time_left.kinds import TimeLeft, Urgency
 from nvcore.time_left.steps import count_time_left, time_left_in, time_left_of
 
 FEW_URGENT: Final = 10
-"""Fewest urgent encounters of which a single one does not move a share by more than 10 %."""
+"""With at least this many urgent encounters, one of them moves a share by at most 10 %."""
 
 
 def confirmed(result: Result) -> tuple[Note, ...]:
-    """Return how many urgent encounters each system confirms in time; empty if none is urgent."""
+    """Return how many urgent encounters each system confirms in time, if any is urgent."""
     n = int(time_left_in(result).is_urgent.sum())
     if not n:
         return ()
@@ -32,7 +32,7 @@ def confirmed(result: Result) -> tuple[Note, ...]:
 
 
 POINTS: Final = (PointOf("Time left", confirmed, after="Severity"),)
-"""What time left adds to the verdict."""
+"""Points of the verdict about the time left."""
 
 
 def lines(result: Result) -> list[str]:
@@ -60,7 +60,7 @@ def urgent(result: Result) -> Note | None:
         for kind in (Urgency.NO_CHANCE, Urgency.OUTSIDE, Urgency.NOT_URGENT, Urgency.UNKNOWN)
         if n_of[kind]
     ]
-    n_distant = result.venn.distant or None  # the Venn diagram beside it leaves them out
+    n_distant = result.venn.distant or None  # the Venn diagram beside the note leaves these out
     n = n_of[Urgency.URGENT]
     return Note(
         "time_left.urgent", n=n, speed=speed, others=others, n_all=n_all, n_distant=n_distant
@@ -68,7 +68,7 @@ def urgent(result: Result) -> Note | None:
 
 
 def _reasons(result: Result) -> list[Note]:
-    """Return why times to contact are unknown; of several reasons, for how many encounters."""
+    """Return why times to contact are unknown, with counts if there are several reasons."""
     contact = time_left_in(result).contact
     is_unknown = (time_left_in(result).urgency["urgency"] == Urgency.UNKNOWN.value).to_numpy()
     of_reasons = {
@@ -84,7 +84,7 @@ def _reasons(result: Result) -> list[Note]:
 
 
 def speed_of_all(result: Result) -> Note:
-    """Return at which speed time left is judged."""
+    """Return the speed at which the time left is judged."""
     view, kmh = time_left_in(result), result.params.speed_kmh
     if view.assumed_speed_kmh is not None:
         return Note("time_left.speed", kmh=kmh)
@@ -111,7 +111,7 @@ def few_urgent(result: Result) -> tuple[Note, ...]:
 
 
 def responses(result: Result, encounters: np.ndarray) -> list[tuple[Note, Note]]:
-    """Return what X and Y made of urgent encounters.
+    """Return when X and Y confirm urgent encounters, and at which impact speeds.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def responses(result: Result, encounters: np.ndarray) -> list[tuple[Note, Note]]
 
 
 def last_chance(result: Result, encounter: int) -> Note:
-    """Return the last chance of an encounter and what each system made of it.
+    """Return the last chance of an encounter and the response of each system.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def last_chance(result: Result, encounter: int) -> Note:
 
 
 def _speed_of(result: Result, encounter: int) -> Note:
-    """Return the speed at the last chance, without one the lowest and highest in an encounter."""
+    """Return the speed at the last chance, or else the lowest and highest in the encounter."""
     urgent_row, encounters = time_left_in(result).urgency["urgent_row"], result.encounters
     rows = encounters.frame_index[slice(*encounters.offsets[encounter : encounter + 2])]
     if urgent_row.iloc[encounter] >= 0:
@@ -182,12 +182,12 @@ def _speed_of(result: Result, encounter: int) -> Note:
 
 
 def orders(curve: pd.DataFrame) -> tuple[Note, ...]:
-    """Return who is ahead at which speed, in both measures; empty if nobody is urgent at any.
+    """Return who is ahead at which speed, in both measures, if anybody is urgent at any speed.
 
     Parameters
     ----------
     curve
-        Of `nvcore.time_left.judging.curve_over_speed`.
+        Table of `nvcore.time_left.judging.curve_over_speed`.
     """
     if not curve["urgent"].any():
         return ()
@@ -197,7 +197,7 @@ def orders(curve: pd.DataFrame) -> tuple[Note, ...]:
 def _order(
     curve: pd.DataFrame, measure: Literal["share_in_time", "mean_impact_kmh"], sign: int
 ) -> Note:
-    """Return who is ahead in a measure; `sign` is that of X - Y where X is."""
+    """Return who is ahead in a measure (`sign` of X - Y where X is ahead)."""
     difference = sign * np.nan_to_num(curve[f"{measure}_x"] - curve[f"{measure}_y"])
     apart = np.flatnonzero(np.abs(difference) > 1e-9)
     if not len(apart):

@@ -159,7 +159,8 @@ def test_the_doubt_of_drivers_and_of_recordings_is_kept_apart_and_joined(judged:
         assert max(apart) < row["high"] - row["low"] < 1.05 * sum(apart)
         text = say(doubt_of_kind(judged, kind), PEDESTRIAN)
         assert re.search(
-            r"points \(95 %: .*\): ±\d+ as drivers differ, ±\d+ as recordings do", text
+            r"points? \(95 % interval .*\): ±\d+ from differences between drivers and ±\d+ from",
+            text,
         )
 
 

@@ -167,7 +167,7 @@ def test_the_column_is_found_without_being_named_and_is_not_called_unused(night:
     assert "column alerted: a log of alerts" in of_system
     view = nv.judge_alerts(night)
     assert of_x(view)[["start_frame", "end_frame"]].to_numpy().tolist() == [[5, 6]]
-    assert "X gave 1 alert by its own log" in run("alerts", night).output
+    assert "X gave 1 alert according to its own log" in run("alerts", night).output
     # a log that the session names goes before it
     write(night.parent / "log.csv", "start_s,end_s,kind")
     assert of_x(nv.judge_alerts(session(night.parent, 'alerts = "log.csv"'))).empty
@@ -183,7 +183,7 @@ def test_logs_are_named_by_flags_with_and_without_a_session(night: Path, monkeyp
     write(night.parent / "y.log", "start_s,end_s,kind")
     for inputs in (by_session, by_flags):
         result = run("alerts", *inputs, "--alerts-x", "x.log", "--alerts-y", "y.log")
-        assert "X gave 2 alerts by its own log" in result.output, result.output
+        assert "X gave 2 alerts according to its own log" in result.output, result.output
         assert "Y gave no alert" in result.output.replace("gives", "gave")
 
 
@@ -276,7 +276,7 @@ def test_the_command_prints_measures_and_curve_and_writes_both_tables(night: Pat
     out = night.parent / "out"
     result = run("alerts", night, "--policy", "eager", "--out", out)
     assert result.exit_code == 0, result.output
-    assert "X gives 2 alerts (1 false, 1 wanted); in time for 1 of 1 urgent encounter" in (
+    assert "X gives 2 alerts (1 false, 1 wanted), in time for 1 of 1 urgent encounter" in (
         result.output
     )
     assert "unwanted alerts" in result.output
@@ -348,7 +348,7 @@ def test_alerts_of_sampled_frames_are_warned_of(night: Path):
     text = night.read_text()
     said = [run("alerts", write(night, text.replace("0:39", frames))).output
             for frames in ("0:39", "0:39:4")]  # fmt: skip
-    words = "of 1 recording not every frame is evaluated: alerts between these frames are unknown"
+    words = "1 recording is not evaluated in every frame. alerts between the evaluated frames are"
     assert [words in output.lower() for output in said] == [False, True]
 
 

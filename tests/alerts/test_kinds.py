@@ -223,7 +223,7 @@ def test_the_oracle_leaves_those_whom_the_driver_sees_in_time_out_of_not_in_time
     assert [measure(held, key) for key in counts] == [[2, 0], [0, 2]]
     said = [say(fact, PEDESTRIAN) for fact in alert_notes(held)]
     assert said[0].endswith("in time for 2 of 2 urgent encounters.")
-    assert "The driver sees 1 urgent encounter in time without an alert: left out" in said[-1]
+    assert "The driver sees 1 urgent encounter in time without an alert; this encounter" in said[-1]
     assert len(alerts_in(held).in_time_for_drivers.chances) == 2
     curve = alerts_in(held).curve
     assert curve[curve["of"] == "in use"]["share_in_time"].tolist() == [1, 0]

@@ -153,7 +153,7 @@ def test_a_verdict_by_units_says_so():
     by_unit = evidence.set_index("figure").loc["severity_s_per_encounter"]
     assert (by_unit["unit"], by_unit["n"]) == (UNITS, 8)
     conclusion = verdict(result, evidence=evidence, companions=companions)
-    assert "more than chance over 8 units" in conclusion.say(conclusion.headline)
+    assert "more than chance across 8 units" in conclusion.say(conclusion.headline)
 
 
 @pytest.mark.parametrize(

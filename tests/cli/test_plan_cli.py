@@ -38,7 +38,7 @@ def test_a_percentage_of_a_share_is_a_hundredth_and_json_stands_alone():
     equal, as_found = plan["sizes"]
     assert (equal["assumption"], as_found["assumption"]) == ("equal", "as found")
     assert equal["n_encounters"] == pytest.approx(3.8 * equal["n_recordings"], abs=1)
-    assert plan["sentences"][1].startswith("It is shown that Y is at most 30.0 pp worse")
+    assert plan["sentences"][1].startswith("Y is shown to be at most 30.0 pp worse")
 
 
 @pytest.mark.parametrize("more", [[], ["--json"], ["--margin", "5%"]])

@@ -45,12 +45,12 @@ EVIDENCE = {
     "false-alert episodes in 150 s": "false_alert_episodes",
 }
 SAID = {
-    r"mean similarity \({} against {}\)": "mean_similarity",
-    r"severity per encounter \({} against {} s\)": "severity_s_per_encounter",
-    r"saliency in the mean over recordings \({} against {} s\)": "saliency",
-    r"false-alert episodes \({} against {} in 150 s\)": "false_alert_episodes",
-    r"X has {} and Y {} false boxes per frame": "false_alarms_per_frame",
-    r"each {} false boxes per frame": "false_alarms_per_frame",
+    r"mean similarity \({} vs {}\)": "mean_similarity",
+    r"severity per encounter \({} vs {} s\)": "severity_s_per_encounter",
+    r"mean saliency over recordings \({} vs {} s\)": "saliency",
+    r"false-alert episodes \({} vs {} in 150 s\)": "false_alert_episodes",
+    r"X has {} and Y has {} false boxes per frame": "false_alarms_per_frame",
+    r"both at {} false boxes per frame": "false_alarms_per_frame",
 }
 
 

@@ -113,7 +113,7 @@ def test_about_who_was_missed_and_when(visit):
     asker.open("Time left")
     row = asker.visit.page.locator(".nv-time-left-by-class tr", has_text="child")
     expect(row).to_be_visible()
-    asker.reads(re.compile(r"Below \d+ km/h [XY] .* from there on [XY]"))
+    asker.reads(re.compile(r"Below \d+ km/h, [XY] .* from there on, [XY]"))
     for speed in range(55, 85, 5):
         asker.visit.slider("Assumed speed").press("ArrowRight")
         expect(asker.visit.slider("Assumed speed")).to_have_value(str(speed))
@@ -131,7 +131,7 @@ def test_about_who_was_missed_and_when(visit):
 def test_of_a_link(visit):
     # who is better at as many false alarms?
     asker = Asker(visit("?threshold_x=0.3"))
-    asker.reads("At equal false alarms (X with scores of")
+    asker.reads("At equal false alarms (X at a confidence threshold of")
     assert asker.clicks == 0
     asker.click(asker.visit.page.get_by_role("button", name="X to Y", exact=True))
     asker.reads("Undo", within="stSidebar")

@@ -134,7 +134,10 @@ def test_a_winner_with_more_false_alarms_is_withheld_by_its_name() -> None:
     (row,) = pairwise_table(drives(12)).to_dict("records")
     assert row["similarity_p_holm"] <= 0.05
     assert (row["detects_more"], row["higher_similarity"]) == ("", "")
-    why = "(X also has more false alarms, and without scores that differ nothing sets them alike)"
+    why = (
+        "(X also has more false alarms, and without scores that differ the two cannot be set to "
+        "equal false alarms)"
+    )
     assert row["withheld"] == f"encounters detected {why}; mean similarity {why}"
 
 

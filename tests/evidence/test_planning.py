@@ -371,12 +371,14 @@ def test_a_plan_in_words():
     first, exclude, named, found, level, fresh = plan.sentences
     assert first.startswith("Share of encounters detected, by recordings: X ")
     assert " in 12 recordings with 60 encounters; p = " in first
-    assert exclude.startswith("At 95 %, these 12 recordings exclude a difference X - Y below +")
+    assert exclude.startswith(
+        "At 95 % confidence, these 12 recordings exclude a difference X - Y below +"
+    )
     assert " would show a difference of 20.0 pp in 80 % of studies (simulated: " in named
-    assert "Judged by 12 recordings, that number is itself uncertain: " in named
-    assert " would show a difference as found here (+" in found
-    assert level.startswith("A study shows it where p, of this measure by itself,")
-    assert fresh.startswith("This is the size of a study of its own")
+    assert "Estimated from 12 recordings, the number of recordings is itself uncertain: " in named
+    assert " would show a difference as large as found here (+" in found
+    assert level.startswith("A study shows this if p of this measure alone")
+    assert fresh.startswith("This is the size of a separate study")
 
 
 @pytest.mark.parametrize(

@@ -127,7 +127,7 @@ def test_a_paired_analysis_would_depend_on_the_correlation(reactions: GroupCompa
 
 def test_that_the_same_persons_may_stand_in_all_is_said(reactions: GroupComparison):
     assert reactions.design == "unknown"
-    assert reactions.sentences[1].startswith("From means and SD it cannot be known whether")
+    assert reactions.sentences[1].startswith("From means and SD, it cannot be known whether")
 
 
 # times of the drives

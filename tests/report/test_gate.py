@@ -312,8 +312,8 @@ def test_how_much_worse_a_system_may_be_is_undefined_at_unequal_operating_points
     assert [outcome.is_passed for outcome in outcomes[:2]] == [False, True]
     lines = terminal_lines(outcomes)
     why = (
-        "        X and Y are set to different operating points (X has 0 and Y 1 false boxes per "
-        "frame), from which nothing is claimed: set thresholds that give equally many"
+        "        X and Y are set to different operating points (X has 0 and Y has 1 false boxes "
+        "per frame), so nothing is claimed: set confidence thresholds that give equal false alarms"
     )
     assert (lines[1], lines[3]) == (why, why)
     assert why.strip() in junit_xml(outcomes, "X").decode().replace("&gt;", ">")

@@ -72,10 +72,10 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
         "severity (1 s: a pedestrian straight ahead and near is missed for 1 s), of encounters "
         "detected by both: X misses 0.00 s and Y 0.00 s; only X: X misses 0.00 s and Y 1.20 s; "
         "only Y: X misses 0.00 s and Y 0.00 s; neither: X misses 0.00 s and Y 0.00 s",
-        "encounters not detected: 0 by X, 1 by Y, of these 0 by both (Jaccard 0.00, phi –); "
-        "X alone detects 1, Y alone 0",
-        "lead time, in 1 encounter that both match: X is first in 0, Y in 0, both at the same time "
-        "in 1; X leads by +0.00 s on average, median +0.00 s",
+        "encounters missed: 0 by X, 1 by Y, 0 by both (Jaccard 0.00, phi –); only X detects 1, "
+        "only Y 0",
+        "lead time in 1 encounter that both match: X is first in 0, Y in 0, both at the same time "
+        "in 1; the lead of X is +0.00 s on average, median +0.00 s",
         "time left: nobody is urgent at 50 km/h (assumed)",
         "boxes matched by: both 20, only X 20, only Y 0, neither 0 (all boxes, distant ones too)",
         "detections on people or regions that the truth ignores, not counted: X 0, Y 0",
@@ -118,7 +118,7 @@ def test_mcnemar_s_p_is_withheld_where_it_means_nothing():
     persons = [at(2 * i + f, 50, track=i) for i in range(9) for f in range(2)]
     for n_seen, is_given in ((3, True), (4, False)):  # of 9: 6 and 5 tell the two apart
         result = result_of(make_dataset(persons, persons, persons[: 2 * n_seen], n_frames=18))
-        assert ("McNemar's exact p within these drives" in render_scorecard(result)) == is_given
+        assert ("exact McNemar p within these drives" in render_scorecard(result)) == is_given
         assert (summary(result)["exclusivity"]["mcnemar_p"] is not None) == is_given
 
 
@@ -297,10 +297,10 @@ def test_the_operating_points_of_all_numbers_are_said_once_above_them():
     equal = find_equal_alarms(result)
     as_set, at_equal = map(render_scorecard, (result, equal))
     heading = as_set.split("\n\n")[0].splitlines()[-1]
-    assert heading.startswith("As set: at unequal operating points (X has ")
-    assert as_set.count("Nothing is claimed from these.") == 1
+    assert heading.startswith("As set, at unequal operating points: X has ")
+    assert as_set.count("Nothing is claimed from these numbers.") == 1
     heading = at_equal.split("\n\n")[0].splitlines()[-1]
-    assert heading.startswith("At equal false alarms (X with scores of 0.")
+    assert heading.startswith("At equal false alarms (X at a confidence threshold of 0.")
     for text, of in ((as_set, result), (at_equal, equal)):
         assert cells(text.splitlines(), "mean similarity")[0] == number(of.x.summary.mean, ".4f")
 
@@ -308,7 +308,7 @@ def test_the_operating_points_of_all_numbers_are_said_once_above_them():
 def test_mcnemars_p_is_marked_at_unequal_operating_points():
     result = at_thresholds()
     assert np.isfinite(result.mcnemar_p)
-    assert "(as set, at unequal operating points: McNemar's exact p" in render_scorecard(result)
+    assert "(as set, at unequal operating points: exact McNemar p" in render_scorecard(result)
 
 
 def test_nothing_is_marked_at_equal_operating_points(result: Result):

@@ -328,23 +328,23 @@ def test_a_verdict_in_words(better_x: Result):
         better_x, grave, evidence=table, companions=companions, plan=(Note("plan.fresh"),)
     )
     assert text.sentences == (
-        "X is better on encounters detected (100.0 % against 200.0 %): more than chance over 12 "
+        "X is better on encounters detected (100.0 % vs 200.0 %), by more than chance across 12 "
         "recordings.",
-        "Severity of missed pedestrians, the primary measure, has no p here: the others are "
-        "corrected for one another.",
-        "X detects every encounter that Y detects, and 4 more of 6 (12 recordings, p = 0.006; "
+        "Severity of missed pedestrians, the primary measure, has no p here. The other measures "
+        "are corrected for multiple testing.",
+        "Of 6 encounters, X detects all that Y detects and 4 more (12 recordings, p = 0.006; "
         "0.012 after correction).",
         "Weighted by severity, the 4 encounters that only X detects cost Y 1.2 s.",
         "The worst single failure is Y's: pedestrian 2 in r0, 0.3 s.",
-        "X has higher mean similarity (1.000 against 0.398), lower severity per encounter (0.00 "
-        "against 0.20 s), lower saliency (0.00 against 0.30 s) and fewer false-alert episodes (0 "
-        "against 1 in 1.8 s).",
-        "More than chance: encounters detected (X better, X - Y 95 % interval +20.0 pp to +90.0 "
-        "pp, p = 0.006; 0.012 after correction).",
+        "X has a higher mean similarity (1.000 vs 0.398), a lower severity per encounter (0.00 vs "
+        "0.20 s), a lower saliency (0.00 vs 0.30 s) and fewer false-alert episodes (0 vs 1 in "
+        "1.8 s).",
+        "More than chance: encounters detected (X better, 95 % confidence interval of X - Y: "
+        "+20.0 pp to +90.0 pp, p = 0.006; 0.012 after correction).",
         "Not claimed: mean similarity (X ends early).",
         "The other differences are not shown to be more than chance.",
-        "This is the size of a study of its own, whose end is set before it begins: recordings "
-        "added until p is small enough show differences that are not there.",
+        "This is the size of a separate study whose end is set before it begins. Adding "
+        "recordings until p is small enough shows differences that are not there.",
         "Every detection of X and Y counts, however low its score.",
         "This depends on what the audit found: the truth contradicts the picture size of some "
         "recordings; 1 other finding.",

@@ -38,8 +38,8 @@ def test_unequal_operating_points_lead_and_the_comparison_is_at_equal_false_alar
     assert [sentence.split(" (")[0] for sentence in text.sentences[:3]] == [
         "X and Y are set to different operating points; at equal false alarms, too little data "
         "to tell X and Y apart.",
-        f"The numbers are as set, X has {alarms['x']:.3g} and Y {alarms['y']:.3g} false boxes per "
-        "frame.",
+        f"The numbers are for X and Y as set: X has {alarms['x']:.3g} and Y has "
+        f"{alarms['y']:.3g} false boxes per frame.",
         "Claims are about X and Y at equal false alarms",
     ]
 

@@ -82,8 +82,8 @@ def test_a_system_that_scores_the_same_otherwise_is_even_along_the_line() -> Non
     assert stability.equal_alarms.share("even") == 1
     assert (stability.winner != "even").mean() > 0.8
     text = " ".join(describe_stability(stability))
-    assert "per frame, X and Y have the same mean similarity in all of these pairs" in text
-    assert "all pairs of a strict threshold with a lax one among them" in text
+    assert "per frame), X and Y have the same mean similarity in all of the threshold pairs" in text
+    assert "including all pairs of a strict and a lax threshold" in text
 
 
 def test_systems_that_never_have_as_many_false_alarms_have_no_line() -> None:
@@ -96,7 +96,7 @@ def test_systems_that_never_have_as_many_false_alarms_have_no_line() -> None:
     assert equal_alarm_thresholds(result).empty
     stability = map_stability(result, "thresholds", "similarity", n_points=5)
     assert (
-        "No thresholds give X and Y equally many false alarms; as analysed, X has 0.02 and Y"
+        "No confidence thresholds give X and Y equal false alarms. As analysed, X has 0.02 and Y"
         in (" ".join(describe_stability(stability)))
     )
     assert stability.equal_alarms is not None

@@ -116,7 +116,9 @@ def test_a_share_of_all_goes_with_no_turn_inside_and_less_with_one(stability: St
 @given(maps())
 def test_the_sentences_give_the_nearest_number_of_the_map(stability: StabilityMap) -> None:
     text = " ".join(describe_stability(stability))
-    assert ("overturns this: " in text or "ends the tie: " in text) == bool(stability.overturns)
+    assert ("overturns the verdict is " in text or "ends the tie is " in text) == bool(
+        stability.overturns
+    )
     assert ("within the plausible range" in text) == (
         stability.plausible_overturn is not None
         and stability.plausible_overturn != stability.overturn
@@ -158,7 +160,7 @@ def test_every_separate_part_of_the_map_is_told() -> None:
     stability = plain_map([[-1, 1, 1, 1, 1], [1, 1, 1, 1, 1], [1, 1, 1, 1, -3]], (1, 3))
     assert [turn.cell for turn in stability.overturns] == [14, 0]
     sentence = describe_stability(stability)[-1]
-    assert sentence.startswith("Y is also better in another part of this map, nearest: alpha 0")
+    assert sentence.startswith("Y is also better in another part of this map. The nearest ")
     assert "where it turns to Y, inside the plausible range and" in sentence
 
 
@@ -181,7 +183,8 @@ def test_a_turn_among_the_recordings_own_values_is_no_distance_away() -> None:
 def test_a_tie_that_ends_on_several_sides_names_no_winner_for_all_of_them() -> None:
     stability = plain_map([[0, 0, 2, 0, -2, 0, -1], [0] * 7], (0, 0))
     *_, nearest, others = describe_stability(stability)
-    assert "ends the tie: alpha 0 and midpoint 2 (X ahead by 2.0000)" in nearest
+    assert "ends the tie is alpha 0 and midpoint 2 (X ahead by 2.0000)" in nearest
     assert others.startswith(
-        "X or Y is also better in 2 other parts of this map, nearest: alpha 0 and midpoint 4 (Y"
+        "X or Y is also better in 2 other parts of this map. The nearest setting there is alpha 0 "
+        "and midpoint 4 (Y"
     )

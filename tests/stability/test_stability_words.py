@@ -78,9 +78,10 @@ def test_a_verdict_that_turns_says_where() -> None:
     assert words(turning(), ALPHA, SIMILARITY, n_points=11) == (
         "As analysed, Y has the higher mean similarity, by 0.8500. The verdict holds in all of the "
         "plausible range: misses against false alarms (alpha) 0.5 to 1 (a miss counts at least as "
-        "much as a false alarm). Alpha: all else as it is, it holds for every value tried from 0.4 "
-        "to 1; at 0.3333 it turns to X. The nearest setting on this map that overturns this: alpha "
-        "0.3333, where it turns to X, outside the plausible range and 1.1 times its width away."
+        "much as a false alarm). Alpha: with all else unchanged, the verdict holds for every value "
+        "tried from 0.4 to 1; at 0.3333 it turns to X. The nearest setting on this map that "
+        "overturns the verdict is alpha 0.3333, where it turns to X, outside the plausible range "
+        "and 1.1 times its width away."
     )
 
 
@@ -101,23 +102,23 @@ def test_in_short_it_is_the_verdict_and_its_share() -> None:
         ("no frames", EDGE, SIMILARITY, "the verdict is undefined: there are no frames."),
         ("distant", ALPHA, ENCOUNTERS, "undefined: no encounter is near enough to count."),
         ("x ahead", BOTH, ENCOUNTERS, "X detects more encounters, by 1 encounter. Traffic context"),
-        ("x ahead", BOTH, ENCOUNTERS, "Traffic context and alpha do not enter into it."),
-        ("x ahead", BOTH, SALIENCY, "Alpha does not enter into it. The verdict holds in all"),
-        ("x ahead", EDGE, SIMILARITY, "the whole map. Nowhere on this map does Y come level."),
-        ("x ahead", ALPHA, SIMILARITY, "is Y better; the nearest tie: alpha 0, outside"),
+        ("x ahead", BOTH, ENCOUNTERS, "Traffic context and alpha have no effect on"),
+        ("x ahead", BOTH, SALIENCY, "Alpha has no effect on the verdict. The verdict holds"),
+        ("x ahead", EDGE, SIMILARITY, "the whole map. Y does not reach a tie anywhere on"),
+        ("x ahead", ALPHA, SIMILARITY, "on this map. The nearest tie is at alpha 0, outside"),
         ("implausible", ALPHA, SIMILARITY, "holds in none of the"),
-        ("implausible", ALPHA, SIMILARITY, "lie outside the plausible range themselves: alpha 0.1"),
+        ("implausible", ALPHA, SIMILARITY, "in use are outside the plausible range: alpha 0.1"),
         ("nearly plausible", ALPHA, SIMILARITY, "where it turns to Y, outside the plausible"),
-        ("nearly plausible", ALPHA, SIMILARITY, "within the plausible range: alpha 0.5 (Y ahead"),
-        ("narrow box", MATCHING, ENCOUNTERS, "X and Y detect equally many encounters."),
-        ("narrow box", MATCHING, ENCOUNTERS, "With matching by sideways position, all else as it"),
-        ("narrow box", MATCHING, ENCOUNTERS, "ends the tie: IoU 0.2 and matching by overlap of"),
-        ("same scores", EDGE, SALIENCY, "It is a tie all over this map."),
-        ("two heights", ALPHA, SIMILARITY, "is each recording's own here, 10 to 30 px: the"),
+        ("nearly plausible", ALPHA, SIMILARITY, "within the plausible range is alpha 0.5 (Y ahead"),
+        ("narrow box", MATCHING, ENCOUNTERS, "X and Y detect the same number of encounters."),
+        ("narrow box", MATCHING, ENCOUNTERS, "With matching by sideways position and all else"),
+        ("narrow box", MATCHING, ENCOUNTERS, "ends the tie is IoU 0.2 and matching by overlap of"),
+        ("same scores", EDGE, SALIENCY, "The verdict is a tie everywhere on this map."),
+        ("two heights", ALPHA, SIMILARITY, "has a separate value in each recording here (10 to 30"),
         ("two heights", ALPHA, SIMILARITY, "6 to 45 px (6 % of the lowest picture's height to"),
         ("12 px", ALPHA, ENCOUNTERS, " px it becomes undefined."),
-        ("12 px", ALPHA, ENCOUNTERS, "of the plausible range, where that is defined:"),
-        ("5 px", ALPHA, ENCOUNTERS, "In the plausible range it is undefined: counts half"),
+        ("12 px", ALPHA, ENCOUNTERS, "of the plausible range, where it is defined:"),
+        ("5 px", ALPHA, ENCOUNTERS, "is undefined in the plausible range: counts half"),
         ("one threshold", "thresholds", ENCOUNTERS, "for 0.95 only; at 0.9 it becomes a tie."),
         ("plausible tie", EDGE, SIMILARITY, "inside the plausible range and 0.1 times its width"),
     ],

@@ -128,19 +128,17 @@ def evidence(**p_of_figures: float) -> pd.DataFrame:
     ("criterion", "p_of_figures", "text"),
     [
         ("similarity", {"mean_similarity": 0.58},
-         "This difference is not shown to be more than chance (by 12 recordings, p = 0.58; 1 "
-         "after correction for all measures): a "
-         "verdict that holds at "
-         "other settings is no evidence against chance."),
+         "This difference is not shown to be more than chance (12 recordings, p = 0.58; 1 "
+         "after correction for all measures). A verdict that holds at other settings is no "
+         "evidence against chance."),
         ("saliency", {"saliency": 0.02},
-         "This difference is unlikely to be chance (by 12 recordings, p = 0.02; 0.04 after "
-         "correction for all measures); "
-         "whether it may be claimed is up to the verdict."),
+         "This difference is unlikely to be chance (12 recordings, p = 0.02; 0.04 after "
+         "correction for all measures). The verdict decides whether it may be claimed."),
         # encounters are alike within recordings: McNemar's test of them one by one says nothing
         ("encounters", {"encounters_detected": 0.01, "encounters_detected_by_unit": 0.3},
-         "not shown to be more than chance (by 12 recordings, p = 0.3; 0.6 after"),
+         "not shown to be more than chance (12 recordings, p = 0.3; 0.6 after"),
         ("similarity", {"mean_similarity": np.nan},
-         "Whether this difference is more than chance cannot be tested here (too few): a verdict"),
+         "It cannot be tested here whether this difference is more than chance (too few). A"),
     ],
 )  # fmt: skip
 def test_what_p_says_of_the_difference_stands_with_the_map(

@@ -55,7 +55,7 @@ def test_the_report_has_the_table_by_class_and_says_why_there_is_no_interval():
     ]
     (by_class,) = fold.blocks
     assert isinstance(by_class, Table)
-    assert "Impact: mean speed" in by_class.note
+    assert "Impact: mean impact speed" in by_class.note
     (row,) = [row for row in by_class.rows if row[0].startswith("a child")]
     assert row == (
         "a child, 3 urgent a",

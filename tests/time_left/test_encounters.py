@@ -50,10 +50,10 @@ def test_what_each_system_did_is_said_in_words():
     result = met((range(10, 40), LATE), (NEVER, range(27, 40)))
     of_both = responses(result, np.array([1, 0]))
     assert [phrase(response, PEDESTRIAN) for pair in of_both for response in pair] == [
-        "X never confirms him: impact at 50 km/h",
-        "Y confirms him only then, late: impact at 15 km/h",
-        "X confirms him 1.70 s before it, in time",
-        "Y confirms him 0.30 s after it, late: impact at 31 km/h",
+        "X never confirms the pedestrian: impact at 50 km/h",
+        "Y confirms the pedestrian late, only at the last chance: impact at 15 km/h",
+        "X confirms the pedestrian in time, 1.70 s before the last chance",
+        "Y confirms the pedestrian late, 0.30 s after the last chance: impact at 31 km/h",
     ]
 
 

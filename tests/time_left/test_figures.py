@@ -51,7 +51,7 @@ def test_each_system_has_a_mark_where_it_confirms_and_an_open_one_where_it_never
     assert never.x[0] < 0
     assert never.customdata.tolist() == [[40 + LAST_CHANCE, 1]]
     assert "X never" not in [drawn.name for drawn in figure.data]
-    assert "Y never confirms him: impact at 50 km/h" in never.text[0]
+    assert "Y never confirms the pedestrian: impact at 50 km/h" in never.text[0]
     assert "last chance 2.10 s before contact, at 50 km/h" in never.text[0]
 
 
@@ -200,7 +200,7 @@ def test_the_lanes_have_the_last_chance_and_above_them_the_time_to_contact():
     chance = trace(figure, "last chance to stop")
     assert chance.x.tolist() == pytest.approx([2.9])
     assert chance.customdata.tolist() == [[LAST_CHANCE, 0]]
-    assert "Y confirms him 0.30 s after it, late" in chance.text[0]
+    assert "Y confirms the pedestrian late, 0.30 s after the last chance" in chance.text[0]
     contact = trace(figure, "time to contact")
     assert contact.y[[0, 30]].round(6).tolist() == [5.0, 2.0]
     assert contact.yaxis == "y2"

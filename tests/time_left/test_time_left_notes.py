@@ -28,8 +28,9 @@ def met(boxes=None, place=PLACE, **params) -> Result:
 
 def test_an_urgent_encounter_says_when_and_what_each_system_did():
     assert say(last_chance(met(), 0), PEDESTRIAN) == (
-        "Urgent at 50 km/h (assumed): the last chance to stop is frame 29 (2.90 s). X confirms him "
-        "1.70 s before it, in time. Y never confirms him: impact at 50 km/h."
+        "Urgent at 50 km/h (assumed): the last chance to stop is frame 29 (2.90 s). X confirms the "
+        "pedestrian in time, 1.70 s before the last chance. Y never confirms the "
+        "pedestrian: impact at 50 km/h."
     )
 
 

@@ -1,4 +1,4 @@
-"""Notes of a plan, for the verdict, the page, the report and the command line."""
+"""Notes on a plan, for the verdict, the page, the report and the command line."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ ASSUMPTIONS: Final[dict[Assumption, str]] = {
     "as named": "difference as named",
     "equal": "X and Y equal",
 }
-"""Labels of what is assumed of the true difference."""
+"""Labels of the assumptions about the true difference."""
 
 
 def notes_of_plan(plan: Plan) -> tuple[Note, ...]:
-    """Return what the recordings show and exclude, and how many would show more."""
+    """Return the differences that the recordings show and exclude, and the sizes of studies."""
     row, answer = plan.evidence, plan.noninferiority
     form = evidence_form(row.figure)
     has_p = row.unit in WHOLE and not math.isnan(row.p)
@@ -59,7 +59,7 @@ def notes_of_plan(plan: Plan) -> tuple[Note, ...]:
 
 
 def notes_for_verdict(plan: Plan) -> tuple[Note, ...]:
-    """Return the plan for the difference as found, or nothing if it is unknown."""
+    """Return the plan for the difference as found, if it is known."""
     row, size = plan.evidence, plan.sizes[-1]
     ends = () if row.unit not in WHOLE or math.isnan(row.low) else (excluded(row),)
     extent = _extent(size)
@@ -77,7 +77,7 @@ def notes_for_verdict(plan: Plan) -> tuple[Note, ...]:
 
 
 def excluded(row: Evidence) -> Note:
-    """Return the differences that the 95 % interval excludes, as if nothing else were tested."""
+    """Return the differences excluded by the 95 % confidence interval of this measure alone."""
     if row.unit not in WHOLE:
         return Note("plan.blocks")
     if math.isnan(row.low):

@@ -292,7 +292,7 @@ def _size(
         elif pilot.is_withheld(difference):
             reason = (
                 "the better system also has more false alarms, and without scores that differ "
-                "nothing sets them alike: more recordings do not change that"
+                "the two cannot be set to equal false alarms: more recordings do not change that"
             )
     else:
         sign = favour(asked.candidate, plan.evidence.better)

@@ -1,4 +1,4 @@
-"""What a comparison supports: a headline, and notes by topic, no stronger than its data."""
+"""Verdict of a comparison: a headline and notes by topic that claim no more than the data show."""
 
 from __future__ import annotations
 
@@ -27,23 +27,23 @@ NO_COMPARISON: Final[Mapping[str, Note]] = {
     "same-boxes": Note("verdict.same_boxes"),
     "truth-as-system": Note("verdict.truth_as_system"),
 }
-"""Headlines of findings by which there are no two systems to compare."""
+"""Headlines for findings that leave no two systems to compare."""
 
 
 @dataclass(frozen=True)
 class Point:
-    """What the verdict says on one topic.
+    """Notes of the verdict on one topic.
 
     Attributes
     ----------
     topic
-        In a word or two, such as ``Encounters``.
+        Title in a word or two, such as ``Encounters``.
     notes
-        At least one.
+        At least one note.
     after
-        Topic of the point that it follows; empty: it has its own place.
+        Topic of the point that it follows; empty if the point has its own place.
     is_warning
-        Whether it stands beside the headline, too.
+        Whether the point is also shown beside the headline.
     """
 
     topic: str
@@ -53,7 +53,7 @@ class Point:
 
     @property
     def key(self) -> str:
-        """By which other points find it."""
+        """Key by which other points refer to this one."""
         return self.topic
 
 
@@ -64,13 +64,13 @@ class PointOf:
     Attributes
     ----------
     topic
-        In a word or two.
+        Title in a word or two.
     find
-        Its notes; none: there is nothing to say.
+        Function that returns the notes of a result; the point is left out if there are none.
     after
         Topic of the point that it follows.
     is_warning
-        Whether it stands beside the headline, too, where there is room.
+        Whether the point is also shown beside the headline, where there is room.
     """
 
     topic: str
@@ -81,22 +81,22 @@ class PointOf:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a comparison supports.
+    """Verdict of a comparison.
 
     Attributes
     ----------
     headline
-        What is claimed, or that nothing is, and why.
+        The claim with its reason, or why nothing is claimed.
     points
-        What it rests on, the most important first.
+        Basis of the headline, the most important point first.
     claims
-        Every difference that is called more than chance.
+        All differences that are called more than chance.
     basis
         The comparison that the claims are about.
     doubt
-        What all this depends on, by the audit; None: nothing.
+        Findings of the audit on which the verdict depends, or None.
     objects
-        What sentences call the objects that the boxes are of.
+        Names of the annotated objects in sentences.
     """
 
     headline: Note
@@ -107,28 +107,28 @@ class Verdict:
     objects: Objects
 
     def say(self, *notes: Note | None) -> str:
-        """Word notes as sentences."""
+        """Render notes as sentences."""
         return " ".join(say(note, self.objects) for note in notes if note is not None)
 
     @property
     def in_short(self) -> str:
-        """The headline in one short sentence, without its reason."""
+        """Headline in one short sentence, without its reason."""
         return capitalised(phrase(self.headline, self.objects, "short"))
 
     @property
     def reason(self) -> str:
-        """Why the headline says no more, or what its claims rest on."""
+        """Reason for the headline: the basis of its claims, or why it claims no more."""
         return capitalised(phrase(self.headline, self.objects, "because"))
 
     @property
     def topics(self) -> tuple[tuple[str, str], ...]:
-        """Each point in a word or two, and what is to be said on it; at last the audit."""
+        """Titles and texts of the points, followed by those of the audit."""
         doubt = [("Audit", self.say(self.doubt))] if self.doubt else []
         return (*((point.topic, self.say(*point.notes)) for point in self.points), *doubt)
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Headline, points and doubt, sentence by sentence."""
+        """Sentences of the headline, the points and the audit."""
         of_points = chain.from_iterable(point.notes for point in self.points)
         every = (self.headline, *of_points, self.doubt)
         return tuple(self.say(fact) for fact in every if fact is not None)
@@ -142,36 +142,36 @@ def verdict(
     companions: Companions | None = None,
     plan: tuple[Note, ...] = (),
 ) -> Verdict:
-    """Which differences between X and Y may be claimed, and what the measures say.
+    """Return which differences between X and Y may be claimed, and what the measures show.
 
-    Where X and Y are set to different operating points the headline says so, and claims are about
-    both at equal false alarms, if a threshold gives these. The points tell who detects more
-    encounters, what the failures weigh, what subjects add, who is better in the other measures,
-    which of the differences are more than chance, where strict pairing disagrees, and how many
-    recordings would show more. X and Y are called
-    ``X`` and ``Y``; the worst failure is named by its recording and track.
+    If X and Y are set to different operating points, the headline says so, and claims are about
+    both at equal false alarms, provided that a threshold gives these. The points tell which system
+    detects more encounters, how severe the failures are, which system is better in the other
+    measures, which differences are more than chance, where strict pairing disagrees, and how many
+    more recordings it would take. Subjects add points of their own. Systems are called ``X`` and
+    ``Y``; the worst failure is named by its recording and track.
 
     Parameters
     ----------
     findings
-        Of the audit of the same inputs.
+        Findings of the audit of the same inputs.
     evidence
-        `nvcore.evidence.table.evidence_table` of the result; None: not tested.
+        `nvcore.evidence.table.evidence_table` of the result, or None if it is not tested.
     companions
-        `nvcore.evidence.companions.find_companions` of the result; None: not yet known, and nothing
-        is claimed.
+        `nvcore.evidence.companions.find_companions` of the result. Nothing is claimed while they
+        are unknown (None).
     plan
         `nvcore.report.plan.verdict_plan` of the result: how many more recordings it would take.
 
     Notes
     -----
-    Without a near encounter the point on encounters says that there is none; a measure that is
+    Without a near encounter, the point on encounters says that there is none. A measure that is
     undefined for a system is left out.
 
     Examples
     --------
     >>> verdict(result).sentences[0]  # doctest: +SKIP
-    'X is better on encounters detected (31 against 24): more than chance over 12 recordings.'
+    'X is better on encounters detected (31 vs 24), by more than chance across 12 recordings.'
     """
     about, decisive = decided_on(result, evidence, companions)
     is_at_equal_alarms = about is not result or result.as_set is not None
@@ -228,7 +228,7 @@ def verdict(
 
 
 def _doubt(serious: Sequence[Finding]) -> Note:
-    """Return the findings that all depends on; those without a caveat are counted."""
+    """Return the findings that the verdict depends on by their caveats, or else as a count."""
     known = {**caveats().warned, **caveats().lesser}
     codes = [finding.code for finding in serious]
     return Note(

@@ -1,4 +1,4 @@
-"""The headline of the verdict: the strongest difference that the data support, or that none is."""
+"""Headline of the verdict: the strongest difference that the data support, if there is one."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ def headline(
     companions: Companions | None,
     support: Support,
 ) -> Note:
-    """Return what is claimed, or that nothing is, and why.
+    """Return the claim with its reason, or why nothing is claimed.
 
     Parameters
     ----------
     evidence
-        Of the comparison that claims are about; None where it supports none.
+        Table of evidence of the comparison that claims are about; None if it supports no claim.
     """
     conclusion = _conclusion(result, evidence, companions, support)
     is_unequal = result.as_set is None and are_unequal(result)
@@ -55,7 +55,7 @@ def _conclusion(
         return Note("verdict.untested")
     n, noun = count_whole(result.dataset)
     if support.claims:
-        ranked = sorted(support.claims, key=lambda claim: claim.p)  # those alike in table's order
+        ranked = sorted(support.claims, key=lambda claim: claim.p)  # ties keep the table's order
         return Note(
             "verdict.claimed",
             n=max(claim.n for claim in support.claims),
@@ -86,7 +86,7 @@ def _conclusion(
 
 
 def _remarks(result: Result, claims: Sequence[Claim]) -> list[Note]:
-    """Return what subjects say of claims about these measures."""
+    """Return the remarks of subjects on claims about these measures."""
     measures = [measure_of(claim.key) for claim in claims]
     remarks = (subject.of_claims(result, measures) for subject in contributed("remarks"))
     return [remark for remark in remarks if remark is not None]
@@ -95,7 +95,7 @@ def _remarks(result: Result, claims: Sequence[Claim]) -> list[Note]:
 def _better(
     result: Result, claims: Sequence[Claim], evidence: pd.DataFrame, n_with_values: int
 ) -> list[Note]:
-    """Return in what each system is better, the first differences with their values."""
+    """Return in which measures each system is better, the first differences with their values."""
     of_key = {row["figure"]: row for row in evidence.to_dict("records")}
     first_winner = claims[0].winner if claims else ""
     with_values = {claim.key for claim in claims[:n_with_values]}

@@ -38,7 +38,7 @@ from nvcore.wording import duration_text, interval_text, number, one_line, short
 
 ENCOUNTERS: Final = "encounters_detected_by_unit"
 HALF: Final = 0.5
-"""With less of the events' time of pedestrians that count, saliency is mostly of others."""
+"""Saliency is mostly about others if pedestrians who count have less than this share of time."""
 NAME_WIDTH: Final = 40
 """Longest name of a recording."""
 EPISODES: Final = "false_alert_episodes"
@@ -50,7 +50,7 @@ class QualityMeasure(NamedTuple):
     Attributes
     ----------
     key
-        Of `nvcore.measures.table.MEASURES`.
+        Key in `nvcore.measures.table.MEASURES`.
     form, unit
         Format specification of the values, and what follows them.
     """
@@ -70,7 +70,7 @@ QUALITIES: Final = (
 
 
 def operating_points(result: Result, companions: Companions | None) -> tuple[Note, ...]:
-    """How X and Y are set, where that is unequal, or was; none where they are set alike."""
+    """Return the operating points of X and Y, if they are or were unequal."""
     if result.as_set is not None:
         return (Note("verdict.equal_numbers", setting=equal_setting(result)),)
     if not are_unequal(result):
@@ -83,7 +83,7 @@ def operating_points(result: Result, companions: Companions | None) -> tuple[Not
 
 
 def question(result: Result, evidence: pd.DataFrame | None) -> tuple[Note, ...]:
-    """The primary measure and how it is tested; none where nothing has a p."""
+    """Return the primary measure and how it is tested, or nothing if no measure has a p."""
     if evidence is None or not np.isfinite(evidence["p_corrected"]).any():
         return ()
     primary = primary_of(result.dataset)
@@ -98,7 +98,7 @@ def question(result: Result, evidence: pd.DataFrame | None) -> tuple[Note, ...]:
 
 
 def encounters(result: Result, evidence: pd.DataFrame | None, support: Support) -> tuple[Note, ...]:
-    """Who detects more encounters, and p of that by recordings, unless it is withheld."""
+    """Return which system detects more encounters, with p by recordings unless it is withheld."""
     venn, test = result.venn, None
     if evidence is not None and ENCOUNTERS not in support.withheld:
         row = evidence[evidence["figure"] == ENCOUNTERS].iloc[0]
@@ -116,7 +116,7 @@ def encounters(result: Result, evidence: pd.DataFrame | None, support: Support) 
 
 
 def weights(result: Result) -> tuple[Note, ...]:
-    """What the encounters cost that only one system detects, and the worst failure."""
+    """Return the severity of encounters that only one system detects, and the worst failure."""
     venn = result.venn
     of_x, of_y = (result.severity_of(system) for _, system in result.sides)
     costs = [
@@ -150,7 +150,7 @@ def _worst_failure(result: Result) -> tuple[Note, ...]:
 
 
 def measures(result: Result, evidence: pd.DataFrame | None) -> tuple[Note, ...]:
-    """In which of the other measures X is better, in which Y, and which are the same."""
+    """Return in which of the other measures X or Y is better, and which are equal."""
     qualities: dict[str, list[Note]] = {"x": [], "y": [], "both": []}
     for key, form, unit in QUALITIES:
         x, y = _values(key, result, evidence)
@@ -176,13 +176,13 @@ def measures(result: Result, evidence: pd.DataFrame | None) -> tuple[Note, ...]:
 
 
 def _extent(result: Result) -> str:
-    """In which time there are episodes, and of which frames, where not of all."""
+    """Return the time over which episodes are counted, and which frames if not all."""
     every = every_nth(result.dataset.frame_columns)
     return f" in {duration_text(result.duration_s)}{every and f', {every}'}"
 
 
 def _far_away(result: Result) -> tuple[Note, ...]:
-    """How little of the saliency is of pedestrians that count; none: half or more of both's."""
+    """Return the share of saliency about pedestrians who count, if below half for a system."""
     shares = {letter: relevant_share(system) for letter, system in result.sides}
     if not any(share < HALF for share in shares.values()):
         return ()
@@ -195,7 +195,7 @@ def _far_away(result: Result) -> tuple[Note, ...]:
 
 
 def _values(key: str, result: Result, evidence: pd.DataFrame | None) -> tuple[float, float]:
-    """A measure of X and Y; NaN where undefined."""
+    """Return a measure of X and Y, NaN where it is undefined."""
     if key != MISS_RATE:
         is_defined = key != EPISODES or bool(result.duration_s)
         return values_of(key, result) if is_defined else (np.nan, np.nan)
@@ -204,7 +204,7 @@ def _values(key: str, result: Result, evidence: pd.DataFrame | None) -> tuple[fl
 
 
 def chance(result: Result, evidence: pd.DataFrame | None, support: Support) -> tuple[Note, ...]:
-    """Which differences are more than chance, and why others that seem so are not claimed."""
+    """Return differences that are more than chance, and why others that seem so are not claimed."""
     if evidence is None:
         return ()
     of_key = {row["figure"]: row for row in evidence.to_dict("records")}
@@ -235,7 +235,7 @@ def _shown(result: Result, claim: Claim, row: Mapping[Hashable, Any]) -> Note:
 
 
 def strict_pairing(result: Result, strict: Result) -> tuple[Note, ...]:
-    """Where strict pairing puts the other system first; none where it agrees."""
+    """Return the measures in which strict pairing puts the other system first."""
     better: dict[str, list[Note]] = {"x": [], "y": []}
     for key, form, unit in QUALITIES:
         if is_turned_strictly(key, result, strict):
@@ -249,7 +249,7 @@ def strict_pairing(result: Result, strict: Result) -> tuple[Note, ...]:
 
 
 def thresholds(result: Result) -> tuple[Note, ...]:
-    """Which systems have scores but no threshold."""
+    """Return the systems that have scores but no confidence threshold."""
     systems = [
         letter
         for letter, system in result.sides

@@ -94,8 +94,8 @@ def test_what_classes_were_read_is_counted_by_hand():
     section = classes_section(limits_read())
     read_by_x, figure, counts, read_by_y = section.blocks
     assert read_by_x == Sentences(
-        ("X: 60.0 % of 5 matches right, 95 % interval 23.1 % to 88.2 % (Wilson; as if boxes were "
-         "independent).",)
+        ("X: class correct in 60.0 % of 5 matches, 95 % confidence interval 23.1 % to 88.2 % "
+         "(Wilson, as if boxes were independent).",)
     )  # fmt: skip
     assert isinstance(figure, Chart)
     assert isinstance(counts, Table)
@@ -344,7 +344,7 @@ def test_frames_rather_than_persons_are_no_evidence_of_their_own(tmp_path, page)
     ):
         section = content.partition(f'<section id="{anchor}">')[2].partition("</section>")[0]
         assert sentence in section
-    assert "so uneven a split" not in content
+    assert "A split this uneven" not in content
     short = Page(content)
     label = "share of encounters detected, within these recordings"
     assert short.row("Differences and tests", f"{label} ↑")[3:7] == ["–"] * 4
@@ -444,10 +444,10 @@ def test_all_numbers_are_at_one_operating_point(tmp_path):
     for of, n_marked in ((result, 10), (equal, 0)):
         write_html_report(of, Settings(), (), path, stability=False)
         page = Page(path.read_text(encoding="utf-8"))
-        as_set = "As set: at unequal operating points"
+        as_set = "As set, at unequal operating points"
         assert sum(text.startswith(as_set) for text in page.words) == n_marked
         assert ("nothing is claimed from that comparison." in page.text) == (of is result)
-        assert ("At equal false alarms (X with scores of" in page.text) == (of is equal)
+        assert ("At equal false alarms (X at a confidence" in page.text) == (of is equal)
         rows = {row[0]: row[1:] for row in page.tables["Measures of X and Y"][1:]}
         assert rows["mean similarity"][0] == number(of.x.summary.mean, ".4f")
         assert f"of {of.venn.n_near}" in page.text

@@ -188,10 +188,13 @@ def test_an_alert_of_the_list_is_gone_to(page: AppTest) -> None:
 def test_of_100_encounters_each_kind_of_alert_has_its_table(page: AppTest) -> None:
     assert titles(page)[1:] == ["Brakes in time, by kind of alert"]
     said = texts(page)
-    assert "Of 20 urgent encounters, drivers brake in time with X and with Y in: visual" in said
-    assert "With visual alerts X" in said
+    assert (
+        "Drivers brake in time in this share of 20 urgent encounters, with X and with Y: visual"
+        in said
+    )
+    assert "With visual alerts, X" in said
     checked(page.segmented_control(key="alerts_reaction").set_value("haptic").run())
-    assert "With haptic alerts X" in texts(page)
+    assert "With haptic alerts, X" in texts(page)
 
 
 def test_whom_the_driver_sees_is_undefined_where_it_is_not_known(page: AppTest) -> None:

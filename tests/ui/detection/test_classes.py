@@ -21,7 +21,10 @@ def test_a_limit_that_was_read_wrong_is_told(tmp_path: Path, monkeypatch: pytest
     page = classes(write_limits(tmp_path), monkeypatch)
     words = texts(page).replace("\\", "")
     assert "Classes" in [header.value for header in page.header]
-    assert "X: 66.7 % of 3 matches right, 95 % interval 20.8 % to 93.9 %" in words
+    assert (
+        "X: class correct in 66.7 % of 3 matches, 95 % confidence interval 20.8 % to 93.9 %"
+        in words
+    )
     assert "Y names no classes" in words
 
 

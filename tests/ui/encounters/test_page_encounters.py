@@ -69,7 +69,7 @@ def test_all_encounters_of_the_sample_are_listed_the_heaviest_failures_first(pag
     assert set(rows["category"].tail(8)) == {"distant"}
     assert page.selectbox(key="encounters_order").value == "severity"
     assert "encounters_clear" not in [button.key for button in page.button]
-    assert "X does not detect 8 and Y does not detect 11" in texts(page)
+    assert "X misses 8 and Y misses 11" in texts(page)
     assert "“X or Y” detects 35 of 38 encounters, 5 more than X alone" in texts(page)
     assert list(rows) == list(table.FIRST_COLUMNS)  # until all are asked for
     more = part(f"ui.encounters.table.draw({ALL}, 0)")
@@ -241,7 +241,8 @@ def test_time_left_and_classes_are_said_of_the_encounter_and_its_last_chance_ope
     page = one(encounter_of(result, "rural_road:4"))
     assert (
         "Urgent at 50 km/h (assumed): the last chance to stop is frame 194 (9.70 s). X confirms "
-        "him 0.45 s before it, in time. Y confirms him 1.55 s after it, late: impact at 50 km/h."
+        "the pedestrian in time, 0.45 s before the last chance. Y confirms the pedestrian late, "
+        "1.55 s after the last chance: impact at 50 km/h."
     ) in texts(page)
     assert "(metrics#classes-of-encounters): in road." in texts(page)
     button = page.button(key="encounters_show_chance")

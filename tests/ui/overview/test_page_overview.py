@@ -312,13 +312,13 @@ def test_the_verdict_waits_for_the_comparison_at_equal_false_alarms(
 
 
 def test_the_operating_point_is_that_of_every_page_and_of_the_address(app: AppTest):
-    mark, control = "As set: at unequal operating points", "operating_point"
+    mark, control = "As set, at unequal operating points", "operating_point"
     assert mark not in texts(app)
     assert control not in {group.key for group in app.button_group}
     checked(app.slider(key="threshold_x").set_value(0.1).run())
     alarms = "false alarms per frame ↓"
     at_equal = scorecard(app)[alarms]
-    assert texts(app).count("At equal false alarms (X with scores of ") == 1
+    assert texts(app).count("At equal false alarms (X at a confidence threshold of ") == 1
     assert mark not in texts(app)
     assert "point" not in app.query_params
     checked(app.button_group(key=control).set_value("as-set").run())

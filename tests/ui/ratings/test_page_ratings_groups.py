@@ -21,8 +21,8 @@ def test_groups_of_a_file_are_compared_as_the_command_does():
     assert not page.subheader
     sent = ("means.csv", MEANS.encode(), "text/csv")
     checked(page.file_uploader(key="groups_file").set_value(sent).run())
-    assert "Welch's ANOVA and Games–Howell comparisons fit, which do not assume" in words(page)
-    assert "audio is above haptic by 926 (p = 0.0075)" in words(page)
+    assert "Welch's ANOVA and Games–Howell comparisons fit, because they do not" in words(page)
+    assert "audio is 926 above haptic (p = 0.0075)" in words(page)
     assert [heading.value for heading in page.subheader] == [*groups.HEADINGS.values()]
     tests = tables(page)[1]
     assert tests["c0"].tolist() == ["one-way ANOVA", "★ Welch's ANOVA"]
@@ -51,5 +51,5 @@ def test_values_typed_in_are_compared_without_a_comparison_of_systems(
     checked(page.run())
     checked(page.button_group(key="groups_source").set_value(groups.VALUES).run())
     assert "A comparison needs two" not in words(page)
-    assert "6 values of value in 2 conditions, taken as numbers" in words(page)
+    assert "6 values of value in 2 conditions, treated as numbers" in words(page)
     assert tables(page)[0]["c0"].tolist() == ["a", "b"]

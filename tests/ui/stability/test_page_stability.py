@@ -48,7 +48,7 @@ def test_the_map_of_the_sample_is_told_for_each_choice_and_setting():
     assert "As analysed, X has the higher mean similarity, by 0.0189." in words(page)
     assert "range: misses against false alarms (alpha) 0.5 to 1" in words(page)
     p = "p = 0.47; 0.77 after correction for all measures"
-    assert f"not shown to be more than chance (by 10 recordings, {p})" in words(page)
+    assert f"not shown to be more than chance (10 recordings, {p})" in words(page)
     for plane, criterion, who in (
         ("thresholds", "encounters", "X detects more encounters"),
         ("matching", "encounters", "X detects more encounters"),
@@ -76,9 +76,9 @@ def test_unequal_operating_points_are_told_as_on_the_other_pages():
     assert "equal false alarms (" not in words(page)
     page.session_state["new_params"] = {"threshold_y": 0.2}
     checked(page.run())
-    assert "At equal false alarms (Y with scores of" in words(page)
+    assert "At equal false alarms (Y at a confidence threshold of" in words(page)
     checked(page.button_group(key="operating_point").set_value("as-set").run())
-    assert "As set: at unequal operating points" in words(page)
+    assert "As set, at unequal operating points" in words(page)
     assert "Nothing is claimed from these" in words(page)
 
 
@@ -95,7 +95,7 @@ def test_single_frames_are_not_tested_as_if_they_were_persons(tmp_path, monkeypa
     page = opened()
     checked(page.button_group(key="stability_criterion").set_value("encounters").run())
     assert "As analysed, X detects more encounters, by 19 encounters." in words(page)
-    assert "Whether this difference is more than chance cannot be tested here" in words(page)
+    assert "It cannot be tested here whether this difference is more than chance" in words(page)
 
 
 def test_the_table_of_many_frames_is_made_on_a_wish():

@@ -68,8 +68,8 @@ def session(folder: Path, truth: list[Box], *systems: list[Box]) -> Path:
 def test_the_sample_has_the_numbers_of_an_independent_reading(page: AppTest):
     headline = page.header[0].value
     assert headline.replace("\\", "").startswith(
-        "Of 20 urgent encounters at 50 km/h (assumed), X confirms 19 in time and Y 15; mean impact "
-        "speed 1.3 km/h with X and 9.0 km/h with Y"
+        "Of 20 urgent encounters at 50 km/h (assumed), X confirms 19 in time and Y 15. The mean "
+        "impact speed is 1.3 km/h with X and 9.0 km/h with Y"
     )
     measures = pages.measures(page, "time-left")
     assert measures["urgent encounters in time, of 20 ↑"] == ("19", "15", "+4", "")
@@ -84,7 +84,9 @@ def test_the_sample_has_the_numbers_of_an_independent_reading(page: AppTest):
         "Mean impact speed over speed",
         "Margin of X against Y",
     ]
-    assert "Below 75 km/h X confirms the larger share in time, from there on Y" in texts(page)
+    assert "Below 75 km/h, X confirms the larger share in time; from there on, Y does" in texts(
+        page
+    )
 
 
 def test_children_only_stand_in_the_table_by_class(page: AppTest):
@@ -140,7 +142,9 @@ def test_a_few_encounters_are_called_few_and_a_system_that_is_never_sure_hits_at
     boxes = approach(range(40), 5)
     begin_with(session(tmp_path, boxes, boxes, only(boxes, range(3))), monkeypatch)
     page = alone_on()
-    assert "The only urgent encounter says what happened in these recordings" in texts(page)
+    assert "There is only 1 urgent encounter. It shows what happened in these recordings" in texts(
+        page
+    )
     assert pages.measures(page, "time-left")["median margin, where both confirm (s)"][0] != "–"
     assert "recording" not in tables(page)[0]
 
