@@ -87,6 +87,13 @@ def decisive_moments(result: Result) -> list[Moment]:
     return moments[:MOST]
 
 
+def main_moments(result: Result, n: int = 3) -> list[Moment]:
+    """The first `n` of `decisive_moments`, one of each kind before the second of any."""
+    moments = decisive_moments(result)
+    first = {moment.title.partition(" (")[0]: moment for moment in reversed(moments)}
+    return sorted(moments, key=lambda moment: moment not in first.values())[:n]
+
+
 def _worst(result: Result, moment: Mapping[Any, Any]) -> Moment | None:
     """A worst moment, in a frame that shows its subject; None: too small a difference."""
     kind, encounter = moment["kind"], _about(result, moment)
