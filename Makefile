@@ -75,6 +75,7 @@ docs: $(DEVELOP)
 	PYTHONPATH=tests/helpers $(BIN)/python tests/cli/test_docs_cli.py
 	PYTHONPATH=tests/helpers $(BIN)/python tests/tables/test_docs_report.py
 	$(BIN)/python tests/test_notes.py
+	PYTHONPATH=tests/helpers $(BIN)/python tests/report/test_brief.py
 
 # The browser tests drive Debian's Chromium without windows; where it is missing and may be installed, it is.
 chromium:

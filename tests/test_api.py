@@ -278,7 +278,7 @@ def test_its_text_and_files_are_those_of_the_command_line(folder: Path, tmp_path
     result.write(tmp_path / "python")
     result.write_html(tmp_path / "python.html", stability=False)
     given = flags(folder, "--alpha", 0.8)
-    printed = nvcore("compare", *given, "--out", tmp_path / "shell")
+    printed = nvcore("compare", *given, "--full", "--out", tmp_path / "shell")
     nvcore("report", *given, "--no-stability", "--out", tmp_path / "shell.html")
     assert printed.stdout.endswith(f"{result}\n")
     assert written(tmp_path / "python") == written(tmp_path / "shell")

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from nvcore.arguments import OUTPUT
 from nvcore.cli.options import (
@@ -38,8 +40,13 @@ if TYPE_CHECKING:
     from nvcore.report.files import TableFormat
 
 AT_EQUAL_ALARMS = "all numbers at equal false alarms: --operating-point equal-alarms"
+FULL = "the whole audit, all measures and reasons"
+KEEPING = {"session_file", "out", "tables", "matches", "full", "as_json", "strict"}
+"""Options on which no number depends."""
+LONGEST_NAME = 70
+"""Letters of a session file's path, up to which it is written in a command."""
 MAX_CONVERSION = 160
-"""Letters of a conversion's text that `compare` shows: some two lines with the path."""
+"""Letters of a conversion's text that `compare --full` shows: some two lines with the path."""
 
 
 @click.command(
@@ -72,6 +79,12 @@ MAX_CONVERSION = 160
     help="Write matches.parquet there, too: every box, and whom it matches (docs/report.md).",
 )
 @grouped_option(
+    OUTPUT,
+    "--full",
+    is_flag=True,
+    help="Print what was read, every finding, every measure, and the verdict with its reasons.",
+)
+@grouped_option(
     OUTPUT, "--json", "as_json", is_flag=True, help="Print summary.json, not the scorecard."
 )
 @strict_option
@@ -81,21 +94,23 @@ def compare(
     out: Path | None,
     tables: TableFormat | None,
     matches: bool,
+    full: bool,
     as_json: bool,
     strict: bool,
     **options: Any,
 ) -> None:
     """Compare systems X and Y against the ground truth.
 
-    Inputs come from SESSION_FILE (TOML) or from --truth, --x and --y. The audit of the inputs is
-    printed first. Exit code 0: fine, 1: the audit found errors (with --strict: or warnings), 2: bad
-    input.
+    Inputs come from SESSION_FILE (TOML) or from --truth, --x and --y. One screen is printed: the
+    worst findings of the audit, leading measures, verdict, moments to look at; with --full all of
+    it. Exit code 0: fine, 1: the audit found errors (with --strict: or warnings), 2: bad input.
     """
     from nvcore.auditing import audit, picture_findings
     from nvcore.comparison import compare
     from nvcore.evidence.operating_points import are_unequal, at_operating_point
     from nvcore.findings import worst_first
     from nvcore.inputs.load import load
+    from nvcore.report.brief import MOST_LINES, render_brief
     from nvcore.report.files import REPORT_FILES, summary_json, write_report
     from nvcore.report.terminal import render_findings, render_inputs, render_scorecard
 
@@ -115,25 +130,65 @@ def compare(
         steps.begin("analysing")
         result = at_operating_point(compare(dataset), session.operating_point or "as-set")
         steps.begin("what fusion would do")
-        text = (
-            summary_json(result)
-            if as_json
-            else render_scorecard(result, findings, session.protocol)
-        )
+        path = shown_paths(session.folder, session.sources, dataset.systems)
+        shown = findings_shown(findings, path, dataset.compared())
+        if as_json:
+            text = summary_json(result)
+        elif full:
+            text = render_scorecard(result, findings, session.protocol)
+        else:
+            n_more = 2 * are_unequal(result) + (out is not None)  # lines on the error stream
+            text = render_brief(
+                *(result, shown, session.protocol),
+                next_steps=_next_steps(options["session_file"], out),
+                most_lines=MOST_LINES - n_more,
+            )
         if out is not None:
             kinds: dict[str, Any] = {"tables": tables or "csv", "matches": matches}
             write_report(result, session, out, findings, progress=steps, **kinds)
-    path = shown_paths(session.folder, session.sources, dataset.systems)
-    short = _for_terminal(dataset, path, longest=MAX_CONVERSION)
-    click.echo(render_inputs(replace(result, dataset=short)), err=as_json)
-    shown = findings_shown(findings, path, dataset.compared())
-    click.echo("\n" + render_findings(shown) + "\n", err=as_json)
+    if full or as_json:
+        short = _for_terminal(dataset, path, longest=MAX_CONVERSION)
+        click.echo(render_inputs(replace(result, dataset=short)), err=as_json)
+        click.echo("\n" + render_findings(shown) + "\n", err=as_json)
     click.echo(text, nl=not as_json)
     if are_unequal(result):
         click.echo(f"\n{AT_EQUAL_ALARMS}", err=True)
     if out is not None:
         click.echo(one_line(f"written to {out}"), err=True)
     exit_on_findings(findings, strict)
+
+
+def _next_steps(session_file: Path | None, out: Path | None) -> list[str]:
+    """Return commands that show more, by a session file that says all that this command does."""
+    from nvcore.report.brief import WIDTH
+    from nvcore.report.files import SESSION_FILE
+
+    source = click.get_current_context().get_parameter_source
+    names = {*click.get_current_context().params} - KEEPING
+    is_changed = any(source(name) is ParameterSource.COMMANDLINE for name in names)
+    file = out / SESSION_FILE if out else None if is_changed else session_file
+    if file is None:
+        steps = {
+            "add --full": FULL,
+            "add --out DIR": "the tables, and DIR/session.toml for nvcore app and nvcore report",
+        }
+    else:
+        name = shlex.quote(one_line(str(file)))
+        name = name if len(name) <= LONGEST_NAME else "SESSION_FILE"
+        steps = {
+            f"nvcore compare {name} --full": FULL,
+            f"nvcore app {name}": "these moments with boxes, in the dashboard",
+            f"nvcore report {name}": "all of it as one HTML file",
+        }
+    width = max(map(len, steps))
+    heads = ["Next: ", *["      "] * (len(steps) - 1)]
+    lines = [
+        f"{head}{step:<{width}}  {shown}"
+        for head, (step, shown) in zip(heads, steps.items(), strict=True)
+    ]
+    if max(map(len, lines)) <= WIDTH:
+        return lines
+    return [f"{head}{step}" for head, step in zip(heads, steps, strict=True)]
 
 
 def _protect_inputs(

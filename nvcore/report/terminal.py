@@ -83,8 +83,8 @@ def render_scorecard(
     conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
     caveat = result.objects.say(saliency_caveat(result.params))
     parts = [
-        _heading(result),
-        _table(result),
+        "\n".join(heading_lines(result)),
+        "\n".join(_scorecard_lines(result)),
         _venn(result),
         _fusion(result),
         *([f"saliency: {caveat[0].lower()}{caveat[1:-1]}"] if caveat else []),
@@ -100,16 +100,19 @@ def render_verdict(conclusion: Verdict) -> str:
     return _text([f"In short: {conclusion.say(conclusion.headline)}", *lines])
 
 
-def render_findings(findings: Sequence[Finding]) -> str:
-    """The audit's findings, one paragraph each, in the order given."""
-    if not findings:
-        return "Audit: nothing found."
+def findings_count(findings: Sequence[Finding]) -> str:
+    """How many findings of each severity there are."""
     counts = [
-        f"{n} {kind.value}{'s' if n != 1 else ''}"
+        count_text(n, kind.value)
         for kind in Severity
         if (n := sum(finding.severity == kind for finding in findings))
     ]
-    lines = [f"Audit: {', '.join(counts)}."]
+    return f"Audit: {', '.join(counts) or 'nothing found'}."
+
+
+def render_findings(findings: Sequence[Finding]) -> str:
+    """The audit's findings, one paragraph each, in the order given."""
+    lines = [findings_count(findings)]
     for finding in findings:
         where = ", ".join(part for part in (finding.file, finding.example) if part)
         lines.append(f"  {finding.severity.value:<8}{finding.subject}: {finding.message}")
@@ -198,28 +201,39 @@ def render_inputs(result: Result) -> str:
     return "\n".join(lines)
 
 
-def _heading(result: Result) -> str:
-    n_recordings = len(result.dataset.recordings)
+def heading_lines(result: Result) -> list[str]:
+    """X, Y, how much is compared, and at which operating points where they are unequal."""
+    one = result.objects.singular
     lines = [
         f"{letter.upper()} = {system.name}"
         + (f", score >= {system.threshold:g}" if system.threshold is not None else ", all scores")
         for letter, system in result.sides
     ]
     lines.append(
-        f"{n_recordings} recording{'s' if n_recordings > 1 else ''}, "
+        f"{count_text(len(result.dataset.recordings), 'recording')}, "
         f"{n_frames_text(result)}, {result.duration_s:,.1f} s, "
-        f"{int(result.n_truth.sum()):,} {result.objects.singular} boxes, {result.venn.n_near:,} "
-        f"encounter{'s' if result.venn.n_near != 1 else ''} "
-        f"(and {result.venn.distant:,} distant, not counted)"
+        f"{count_text(int(result.n_truth.sum()), f'{one} box', f'{one} boxes')}, "
+        f"{count_text(result.venn.n_near, 'encounter')} "
+        f"({result.venn.distant:,} distant, not counted)"
     )
     note = point_note(result)
-    return _text([*lines, *([say(note, result.objects)] if note else [])])
+    lines += [say(note, result.objects)] if note else []
+    return [one_line(line) for line in lines]
 
 
-def _table(result: Result) -> str:
+def _scorecard_lines(result: Result) -> list[str]:
+    cells = scorecard_cells(result, indent="  ", mark=short_mark(result))
+    return [*table_lines(result, cells), *measure_notes(result)]
+
+
+def short_mark(result: Result) -> str:
+    """The mark of measures that mean little here; empty: none does."""
+    return " *" if result.is_short else ""
+
+
+def table_lines(result: Result, cells: Sequence[tuple[str, ...]]) -> list[str]:
+    """Measures below the names of both systems, see `score_cells`."""
     heads = [_head(letter, system) for letter, system in result.sides]
-    mark = " *" if result.is_short else ""
-    cells = scorecard_cells(result, indent="  ", mark=mark)
     rows = [("", *heads, "X - Y", "better"), *cells]
     widths = [max(len(row[i]) for row in rows) for i in range(4)]
     lines = [
@@ -227,11 +241,10 @@ def _table(result: Result) -> str:
         + f"  {row[4]}"
         for row in rows
     ]
-    lines += _notes(result)
-    return _text([line.rstrip() for line in lines])
+    return [one_line(line.rstrip()) for line in lines]
 
 
-def _notes(result: Result) -> list[str]:
+def measure_notes(result: Result) -> list[str]:
     """What to know of the rates, and of measures that need encounters of several frames."""
     notes = [SHORT_ROWS] if result.is_short else []
     sampling = sampling_note(result.dataset.frame_columns)
@@ -240,7 +253,7 @@ def _notes(result: Result) -> list[str]:
         for remarks in contributed("remarks")
         for fact in remarks.note(result)
     )
-    return [*notes, *filter(None, (sampling, *of_subjects))]
+    return [one_line(note) for note in (*notes, sampling, *of_subjects) if note]
 
 
 def _head(letter: str, system: SystemResult) -> str:

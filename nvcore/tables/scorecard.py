@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import CurveSummary
@@ -17,6 +17,11 @@ from nvcore.measures.table import (
     measure_of,
     measures_in,
 )
+
+LEADING: Final = tuple(
+    measure.key for measure in measures_in(MeasureTable.SCORECARD) if measure.leads
+)
+"""Measures that are shown before all are asked for."""
 
 
 class ScoreRow(NamedTuple):

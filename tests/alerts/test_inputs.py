@@ -288,8 +288,9 @@ def test_the_command_prints_measures_and_curve_and_writes_both_tables(night: Pat
 
 
 def test_a_comparison_shows_alerts_only_if_it_is_asked_for_them(night: Path, tmp_path: Path):
-    plain = run("compare", night, "--out", tmp_path / "plain").stdout
-    asked = run("compare", night, "--alerts", "policy", "--out", tmp_path / "asked").stdout
+    plain = run("compare", night, "--full", "--out", tmp_path / "plain").stdout
+    policy = ["--alerts", "policy", "--full"]
+    asked = run("compare", night, *policy, "--out", tmp_path / "asked").stdout
     assert "alerts:" in asked
     assert "alerts:" not in plain
     summaries = [

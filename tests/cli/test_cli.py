@@ -40,8 +40,8 @@ def written(folder: Path) -> dict:
 # compare
 
 
-def test_compare_prints_inputs_audit_and_scorecard(folder: Path):
-    result = nvcore("compare", *flags(folder))
+def test_compare_in_full_prints_inputs_audit_and_scorecard(folder: Path):
+    result = nvcore("compare", *flags(folder), "--full")
     assert result.exit_code == 0, result.output
     order = ["truth.csv (csv;", "Audit:", "X = fir, all scores", "both 1, only X 1"]
     places = [result.stdout.index(text) for text in order]
@@ -158,9 +158,9 @@ def test_size_fps_and_frames_by_flag_go_before_the_session(folder: Path, tmp_pat
 
 def test_names_choose_among_the_systems_of_a_session_and_name_those_of_flags(folder: Path):
     result = nvcore("compare", session(folder), "--name-x", "NIR")
-    assert "X = NIR, all scores\nY = FIR, score >= 0.5" in result.stdout
+    assert "X = NIR, all scores; Y = FIR, score >= 0.5" in result.stdout
     result = nvcore("compare", *flags(folder, "--name-x", "warm", "--name-y", "bright"))
-    assert "X = warm, all scores\nY = bright, all scores" in result.stdout
+    assert "X = warm, all scores; Y = bright, all scores" in result.stdout
 
 
 CORRECTIONS = ("--offset-frames-y", 1, "--offset-px-y", "2,-3.5", "--scale-y", "2",
@@ -172,7 +172,7 @@ def test_corrections_by_flag_reach_the_boxes_and_the_written_session(
     folder: Path, tmp_path: Path, kind: str
 ):
     inputs = flags(folder) if kind == "flags" else [session(folder)]
-    result = nvcore("compare", *inputs, *CORRECTIONS, "--out", tmp_path / "a")
+    result = nvcore("compare", *inputs, *CORRECTIONS, "--full", "--out", tmp_path / "a")
     assert "coordinates scaled by 2, 2; boxes moved by 2, -3.5 px; frame numbers moved by +1" in (
         result.stdout
     )

@@ -20,9 +20,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize("command", ["compare", "check"])
-def test_a_file_below_the_current_folder_is_shown_by_its_whole_path(folder: Path, command: str):
-    result = nvcore(command, *flags(folder / "a" / "b" / "drive"))
+@pytest.mark.parametrize("command", [["compare", "--full"], ["check"]], ids=" ".join)
+def test_a_file_below_the_current_folder_is_shown_by_its_whole_path(
+    folder: Path, command: list[str]
+):
+    result = nvcore(*command, *flags(folder / "a" / "b" / "drive"))
     assert "truth: a/b/drive/truth.csv (csv; " in result.stdout
 
 
@@ -53,7 +55,7 @@ def test_a_finding_on_the_terminal_names_the_path_and_in_the_report_the_name(fol
             stream.write("0,1,11,21,30,60,1,1,1\n")
     source = "w/in/*/det/det.txt"
     result = nvcore("compare", "--truth", "w/in/*/gt/gt.txt", "--x", source, "--y", source,
-                    "--out", "report")  # fmt: skip
+                    "--full", "--out", "report")  # fmt: skip
     assert "first: w/in/A/gt/gt.txt, line 5: frame 0" in result.stdout
     report = Path("report/findings.csv").read_text()
     assert ",A/gt/gt.txt," in report
@@ -78,7 +80,7 @@ def test_a_finding_names_the_path_where_two_inputs_have_files_of_one_name(
     for name, row in (("truth", boxes[0]), ("x", "77,1,1,40,100"), ("y", boxes[0])):
         write(tmp_path / name / "0015.csv", "frame,x,y,w,h", *boxes, row)
     given = ["--truth", "truth", "--x", "x", "--y", "y", *FACTS]
-    more = ["--rule", "frames == 5"] if command == "gate" else []
+    more = {"compare": ["--full"], "gate": ["--rule", "frames == 5"]}.get(command, [])
     lines = nvcore(command, *given, *more).stdout.splitlines()
     assert any("first: x/0015.csv" in line for line in lines)
     assert any("first: truth/0015.csv" in line for line in lines)
@@ -109,12 +111,12 @@ def test_a_mot_folder_without_det_names_the_pattern_for_its_detections(tmp_path:
     assert "'in/*/det_frcnn/det.txt'" in result.stderr
 
 
-def test_compare_cuts_a_long_conversion_between_facts_and_check_shows_all(tmp_path: Path):
+def test_compare_in_full_cuts_a_long_conversion_between_facts_and_check_shows_all(tmp_path: Path):
     truth, x = DATA / "coco" / "kaist.json", DATA / "coco" / "results.json"
     arguments = ("--truth", truth, "--x", x, *FACTS)
     (whole,) = [line for line in nvcore("check", *arguments).stdout.splitlines()
                 if line.startswith("truth: ")]  # fmt: skip
-    (cut,) = [line for line in nvcore("compare", *arguments, "--y", x, "--name-y", "Y")
+    (cut,) = [line for line in nvcore("compare", *arguments, "--full", "--y", x, "--name-y", "Y")
               .stdout.splitlines() if line.startswith("truth: ")]  # fmt: skip
     start, _, more = cut.partition("; ... (in full: nvcore check)")
     assert more == ")"

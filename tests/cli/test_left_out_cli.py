@@ -11,12 +11,12 @@ from nvcore.inputs.load import load
 from nvcore.tables.inputs import inputs_table
 
 
-@pytest.mark.parametrize("command", ["compare", "check"])
+@pytest.mark.parametrize("command", [["compare", "--full"], ["check"]], ids=" ".join)
 def test_classes_left_out_stand_below_their_source(tmp_path, command):
     session_of(tmp_path)
     truth().rename(columns={"name": "class"}).to_csv(tmp_path / "truth.csv", index=False)
     files = [f"--{name}={tmp_path / name}.csv" for name in ("truth", "x", "y")]
-    result = nvcore(command, *files, "--size", "640x480", "--fps", 10)
+    result = nvcore(*command, *files, "--size", "640x480", "--fps", 10)
     first, second, third, *_ = result.output.splitlines()
     assert first.startswith("truth: ")
     assert second == "  left out: car (80), bicycle (40)"

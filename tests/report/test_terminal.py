@@ -56,8 +56,7 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
     assert scorecard[:table] == [
         "X = x, score >= 0.5",
         "Y = y, all scores",
-        "1 recording, 20 frames, 2.0 s, 40 pedestrian boxes, 2 encounters (and 0 distant, not "
-        "counted)",
+        "1 recording, 20 frames, 2.0 s, 40 pedestrian boxes, 2 encounters (0 distant, not counted)",
         "",
     ]
     assert scorecard[table].split() == ["X:", "x", "Y:", "y", "X", "-", "Y", "better"]

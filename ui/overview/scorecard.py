@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Final
 
 import pandas as pd
 import streamlit as st
@@ -12,21 +11,16 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.figures.paired import recordings_plot
 from nvcore.measures.entry import MeasureTable
-from nvcore.measures.table import count_recordings, measures_in
+from nvcore.measures.table import count_recordings
 from nvcore.report.terminal import SHORT_ROWS
 from nvcore.tables.result import recordings_table
-from nvcore.tables.scorecard import ScoreRow, pick_rows, score_rows
+from nvcore.tables.scorecard import LEADING, ScoreRow, pick_rows, score_rows
 from nvcore.wording import percent
 from ui.session import state
 from ui.shell.navigate import open_frame
 from ui.widgets.charts import clicked_chart, kept_figure
 from ui.widgets.html import measures_html, score_row
 from ui.widgets.text import docs_link, plain
-
-LEADING: Final = tuple(
-    measure.key for measure in measures_in(MeasureTable.SCORECARD) if measure.leads
-)
-"""Measures that are shown before all are asked for."""
 
 
 class Scorecard:

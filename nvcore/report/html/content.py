@@ -18,6 +18,7 @@ from nvcore.palette import Scheme, Theme, scheme_of
 from nvcore.pictures.recordings import RecordingPictures
 from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
+from nvcore.report.decisive_moments import decisive_moments
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Section, Sentences
 from nvcore.report.html.classes_section import classes_section
@@ -30,7 +31,7 @@ from nvcore.report.html.evidence_sections import (
     subgroups_section,
     verdict_section,
 )
-from nvcore.report.html.frames import decisive_moments, photo
+from nvcore.report.html.frames import photo
 from nvcore.report.html.input_sections import audit_section, inputs_section, parameters_section
 from nvcore.report.html.plan_section import plan_measures, plan_section
 from nvcore.report.html.result_sections import (

@@ -22,7 +22,7 @@ from pages import begin_with, checked, opened  # noqa: E402
 
 
 def main(session: str, folder: str) -> None:
-    compared = nvcore("compare", session, "--toy-frames", "15", "--out", folder)
+    compared = nvcore("compare", session, "--toy-frames", "15", "--full", "--out", folder)
     out = Path(folder)
     comparison = nv.compare(session)
     with MonkeyPatch.context() as patch:

@@ -17,15 +17,9 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry
 from nvcore.pictures import RecordingPictures, session_pictures
 from nvcore.pictures.images import files_as_pictures
+from nvcore.report.decisive_moments import EXCLUSIVE, MOST, Moment, decisive_moments
 from nvcore.report.html.evidence_sections import frames_section
-from nvcore.report.html.frames import (
-    EXCLUSIVE,
-    MOST,
-    MOST_BYTES,
-    Moment,
-    decisive_moments,
-    photo,
-)
+from nvcore.report.html.frames import MOST_BYTES, photo
 
 
 def decoded(jpeg: bytes) -> np.ndarray:

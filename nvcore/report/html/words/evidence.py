@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from nvcore.report.decisive_moments import APART_S, MOST
 from nvcore.report.html.blocks import Intro
-from nvcore.report.html.frames import APART_S, MOST
 
 SIGNIFICANCE = Intro(
     what="Whether each difference between X and Y may be chance. Both systems saw the same "

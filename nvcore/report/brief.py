@@ -1,0 +1,152 @@
+"""The comparison on one screen of a terminal: what matters first."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from typing import Final
+
+from nvcore.comparison import Result
+from nvcore.evidence.table import judge_both
+from nvcore.findings import Finding, Severity
+from nvcore.notes import Note, phrase
+from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.report.decisive_moments import Moment, main_moments
+from nvcore.report.plan import verdict_plan
+from nvcore.report.terminal import (
+    NAME_WIDTH,
+    findings_count,
+    heading_lines,
+    measure_notes,
+    short_mark,
+    table_lines,
+)
+from nvcore.report.verdict import verdict
+from nvcore.report.words import score_cells
+from nvcore.tables.scorecard import LEADING, pick_rows, score_rows
+from nvcore.wording import one_line, shortened
+
+WIDTH: Final = 100
+MOST_LINES: Final = 35
+MOST_FINDINGS: Final = 3
+"""Errors and warnings of the audit that are shown, others are counted."""
+RECORDING_WIDTH: Final = 24
+SUBJECT_WIDTH: Final = 24
+FULL_ONLY: Final = ("Operating points", "Question", "Other measures")
+"""Topics of the verdict that are left out: heading and scorecard say most of it."""
+
+
+def render_brief(
+    result: Result,
+    findings: Sequence[Finding] = (),
+    protocol: Protocol = PROTOCOLS["all"],
+    *,
+    next_steps: Sequence[str] = (),
+    most_lines: int = MOST_LINES,
+) -> str:
+    """Audit, leading measures, verdict, and moments to look at, on one screen.
+
+    Table, headline and the worst finding are always shown. Operating points, remarks on measures,
+    other findings, moments and topics of the verdict follow if there is room, in this order.
+
+    Parameters
+    ----------
+    findings
+        Of the audit, worst first, as the terminal shows them.
+    protocol
+        Which pedestrians count in the detection measures.
+    next_steps
+        What to run next, a line each.
+    most_lines
+        Of the whole text, if what is always shown leaves it at that.
+    """
+    evidence, companions = judge_both(result, protocol)
+    plan = verdict_plan(result, evidence, companions)
+    conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
+    rows = pick_rows(result, score_rows(result), LEADING)
+    cells = score_cells(rows, indent="", mark=short_mark(result))
+    x, y, extent, *point = heading_lines(result)
+    systems = [f"{x}; {y}"]
+    if len(systems[0]) > WIDTH:
+        systems = [shortened(line, WIDTH) for line in (x, y)]
+    count, *of_audit = _audit(findings)
+    audit = [*count, *of_audit.pop(0)] if of_audit else []
+    heading = [*systems, *_fold(extent, 2), *([] if audit else count)]
+    table = table_lines(result, cells)
+    if (excess := max(map(len, table)) - WIDTH) > 0:
+        longest = max(len(label) for label, *_ in cells) - excess
+        table = table_lines(result, [(shortened(label, longest), *of) for label, *of in cells])
+    decision = _fold(f"In short: {conclusion.say(conclusion.headline)}")
+    moments: list[str] = []
+    blocks = [audit, heading, table, decision, moments, [*next_steps]]
+    room = most_lines - sum(len(block) + 1 for block in blocks if block) + 1
+    of_moments = [_moment(result, moment) for moment in main_moments(result)]
+    if of_moments:
+        of_moments[0] = ["Moments to look at:", *of_moments[0]]
+    topics = [
+        _fold(f"  {topic}: {text}") for topic, text in conclusion.topics if topic not in FULL_ONLY
+    ]
+    for block, optional in (
+        (heading, [_fold(note) for note in point]),
+        (table, [_fold(note) for note in measure_notes(result)]),
+        (audit, of_audit),
+        (moments, of_moments),
+        (decision, topics),
+    ):
+        for lines in optional:
+            needed = len(lines) + (not block)  # an empty line goes before a new block
+            if needed <= room:
+                block += lines
+                room -= needed
+    return "\n\n".join("\n".join(block) for block in blocks if block)
+
+
+def _audit(findings: Sequence[Finding]) -> list[list[str]]:
+    """How many findings there are, and the first errors and warnings, the worst with its fix."""
+    serious = [finding for finding in findings if finding.severity is not Severity.NOTE]
+    parts = [[findings_count(findings)]]
+    for finding in serious[:MOST_FINDINGS]:
+        is_worst = finding is serious[0]
+        subject = shortened(one_line(finding.subject), SUBJECT_WIDTH)
+        label = f"  {finding.severity.value:<8}{subject}: "
+        parts.append(_fold(label + finding.message, 4 if is_worst else 1))
+        if is_worst:
+            where = ", ".join(part for part in (finding.file, finding.example) if part)
+            parts[-1] += _fold(f"    {where and f'First: {where}. '}{finding.advice}", 3)
+    return parts
+
+
+def _moment(result: Result, moment: Moment) -> list[str]:
+    """Where a moment is, whom which system misses there, and what that costs."""
+    frames, encounter = result.dataset.frame_columns, moment.encounter
+    recording = str(result.dataset.recordings["name"].iloc[frames.recording[moment.row]])
+    place = {
+        "recording": shortened(one_line(recording), RECORDING_WIDTH),
+        "frame": int(frames.frame[moment.row]),
+        "time_s": float(result.dataset.frames["time_s"].iloc[moment.row]),
+    }
+    if not moment.title.startswith("Only "):
+        note = Note("terminal.moment", **place, reason=moment.text)
+        return _fold(f"  {phrase(note, result.objects)}")
+    winner = {"x": "y", "y": "x"}[moment.loser]
+    note = Note(
+        "terminal.moment",
+        **place,
+        winner=f"{shortened(one_line(result.system(winner).name), NAME_WIDTH)} ({winner.upper()})",
+        track=int(result.encounters.track[encounter]),
+        seconds=float(result.system(moment.loser).failures["severity_s"].iloc[encounter]),
+    )
+    return _fold(f"  {phrase(note, result.objects)}")
+
+
+def _fold(text: str, most: int | None = None) -> list[str]:
+    """Lines of a text of at most `WIDTH`, and at most so many; further ones are indented."""
+    indent = " " * (len(text) - len(text.lstrip()) + 2)
+    return textwrap.wrap(
+        one_line(text),
+        WIDTH,
+        subsequent_indent=indent,
+        max_lines=most,
+        placeholder=" …",
+        break_on_hyphens=False,
+    )
