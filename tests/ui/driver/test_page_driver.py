@@ -192,7 +192,7 @@ def test_of_other_objects_the_page_speaks_as_of_pedestrians_and_of_the_driver_as
         truth.write(rows(500, ""))
     shown = texts(checked(alone("driver").run()))
     shown = re.sub(r"Trained on [^\n]*", "", shown)  # of the estimator, whatever is compared
-    assert "It is known of 60 of 90 cyclist boxes" in shown
+    assert "Detectability is known for 60 of 90 cyclist boxes" in shown
     assert "at least 50 % of drivers would see the cyclist" in shown
     of_pedestrians = re.findall(r".{40}\b(?:pedestrians?|it needs|it is taken)\b.{20}", shown)
     assert of_pedestrians == []
@@ -408,9 +408,9 @@ def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(esti
     assert re.search(r"simulated change, estimator of 0\.5\ss\s+0\.16 ± 0\.10", panel(page))
     assert "The eyes count as adapted" not in texts(page)  # not of whom it became dark for
     assert "dark from 0.00 s on" in texts(page)
-    assert "25 frames (2.50 s) later; without the change the driver sees" in texts(page)
+    assert "25 frames (2.50 s) later; without the change, the driver sees" in texts(page)
     assert (
-        "the driver would **not** have seen the pedestrian; without the change the driver would "
+        "the driver would **not** have seen the pedestrian; without the change, the driver would "
         "have" in texts(page)
     )
     page = checked(page.slider(key="driver_tunnel_s").set_value(1.0).run())
