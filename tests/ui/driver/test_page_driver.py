@@ -136,7 +136,7 @@ def unequal(folder: Path) -> Path:
 def test_at_unequal_operating_points_the_page_shows_what_the_verdict_shows(unequal):
     page = checked(alone("driver").run())
     assert "At equal false alarms (X at a confidence threshold of" in texts(page)
-    of_verdict = "of the 1 not seen, X detects 0 and Y 1"
+    of_verdict = "Of the 1 not seen, X detects 0 and Y 1"
     assert of_verdict in texts(page)
     counts = tables(page)[0].set_index("who")["encounters"]
     assert (counts["Y alone"], counts["X and Y"]) == (1, 0)
@@ -144,7 +144,7 @@ def test_at_unequal_operating_points_the_page_shows_what_the_verdict_shows(unequ
     assert of_verdict in texts(overview)
     checked(page.button_group(key="operating_point").set_value("as-set").run())
     assert "Nothing is claimed from these" in texts(page)
-    assert "of the 1 not seen, X detects 1 and Y 1" in texts(page)
+    assert "Of the 1 not seen, X detects 1 and Y 1" in texts(page)
 
 
 def test_a_region_is_chosen_and_its_encounters_are_listed(page):
