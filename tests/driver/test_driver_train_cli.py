@@ -120,7 +120,7 @@ def test_the_model_notes_the_settings_and_pictures_of_its_features(
     words = "settings of the features are not known"
     assert words in nvcore(*flags).stdout
     assert read_estimator(out).feature_settings is None
-    assert "of pictures whose size is not known" in nvcore("models", out).stdout
+    assert "trained on pictures of unknown or different sizes" in nvcore("models", out).stdout
     settings = FeatureSettings(surround=3)
     contents = {features.name: features.read_bytes()}
     entries = {"settings": {"features": asdict(settings)}, "picture_px": [960, 540]}
@@ -129,7 +129,7 @@ def test_the_model_notes_the_settings_and_pictures_of_its_features(
     assert words not in nvcore(*flags).stdout
     assert read_estimator(out).feature_settings == settings
     assert read_estimator(out).origin.picture_px == (960, 540)
-    assert "of pictures of 960 x 540 px: estimates are for such" in nvcore("models", out).stdout
+    assert "trained on pictures of 960 x 540 px; estimates are for" in nvcore("models", out).stdout
 
 
 @pytest.mark.parametrize(

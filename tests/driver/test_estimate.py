@@ -71,7 +71,8 @@ def test_boxes_without_an_estimate_are_counted_though_no_feature_is_lacking(plac
     made = estimator()
     result = run(place, replace(made, regressions=(hollow, *made.regressions[1:])))
     assert (
-        "10 boxes in pictures without an estimate (10 0.25 to 2.5 s after a change of light)"
+        "10 boxes in pictures without an estimate (10 boxes are 0.25 to 2.5 s after a change of "
+        "light)"
     ) in str(result).splitlines()
 
 
@@ -85,7 +86,7 @@ def test_between_two_periods_it_may_be_interpolated(place: Path):
 def test_steps_from_one_estimator_to_the_next_are_counted(place: Path):
     result = run(place, estimator())  # from 0.3 to 0.6, with a sd of 0.1 and 0.2
     assert result.steps == (1, 1)
-    assert "of 1 track for which another adaptation period's estimator is taken" in str(result)
+    assert "of 1 track that changes to the estimator of another adaptation period" in str(result)
     vague = replace(estimator(), qualities=tuple(Quality(51, 0.1, 0.5, 0.1) for _ in range(3)))
     assert run(place, vague).steps == (1, 0)
     assert "interpolation" not in str(run(place, vague))
@@ -127,7 +128,9 @@ def test_a_feature_that_is_needed_and_missing_leaves_no_estimate(place: Path):
     result = run(place, estimator(LAB))
     assert result.table[["detectability", "sd", "estimator_s"]].isna().all(axis=None)
     assert not result.table["is_outside"].any()
-    assert "detectability of 0 of 40 boxes: the estimator needs lab_distance" in (str(result))
+    assert "detectability known for 0 of 40 boxes: the estimator needs lab_distance" in (
+        str(result)
+    )
 
 
 def test_boxes_that_lack_what_one_periods_estimator_needs_are_counted(place: Path):
@@ -139,7 +142,7 @@ def test_boxes_that_lack_what_one_periods_estimator_needs_are_counted(place: Pat
     assert is_lacking.tolist() == [False] * 20 + [True] * 10 + [False] * 10
     assert result.table["is_outside"].isna().tolist() == is_lacking.tolist()
     assert (
-        "10 boxes in pictures without an estimate (10 0.25 to 2.5 s after a change of "
+        "10 boxes in pictures without an estimate (10 boxes are 0.25 to 2.5 s after a change of "
         "light): the estimator needs Lab distance there"
     ) in str(result)
     assert "without an estimate" not in str(run(place, estimator()))
@@ -151,14 +154,14 @@ def test_grey_pictures_that_nobody_calls_visible_give_no_estimate(place: Path):
     result = run(place, estimator())
     assert result.features.table["luminance_contrast"].notna().all()
     assert result.n_estimated == 0
-    assert "from grey pictures that may be far infrared: drive; where they are of visible" in (
+    assert "from grey pictures that may be far infrared: drive; if they show visible light" in (
         str(result)
     )
 
 
 def test_print_says_what_to_take_with_care(place: Path):
     text = str(run(place, estimator(simulated="all")))
-    assert "detectability of 40 of 40 boxes: 0.53 on average" in text
+    assert "detectability known for 40 of 40 boxes: 0.53 on average" in text
     assert "estimates are learnt from simulated subjects" in text
     assert "learnt in part from simulated subjects" in str(run(place, estimator(simulated="some")))
     assert "20 estimates without a known change of light" in text
@@ -199,7 +202,8 @@ def test_pictures_of_another_width_than_the_training_s_are_named(
 ):
     result = run(place, trained_on(width))  # they are 64 wide
     words = (
-        f"pictures of drive are 64 px wide, those of the training {width}: another scale of Height"
+        f"pictures of drive are 64 px wide and the training pictures are {width} px wide, so the "
+        "scale of Height"
     )
     assert (words in str(result)) == is_other
     assert result.counts_json().get("other_width") == ({"drive": 64} if is_other else None)
@@ -218,7 +222,7 @@ def test_another_width_is_in_the_record_and_what_is_said_of_the_comparison(place
     assert record["estimator"]["picture_px"] == [128, 48]
     assert record["recordings"][0]["picture_px"] == [64, 48]
     comparison = compare(load(read_session(written.session)))
-    words = "in drive made on pictures of another width than the training's"
+    words = "in drive made on pictures of another width than in training"
     assert words in source(comparison)[0]["caution"]
 
 
@@ -227,9 +231,8 @@ def test_features_outside_the_training_are_named(place: Path):
     result = run(place, dim)
     assert (result.table["outside_features"] == "luminance_contrast").all()
     assert result.outside_by_feature == {"Luminance contrast": 40}
-    assert (
-        "40 estimates with features outside the range of the training (Luminance contrast in 40)"
-        in (str(result))
+    assert "40 estimates with features outside the training range (Luminance contrast in 40)" in (
+        str(result)
     )
     assert (run(place, estimator()).table["outside_features"] == "").all()
 
@@ -240,7 +243,7 @@ def test_where_nothing_is_known_of_the_light_is_counted(place: Path):
     result = run(place, estimator())
     assert result.n_light_unknown == 28  # 12 before readings for 3 s, 16 after their end
     text = str(result)
-    assert "40 estimates without a known change of light (of 28 it is not known when the" in text
+    assert "40 estimates without a known change of light (for 28, it is not known when the" in text
     assert result.counts_json() == {
         "n": 40,
         "n_light_unknown": 28,
@@ -285,7 +288,7 @@ def test_features_are_computed_as_those_that_the_estimator_was_trained_on(place:
     files = place / "session.toml", place / "model.npz", place / "out"
     written = estimate_driver(*files)
     assert json.loads(written.record.read_text())["settings"]["features"]["surround"] == 3
-    assert "does not say with which settings" not in str(written.run)
+    assert "does not state the settings" not in str(written.run)
     estimate_driver(*files, settings={"surround": 3})
     with pytest.raises(ParameterError, match="surround: the estimator was trained on features w"):
         estimate_driver(*files, settings={"surround": 2})
@@ -295,7 +298,7 @@ def test_features_are_computed_as_those_that_the_estimator_was_trained_on(place:
 
 def test_an_estimator_that_does_not_say_its_settings_is_used_and_that_is_noted(place: Path):
     assert (
-        "the estimator does not say with which settings its features were computed; these: "
+        "the estimator does not state the settings of its features; settings here: "
         "surround 2, bin distance 1"
     ) in str(run(place, estimator()))
 
@@ -306,7 +309,7 @@ def test_an_estimator_that_does_not_say_its_settings_is_used_and_that_is_noted(p
         (
             "pictures =",
             CONTRAST,
-            "no estimate from grey pictures that may be far infrared: drive; where they are of "
+            "no estimate from grey pictures that may be far infrared: drive; if they show "
             "visible light, name them as visible",
         ),
         ("visible =", LAB, "the estimator needs lab_distance, which no box has$"),
@@ -329,7 +332,7 @@ def test_where_no_pedestrian_can_be_estimated_it_is_refused(
         (
             'gaze = "gaze.csv"',
             r"the estimator needs fixation_distance_px, which no box has \(drive: the gaze file "
-            r"has frames 1000 to 1299, the recording 0 to 39\)$",
+            r"has frames 1000 to 1299, but the recording has 0 to 39\)$",
         ),
         (
             "visible_map = [1, 1, 640, 0]",
@@ -367,7 +370,7 @@ def test_pedestrians_without_a_picture_are_refused_and_recordings_without_any_ar
     (place / "drive" / "039.png").unlink()
     write_estimator(estimator(), place / "m.npz")
     files = place / "session.toml", place / "m.npz", place / "out"
-    with pytest.raises(InputError, match="box can be estimated: they are in frames without a pic"):
+    with pytest.raises(InputError, match="box cannot be estimated: it is in a frame without a pic"):
         estimate_driver(*files)
     (place / "truth.csv").write_text("recording,frame,x,y,w,h,track\n")
     assert estimate_driver(*files).run.n_estimated == 0

@@ -62,7 +62,7 @@ def test_pictures_of_several_sizes_are_said_to_be(folder: Path):
     write_picture(folder / "wide.png", np.zeros((60, 160, 3), np.uint8))
     run = image_features(folder, boxes(folder, "park.png,1,1,1,8,9", "wide.png,1,1,1,8,9"))
     assert run.picture_px is None
-    assert "The pictures are of 2 sizes, 80 x 60 to 160 x 60 px" in str(run)
+    assert "The pictures have 2 sizes, from 80 x 60 to 160 x 60 px" in str(run)
 
 
 def test_the_fixation_may_be_given_for_each(folder: Path):

@@ -101,8 +101,9 @@ def test_pictures_of_another_shape_without_a_map_are_doubted(
         write_picture(place / "visible" / f"{frame:03}.png", np.zeros((72, 64, 3), np.uint8))
     part = run(place, f'visible = "visible"\n{more}').recordings[0]
     assert (
-        "visible is 64 x 72 px, the recording 64 x 48 px: boxes are scaled by 1 across and 1.5 "
-        "down. Do they belong together? If so, give visible_map." in part.notes
+        "visible is 64 x 72 px and the recording is 64 x 48 px, so boxes are scaled by 1 "
+        "horizontally and 1.5 vertically. Do they belong together? If so, give visible_map."
+        in part.notes
     ) == is_doubted
     assert ("Do they belong together?" in part.picture_doubt) == is_doubted
 
@@ -125,8 +126,8 @@ def test_a_video_of_another_number_of_pictures_is_doubted(
     write_numbered_video(place / "visible.mp4", n=n)
     part = run(place, f'visible = "visible.mp4"\n{more}').recordings[0]
     doubt = (
-        f"visible.mp4 has {n} pictures, the recording frames 0 to 39: do they belong together, "
-        "with as many pictures a second?"
+        f"visible.mp4 has {n} pictures and the recording has frames 0 to 39. Do they belong "
+        "together, at the same frame rate?"
     )
     assert [note for note in part.notes if "belong" in note] == [doubt] * is_doubted
 
@@ -155,8 +156,8 @@ def test_own_pictures_that_are_grey_are_said_to_say_nothing_of_eyes(place: Path)
     assert part.table["luminance_contrast"].notna().all()
     assert part.table["period_s"].isna().all()
     text = " ".join(part.notes)
-    assert "far-infrared ones say nothing about what eyes see" in text
-    assert "Nothing is known of the light" in text
+    assert "Far-infrared pictures say nothing about what eyes see" in text
+    assert "Nothing is known about the light" in text
 
 
 def test_the_fixation_is_that_of_the_gaze_file(place: Path):
@@ -188,11 +189,13 @@ def test_a_gaze_file_of_other_frames_is_said_to_be(place: Path):
     (place / "gaze.csv").write_text("frame,x,y\n1299,24,21\n1000,5,18\n")
     keys = 'pictures = "drive"\ngaze = "gaze.csv"\n'
     part = run(place, keys).recordings[0]
-    words = "he gaze file has frames 1000 to 1299, the recording 0 to 39"
-    assert f"T{words}: no fixation is known." in part.notes
+    words = "he gaze file has frames 1000 to 1299, but the recording has 0 to 39"
+    assert f"T{words}, so no fixation is known." in part.notes
     assert part.why_missing == {"fixation_distance_px": f"t{words}"}
     (place / "gaze.csv").write_text("frame,x,y\n")
-    assert "The gaze file has no row: no fixation is known." in run(place, keys).recordings[0].notes
+    assert (
+        "The gaze file has no row, so no fixation is known." in run(place, keys).recordings[0].notes
+    )
 
 
 @pytest.mark.parametrize(
@@ -239,8 +242,8 @@ def test_where_the_readings_end_nothing_is_known(place: Path):
     assert np.flatnonzero(known).tolist() == [*range(16, 25)]
     assert part.table["illumination"].notna().tolist() == [True] * 25 + [False] * 15
     assert (
-        "Light by the light meter: 1 change from bright to dark; readings of 10 to 1,000 lx; they "
-        "are from 0 to 5 s, the recording from 0 to 10 s."
+        "Light by the light meter: 1 change from bright to dark; readings of 10 to 1,000 lx; "
+        "readings are from 0 to 5 s, while the recording is from 0 to 10 s."
     ) in part.notes
 
 
@@ -260,7 +263,8 @@ def test_readings_of_another_clock_are_said_to_tell_nothing(place: Path, first_s
     note = light_note(place, readings(first_s, 0.05, 120))
     assert note.startswith(f"The light meter's readings are from {first_s:,} to ")
     assert note.endswith(
-        " s, the recording from 0 to 10 s. Nothing is known of the light: no adaptation period."
+        " s, while the recording is from 0 to 10 s. Nothing is known about the light, so there is "
+        "no adaptation period."
     )
 
 
@@ -286,7 +290,9 @@ def test_readings_in_milliseconds_are_said_to_be_far_apart(place: Path):
 
 def test_readings_that_begin_late_are_said_to(place: Path):
     note = light_note(place, readings(2.5, 0.05, 120))
-    assert note.endswith("; they are from 2.5 to 17.4 s, the recording from 0 to 10 s.")
+    assert note.endswith(
+        "; readings are from 2.5 to 17.4 s, while the recording is from 0 to 10 s."
+    )
 
 
 def test_a_gap_in_the_readings_is_named(place: Path):
@@ -317,8 +323,8 @@ def test_missing_pictures_that_stand_in_for_a_light_meter_are_said_to_be(place: 
         (place / "drive" / f"{frame:03}.png").unlink()
     part = run(place).recordings[0]
     assert part.notes[-1] == (
-        "No light meter: the pictures' mean luminance stands in for one: 0 changes from bright to "
-        "dark; no picture from 2.75 to 8 s: the light is not known from 3.75 to 11 s."
+        "Light by the mean luminance of pictures (there is no light meter): 0 changes from bright "
+        "to dark; no picture from 2.75 to 8 s: the light is not known from 3.75 to 11 s."
     )
     assert part.is_light_known.tolist() == [frame in range(12, 16) for frame in range(N_FRAMES)]
 
@@ -333,7 +339,7 @@ def test_pictures_that_are_far_apart_are_said_to_be(place: Path):
 def test_how_many_readings_count_as_the_least_is_said_where_many_do(place: Path):
     assert light_note(place, readings(0, 0.05, 120, unit=5e-4)) == (
         "Light by the light meter: 0 changes from bright to dark; readings of 0.005 to 0.5 lx, 180 "
-        "of 300 below 0.1 lx, which count as that."
+        "of 300 below 0.1 lx, counted as 0.1 lx."
     )
     assert "below" not in light_note(place, readings(0, 0.05, 280, unit=5e-4))
 
@@ -347,7 +353,7 @@ def test_how_many_readings_count_as_the_least_is_said_where_many_do(place: Path)
         (readings(7.5, 0.05, 120), "readings in 25 % of the recording"),
         (readings(4.5, 0.05, 120), "readings in 55 % of the recording"),
         (readings(0.9, 0.05, 120), ""),
-        (readings(0, 0.05, 120, unit=1e3), "a reading of 1,000,000 lx, more than direct sun has"),
+        (readings(0, 0.05, 120, unit=1e3), "a reading of 1,000,000 lx, more than direct sunlight"),
         ([], "no reading"),
     ],
 )
@@ -365,7 +371,8 @@ def test_a_light_file_without_readings_tells_nothing(place: Path):
     part = run(place, 'pictures = "drive"\nlight = "lux.csv"\n').recordings[0]
     assert part.table[["period_s", "illumination"]].isna().all(axis=None)
     assert (
-        "The file of the light has no reading. Nothing is known of the light: no adaptation period."
+        "The light file has no readings. Nothing is known about the light, so there is no "
+        "adaptation period."
     ) in part.notes
 
 
@@ -375,7 +382,7 @@ def test_the_pictures_stand_in_for_a_light_meter(place: Path):
     assert period_s[: DARK_FROM - 1].isna().all()
     assert period_s[DARK_FROM] == pytest.approx(1 / FPS)
     assert set(part.table["illumination_by"]) == {"picture"}
-    assert any("mean luminance stands in for one: 1 change from" in note for note in part.notes)
+    assert any("(there is no light meter): 1 change from" in note for note in part.notes)
 
 
 def test_pictures_far_apart_are_said_to_be(place: Path):
@@ -447,7 +454,7 @@ def test_print_says_once_what_holds_for_several_recordings(place: Path):
     again = f'[[recording]]\nname = "again"\nframes = "0:{N_FRAMES - 1}"\npictures = "drive"\n'
     text = str(run(place, f'pictures = "drive"\n{again}'))
     assert text.startswith("80 boxes in 80 pictures, in ")
-    assert "\ndrive and again: Features are of its own pictures" in text
+    assert "\ndrive and again: Features are computed from the recording's own" in text
 
 
 def test_unknown_settings_are_refused_with_the_near_ones():

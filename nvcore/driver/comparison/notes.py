@@ -1,4 +1,4 @@
-"""Notes about whom the driver sees and whom each system warns of; driver/notes.toml words them."""
+"""Notes on whom the driver sees and whom each system warns of."""
 
 from __future__ import annotations
 
@@ -22,21 +22,22 @@ from nvcore.time_left.steps import time_left_in
 from nvcore.wording import listed, one_line, shortened
 
 MOST_OUTSIDE: Final = 0.5
-"""From this share of encounters on that are decided outside the range of the training, nothing is
-claimed (ours)."""
+"""Nothing is claimed if at least this share of encounters is decided outside the training range.
+
+(Our choice.)"""
 SMALL_SHARE: Final = 0.05
-"""Share of the estimates up to which their doubts are not said (ours)."""
+"""Doubts about at most this share of the estimates are not mentioned. (Our choice.)"""
 _MOST_NAMED: Final = 3
 _SHOWN_NAME: Final = 40
 
 
 def driver_notes(result: Result) -> tuple[Note, ...]:
-    """Return whom the driver sees and whom each system warns of; none if nothing is known."""
+    """Return whom the driver sees and whom each system warns of, if anything is known."""
     return (*no_claim(result), *view_notes(result))
 
 
 def view_notes(result: Result) -> tuple[Note, ...]:
-    """Return `driver_notes` without why nothing is claimed."""
+    """Return `driver_notes` without the reason why nothing is claimed."""
     driver = driver_in(result)
     if not driver.has_any:
         return (Note("driver.nothing_known"),) if result.dataset.has_detectability else ()
@@ -52,18 +53,18 @@ def view_notes(result: Result) -> tuple[Note, ...]:
 
 
 def basis_notes(result: Result) -> tuple[Note, ...]:
-    """Return what is in doubt, where detectability comes from, and how far it can be trusted."""
+    """Return doubts about detectability, its source, and its limits."""
     return (*no_claim(result), *_open(result), *_origin(result))
 
 
 def no_claim(result: Result) -> tuple[Note, ...]:
-    """Return why nothing is claimed of whom the driver sees, if there is a reason."""
+    """Return why nothing is claimed about whom the driver sees, if there is a reason."""
     why = doubt_of_seen(result) if driver_in(result).has_any else None
     return (Note("driver.no_claim", why=why),) if why else ()
 
 
 def weighting(result: Result) -> tuple[Note, ...]:
-    """Return how misses weigh by what the driver does not see; none if they weigh in full."""
+    """Return the weighting of misses by detectability, if it is on."""
     if result.params.driver_weighting == "off":
         return ()
     if not result.dataset.has_detectability:
@@ -72,24 +73,24 @@ def weighting(result: Result) -> tuple[Note, ...]:
 
 
 def weighting_notes(result: Result) -> tuple[Note, ...]:
-    """Return `weighting`, and why nothing is claimed of what is weighted."""
+    """Return `weighting` and why nothing is claimed about weighted measures."""
     return (*weighting(result), *no_claim_of_weighted(result))
 
 
 def no_claim_of_weighted(result: Result) -> tuple[Note, ...]:
-    """Return why nothing is claimed of what is weighted by detectability, if there is a reason."""
+    """Return why nothing is claimed about weighted measures, if there is a reason."""
     why = doubt_of_estimator(result) if is_weighted(result) else None
     return (Note("driver.no_claim_of_weighted", why=why),) if why else ()
 
 
 def weighted_claims(result: Result, measures: Sequence[Measure]) -> Note | None:
-    """Return that claims about these measures are weighted by detectability; None: they aren't."""
+    """Return a remark if claims about these measures are weighted by detectability, or None."""
     is_any = any(measure.depends_on("driver_weighting") for measure in measures)
     return Note("driver.weighted_claims") if is_any and is_weighted(result) else None
 
 
 def limits(result: Result) -> tuple[Note, ...]:
-    """Return why nothing is claimed, or else why estimates are doubtful; then the weighting."""
+    """Return why nothing is claimed or why estimates are doubtful, then the weighting."""
     notes = no_claim(result)
     caution = origin_of(result).get("caution")
     if not notes and driver_in(result).has_any and caution:
@@ -98,7 +99,7 @@ def limits(result: Result) -> tuple[Note, ...]:
 
 
 def seen_unaided(result: Result) -> Note:
-    """Return how many the driver sees, and how many of the others each system detects."""
+    """Return how many encounters the driver sees, and how many others each system detects."""
     driver = driver_in(result)
     venn, count = driver.venn, driver.venn.counts
     of: dict[str, Any] = {"by": by(result), "n_seen": venn.n_seen, "n_known": venn.n_known}
@@ -120,7 +121,7 @@ def seen_unaided(result: Result) -> Note:
 
 
 def counts(result: Result) -> Note:
-    """Return where each encounter is counted, including those that no other note is about."""
+    """Return the number of encounters in each group, including those in no other note."""
     venn = driver_in(result).venn
     unknown, distant = (venn.counts[of] for of in (DriverRegion.UNKNOWN, DriverRegion.DISTANT))
     return Note(
@@ -134,7 +135,7 @@ def counts(result: Result) -> Note:
 
 
 def known(result: Result, *, of_urgent: bool = False) -> Note:
-    """Return of how many encounters it is known whether the driver sees them, and by whom."""
+    """Return for how many encounters it is known whether the driver sees them, and the source."""
     driver = driver_in(result)
     n, is_counted = result.venn.n_near, driver.is_known
     if of_urgent:
@@ -161,17 +162,18 @@ def seen_by(result: Result) -> Note:
 
 
 def by(result: Result) -> Note:
-    """Return whose word it is what the driver sees."""
+    """Return the source of what the driver sees."""
     return Note("driver.by", **origin_of(result))
 
 
 def origin_of(result: Result) -> dict[str, Any]:
-    """Return where detectability comes from, as values of notes.
+    """Return the source of detectability, as values of notes.
 
     Returns
     -------
-    origin (``truth``, ``estimates`` or ``both``), and of estimates n_estimated and n_stated (in how
-    many recordings each is), made_by and caution (None: nothing is known).
+    origin (``truth``, ``estimates`` or ``both``). For estimates also n_estimated and n_stated
+    (numbers of recordings with estimates and with values of the ground truth), and made_by and
+    caution (None if unknown).
     """
     estimate = result.dataset.of("driver")
     if estimate is None or is_stated(result):
@@ -187,7 +189,7 @@ def origin_of(result: Result) -> dict[str, Any]:
 
 
 def source(result: Result) -> tuple[Note, ...]:
-    """Return where detectability comes from, and of how much it is known if not of nearly all."""
+    """Return the source of detectability, and how much of it is known if not nearly all."""
     threshold = result.params.driver_threshold
     note = Note("driver.source", threshold=threshold, **origin_of(result))
     values = result.dataset.detectability.value
@@ -206,7 +208,7 @@ def _origin(result: Result) -> tuple[Note, ...]:
 
 
 def _outside(result: Result) -> tuple[Note, ...]:
-    """Return how many values are outside the training's range, and how many of them decide."""
+    """Return how many values are outside the training range, and how many of them decide."""
     record, values = result.dataset.of("driver"), result.dataset.detectability
     is_known = ~(np.isnan(values.value) | result.dataset.truth.ignore)
     n_known, n = _n(is_known), _n(is_known & values.is_outside)
@@ -227,7 +229,7 @@ def _outside(result: Result) -> tuple[Note, ...]:
 
 
 def _open(result: Result) -> tuple[Note, ...]:
-    """Return how many encounters may as well be on the other side of the threshold."""
+    """Return how many encounters are within one standard deviation of the threshold."""
     driver = driver_in(result)
     n = _n(driver.is_within_sd)
     is_said = are_all_open(result) and not doubt_of_estimator(result)  # by `no_claim`
@@ -247,7 +249,7 @@ def _open(result: Result) -> tuple[Note, ...]:
 
 
 def _adapted(result: Result) -> tuple[Note, ...]:
-    """Return how many estimates are for adapted eyes, where these are not few or decide."""
+    """Return how many estimates are for adapted eyes, if these are many or decide encounters."""
     record = result.dataset.of("driver")
     if record is None or is_stated(result):
         return ()
@@ -261,7 +263,7 @@ def _adapted(result: Result) -> tuple[Note, ...]:
 
 
 def doubt_of_estimator(result: Result) -> Note | None:
-    """Return why no estimate is to be believed; None if no reason is known, or none was made."""
+    """Return why no estimate can be trusted, or None without estimates or a known reason."""
     estimate = result.dataset.of("driver")
     if estimate is None or is_stated(result):
         return None
@@ -271,7 +273,7 @@ def doubt_of_estimator(result: Result) -> Note | None:
 
 
 def doubt_of_seen(result: Result) -> Note | None:
-    """Return why nothing is claimed of whom the driver sees, whatever the counts; None: nothing."""
+    """Return why nothing is claimed about whom the driver sees, whatever the counts, or None."""
     if why := doubt_of_estimator(result):
         return why
     driver, threshold = driver_in(result), result.params.driver_threshold
@@ -286,7 +288,7 @@ def doubt_of_seen(result: Result) -> Note | None:
 
 
 def doubt_of(result: Result, measure: Measure) -> str:
-    """Return why no claim can rest on a measure, nor a value be the better one; empty: nothing."""
+    """Return why no claim or comparison can rest on a measure, or an empty string."""
     why = None
     if DRIVER in measure.stages:
         why = doubt_of_seen(result)
@@ -296,13 +298,13 @@ def doubt_of(result: Result, measure: Measure) -> str:
 
 
 def is_stated(result: Result) -> bool:
-    """Whether all that is known of the driver is the ground truth's, whatever record there is."""
+    """Whether all detectability comes from the ground truth, whatever record there is."""
     n_estimated, n_stated = count_origins(result)
     return bool(n_stated and not n_estimated)
 
 
 def count_origins(result: Result) -> tuple[int, int]:
-    """In how many recordings detectability is estimated, and in how many the ground truth's own."""
+    """Count the recordings with estimated detectability and those with values of the truth."""
     estimate = result.dataset.of("driver")
     if estimate is None:
         return 0, 0
@@ -311,12 +313,12 @@ def count_origins(result: Result) -> tuple[int, int]:
 
 
 def is_weighted(result: Result) -> bool:
-    """Whether misses weigh by what the driver does not see."""
+    """Whether misses are weighted by detectability."""
     return result.params.driver_weighting != "off" and result.dataset.has_detectability
 
 
 def are_all_open(result: Result) -> bool:
-    """Whether no encounter is further than its standard deviation from the threshold."""
+    """Whether every encounter is within its standard deviation of the threshold."""
     driver = driver_in(result)
     n_known = driver.venn.n_known
     return n_known > 0 and _n(driver.is_within_sd) == n_known
@@ -330,20 +332,22 @@ def simulated_change(
     change_s: float,
     caution: str = "",
 ) -> Note:
-    """Return when the driver would see whom, had it become dark at `change_s`, beside what was.
+    """Return when the driver would see the pedestrian had it become dark at `change_s`.
+
+    The note also says when the driver sees the pedestrian without the change.
 
     Parameters
     ----------
     course
-        Of `nvcore.driver.comparison.encounters.detectability_course`.
+        Table of `nvcore.driver.comparison.encounters.detectability_course`.
     simulated
-        The same rows by `nvcore.driver.simulation.simulate_change`.
+        The same rows after `nvcore.driver.simulation.simulate_change`.
     threshold
-        Detectability (0..1) at which the driver is taken to see the pedestrian.
+        Detectability (0..1) from which the driver is assumed to see the pedestrian.
     change_s
-        Seconds from the recording's first frame, as those of the course.
+        Time in seconds from the recording's first frame, as in the course.
     caution
-        Whose answers the estimates rest on, where some were simulated
+        Doubts about the estimates, such as simulated subjects
         (`nvcore.driver.inputs.record.EstimateRecord.caution`).
     """
     is_after = simulated["is_simulated"].to_numpy(bool)
@@ -389,18 +393,18 @@ def _first_seen(
     is_there: bool,
     is_until_change: bool,
 ) -> Note | None:
-    """Return after how many frames the driver first sees the pedestrian; None if that is unknown.
+    """Return after how many frames the driver first sees the pedestrian, or None if unknown.
 
     Parameters
     ----------
     later_s
-        Seconds of the pedestrian's frames since the change.
+        Time of the pedestrian's frames since the change, s.
     is_there
-        Whether the pedestrian was there before the change; else frames count from the first one.
+        Whether the pedestrian was there before the change. If not, frames count from the first one.
     is_until_change
-        Whether the next real change of light ends these frames, not the pedestrian.
+        Whether these frames end at the next real change of light, not with the pedestrian.
     """
-    is_known, sees = np.isfinite(share), share >= threshold  # never where it is unknown
+    is_known, sees = np.isfinite(share), share >= threshold  # NaN compares as False
     if not is_known.any():
         return None
     if not sees.any():

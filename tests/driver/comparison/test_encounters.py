@@ -60,7 +60,8 @@ def test_an_encounter_is_told_with_its_largest_detectability():
     assert [describe_sight(result, encounter) for encounter in range(3)] == [
         "Driver: open. Detectability reaches 0.52 ± 0.15 by the first frame that counts.",
         "Driver: sees. Detectability reaches 0.90 ± 0.15 by the first frame that counts.",
-        "Driver: not known, as detectability is known in no frame up to the first that counts.",
+        "Driver: not known, because detectability is known in no frame up to the first that "
+        "counts.",
     ]
     assert describe_sight(result_with(0.2), 0) == (
         "Driver: does not see. Detectability reaches 0.20 by the first frame that counts."

@@ -49,6 +49,8 @@ from nvcore.tables.result import encounters_table, recordings_table
 from nvcore.tables.scorecard import score_rows
 from nvcore.tables.summary import summary
 
+WHETHER = "whether the driver sees the pedestrian"
+
 
 def eight(n_recordings: int = 1, *, unknown: int = 1, **params: str) -> Result:
     """An encounter of each region of driver, X and Y in each recording, and unknown ones."""
@@ -112,19 +114,21 @@ def test_what_is_known_of_the_driver_in_words():
     """The golden text, of the ground truth's own values and of estimates."""
     result = eight()
     assert words_of(result, driver_notes(result)) == (
-        "By the ground truth, the driver sees 4 of 8 encounters unaided; of the 4 not seen, X "
-        "detects 2 and Y 2 (X alone 1, Y alone 1, neither 1). Detectability is as the ground truth "
-        "states it; seen means that at least 50 % of drivers would see the pedestrian. It is known "
-        "of 8 of 9 pedestrian boxes; 1 encounter of which it is unknown is not counted here."
+        "By the ground truth, the driver sees 4 of 8 encounters unaided. Of the 4 not seen, X "
+        "detects 2 and Y 2 (X alone 1, Y alone 1, neither 1). Detectability is given by the ground "
+        "truth. Seen means that at least 50 % of drivers would see the pedestrian. Detectability "
+        "is known for 8 of 9 pedestrian boxes; 1 encounter with unknown detectability is not "
+        "counted here."
     )
     assert words_of(result, driver_notes(result)) == dict(verdict(result).topics)["The driver"]
     simulated = with_estimate(eight(unknown=0), EstimateRecord("m", "ab12", "all", 12))
     assert words_of(simulated, driver_notes(simulated)) == (
-        "Nothing is claimed of whom the driver sees: the estimator learnt from simulated subjects "
-        "alone, not from people. By the estimates (learnt from simulated subjects), the driver "
-        "sees 4 of 8 encounters unaided; of the 4 not seen, X detects 2 and Y 2 (X alone 1, Y "
+        "Nothing is claimed about whom the driver sees: the estimator learnt from simulated "
+        "subjects only, not from people. By the estimates (learnt from simulated subjects), the "
+        "driver "
+        "sees 4 of 8 encounters unaided. Of the 4 not seen, X detects 2 and Y 2 (X alone 1, Y "
         "alone 1, neither 1). Detectability is estimated by the estimator m (12 subjects, "
-        "fingerprint ab12), learnt from simulated subjects; seen means that at least 50 % of "
+        "fingerprint ab12), learnt from simulated subjects. Seen means that at least 50 % of "
         "drivers would see the pedestrian."
     )
 
@@ -134,7 +138,7 @@ def test_estimates_of_simulated_subjects_alone_are_no_ground_for_a_claim():
     assert no_claim(result) == (Note("driver.no_claim", why=Note("driver.simulated_subjects")),)
     assert not no_claim(with_estimate(result, EstimateRecord("m", "ab12", "some", 12)))
     plain = with_estimate(eight(unknown=0), EstimateRecord())
-    assert words_of(plain, source(plain)).startswith("Detectability is estimated; seen means")
+    assert words_of(plain, source(plain)).startswith("Detectability is estimated. Seen means")
 
 
 def test_what_is_estimated_and_what_the_truth_states_are_told_apart():
@@ -300,7 +304,7 @@ def test_a_rule_of_the_gate_is_judged_and_undefined_where_nothing_is_known():
     rules = [parse_rule("unprotected_y <= 2"), parse_rule("driver_venn.nobody == 1")]
     outcomes, _ = run_gate(rules, eight(), (), strict=False)
     assert [outcome.is_passed for outcome in outcomes[:2]] == [True, True]
-    known = "Whether the driver sees them is known of 8 of 9 encounters, by the ground truth"
+    known = f"By the ground truth, it is known for 8 of 9 encounters {WHETHER}"
     assert [outcome.details for outcome in outcomes] == [(known,), (known,), ()]
     (failed, *_), _ = run_gate([parse_rule("unprotected_y == 0")], eight(), (), strict=False)
     assert failed.details == (known, "r0, track 6, frame 0", "r0, track 8, frame 0")
@@ -320,8 +324,8 @@ def test_below_a_rule_on_urgent_encounters_the_gate_says_of_how_many_of_these_it
     names += ["driver.urgent", "driver.in_time", "unprotected_x"]
     rules = [parse_rule(f"{name} >= -9") for name in names]
     outcomes, _ = run_gate(rules, urgent(), (), strict=False)
-    known = [outcome.details[0].partition(", ")[0] for outcome in outcomes[:7]]
-    head = "Whether the driver sees them is known of 3 of 4"
+    known = [outcome.details[0].partition(" whether")[0] for outcome in outcomes[:7]]
+    head = "By the ground truth, it is known for 3 of 4"
     assert known == [f"{head} urgent encounters"] * 6 + [f"{head} encounters"]
 
 
@@ -331,8 +335,8 @@ def test_the_gate_says_that_what_is_known_of_the_driver_was_learnt_from_simulate
     rules = [parse_rule(f"{name} < 1 or undefined") for name in (*names, "encounters")]
     outcomes, _ = run_gate(rules, result, (), strict=False)
     known = (
-        "Whether the driver sees them is known of 8 of 9 encounters, by the estimates (learnt from "
-        "simulated subjects)"
+        "By the estimates (learnt from simulated subjects), it is known for 8 of 9 encounters "
+        f"{WHETHER}"
     )
     assert [outcome.details[:1] == (known,) for outcome in outcomes] == [*[True] * 3, False, False]
 
@@ -412,8 +416,8 @@ def test_where_every_encounter_is_open_nothing_is_claimed_of_the_driver():
     assert not seen_unaided(result)["is_redundant"]
     assert "driver.open" not in keys_of(basis_notes(result))  # said before
     assert (
-        "the driver: nothing is claimed of whom the driver sees: in all 2 encounters of which it "
-        "is known, the value that decides is within one standard deviation of 0.5."
+        "the driver: nothing is claimed about whom the driver sees: in all 2 encounters with known "
+        "detectability, the value that decides is within one standard deviation of 0.5."
     ) in render_scorecard(result)
     one_known = compare(replace(bare.dataset, boxes=boxes.assign(detectability_sd=[0.1, 0.01])))
     assert not no_claim(one_known)
@@ -547,8 +551,8 @@ def test_no_rule_rests_on_alerts_or_severities_by_a_driver_of_whom_nothing_is_cl
     for result, passes in ((stated, [True] * 6), (estimated, [False] * 3 + [True] + [False] * 2)):
         outcomes, _ = run_gate(rules, result, (), strict=False)
         assert [outcome.is_passed for outcome in outcomes[:6]] == passes
-    assert outcomes[0].details[1].startswith("Nothing is claimed of whom the driver sees: ")
-    assert outcomes[5].details[0].startswith("Nothing is claimed of what is weighted: ")
+    assert outcomes[0].details[1].startswith("Nothing is claimed about whom the driver sees: ")
+    assert outcomes[5].details[0].startswith("Nothing is claimed about weighted measures: ")
     rows = {row.key: row for row in score_rows(estimated)}
     assert rows["alerts_redundant"].is_doubtful
     assert rows["severity_s"].is_doubtful
@@ -574,11 +578,13 @@ def test_below_a_rule_of_the_gate_stands_why_nothing_is_claimed_and_what_is_open
         )
         return outcome.details
 
-    head = "Whether the driver sees them is known of 8 of 8 encounters, by the ground truth"
+    head = f"By the ground truth, it is known for 8 of 8 encounters {WHETHER}"
     assert details(0.1) == (head,)
     known, doubt, *_ = details(0.4)
-    assert known == f"{head}; open in 8 of these, within one standard deviation"
-    assert doubt.startswith("Nothing is claimed of whom the driver sees: in all 8 encounters")
+    assert (
+        known == f"{head}; it is open in 8 of the 8, within one standard deviation of the threshold"
+    )
+    assert doubt.startswith("Nothing is claimed about whom the driver sees: in all 8 encounters")
 
 
 def test_the_driver_stays_a_person_where_the_objects_are_others():
@@ -589,7 +595,7 @@ def test_the_driver_stays_a_person_where_the_objects_are_others():
     text = " ".join([words_of(result, driver_notes(result)), *regions])
     assert not re.search(r"\b(it needs|warn it|its confirmation|nothing|it is taken)\b", text)
     assert "at least 50 % of drivers would see the cyclist" in text
-    assert "none of them in 1" in text
+    assert "and neither in 1" in text
 
 
 def test_without_a_standard_deviation_it_is_not_known_who_is_near_the_threshold():

@@ -34,12 +34,15 @@ def words(was: pd.DataFrame, would: pd.DataFrame, change_s: float = 0.1) -> str:
     return say(simulated_change(was, would, threshold=0.5, change_s=change_s), PEDESTRIAN)
 
 
-NOBODY_THERE = "The pedestrian is in no frame after it: nothing changes."
+NOBODY_THERE = "The pedestrian is in no frame after the change, so nothing changes."
 
 
 def test_frames_until_he_sees_the_pedestrian_are_counted_from_the_change():
     text = words(course(0.1, 0.8, 0.8, 0.8, 0.8), simulated(0.1, 0.1, 0.2, 0.4, 0.5))
-    assert "3 frames (0.30 s) later; without the change the driver sees him at once" in text
+    assert (
+        "3 frames (0.30 s) later; without the change, the driver sees the pedestrian at once"
+        in text
+    )
     assert (
         "By the first frame that counts, at 0.20 s, the driver would **not** have seen the "
         "pedestrian" in text
@@ -50,7 +53,7 @@ def test_where_a_real_change_ends_the_simulated_one_frames_until_then_are_meant(
     would = simulated(0.1, 0.1, 0.1, 0.9)
     would["is_simulated"] = [False, True, True, False]
     text = words(course(0.1, 0.1, 0.1, 0.9, n_up_to=4), would)
-    assert "in none of 2 frames until the next real change, as without the change" in text
+    assert "in 0 of 2 frames until the next real change, as without the change" in text
 
 
 def test_of_a_pedestrian_who_comes_later_frames_count_from_where_he_appears():
@@ -58,8 +61,8 @@ def test_of_a_pedestrian_who_comes_later_frames_count_from_where_he_appears():
     later["time_s"] += 4.1
     would = simulated(0.1, 0.1, 0.9, since=0)
     assert (
-        "2 frames after he appears, 4.20 s after the change; without the change "
-        "the driver sees him as soon as he appears, 4.00 s after the change"
+        "2 frames after the pedestrian appears, 4.20 s after the change; without the change, the "
+        "driver sees the pedestrian as soon as the pedestrian appears, 4.00 s after the change"
     ) in words(later, would)
 
 
@@ -69,22 +72,22 @@ def test_of_a_pedestrian_who_comes_later_frames_count_from_where_he_appears():
         (
             (0.9, 0.9),
             (0.9, 0.1),
-            "in none of 1 frame; without the change the driver sees him at once",
+            "in 0 of 1 frame; without the change, the driver sees the pedestrian at once",
         ),
         (
             (0.9, 0.9),
             (0.9, 0.1),
-            "the driver would have seen the pedestrian, with the change or without",
+            "the driver would have seen the pedestrian, with or without the change",
         ),
         (
             (0.1, 0.1),
             (0.1, 0.1),
-            "the driver would not have seen the pedestrian, with the change or without",
+            "the driver would not have seen the pedestrian, with or without the change",
         ),
         (
             (0.1, 0.1),
             (0.1, 0.9),
-            "the driver would have seen the pedestrian; without the change the driver would not "
+            "the driver would have seen the pedestrian; without the change, the driver would not "
             "have",
         ),
         ((0.9, 0.9), (0.9, 0.9), "at once, as without the change"),
@@ -102,7 +105,7 @@ def test_a_change_after_he_has_seen_the_pedestrian_comes_too_late_for_an_alert()
     assert BEFORE in text
     assert "would see the pedestrian again 2 frames (0.20 s) later; without" in text
     assert (
-        "at 0.20 s, the driver would have seen the pedestrian, with the change or without" in text
+        "at 0.20 s, the driver would have seen the pedestrian, with or without the change" in text
     )
 
 
@@ -114,7 +117,7 @@ def test_a_frame_after_the_first_that_counts_is_no_alert_s_and_seeing_him_then_n
     was, would = course(0.1, 0.9, 0.9, n_up_to=n_up_to), simulated(0.1, 0.9, 0.1, since=2)
     text = words(was, would, 0.2)
     assert "had seen" not in text
-    assert "would see the pedestrian again in none of 1 frame" in text
+    assert "would see the pedestrian again in 0 of 1 frame" in text
 
 
 def test_of_a_pedestrian_whom_he_has_not_seen_yet_nothing_is_said_of_before():
@@ -148,7 +151,7 @@ def test_the_frame_before_the_change_is_seen_as_it_was(fps: float):
         text = words(table, after, change_s)
         if k < 55:
             assert f"5 frames ({5 / fps:.2f} s) later" in text
-        assert "the driver would have seen the pedestrian, with the change or without" in text
+        assert "the driver would have seen the pedestrian, with or without the change" in text
     text = words(table, after.assign(is_simulated=False), 60 / fps)
     assert NOBODY_THERE in text
 
@@ -165,30 +168,31 @@ def test_who_was_seen_by_the_frame_that_counts_still_is_where_it_becomes_dark_af
     )
     text = words(was, would, 0.3)
     assert (
-        "at 0.20 s, the driver would have seen the pedestrian, with the change or without" in text
+        "at 0.20 s, the driver would have seen the pedestrian, with or without the change" in text
     )
 
 
 def test_where_nothing_is_known_after_the_change_nothing_is_said_of_who_sees():
     text = words(course(NAN, NAN, NAN), simulated(NAN, NAN, NAN))
-    assert "the pedestrian is not known in any frame after it." in text
+    assert "After the change, it is not known in any frame whether the driver would see" in text
     assert "at 0.20 s, it is not known whether the driver would have seen the pedestrian." in text
-    assert "none of" not in text
+    assert "in 0 of" not in text
 
 
 def test_frames_in_which_it_is_not_known_are_neither_seen_nor_unseen():
     text = words(course(0.9, NAN, NAN, NAN), simulated(0.1, 0.1, NAN, NAN))
     assert (
-        "in none of 1 frame in which it is known, of 3; without the change, it is not known" in text
+        "in 0 of 1 frame in which it is known (3 in all); without the change, it is not known"
+        in text
     )
     assert (
-        "the driver would **not** have seen the pedestrian; without the change the driver would "
+        "the driver would **not** have seen the pedestrian; without the change, the driver would "
         "have." in text
     )
     later = words(course(NAN, NAN, NAN, 0.9), simulated(0.1, NAN, 0.1, 0.9))
     assert "at the latest 2 frames (0.20 s) later, as without the change" in later
     assert (
-        "the driver would **not** have seen the pedestrian; without the change it is not known."
+        "the driver would **not** have seen the pedestrian; without the change, it is not known."
         in later
     )
 

@@ -31,11 +31,11 @@ def test_trials_say_who_took_them_and_what_is_odd(
     assert lines[0].replace("\xa0", " ") == (
         "960 trials: 19 subjects, 8 pedestrians, 6 adaptation periods"
     )
-    assert lines[1] == "20 responses to each pedestrian at a period"
+    assert lines[1] == "20 responses to each pedestrian per period"
     assert lines[2].replace("\xa0", " ").startswith("3 trials came more than 50 ms early or late")
     assert lines[3:] == [
         "subject S1 is left out",
-        "subject S2 is odd: never touches. The responses count all the same",
+        "subject S2 is odd: never touches. The responses count nevertheless",
     ]
     say_how_to_leave_out(table)
     assert capsys.readouterr().out == "without odd subjects: --leave-out S2\n"
@@ -49,7 +49,7 @@ def test_trials_say_who_took_them_and_what_is_odd(
 def test_what_was_not_answered_and_what_lies_outside_is_counted(training: Training):
     table = replace(training.table, n_unanswered=2, n_outside=1, picture_px=(960, 540))
     lines = [line.replace("\xa0", " ") for line in render_table(table)]
-    assert "2 trials without an answer in time: learned from as not seen" in lines
+    assert "2 trials without an answer in time, used in training as not seen" in lines
     text = "1 touch outside the picture of 960 x 540 px: are touch_x and touch_y in its pixels?"
     assert text in lines
     assert len(render_table(training.table)) == len(lines) - 2
@@ -69,7 +69,7 @@ def test_where_nothing_was_learned_it_is_said(training: Training):
         switched_errors=np.array([0.1, 0.3, 0.1, 0.2, 0.1, 0.1]),
         constant_errors=np.full(6, 0.2),
     )
-    assert "at 1.5, 4.5 s the estimator is no better than the mean" in render_training(useless)
+    assert "at 1.5, 4.5 s, the estimator is no better than the mean" in render_training(useless)
     good = replace(useless, switched_errors=np.full(6, 0.1))
     assert "no better" not in render_training(good)
     assert "mean" in render_training(good)
@@ -82,7 +82,7 @@ def test_where_the_single_estimator_is_worse_than_the_constant_it_is_said(traini
         single_errors=np.array([0.3, 0.25, 0.2, 0.1, 0.1, 0.1]),
         constant_errors=np.full(6, 0.2),
     )
-    words = "at 0.5, 1.5 s the single estimator, which does not know the period, is worse than"
+    words = "at 0.5, 1.5 s, the single estimator, which does not know the period, is worse than"
     assert words in render_training(poor)
     good = replace(poor, single_errors=np.full(6, 0.2))
     assert "is worse than" not in render_training(good)
@@ -90,7 +90,7 @@ def test_where_the_single_estimator_is_worse_than_the_constant_it_is_said(traini
 
 def test_what_was_left_out_is_said(training: Training):
     noted = replace(training, notes=(Note("driver.pedestrians_left_out", n=1),))
-    assert "\nLeft out, lacking a feature: 1 pedestrian\n" in render_training(noted)
+    assert "\nLeft out because a feature is missing: 1 pedestrian\n" in render_training(noted)
 
 
 def test_a_choice_of_features_has_its_settings(training: Training, tmp_path: Path):

@@ -21,15 +21,15 @@ def table(tmp_path: Path) -> TrainingTable:
 
 
 def test_how_many_responses_there_are_to_a_pedestrian_is_said(table: TrainingTable):
-    assert "20 responses to each pedestrian at a period" in render_table(table)
+    assert "20 responses to each pedestrian per period" in render_table(table)
     rows = table.rows.copy()
     rows.loc[3, "n_subjects"] = 4
-    assert "4 to 20 responses to each pedestrian at a period" in render_table(
+    assert "4 to 20 responses to each pedestrian per period" in render_table(
         replace(table, rows=rows)
     )
     once = replace(table, rows=rows.assign(n_subjects=1))
     assert any(
-        line.startswith("1 response to each pedestrian at a period: detectability is 0 or 1")
+        line.startswith("1 response to each pedestrian per period: detectability is 0 or 1")
         for line in render_table(once)
     )
 
@@ -40,7 +40,7 @@ def test_where_most_subjects_are_odd_the_data_are_doubted(
 ):
     odd = np.where(np.arange(20) < n_odd, "touches are at chance", "")
     lines = render_table(replace(table, subjects=table.subjects.assign(odd=odd)))
-    words = f"{n_odd} of 20 subjects are odd: rather the data are wrong than the people."
+    words = f"{n_odd} of 20 subjects are odd, so the data are more likely wrong than the people."
     assert any(line.startswith(words) for line in lines) is is_said
 
 
@@ -62,6 +62,6 @@ def test_an_estimator_that_is_no_better_on_average_is_said_to_be(
         seconds=1.0,
     )
     text = render_training(training)
-    assert "at 0.5 s the estimator is no better than the mean of the others'" in text
-    words = "over all periods, too: 0.1050 on average against 0.1000; as a whole it is of no use"
+    assert "at 0.5 s, the estimator is no better than the mean detectability of the others" in text
+    words = "over all periods (0.1050 vs 0.1000 on average), so overall the estimator is of no use"
     assert (words in text) is is_said

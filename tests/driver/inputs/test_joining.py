@@ -267,7 +267,7 @@ def test_the_record_says_who_estimated_and_whether_subjects_were_simulated(tmp_p
     assert "estimated by the estimator driver (12 subjects, fingerprint 5f1c00112233)" in conversion
     assert (
         "learnt from simulated subjects by a quick search, no better than a constant at 0.5 and "
-        "1.5 s and in urban made on pictures of another width than the training's"
+        "1.5 s and in urban made on pictures of another width than in training"
     ) in conversion
 
 
@@ -318,7 +318,7 @@ def test_a_light_meter_in_doubt_is_a_warning_of_the_audit_and_part_of_what_is_sa
     assert dataset.of("driver") == record
     (finding,) = [finding for finding in dataset.findings if finding.code == "doubtful-light-meter"]
     assert "urban (one reading in 50 s)" in finding.message
-    assert record.caution == "in urban by a light meter that may be of another unit or clock"
+    assert record.caution == "in urban by a light meter that may have another unit or clock"
 
 
 def test_pictures_in_doubt_are_a_warning_of_the_audit_and_part_of_what_is_said(tmp_path):
@@ -331,7 +331,7 @@ def test_pictures_in_doubt_are_a_warning_of_the_audit_and_part_of_what_is_said(t
         finding for finding in dataset.findings if finding.code == "doubtful-visible-pictures"
     ]
     assert "urban (boxes are scaled by 1.5 across)" in finding.message
-    assert record.caution == "in urban from pictures or gaze that may be of another view"
+    assert record.caution == "in urban from pictures or gaze that may show another view"
 
 
 def test_estimates_without_a_known_change_of_light_are_for_adapted_eyes(tmp_path):
@@ -353,7 +353,7 @@ def test_that_the_estimator_is_of_no_use_is_kept(tmp_path):
     record = EstimateRecord("m", "ab", "no", 4, no_better_at_s=(3.0,), of_no_use=True)
     path = write(tmp_path / "d.json", estimate_json(record).decode())
     assert read_estimate_record(path, "d.json") == record
-    assert record.caution == "as a whole no better than a constant"
+    assert record.caution == "overall no better than a constant"
 
 
 def test_a_session_is_written_with_both_files_and_the_hash(tmp_path):

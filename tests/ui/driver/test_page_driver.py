@@ -136,7 +136,7 @@ def unequal(folder: Path) -> Path:
 def test_at_unequal_operating_points_the_page_shows_what_the_verdict_shows(unequal):
     page = checked(alone("driver").run())
     assert "At equal false alarms (X at a confidence threshold of" in texts(page)
-    of_verdict = "of the 1 not seen, X detects 0 and Y 1"
+    of_verdict = "Of the 1 not seen, X detects 0 and Y 1"
     assert of_verdict in texts(page)
     counts = tables(page)[0].set_index("who")["encounters"]
     assert (counts["Y alone"], counts["X and Y"]) == (1, 0)
@@ -144,7 +144,7 @@ def test_at_unequal_operating_points_the_page_shows_what_the_verdict_shows(unequ
     assert of_verdict in texts(overview)
     checked(page.button_group(key="operating_point").set_value("as-set").run())
     assert "Nothing is claimed from these" in texts(page)
-    assert "of the 1 not seen, X detects 1 and Y 1" in texts(page)
+    assert "Of the 1 not seen, X detects 1 and Y 1" in texts(page)
 
 
 def test_a_region_is_chosen_and_its_encounters_are_listed(page):
@@ -192,7 +192,7 @@ def test_of_other_objects_the_page_speaks_as_of_pedestrians_and_of_the_driver_as
         truth.write(rows(500, ""))
     shown = texts(checked(alone("driver").run()))
     shown = re.sub(r"Trained on [^\n]*", "", shown)  # of the estimator, whatever is compared
-    assert "It is known of 60 of 90 cyclist boxes" in shown
+    assert "Detectability is known for 60 of 90 cyclist boxes" in shown
     assert "at least 50 % of drivers would see the cyclist" in shown
     of_pedestrians = re.findall(r".{40}\b(?:pedestrians?|it needs|it is taken)\b.{20}", shown)
     assert of_pedestrians == []
@@ -408,9 +408,9 @@ def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(esti
     assert re.search(r"simulated change, estimator of 0\.5\ss\s+0\.16 ± 0\.10", panel(page))
     assert "The eyes count as adapted" not in texts(page)  # not of whom it became dark for
     assert "dark from 0.00 s on" in texts(page)
-    assert "25 frames (2.50 s) later; without the change the driver sees" in texts(page)
+    assert "25 frames (2.50 s) later; without the change, the driver sees" in texts(page)
     assert (
-        "the driver would **not** have seen the pedestrian; without the change the driver would "
+        "the driver would **not** have seen the pedestrian; without the change, the driver would "
         "have" in texts(page)
     )
     page = checked(page.slider(key="driver_tunnel_s").set_value(1.0).run())
