@@ -25,7 +25,7 @@ from ui.widgets.table_columns import MOST_ROWS, rows_told
 
 VIEWER_PX: Final = 460
 COLUMNS: Final = {
-    "system": TableColumn("", "Whose alert it is, X or Y.", is_head=True),
+    "system": TableColumn("System", "Whose alert it is, X or Y.", is_head=True),
     "recording": TableColumn("Recording"),
     "start_s": TableColumn("Start (s)", "When it begins.", ".2f"),
     "kind": TableColumn("Kind", "What it was worth."),

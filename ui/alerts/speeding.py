@@ -20,7 +20,7 @@ SHOWN: Final = ("alerted", "missed", "false", "median_late_s", "right_limit")
 """Those of `ROWS` that are shown."""
 COLUMNS: Final = {
     "subject": TableColumn(
-        "", "Whose alert it is: of X, of Y, or called for by the truth.", is_head=True
+        "Of", "Whose alert it is: of X, of Y, or called for by the truth.", is_head=True
     ),
     "recording": TableColumn("Recording"),
     "start_s": TableColumn("Start (s)", "When it begins.", ".2f"),
