@@ -40,7 +40,6 @@ if TYPE_CHECKING:
     from nvcore.report.files import TableFormat
 
 AT_EQUAL_ALARMS = "all numbers at equal false alarms: --operating-point equal-alarms"
-FULL = "the whole audit, all measures and reasons"
 KEEPING = {"session_file", "out", "tables", "matches", "full", "as_json", "strict"}
 """Options on which no number depends."""
 LONGEST_NAME = 70
@@ -163,32 +162,25 @@ def _next_steps(session_file: Path | None, out: Path | None) -> list[str]:
     from nvcore.report.brief import WIDTH
     from nvcore.report.files import SESSION_FILE
 
-    source = click.get_current_context().get_parameter_source
-    names = {*click.get_current_context().params} - KEEPING
-    is_changed = any(source(name) is ParameterSource.COMMANDLINE for name in names)
-    file = out / SESSION_FILE if out else None if is_changed else session_file
-    if file is None:
-        steps = {
-            "add --full": FULL,
-            "add --out DIR": "the tables, and DIR/session.toml for nvcore app and nvcore report",
-        }
-    else:
-        name = shlex.quote(one_line(str(file)))
-        name = name if len(name) <= LONGEST_NAME else "SESSION_FILE"
-        steps = {
-            f"nvcore compare {name} --full": FULL,
-            f"nvcore app {name}": "these moments with boxes, in the dashboard",
-            f"nvcore report {name}": "all of it as one HTML file",
-        }
-    width = max(map(len, steps))
-    heads = ["Next: ", *["      "] * (len(steps) - 1)]
-    lines = [
-        f"{head}{step:<{width}}  {shown}"
-        for head, (step, shown) in zip(heads, steps.items(), strict=True)
+    context = click.get_current_context()
+    given = {
+        name
+        for name in context.params
+        if context.get_parameter_source(name) is ParameterSource.COMMANDLINE
+    }
+    file = out / SESSION_FILE if out else None if given - KEEPING else session_file
+    name = "SESSION_FILE" if file is None else shlex.quote(one_line(str(file)))
+    name = name if len(name) <= LONGEST_NAME else "SESSION_FILE"
+    steps = [
+        (f"nvcore compare {name} --full", "the whole audit, all measures and reasons"),
+        (f"nvcore app {name}", "these moments with boxes, in the dashboard"),
+        (f"nvcore report {name}", "all of it as one HTML file"),
     ]
-    if max(map(len, lines)) <= WIDTH:
-        return lines
-    return [f"{head}{step}" for head, step in zip(heads, steps, strict=True)]
+    if file is None:
+        steps = [("add --full", steps[0][1]), ("add --out DIR", "tables, and a session file")]
+    lines = [f"  {step}  # {shown}" for step, shown in steps]
+    lines = [line if len(line) <= WIDTH else line.partition("  #")[0] for line in lines]
+    return ["Next:", *lines]
 
 
 def _protect_inputs(

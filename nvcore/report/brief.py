@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from typing import Final
+from typing import Any, Final
 
 from nvcore.comparison import Result
 from nvcore.evidence.table import judge_both
@@ -18,7 +18,6 @@ from nvcore.report.terminal import (
     findings_count,
     heading_lines,
     measure_notes,
-    short_mark,
     table_lines,
 )
 from nvcore.report.verdict import verdict
@@ -31,7 +30,7 @@ MOST_LINES: Final = 35
 MOST_FINDINGS: Final = 3
 """Errors and warnings of the audit that are shown, others are counted."""
 RECORDING_WIDTH: Final = 24
-SUBJECT_WIDTH: Final = 24
+"""Longest name of a recording, and of what a finding is about."""
 FULL_ONLY: Final = ("Operating points", "Question", "Other measures")
 """Topics of the verdict that are left out: heading and scorecard say most of it."""
 
@@ -64,7 +63,7 @@ def render_brief(
     plan = verdict_plan(result, evidence, companions)
     conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
     rows = pick_rows(result, score_rows(result), LEADING)
-    cells = score_cells(rows, indent="", mark=short_mark(result))
+    cells = score_cells(rows, indent="", mark=" *" if result.is_short else "")
     x, y, extent, *point = heading_lines(result)
     systems = [f"{x}; {y}"]
     if len(systems[0]) > WIDTH:
@@ -83,15 +82,15 @@ def render_brief(
     of_moments = [_moment(result, moment) for moment in main_moments(result)]
     if of_moments:
         of_moments[0] = ["Moments to look at:", *of_moments[0]]
-    topics = [
-        _fold(f"  {topic}: {text}") for topic, text in conclusion.topics if topic not in FULL_ONLY
-    ]
     for block, optional in (
         (heading, [_fold(note) for note in point]),
         (table, [_fold(note) for note in measure_notes(result)]),
         (audit, of_audit),
         (moments, of_moments),
-        (decision, topics),
+        (
+            decision,
+            [_fold(f"  {of}: {text}") for of, text in conclusion.topics if of not in FULL_ONLY],
+        ),
     ):
         for lines in optional:
             needed = len(lines) + (not block)  # an empty line goes before a new block
@@ -107,7 +106,7 @@ def _audit(findings: Sequence[Finding]) -> list[list[str]]:
     parts = [[findings_count(findings)]]
     for finding in serious[:MOST_FINDINGS]:
         is_worst = finding is serious[0]
-        subject = shortened(one_line(finding.subject), SUBJECT_WIDTH)
+        subject = shortened(one_line(finding.subject), RECORDING_WIDTH)
         label = f"  {finding.severity.value:<8}{subject}: "
         parts.append(_fold(label + finding.message, 4 if is_worst else 1))
         if is_worst:
@@ -118,23 +117,22 @@ def _audit(findings: Sequence[Finding]) -> list[list[str]]:
 
 def _moment(result: Result, moment: Moment) -> list[str]:
     """Where a moment is, whom which system misses there, and what that costs."""
-    frames, encounter = result.dataset.frame_columns, moment.encounter
-    recording = str(result.dataset.recordings["name"].iloc[frames.recording[moment.row]])
-    place = {
-        "recording": shortened(one_line(recording), RECORDING_WIDTH),
-        "frame": int(frames.frame[moment.row]),
-        "time_s": float(result.dataset.frames["time_s"].iloc[moment.row]),
-    }
-    if not moment.title.startswith("Only "):
-        note = Note("terminal.moment", **place, reason=moment.text)
-        return _fold(f"  {phrase(note, result.objects)}")
-    winner = {"x": "y", "y": "x"}[moment.loser]
+    dataset, encounter = result.dataset, moment.encounter
+    frame = dataset.frames.iloc[moment.row]
+    recording = str(dataset.recordings["name"].iloc[int(frame["recording"])])
+    what: dict[str, Any] = {"reason": moment.text}
+    if moment.title.startswith("Only "):
+        letter = "y" if moment.loser == "x" else "x"
+        name = shortened(one_line(result.system(letter).name), NAME_WIDTH)
+        severity_s = result.system(moment.loser).failures["severity_s"]
+        what = {"winner": f"{name} ({letter.upper()})", "seconds": severity_s.iloc[encounter]}
+        what["track"] = result.encounters.track[encounter]
     note = Note(
         "terminal.moment",
-        **place,
-        winner=f"{shortened(one_line(result.system(winner).name), NAME_WIDTH)} ({winner.upper()})",
-        track=int(result.encounters.track[encounter]),
-        seconds=float(result.system(moment.loser).failures["severity_s"].iloc[encounter]),
+        recording=shortened(one_line(recording), RECORDING_WIDTH),
+        frame=int(frame["frame"]),
+        time_s=frame["time_s"],
+        **what,
     )
     return _fold(f"  {phrase(note, result.objects)}")
 

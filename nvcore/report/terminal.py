@@ -82,9 +82,10 @@ def render_scorecard(
     plan = verdict_plan(result, evidence, companions) if plan is None else plan
     conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
     caveat = result.objects.say(saliency_caveat(result.params))
+    cells = scorecard_cells(result, indent="  ", mark=" *" if result.is_short else "")
     parts = [
         "\n".join(heading_lines(result)),
-        "\n".join(_scorecard_lines(result)),
+        "\n".join([*table_lines(result, cells), *measure_notes(result)]),
         _venn(result),
         _fusion(result),
         *([f"saliency: {caveat[0].lower()}{caveat[1:-1]}"] if caveat else []),
@@ -219,16 +220,6 @@ def heading_lines(result: Result) -> list[str]:
     note = point_note(result)
     lines += [say(note, result.objects)] if note else []
     return [one_line(line) for line in lines]
-
-
-def _scorecard_lines(result: Result) -> list[str]:
-    cells = scorecard_cells(result, indent="  ", mark=short_mark(result))
-    return [*table_lines(result, cells), *measure_notes(result)]
-
-
-def short_mark(result: Result) -> str:
-    """The mark of measures that mean little here; empty: none does."""
-    return " *" if result.is_short else ""
 
 
 def table_lines(result: Result, cells: Sequence[tuple[str, ...]]) -> list[str]:

@@ -68,15 +68,15 @@ def test_next_steps_name_a_session_file_that_says_all_that_was_given(
 ):
     monkeypatch.chdir(tmp_path)
     out = ["--out", "out"] if is_written else []
-    steps = nvcore("compare", *flags(drive(tmp_path)), *out).stdout.split("Next: ")[1]
+    steps = nvcore("compare", *flags(drive(tmp_path)), *out).stdout.split("Next:")[1]
     assert ("nvcore app out/session.toml " in steps) == is_written
     assert ("add --full" in steps) != is_written
 
 
 def test_a_session_that_flags_change_is_not_what_the_next_steps_open():
-    assert "nvcore app" in nvcore("compare", SIGNS).stdout.split("Next: ")[1]
-    changed = nvcore("compare", SIGNS, "--alpha", 0.7).stdout.split("Next: ")[1]
-    assert changed.startswith("add --full ")
+    assert "nvcore app" in nvcore("compare", SIGNS).stdout.split("Next:")[1]
+    changed = nvcore("compare", SIGNS, "--alpha", 0.7).stdout.split("Next:")[1]
+    assert changed.startswith("\n  add --full ")
 
 
 def test_what_does_not_fit_is_left_out_in_whole():
