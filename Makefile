@@ -128,7 +128,7 @@ fuzz: $(STORES) $(FUZZER)
 
 # The virtual environment is made and filled once, and again only when a pinned version changes.
 $(LIBRARY): requirements.txt requirements-build.txt pyproject.toml
-	@echo "Installing into .venv: about a minute, once."
+	@echo "Installing into .venv: one to two minutes, once."
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	$(BIN)/python $(PINNED) -r requirements.txt -r requirements-build.txt
 	$(BIN)/python $(INSTALL) --no-deps --no-build-isolation -e .

@@ -22,6 +22,7 @@ from nvcore.cli.options import (
     protocol_option,
     strict_option,
 )
+from nvcore.cli.program import program
 from nvcore.cli.progress import TerminalProgress
 from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import (
@@ -172,9 +173,9 @@ def _next_steps(session_file: Path | None, out: Path | None) -> list[str]:
     name = "SESSION_FILE" if file is None else shlex.quote(one_line(str(file)))
     name = name if len(name) <= LONGEST_NAME else "SESSION_FILE"
     steps = [
-        (f"nvcore compare {name} --full", "the whole audit, all measures and reasons"),
-        (f"nvcore app {name}", "these moments with boxes, in the dashboard"),
-        (f"nvcore report {name}", "all of it as one HTML file"),
+        (f"{program()} compare {name} --full", "all findings, measures and reasons"),
+        (f"{program()} app {name}", "these moments with boxes, in the dashboard"),
+        (f"{program()} report {name}", "all of it as one HTML file"),
     ]
     if file is None:
         steps = [("add --full", steps[0][1]), ("add --out DIR", "tables, and a session file")]
