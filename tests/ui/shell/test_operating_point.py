@@ -35,14 +35,14 @@ def test_at_equal_false_alarms_no_page_warns_of_what_the_switch_has_settled(app:
     for name in PAGES:
         said = texts(checked(to_page(app, name)))
         assert DIFFERENT not in said
-        assert said.count("At equal false alarms (X with scores of ") == (name != "detection")
+        assert said.count("At equal false alarms (X at a confidence threshold of ") == (name != "detection")
 
 
 def test_as_set_each_page_says_it_once_beside_the_switch(app: AppTest) -> None:
     checked(app.button_group(key="operating_point").set_value("as-set").run())
     for name in ("encounters", "stability"):
         said = texts(checked(to_page(app, name)))
-        assert said.count("As set: at unequal operating points") == 1
+        assert said.count("As set, at unequal operating points") == 1
         assert DIFFERENT not in said
 
 
