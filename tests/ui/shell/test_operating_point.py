@@ -35,7 +35,8 @@ def test_at_equal_false_alarms_no_page_warns_of_what_the_switch_has_settled(app:
     for name in PAGES:
         said = texts(checked(to_page(app, name)))
         assert DIFFERENT not in said
-        assert said.count("At equal false alarms (X at a confidence threshold of ") == (name != "detection")
+        count = said.count("At equal false alarms (X at a confidence threshold of ")
+        assert count == (name != "detection")
 
 
 def test_as_set_each_page_says_it_once_beside_the_switch(app: AppTest) -> None:
