@@ -23,7 +23,6 @@ from nvcore.notes import Note
 from nvcore.scoring import SystemResult
 from nvcore.settings import OperatingPoint
 
-UNEQUAL_POINTS: Final = "X and Y are set to different operating points"
 AS_SET: Final = "as set: at unequal operating points"
 """Marks numbers of X and Y from which nothing is claimed."""
 SETTLED: Final = "score-floors"

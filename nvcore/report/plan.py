@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from nvcore.arguments.plan import PlanArguments
@@ -21,6 +19,7 @@ from nvcore.evidence.planning.notes import ASSUMPTIONS, QUESTION, notes_for_verd
 from nvcore.evidence.planning.plan import Plan, plan_recordings
 from nvcore.measures.table import difference_text
 from nvcore.notes import Note
+from nvcore.tables.summary import without_nan
 from nvcore.wording import duration_text, percent
 
 
@@ -82,45 +81,30 @@ def render_plan(plan: Plan) -> str:
 def plan_values(plan: Plan) -> dict[str, Any]:
     """The plan as numbers and texts for JSON; None is undefined."""
     row = plan.evidence
-    return {
+    content = {
         "measure": row.figure,
         "label": row.label,
-        **{
-            name: _defined(getattr(row, name))
-            for name in ("x", "y", "difference", "low", "high", "p")
-        },
-        "n": _defined(row.n),
+        **{name: getattr(row, name) for name in ("x", "y", "difference", "low", "high", "p")},
+        "n": row.n,
         "unit": row.unit,
-        "n_encounters": _defined(plan.n_encounters),
-        "duration_s": _defined(plan.duration_s),
-        "power": _defined(plan.power),
+        "n_encounters": plan.n_encounters,
+        "duration_s": plan.duration_s,
+        "power": plan.power,
         "n_tests": plan.n_tests,
-        "noninferiority": None
-        if plan.noninferiority is None
-        else {name: _defined(value) for name, value in asdict(plan.noninferiority).items()},
+        "noninferiority": None if plan.noninferiority is None else asdict(plan.noninferiority),
         "sizes": [
             {
-                **{
-                    name: _defined(getattr(size, name))
-                    for name in size.__dataclass_fields__
-                    if name != "points"
-                },
-                "points": [
-                    {name: _defined(value) for name, value in point._asdict().items()}
-                    for point in size.points
-                ],
+                **{name: of for name, of in vars(size).items() if name != "points"},
+                "points": [point._asdict() for point in size.points],
             }
             for size in plan.sizes
         ],
         "sentences": list(plan.sentences),
     }
+    values: dict[str, Any] = without_nan(content)
+    return values
 
 
 def plan_json(plan: Plan) -> str:
     """The plan as JSON text."""
     return json.dumps(plan_values(plan), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def _defined(value: Any) -> Any:
-    plain = value.item() if isinstance(value, np.generic) else value
-    return None if isinstance(plain, float) and not math.isfinite(plain) else plain

@@ -363,9 +363,10 @@ def _nest(content: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def without_nan(value: Any) -> Any:
-    """The same with None in place of NaN and infinities, which JSON does not have."""
+    """Return plain Python values, with None in place of NaN and infinities, as JSON has them."""
     if isinstance(value, dict):
         return {key: without_nan(item) for key, item in value.items()}
     if isinstance(value, list):
         return [without_nan(item) for item in value]
+    value = value.item() if isinstance(value, np.generic) else value
     return None if isinstance(value, float) and not np.isfinite(value) else value

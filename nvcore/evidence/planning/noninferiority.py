@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 from nvcore.arguments.plan import Side
 from nvcore.evidence.measures import Evidence
-from nvcore.evidence.operating_points import UNEQUAL_POINTS
 from nvcore.evidence.units import WHOLE
 from nvcore.measures.entry import Better
 
@@ -80,7 +79,7 @@ def judge_noninferiority(
     end = math.nan if is_undecided else worse_at_most(evidence, candidate)
     reason = ""
     if is_undecided:
-        reason = UNEQUAL_POINTS
+        reason = "X and Y are set to different operating points"
     elif evidence.unit not in WHOLE:
         reason = "stretches of time say nothing of other recordings"
     elif evidence.doubt:
