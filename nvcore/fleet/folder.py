@@ -230,7 +230,12 @@ def table_of(out: Location, its_plan: Plan, name: str) -> Any:
     InputError
         If a file is missing or damaged.
     """
-    files = [done["files"][name] for done in _read_done(out, its_plan.batches)]
+    return _open_table(out, name, _read_done(out, its_plan.batches))
+
+
+def _open_table(out: Location, name: str, done: Sequence[Mapping[str, Any]]) -> Any:
+    """Open a table as `table_of`, by what its batches have given."""
+    files = [batch["files"][name] for batch in done]
     kind = ds.ParquetFileFormat()
     with ThreadPoolExecutor(_THREADS) as pool:
         contents = pool.map(lambda file: _content(out, file), files)
@@ -249,7 +254,7 @@ def finish(out: Location, its_plan: Plan) -> Summary:
         If batches are missing or damaged.
     """
     done = _read_done(out, its_plan.batches)
-    recordings = table_of(out, its_plan, "recordings").to_table(columns=[*reductions()])
+    recordings = _open_table(out, "recordings", done).to_table(columns=[*reductions()])
     quarantined = sum(batch["files"]["quarantine"]["rows"] for batch in done)
     summary = Summary.of(recordings, quarantined, its_plan.params)
     newest = newest_plan(out)
