@@ -179,6 +179,11 @@ class Finding:
     steps: tuple[Step, ...] = ()
 
     @property
+    def place(self) -> str:
+        """File and first place, empty if neither is known."""
+        return ", ".join(part for part in (self.file, self.example) if part)
+
+    @property
     def is_of_pictures(self) -> bool:
         """Whether it is about pictures, on which no measure depends."""
         return self.code.startswith(OF_PICTURES)

@@ -110,7 +110,7 @@ def _audit(findings: Sequence[Finding]) -> list[list[str]]:
         label = f"  {finding.severity.value:<8}{subject}: "
         parts.append(_fold(label + finding.message, 4 if is_worst else 1))
         if is_worst:
-            where = ", ".join(part for part in (finding.file, finding.example) if part)
+            where = finding.place
             parts[-1] += _fold(f"    {where and f'First: {where}. '}{finding.advice}", 3)
     return parts
 

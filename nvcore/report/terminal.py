@@ -115,10 +115,9 @@ def render_findings(findings: Sequence[Finding]) -> str:
     """The audit's findings, one paragraph each, in the order given."""
     lines = [findings_count(findings)]
     for finding in findings:
-        where = ", ".join(part for part in (finding.file, finding.example) if part)
         lines.append(f"  {finding.severity.value:<8}{finding.subject}: {finding.message}")
-        if where:
-            lines.append(f"          first: {where}")
+        if finding.place:
+            lines.append(f"          first: {finding.place}")
         lines.append(f"          {finding.advice}")
     return _text(lines)
 

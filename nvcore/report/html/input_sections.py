@@ -41,7 +41,7 @@ def audit_section(findings: Sequence[Finding]) -> Section:
             finding.severity.value,
             finding.subject,
             finding.message,
-            ", ".join(part for part in (finding.file, finding.example) if part) or UNDEFINED,
+            finding.place or UNDEFINED,
             finding.advice,
         )
         for finding in findings
