@@ -48,8 +48,8 @@ class _Answer(NamedTuple):
 
 def known_plan(result: Result) -> tuple[Note, ...]:
     """What the verdict says of more recordings, once any plan was computed; else nothing."""
-    facts: tuple[Note, ...] | None = state.known("verdict_plan", comparison_key(result))
-    return facts or ()
+    notes: tuple[Note, ...] | None = state.known("verdict_plan", comparison_key(result))
+    return notes or ()
 
 
 def draw(result: Result, evidence: pd.DataFrame, companions: Companions | None) -> None:
