@@ -15,8 +15,15 @@ from urllib.parse import urlsplit
 import pytest
 from places import ROOT
 
-SERVER: Final = ROOT / ".venv-tools" / "s3" / "bin" / "moto_server"
-"""Emulates S3 with its conditional writes; installed apart, as it wants other versions than we."""
+SERVER: Final = ROOT / ".venv-tools" / "s3" / "bin" / "python"
+"""Interpreter with an emulator of S3, installed apart because it needs other versions."""
+SERVE: Final = """
+from moto.server import DomainDispatcherApplication, create_backend_app
+from werkzeug.serving import run_simple
+
+# one request at a time: moto checks and writes in two steps, so conditional writes could race
+run_simple("127.0.0.1", 0, DomainDispatcherApplication(create_backend_app), threaded=False)
+"""
 
 
 def options(url: str) -> dict[str, str]:
@@ -35,7 +42,7 @@ def served() -> Iterator[str]:
     """Within it, an empty S3 server answers at this address."""
     if not SERVER.exists():
         pytest.skip(f"no S3 server in {SERVER}")
-    command = [SERVER, "-H", "127.0.0.1", "-p", "0"]
+    command = [SERVER, "-c", SERVE]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
         assert process.stderr is not None
         try:
