@@ -195,6 +195,11 @@ class Result:
         """The two systems, each with the letter that ends its columns' names."""
         return ("x", self.x), ("y", self.y)
 
+    @property
+    def names(self) -> tuple[str, str]:
+        """Names of X and Y."""
+        return self.x.name, self.y.name
+
     def system(self, letter: str) -> SystemResult:
         """System ``x`` or ``y``."""
         return dict(self.sides)[letter]

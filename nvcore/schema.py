@@ -125,6 +125,13 @@ class Category(StrEnum):
     DISTANT = "distant"
 
 
+CATEGORY_WORDS: Final = {
+    Category.BOTH: "both",
+    Category.X_ONLY: "only X",
+    Category.Y_ONLY: "only Y",
+    Category.NEITHER: "neither",
+    Category.DISTANT: "distant",
+}
 CATEGORY_TEXT: Final[dict[Category, str]] = {
     Category.BOTH: "Both systems detected the {one}.",
     Category.X_ONLY: "Only X detected the {one}.",

@@ -72,9 +72,8 @@ class Subject:
         What stands in and above the lanes of the timeline (`nvcore.figures.over_time.lanes.Lanes`).
     points
         Points of the verdict (`nvcore.report.verdict.PointOf`).
-    lines, sections
-        Lines of the terminal's report, and sections of the HTML report
-        (`nvcore.report.html.blocks.SectionOf`).
+    sections
+        Sections of the report (`nvcore.report.section.SectionOf`).
     remarks
         What is said beside the numbers in both (`nvcore.report.remarks.Remarks`).
     rules
@@ -118,7 +117,6 @@ class Subject:
     figures: str = ""
     lanes: str = ""
     points: str = ""
-    lines: str = ""
     sections: str = ""
     remarks: str = ""
     rules: str = ""

@@ -15,7 +15,6 @@ SUBJECT = Subject(
     columns="columns:COLUMNS",
     figures="figures:FIGURES",
     points="text:POINTS",
-    lines="text:lines",
     sections="section:SECTIONS",
     system_keys="session:SystemAlerts",
     inputs="inputs:INPUT",

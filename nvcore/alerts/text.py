@@ -1,4 +1,4 @@
-"""What alerts add to the verdict and to the terminal's report, and their own text there."""
+"""Additions of alerts to the verdict, and their own report in the terminal."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ import numpy as np
 import pandas as pd
 
 from nvcore.alerts.measures import MEASURES
-from nvcore.alerts.notes import alert_notes, alerts_of, in_time_by_kind
+from nvcore.alerts.notes import alert_notes, in_time_by_kind
 from nvcore.alerts.speeding import ROWS
-from nvcore.alerts.steps import AlertsView, alerts_in
-from nvcore.comparison import Result
-from nvcore.notes import phrase, say
-from nvcore.report.terminal import code_lines
+from nvcore.alerts.steps import AlertsView
+from nvcore.notes import say
+from nvcore.report.section import worded
+from nvcore.report.sections.encounters import by_class
+from nvcore.report.terminal import block_lines
 from nvcore.report.verdict import PointOf
 from nvcore.tables.scorecard import score_rows
 from nvcore.time_left.notes import urgent
@@ -26,22 +27,12 @@ MOST_SHOWN: Final = 8
 POINTS: Final = (PointOf("Alerts", alert_notes, after="The driver"),)
 
 
-def lines(result: Result) -> list[str]:
-    """The alerts of both systems, for the terminal."""
-    if not alerts_in(result).is_asked:
-        return []
-    return [
-        f"alerts: {phrase(alerts_of(result, letter, system), result.objects)}"
-        for letter, system in result.sides
-    ]
-
-
 def render_alerts(view: AlertsView) -> str:
     """What there is to say, the measures, and the curves in some of their points."""
     result, own = view.result, {measure.key for measure in MEASURES}
     sentences = [say(fact, result.objects) for fact in alert_notes(result)]
     if (of_urgent := urgent(result)) is not None:  # at which speed, as all else rests on it
-        sentences.append(f"{say(of_urgent, result.objects)}.")
+        sentences.append(say(of_urgent, result.objects))
     sentences += [say(fact, result.objects) for fact in in_time_by_kind(result)]
     rows = [
         ("  " * row.level + row.label, number(row.x, row.form), number(row.y, row.form))
@@ -53,7 +44,7 @@ def render_alerts(view: AlertsView) -> str:
         *(f"{letter.upper()}: {one_line(system.name)}" for letter, system in result.sides),
         "",
         *sentences,
-        *code_lines(result),
+        *block_lines(worded(by_class(result), result.objects)),
         "",
         *aligned([("", "X", "Y"), *rows]),
         *_speeding(view),

@@ -160,8 +160,8 @@ def compare(
 
 def _next_steps(session_file: Path | None, out: Path | None) -> list[str]:
     """Return commands that show more, by a session file that says all that this command does."""
-    from nvcore.report.brief import WIDTH
     from nvcore.report.files import SESSION_FILE
+    from nvcore.report.terminal import WIDTH
 
     context = click.get_current_context()
     given = {

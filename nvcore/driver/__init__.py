@@ -22,7 +22,6 @@ SUBJECT = Subject(
     columns="comparison.columns:COLUMNS",
     entries="comparison.columns:ENTRIES",
     points="comparison.report:POINTS",
-    lines="comparison.report:lines",
     remarks="comparison.report:REMARKS",
     sections="comparison.section:SECTIONS",
     rules="comparison.gate:RULES",

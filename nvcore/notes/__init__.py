@@ -92,6 +92,12 @@ def phrase(note: Note, objects: Objects, form: str = TEXT) -> str:
     return _template(note.key, form).render({**objects.words, **note.fields, **own})
 
 
+def has_form(note: Note, form: str) -> bool:
+    """Return whether the entry of a note has a template of this form."""
+    topic, _, name = note.key.partition(".")
+    return form in entries(topic)[name]
+
+
 @cache
 def entries(topic: str) -> dict[str, dict[str, Any]]:
     """Return the entries of a topic by name (the part of a key after the dot)."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 from typing import Any, Final
 
@@ -15,7 +14,9 @@ from nvcore.report.decisive_moments import Moment, main_moments
 from nvcore.report.plan import verdict_plan
 from nvcore.report.terminal import (
     NAME_WIDTH,
+    WIDTH,
     findings_count,
+    fold,
     heading_lines,
     measure_notes,
     table_lines,
@@ -25,7 +26,6 @@ from nvcore.report.words import score_cells
 from nvcore.tables.scorecard import LEADING, pick_rows, score_rows
 from nvcore.wording import one_line, shortened
 
-WIDTH: Final = 100
 MOST_LINES: Final = 35
 MOST_FINDINGS: Final = 3
 """Errors and warnings of the audit that are shown, others are counted."""
@@ -70,12 +70,12 @@ def render_brief(
         systems = [shortened(line, WIDTH) for line in (x, y)]
     count, *of_audit = _audit(findings)
     audit = [*count, *of_audit.pop(0)] if of_audit else []
-    heading = [*systems, *_fold(extent, 2), *([] if audit else count)]
+    heading = [*systems, *fold(extent, 2), *([] if audit else count)]
     table = table_lines(result, cells)
     if (excess := max(map(len, table)) - WIDTH) > 0:
         longest = max(len(label) for label, *_ in cells) - excess
         table = table_lines(result, [(shortened(label, longest), *of) for label, *of in cells])
-    decision = _fold(f"In short: {conclusion.say(conclusion.headline)}")
+    decision = fold(f"In short: {conclusion.say(conclusion.headline)}")
     moments: list[str] = []
     blocks = [audit, heading, table, decision, moments, [*next_steps]]
     room = most_lines - sum(len(block) + 1 for block in blocks if block) + 1
@@ -83,13 +83,13 @@ def render_brief(
     if of_moments:
         of_moments[0] = ["Moments to look at:", *of_moments[0]]
     for block, optional in (
-        (heading, [_fold(note) for note in point]),
-        (table, [_fold(note) for note in measure_notes(result)]),
+        (heading, [fold(note) for note in point]),
+        (table, [fold(note) for note in measure_notes(result)]),
         (audit, of_audit),
         (moments, of_moments),
         (
             decision,
-            [_fold(f"  {of}: {text}") for of, text in conclusion.topics if of not in FULL_ONLY],
+            [fold(f"  {of}: {text}") for of, text in conclusion.topics if of not in FULL_ONLY],
         ),
     ):
         for lines in optional:
@@ -108,10 +108,10 @@ def _audit(findings: Sequence[Finding]) -> list[list[str]]:
         is_worst = finding is serious[0]
         subject = shortened(one_line(finding.subject), RECORDING_WIDTH)
         label = f"  {finding.severity.value:<8}{subject}: "
-        parts.append(_fold(label + finding.message, 4 if is_worst else 1))
+        parts.append(fold(label + finding.message, 4 if is_worst else 1))
         if is_worst:
             where = finding.place
-            parts[-1] += _fold(f"    {where and f'First: {where}. '}{finding.advice}", 3)
+            parts[-1] += fold(f"    {where and f'First: {where}. '}{finding.advice}", 3)
     return parts
 
 
@@ -134,17 +134,4 @@ def _moment(result: Result, moment: Moment) -> list[str]:
         time_s=frame["time_s"],
         **what,
     )
-    return _fold(f"  {phrase(note, result.objects)}")
-
-
-def _fold(text: str, most: int | None = None) -> list[str]:
-    """Lines of a text of at most `WIDTH`, and at most so many; further ones are indented."""
-    indent = " " * (len(text) - len(text.lstrip()) + 2)
-    return textwrap.wrap(
-        one_line(text),
-        WIDTH,
-        subsequent_indent=indent,
-        max_lines=most,
-        placeholder=" …",
-        break_on_hyphens=False,
-    )
+    return fold(f"  {phrase(note, result.objects)}")

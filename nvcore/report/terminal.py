@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import textwrap
+from collections.abc import Iterator, Sequence
 
 import pandas as pd
 
@@ -12,42 +13,28 @@ from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.operating_points import point_note
 from nvcore.evidence.table import judge_both
 from nvcore.findings import Finding, Severity
-from nvcore.metrics.encounter_classes import classes_of, shown_class
 from nvcore.metrics.proximity.horizon import estimate_horizons
-from nvcore.notes import Note, phrase, say
+from nvcore.notes import Note, say
+from nvcore.objects import Objects
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.report.plan import verdict_plan
+from nvcore.report.section import Block, Fold, Paragraphs, Section, Table
+from nvcore.report.sections import result_sections
 from nvcore.report.verdict import Verdict, verdict
 from nvcore.report.words import (
-    FUSION_RULE,
-    lead,
-    missed,
     n_frames_text,
-    parted,
-    saliency_caveat,
     sampling_note,
     scorecard_cells,
 )
-from nvcore.schema import Category
 from nvcore.scoring import SystemResult
 from nvcore.subjects import contributed
-from nvcore.tables.encounters.miss_classes import class_counts
 from nvcore.tables.inputs import inputs_table
-from nvcore.tables.result import worst_intervals
-from nvcore.wording import count_text, number, one_line, shortened
+from nvcore.wording import count_text, one_line, shortened
 
-SHORT_ROWS = "* means little here: most encounters are one frame long"
-"""What the mark in the scorecard says."""
 MOST_RECORDINGS = 40
 """Recordings whose pictures or estimated horizons are printed."""
-MOST_CODES = 12
-"""Codes whose encounters are printed."""
-COUNTED = {
-    Category.BOTH: "both",
-    Category.X_ONLY: "only X",
-    Category.Y_ONLY: "only Y",
-    Category.NEITHER: "neither",
-}
+WIDTH = 100
+"""Maximum length of lines of text, in characters."""
 NAME_WIDTH = 16
 """Longest name of a system in the head of a column; the full name is above the table."""
 
@@ -81,24 +68,75 @@ def render_scorecard(
         companions = find_companions(result, evidence, protocol)
     plan = verdict_plan(result, evidence, companions) if plan is None else plan
     conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
-    caveat = result.objects.say(saliency_caveat(result.params))
     cells = scorecard_cells(result, indent="  ", mark=" *" if result.is_short else "")
+    _, *sections = result_sections(result)  # the scorecard has the names of X and Y above it
     parts = [
         "\n".join(heading_lines(result)),
         "\n".join([*table_lines(result, cells), *measure_notes(result)]),
-        _venn(result),
-        _fusion(result),
-        *([f"saliency: {caveat[0].lower()}{caveat[1:-1]}"] if caveat else []),
-        *(_worst(result, letter, system) for letter, system in result.sides),
+        *(render_section(section, result.objects) for section in sections),
         render_verdict(conclusion),
     ]
     return "\n\n".join(parts)
 
 
+def render_section(section: Section, objects: Objects) -> str:
+    """Return the notes and tables of a section, folded ones included, without its figures."""
+    worded = section.worded(objects)
+    return _text([worded.title, *block_lines(worded.blocks)])
+
+
+def block_lines(blocks: Sequence[Block]) -> Iterator[str]:
+    """Yield the lines of texts and tables, folded ones included."""
+    for block in blocks:
+        if isinstance(block, Fold):
+            yield from block_lines(block.blocks)
+        elif isinstance(block, Paragraphs):
+            for text in block.texts:
+                yield from fold(f"  {text}")
+        elif isinstance(block, Table):
+            yield f"  {block.title}:" if block.rows else f"  {block.title}: none"
+            yield from (f"    {line}" for line in _rows(block))
+            for note in block.notes:
+                yield from fold(f"    {note}")
+
+
+def _rows(block: Table) -> list[str]:
+    if not block.rows:
+        return []
+    widths = [max(map(len, column)) for column in zip(block.head, *block.rows, strict=True)]
+    return [
+        "  ".join(
+            cell.rjust(width) if i in block.right else cell.ljust(width)
+            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in (block.head, *block.rows)
+    ]
+
+
+def fold(text: str, most: int | None = None) -> list[str]:
+    """Return lines of at most `WIDTH` characters; all but the first are indented further.
+
+    Parameters
+    ----------
+    most
+        Maximum number of lines; an ellipsis replaces the rest.
+    """
+    indent = " " * (len(text) - len(text.lstrip()) + 2)
+    return textwrap.wrap(
+        one_line(text),
+        WIDTH,
+        subsequent_indent=indent,
+        max_lines=most,
+        placeholder=" …",
+        break_on_hyphens=False,
+    )
+
+
 def render_verdict(conclusion: Verdict) -> str:
-    """The headline, a line for each topic, and what it all depends on."""
-    lines = (f"  {topic}: {text}" for topic, text in conclusion.topics)
-    return _text([f"In short: {conclusion.say(conclusion.headline)}", *lines])
+    """Return the headline and a paragraph for each topic."""
+    texts = [f"In short: {conclusion.say(conclusion.headline)}"]
+    texts += [f"  {topic}: {text}" for topic, text in conclusion.topics]
+    return "\n".join(line for text in texts for line in fold(text))
 
 
 def findings_count(findings: Sequence[Finding]) -> str:
@@ -235,99 +273,18 @@ def table_lines(result: Result, cells: Sequence[tuple[str, ...]]) -> list[str]:
 
 
 def measure_notes(result: Result) -> list[str]:
-    """What to know of the rates, and of measures that need encounters of several frames."""
-    notes = [SHORT_ROWS] if result.is_short else []
+    """Return cautions for rates, and for measures that need encounters of several frames."""
+    little = [Note("sections.means_little")] if result.is_short else []
+    remarks = [note for of in contributed("remarks") for note in of.note(result)]
     sampling = sampling_note(result.dataset.frame_columns)
-    of_subjects = (
-        say(fact, result.objects)
-        for remarks in contributed("remarks")
-        for fact in remarks.note(result)
-    )
-    return [one_line(note) for note in (*notes, sampling, *of_subjects) if note]
+    said = [say(note, result.objects) for note in (*little, *remarks)]
+    return [
+        one_line(note) for note in (*said[: len(little)], sampling, *said[len(little) :]) if note
+    ]
 
 
 def _head(letter: str, system: SystemResult) -> str:
     return f"{letter.upper()}: {shortened(one_line(system.name), NAME_WIDTH)}"
-
-
-def _venn(result: Result) -> str:
-    counts = result.venn.counts()
-    detected = ", ".join(f"{words} {counts[kind]}" for kind, words in COUNTED.items())
-    x, y = (result.severity_of(system) for _, system in result.sides)
-    weights = "; ".join(
-        f"{words}: X misses {x[kind]:.2f} s and Y {y[kind]:.2f} s"
-        for kind, words in COUNTED.items()
-    )
-    lines = [
-        f"encounters detected by: {detected} ({result.venn.distant:,} distant, not counted)",
-        f"severity (1 s: {result.objects.say('{a_one}')} straight ahead and near is missed for "
-        f"1 s), of encounters detected by {weights}",
-    ]
-    lines += code_lines(result)
-    notes = missed(result), parted(result)
-    lines.append("; ".join(phrase(note, result.objects, "terminal") for note in notes))
-    lines.append(phrase(lead(result), result.objects, "terminal"))
-    for lines_of in contributed("lines"):
-        lines += lines_of(result)
-    boxes = result.boxes
-    lines.append(
-        f"boxes matched by: both {boxes.both:,}, only X {boxes.x_only:,}, "
-        f"only Y {boxes.y_only:,}, neither {boxes.neither:,} (all boxes, distant ones too)"
-    )
-    n_absorbed = [
-        f"{letter.upper()} {system.matches.n_absorbed:,}" for letter, system in result.sides
-    ]
-    lines.append(
-        result.objects.say(
-            "detections on {people} or regions that the truth ignores, not counted: "
-        )
-        + ", ".join(n_absorbed)
-    )
-    return _text(lines)
-
-
-def code_lines(result: Result) -> list[str]:
-    """Who detects the encounters of each code; empty: nothing is coded."""
-    coded, counts = classes_of(result.dataset).coded, class_counts(result).to_dict("index")
-    shown = [code for code in coded if code in counts]
-    lines = [
-        f"encounters with {shown_class(code)}, detected by: "
-        + ", ".join(f"{words} {counts[code][kind.value]}" for kind, words in COUNTED.items())
-        for code in shown[:MOST_CODES]
-    ]
-    more = len(shown) - len(lines)
-    lines += [f"and with {more:,} more codes"] if more else []
-    return lines or ["no encounter overlaps a coded interval"] if coded else []
-
-
-def _fusion(result: Result) -> str:
-    fusion = result.fusion
-    lines = []
-    for label, system in (("X or Y", fusion.x), ("X and Y", fusion.y)):
-        n_detected = int(system.encounters["is_detected"].sum())
-        lines.append(
-            f"fusion {label}: {n_detected} of {result.venn.n_near} encounters, "
-            f"{count_text(system.false_alarm_summary.episodes, 'false-alert episode')}, "
-            f"mean similarity {number(system.summary.mean, '.4f')}"
-        )
-    lines.append(f"fusion: {FUSION_RULE[0].lower()}{FUSION_RULE[1:-1]}")
-    return "\n".join(lines)
-
-
-def _worst(result: Result, letter: str, system: SystemResult) -> str:
-    table = worst_intervals(result, letter)
-    name = f"worst intervals of {letter.upper()} ({system.name})"
-    if table.empty:
-        return one_line(f"{name}: none below {result.params.low:g}")
-    lines = [f"{name}, weighted by what similarity lacks to {result.params.low:g}:"]
-    lines += [
-        f"  {row['recording']}  {row['start_s']:.2f} s to "
-        f"{row['start_s'] + row['duration_s']:.2f} s  "
-        f"(frames {row['first_frame']} to {row['last_frame']}): weighs {row['depth_s']:.2f} "
-        f"s, lowest {row['min_similarity']:.3f} at frame {row['worst_frame']}"
-        for row in table.to_dict("records")
-    ]
-    return _text(lines)
 
 
 def _text(lines: Sequence[str]) -> str:

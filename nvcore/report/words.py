@@ -12,7 +12,6 @@ from nvcore.columns import FrameColumns
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.evidence.measures import ODDS_RATIO, Evidence
-from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.units import BLOCKS, MIN_RECORDINGS, count_whole
 from nvcore.inputs.evaluated_frames import nth
@@ -37,15 +36,6 @@ from nvcore.wording import (
 FEW_MISSES: Final = 5
 """Phi is explained only if both systems have at least this many misses."""
 
-
-FUSION_RULE: Final = (
-    "A fusion is of boxes, frame by frame (a pair counts once, by X's box), and an encounter then "
-    "needs its share of matched frames like any other: so \u201cX or Y\u201d can detect one that "
-    "neither system does, or not detect one that Y does; \u201cX and Y\u201d can lose one that "
-    "both detect, in different frames; and as runs of false alarms break up, \u201cX and Y\u201d "
-    "can have more episodes than either system."
-)
-"""Reason why the counts of fused systems differ from those of the Venn diagram."""
 WITHIN: Final = "*"
 WITHIN_NOTE: Final = "within these recordings alone"
 """Mark and footnote of an interval that says nothing about other recordings."""
@@ -167,7 +157,6 @@ def parted(result: Result) -> Note:
         is_short=result.is_short,
         p=None if np.isnan(p) else p,
         is_uneven=bool(p <= SIGNIFICANT),
-        is_as_set=are_unequal(result),
     )
 
 
@@ -231,14 +220,9 @@ def saliencies(result: Result) -> tuple[Note, ...]:
     return tuple(_saliency_of(result, letter, system) for letter, system in result.sides)
 
 
-def saliency_caveat(params: Params) -> str:
-    """Return a caution (a template) on saliency by the rule of the paper, empty for other rules."""
-    if params.saliency_of != "most_salient":
-        return ""
-    return (
-        "Only the most salient miss of a frame makes an event: two {people} missed side by side "
-        "cut each other's events short, so that missing both can come out below missing one."
-    )
+def saliency_caveat(params: Params) -> tuple[Note, ...]:
+    """Return a caution on saliency by the rule of the paper, if that rule is used."""
+    return (Note("saliency.side_by_side"),) * (params.saliency_of == "most_salient")
 
 
 def _saliency_of(result: Result, letter: str, system: SystemResult) -> Note:

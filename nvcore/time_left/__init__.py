@@ -16,7 +16,6 @@ SUBJECT = Subject(
     figures="figures.of_result:FIGURES",
     lanes="figures.timeline:LANES",
     points="notes:POINTS",
-    lines="notes:lines",
     sections="section:SECTIONS",
     ui="ui.time_left",
 )

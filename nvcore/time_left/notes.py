@@ -9,7 +9,7 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.evidence.claims import values_of
-from nvcore.notes import Note, phrase
+from nvcore.notes import Note
 from nvcore.params import Params
 from nvcore.report.verdict import PointOf
 from nvcore.time_left.judging import needed_time, turning_speeds
@@ -33,12 +33,6 @@ def confirmed(result: Result) -> tuple[Note, ...]:
 
 POINTS: Final = (PointOf("Time left", confirmed, after="Severity"),)
 """Points of the verdict about the time left."""
-
-
-def lines(result: Result) -> list[str]:
-    """Return the terminal's line on which encounters are urgent."""
-    note = urgent(result)
-    return [f"time left: {phrase(note, result.objects)}"] if note else []
 
 
 def urgent(result: Result) -> Note | None:

@@ -1,142 +1,127 @@
-"""Section about time left: who is confirmed in time, and what the speed changes."""
+"""Section about time left: encounters confirmed in time, and the effect of the speed."""
 
 from __future__ import annotations
 
-from typing import Final
+from functools import partial
+from typing import TYPE_CHECKING, Final
 
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.notes import Note, say
-from nvcore.params import Params
-from nvcore.report.html.blocks import (
+from nvcore.notes import Note
+from nvcore.report.section import (
+    Block,
     Chart,
+    Columns,
     Fold,
-    Intro,
+    Paragraphs,
     Section,
     SectionOf,
-    Sentences,
     Table,
+    Text,
+    about,
+    listing,
+    of_both,
+    spaced,
     table,
 )
-from nvcore.report.html.result_sections import names_of
 from nvcore.time_left.by_class import CLASS_HEAD, time_left_by_class
 from nvcore.time_left.encounters import urgent_encounters
-from nvcore.time_left.figures.approach import MOST_ROWS, approach_plot
-from nvcore.time_left.figures.over_speed import LOOKS, OverSpeed, over_speed_plot
 from nvcore.time_left.notes import confirmed, few_urgent, needed, orders, urgent
 from nvcore.time_left.steps import time_left_in
-from nvcore.wording import Footnotes, capitalised, number
+from nvcore.wording import Footnotes, capitalised
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+    from nvcore.time_left.figures.over_speed import OverSpeed
+
+MOST_LISTED: Final = 20
+"""Maximum number of urgent encounters in the list, as in the figure."""
+OVER_SPEED: Final[dict[OverSpeed, str]] = {
+    "share_in_time": "Share in time over speed",
+    "mean_impact_kmh": "Mean impact speed over speed",
+}
 
 
 def _section(result: Result) -> Section:
-    """The urgent encounters up to contact, and both systems over the speed of the car."""
+    """Return the urgent encounters up to contact, and both systems over the speed of the car."""
     curve, encounters = time_left_in(result).over_speed, urgent_encounters(result)
-    of_urgent = urgent(result) or Note("time_left.nobody_met")
     notes = (
+        *confirmed(result),
+        urgent(result) or Note("time_left.nobody_met"),
         *few_urgent(result),
         *([needed(result.params)] if time_left_in(result).has_assumed_speed.any() else []),
         *orders(curve),
     )
-    sentences = (
-        *(say(note, result.objects) for note in confirmed(result)),
-        f"{say(of_urgent, result.objects)}.",
-        *(say(note, result.objects) for note in notes),
-    )
-    blocks: list[Sentences | Chart | Table | Fold] = [Sentences(sentences)]
+    blocks: list[Block] = [Paragraphs(notes)]
     if not encounters.empty:
-        figure = approach_plot(result, encounters, theme=result.scheme("light"))
         in_words = "For each urgent encounter the last chance and when X and Y confirm"
-        listing = _listing(result, encounters)
+        listed = _listing(result, encounters)
         blocks += [
-            Chart("approach", figure, in_words),
-            Fold(listing.title, (listing,), "in encounters.csv"),
+            Chart("approach", partial(_approach, result, encounters), in_words),
+            Fold(listed.title, (listed,), "in encounters.csv"),
             *_by_class(result),
         ]
     if curve["urgent"].any():
-        charts = tuple(_over_speed(result, curve, measure) for measure in LOOKS)
+        charts = tuple(
+            Chart(
+                f"over-speed-{measure}",
+                partial(_over_speed, result, curve, measure),
+                f"{title} of the car, X and Y",
+            )
+            for measure, title in OVER_SPEED.items()
+        )
         blocks.append(Fold("Share in time and impact speed over the speed of the car", charts))
-    return Section("time-left", "Time left", _introduction(result.params), tuple(blocks))
+    introduction = about("time_left.section", result)
+    return Section("time-left", "Time left", introduction, tuple(blocks))
 
 
-def _introduction(params: Params) -> Intro:
-    return Intro(
-        what="Whether braking could still have helped when a system had found the {one}. An "
-        "encounter is urgent if the car comes so near that a warning given then could no longer "
-        "stop it; the last chance is the first such frame.",
-        how="One over the height of {his} box (or {his} distance, where the truth states it) falls "
-        "on a line that reaches zero at contact: that gives the time to contact in each frame. The "
-        f"last chance is the first frame with less than {params.reaction_s:g} s and half the time "
-        f"of braking with {params.deceleration:g} m/s² left. A system has confirmed the {{one}} "
-        f"once {params.confirm_n:g} of {{his}} last {params.confirm_m:g} frames are matched: in "
-        "time if before the last chance; late, and then the car reaches {him} with the impact "
-        "speed; or never, at full speed. The margin is the time from confirmation to the last "
-        "chance.",
-        best="All in time, an impact speed of 0.",
-        limits="In time means that a warning could have come early enough, not that the driver "
-        "would have heeded it. {Many} are taken to go on as they do, the car to drive on at "
-        "its speed, which is assumed where the recordings do not state it. Whether a difference is "
-        "more than chance: see Is the difference real.",
-    )
+def _approach(result: Result, encounters: pd.DataFrame) -> go.Figure:
+    from nvcore.time_left.figures.approach import approach_plot
+
+    return approach_plot(result, encounters, theme=result.scheme("light"))
+
+
+def _over_speed(result: Result, curve: pd.DataFrame, measure: OverSpeed) -> go.Figure:
+    from nvcore.time_left.figures.over_speed import over_speed_plot
+
+    speed_kmh, theme = time_left_in(result).assumed_speed_kmh, result.scheme("light")
+    return over_speed_plot(curve, result.names, speed_kmh=speed_kmh, theme=theme, measure=measure)
 
 
 def _by_class(result: Result) -> tuple[Fold, ...]:
-    """A row for each class of urgent encounters; empty: they have none."""
+    """Return a row for each class of urgent encounters, if they have any."""
     rows, notes = [], Footnotes()
     for row in time_left_by_class(result):
         cells, marks = row.cells(notes)
         rows.append((f"{row.label} {marks}".rstrip(), *cells))
     if not rows:
         return ()
-    title = result.objects.say("By class of {one}")
-    texts = (f"{mark}: {capitalised(note)}." for note, mark in notes.marks.items())
-    note = " ".join((*texts, say(Note("time_left.by_class"), result.objects)))
-    head = ("Class", *CLASS_HEAD)
-    return (Fold(title, (table(title, head, rows, right=range(1, len(head)), note=note),)),)
-
-
-def _over_speed(result: Result, curve: pd.DataFrame, measure: OverSpeed) -> Chart:
-    figure = over_speed_plot(
-        curve,
-        names_of(result),
-        speed_kmh=time_left_in(result).assumed_speed_kmh,
-        theme=result.scheme("light"),
-        measure=measure,
-    )
-    return Chart(f"over-speed-{measure}", figure, f"{LOOKS[measure].title} of the car, X and Y")
+    title, head = "By class of {one}", ("Class", *CLASS_HEAD)
+    texts = [f"{mark}: {capitalised(note)}." for note, mark in notes.marks.items()]
+    below: list[Text] = [*texts, Note("time_left.by_class")]
+    return (Fold(title, (table(title, head, rows, right=range(1, len(head)), notes=below),)),)
 
 
 def _listing(result: Result, urgent: pd.DataFrame) -> Table:
-    """The urgent encounters with the fastest impacts, as many as the figure has."""
+    """Return the urgent encounters with the fastest impacts."""
     time_s = result.dataset.frames["time_s"].to_numpy()
-    rows = [
-        (
-            row["recording"],
-            row["track"],
-            f"{time_s[row['urgent_row']]:.2f}",
-            *(str(row[f"time_left_{letter}"]).replace("_", " ") for letter in "xy"),
-            *(number(row[f"margin_s_{letter}"], "+.2f") for letter in "xy"),
-            *(number(row[f"impact_kmh_{letter}"], ".0f") for letter in "xy"),
-        )
-        for row in urgent.head(MOST_ROWS).to_dict("records")
-    ]
-    head = (
-        *(
-            "Recording",
-            result.objects.say("{One}"),
-            "Last chance at (s)",
-            "X confirms",
-            "Y confirms",
-        ),
-        *("Margin X (s)", "Margin Y (s)", "Impact X (km/h)", "Impact Y (km/h)"),
-    )
-    left_out = len(urgent) - len(rows)
-    note = f"The fastest {len(rows):,} are shown, {left_out:,} are left out." if left_out else ""
+    columns: Columns = {
+        "Recording": "recording",
+        "{One}": "track",
+        "Last chance at (s)": (lambda row: time_s[row["urgent_row"]], ".2f"),
+        **{f"{letter.upper()} confirms": spaced(f"time_left_{letter}") for letter in "xy"},
+        **of_both("Margin {} (s)", "margin_s_{}", "+.2f"),
+        **of_both("Impact {} (km/h)", "impact_kmh_{}", ".0f"),
+    }
+    rest = len(urgent) - MOST_LISTED
+    left_out = Note("sections.left_out", which="fastest", n=MOST_LISTED, rest=rest)
     title = "Urgent encounters, the fastest impact first"
-    return table(title, head, rows, right=(2, 5, 6, 7, 8), note=note)
+    rows = urgent.head(MOST_LISTED)
+    return listing(title, rows, columns, notes=[left_out] if rest > 0 else [])
 
 
 SECTIONS: Final = (
     SectionOf("time-left", _section, applies=lambda result: result.dataset.objects.is_on_road),
 )
-"""Sections of the HTML report."""

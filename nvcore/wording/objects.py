@@ -14,6 +14,8 @@ _OF_PEOPLE_AND_THINGS: Final = {
     "he": ("he", "it"),
     "him": ("him", "it"),
     "his": ("his", "its"),
+    "them": ("them", "it"),
+    "their": ("their", "its"),
     "who": ("who", "that"),
     "whom": ("whom", "that"),
     "what": ("whom", "what"),  # "what the driver sees"

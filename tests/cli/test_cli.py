@@ -43,7 +43,7 @@ def written(folder: Path) -> dict:
 def test_compare_in_full_prints_inputs_audit_and_scorecard(folder: Path):
     result = nvcore("compare", *flags(folder), "--full")
     assert result.exit_code == 0, result.output
-    order = ["truth.csv (csv;", "Audit:", "X = fir, all scores", "both 1, only X 1"]
+    order = ["truth.csv (csv;", "Audit:", "X = fir, all scores", "Who detects whom"]
     places = [result.stdout.index(text) for text in order]
     assert places == sorted(places)
 

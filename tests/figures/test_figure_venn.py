@@ -14,10 +14,11 @@ from builders import at, make_dataset, result_of
 from drives import at_thresholds
 from figure_parts import shape, trace, words
 
-from nvcore.figures.venn import MOST_MARKS, WORDS, circles_of, overlap_area, venn_figure
+from nvcore.figures.venn import MOST_MARKS, circles_of, overlap_area, venn_figure
 from nvcore.figures.venn.plan import MIN_SIZE, REGIONS
 from nvcore.metrics.venn import Venn
 from nvcore.objects import PEDESTRIAN
+from nvcore.schema import CATEGORY_WORDS
 from nvcore.tables import weighed_encounters
 
 NAMES = ("FIR", "NIR")
@@ -144,7 +145,7 @@ def marks_of(figure: object) -> list[tuple[str, float, float, float, int]]:
         (kind.value, *values)
         for kind in REGIONS
         for part in figure.data
-        if part.name == f"{WORDS[kind]}, by severity"
+        if part.name == f"{CATEGORY_WORDS[kind]}, by severity"
         for values in zip(part.x, part.y, part.marker.size, part.customdata, strict=True)
     ]
 

@@ -59,7 +59,7 @@ def test_the_split_has_its_test(
     venn = Venn(20, x_only, y_only, 5, distant=0)
     note = misses(replace(nothing, venn=venn, exclusivity=measure_exclusivity(venn)))[-1]
     of_split = {"x": x_only, "y": y_only, "p": p and pytest.approx(p), "is_uneven": is_uneven}
-    assert note == Note("encounters.parted", **of_split, is_short=False, is_as_set=False)
+    assert note == Note("encounters.parted", **of_split, is_short=False)
 
 
 def test_encounters_of_one_frame_are_not_tested_one_by_one():
@@ -176,8 +176,8 @@ def test_with_risk_an_event_says_what_it_weighs():
 
 
 def test_what_follows_from_the_paper_s_rule_is_told_while_it_holds():
-    assert "missing both can come out below missing one" in saliency_caveat(Params())
-    assert saliency_caveat(Params(saliency_of="each")) == ""
+    assert saliency_caveat(Params()) == (Note("saliency.side_by_side"),)
+    assert saliency_caveat(Params(saliency_of="each")) == ()
 
 
 @pytest.mark.parametrize(

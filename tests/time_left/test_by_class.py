@@ -11,7 +11,7 @@ from approach import ALL, LATE, NEVER, met
 
 from nvcore.comparison import Result, compare
 from nvcore.evidence.subgroups import class_groups
-from nvcore.report.html.blocks import Fold, Table
+from nvcore.report.section import Fold, Table
 from nvcore.schema import ATTRIBUTE_DTYPES
 from nvcore.time_left.by_class import OfClass, time_left_by_class
 from nvcore.time_left.section import SECTIONS
@@ -50,7 +50,7 @@ def test_the_report_has_the_table_by_class_and_says_why_there_is_no_interval():
     result = with_children(met((ALL, ALL), (ALL, LATE), (NEVER, ALL), (ALL, NEVER)), 1, 2, 3)
     (fold,) = [
         block
-        for block in SECTIONS[0].make(result).blocks
+        for block in SECTIONS[0].make(result).worded(result.objects).blocks
         if isinstance(block, Fold) and block.title == "By class of pedestrian"
     ]
     (by_class,) = fold.blocks
@@ -61,7 +61,7 @@ def test_the_report_has_the_table_by_class_and_says_why_there_is_no_interval():
         "a child, 3 urgent a",
         "2",
         "1",
-        "+33.3\u00a0pp",
+        "+33.3 pp",
         "–",
         "16.7",
         "27.1",

@@ -11,7 +11,8 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.figures.encounters import LABELS, fusion_plot, lead_time_plot, miss_classes_plot
-from nvcore.report.words import FUSION_RULE, fusion_gains, misses
+from nvcore.notes import Note
+from nvcore.report.words import fusion_gains, misses
 from nvcore.tables.encounters.miss_classes import ALL_CLASSES, fusion_table, miss_class_totals
 from ui.encounters.filters import set_classes
 from ui.session import state
@@ -110,7 +111,7 @@ def draw_fusion(result: Result) -> None:
     with right:
         gains = (state.say(gain) for gain in fusion_gains(fusion))
         st.markdown("\n".join(f"- {sentence}" for sentence in gains))
-        st.caption(plain(FUSION_RULE))
+        st.caption(plain(state.say(Note("encounters.fusion_rule"))))
         draw_table(
             fusion.assign(system=fusion["system"].map(LABELS)),
             {

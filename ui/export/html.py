@@ -19,7 +19,7 @@ from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress
 from nvcore.protocols import Protocol
 from nvcore.report.html import write_html_report
-from nvcore.report.html.settings_sections import AT_ONCE
+from nvcore.report.sections.evidence import AT_ONCE
 from ui.export.session import public_findings, with_public_names
 from ui.jobs.background import FileJob, JobState, new_path, while_open
 from ui.jobs.progress import draw_file, draw_job, start_as_made

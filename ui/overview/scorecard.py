@@ -12,7 +12,7 @@ from nvcore.comparison import Result
 from nvcore.figures.paired import recordings_plot
 from nvcore.measures.entry import MeasureTable
 from nvcore.measures.table import count_recordings
-from nvcore.report.terminal import SHORT_ROWS
+from nvcore.notes import Note
 from nvcore.tables.result import recordings_table
 from nvcore.tables.scorecard import LEADING, ScoreRow, pick_rows, score_rows
 from nvcore.wording import percent
@@ -56,7 +56,7 @@ class Scorecard:
             score_row(row, width=widths.get(row.key, math.nan), is_short=self._result.is_short)
             for row in of
         ]
-        little = f" {SHORT_ROWS}." if self._result.is_short else ""
+        little = _little(self._result)
         return measures_html(
             rows,
             key=key,
@@ -70,8 +70,12 @@ def _widths(evidence: pd.DataFrame) -> dict[str, float]:
     return dict(zip(evidence["figure"], widths, strict=True))
 
 
+def _little(result: Result) -> str:
+    return f" {state.say(Note('sections.means_little'))}." if result.is_short else ""
+
+
 def _help(result: Result) -> str:
-    little = f" {SHORT_ROWS}." if result.is_short else ""
+    little = _little(result)
     return state.say(
         "↑ higher is better, ↓ lower is better; the better value has a dot, which says nothing "
         "of chance.{little} Similarity, per frame, 1 is best: how well detections fit the "

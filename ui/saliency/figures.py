@@ -41,7 +41,7 @@ def what_it_is(params: Params) -> str:
         weight=weight,
         passed=passed,
         scope=scope,
-        caveat=state.say(saliency_caveat(params)),
+        caveat=" ".join(map(state.say, saliency_caveat(params))),
     )
 
 

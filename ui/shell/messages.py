@@ -14,8 +14,8 @@ from nvcore.comparison import Result
 from nvcore.errors import NvcoreError
 from nvcore.evidence.operating_points import SETTLED, can_be_equal, moved_of, point_note
 from nvcore.findings import Severity
+from nvcore.notes import Note
 from nvcore.notes.caveats import caveats
-from nvcore.report.html.words import SHORT_ENCOUNTERS
 from nvcore.settings import OperatingPoint
 from ui.access import files
 from ui.session import state, store
@@ -52,7 +52,7 @@ def draw_warnings(
     if has_point or result.as_set is not None:
         told.add(SETTLED)
     if is_of_encounters and result.is_short:
-        st.warning(state.say(SHORT_ENCOUNTERS), icon=":material/warning:")
+        st.warning(state.say(Note("sections.short_encounters")), icon=":material/warning:")
     warned = caveats().warned
     texts = [
         state.say(warned[finding.code])

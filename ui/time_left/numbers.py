@@ -50,7 +50,7 @@ def draw(result: Result) -> None:
 
 def _urgency(result: Result) -> str:
     note = urgent(result) or Note("time_left.nobody_met")
-    return plain(f"{state.say(note)}.")
+    return plain(state.say(note))
 
 
 def _draw_nobody(result: Result) -> None:

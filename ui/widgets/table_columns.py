@@ -8,7 +8,7 @@ import pandas as pd
 from pandas.api.types import is_bool_dtype
 
 from nvcore.figures.encounters import CLASS_WORDS
-from nvcore.figures.venn import WORDS
+from nvcore.schema import CATEGORY_WORDS as WORDS
 from nvcore.tables.column import CellKind, Column
 from nvcore.tables.columns import report_columns
 from ui.session import state

@@ -10,7 +10,6 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from nvcore.comparison import Result
-from nvcore.driver.comparison.encounters import REGION_NAMES
 from nvcore.driver.comparison.in_time import count_in_time, is_judged_in_time, is_seen_too_late
 from nvcore.driver.comparison.judging import SELDOM, count_unknown
 from nvcore.driver.comparison.kinds import DriverRegion
@@ -50,11 +49,6 @@ def view_notes(result: Result) -> tuple[Note, ...]:
         n_late = _n(is_seen_too_late(result))
         notes += [Note("driver.too_late", n=n_late)] if n_late else []
     return (*notes, *_origin(result))
-
-
-def basis_notes(result: Result) -> tuple[Note, ...]:
-    """Return doubts about detectability, its source, and its limits."""
-    return (*no_claim(result), *_open(result), *_origin(result))
 
 
 def no_claim(result: Result) -> tuple[Note, ...]:
@@ -148,17 +142,6 @@ def known(result: Result, *, of_urgent: bool = False) -> Note:
         n_open=_n(driver.is_within_sd & is_counted),
         by=by(result),
     )
-
-
-def seen_by(result: Result) -> Note:
-    """Return the number of encounters in each region of the driver's Venn diagram."""
-    n_of = driver_in(result).venn.counts
-    regions = [
-        Note("driver.region", name=who, n=n_of[region])
-        for region, who in REGION_NAMES.items()
-        if n_of[region] or region is not DriverRegion.UNKNOWN
-    ]
-    return Note("driver.seen_by", regions=regions)
 
 
 def by(result: Result) -> Note:

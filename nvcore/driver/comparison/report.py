@@ -1,23 +1,18 @@
-"""What the driver adds to the verdict, the terminal's report and the first page."""
+"""Additions of the driver to the verdict and the first page of the report."""
 
 from __future__ import annotations
 
 from typing import Final
 
-from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.driver.comparison.columns import driver_views
 from nvcore.driver.comparison.notes import (
-    basis_notes,
     driver_notes,
     limits,
-    seen_by,
     weighted_claims,
     weighting,
     weighting_notes,
 )
-from nvcore.driver.comparison.steps import driver_in
-from nvcore.notes import phrase, say
 from nvcore.report.remarks import Remarks
 from nvcore.report.verdict import PointOf
 from nvcore.wording import capitalised
@@ -26,15 +21,6 @@ POINTS: Final = (
     PointOf("Weighting", weighting_notes, after="Operating points", is_warning=True),
     PointOf("The driver", driver_notes, after="Time left"),
 )
-
-
-def lines(result: Result) -> list[str]:
-    """Who sees the encounters, and on whose word, for the terminal."""
-    if not driver_in(result).has_any:
-        return []
-    first, *others = basis_notes(result)
-    texts = [phrase(first, result.objects), *(say(note, result.objects) for note in others)]
-    return [phrase(seen_by(result), result.objects), f"the driver: {' '.join(texts)}"]
 
 
 def _views(dataset: Dataset) -> list[str]:

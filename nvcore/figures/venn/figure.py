@@ -26,7 +26,7 @@ from nvcore.figures.venn.plan import GAP, IN_CIRCLES, REGIONS, VennPlan, plan_co
 from nvcore.metrics.venn import Venn
 from nvcore.objects import Objects
 from nvcore.palette import Theme
-from nvcore.schema import Category
+from nvcore.schema import CATEGORY_WORDS, Category
 from nvcore.wording import count_text
 
 MOST_MARKS: Final = 150
@@ -38,13 +38,6 @@ GRID: Final = (36, 22)
 """Places that can be clicked, across and down."""
 CLICK_PX: Final = 8
 """Size of such a place."""
-WORDS: Final = {
-    Category.BOTH: "both",
-    Category.X_ONLY: "only X",
-    Category.Y_ONLY: "only Y",
-    Category.NEITHER: "neither",
-    Category.DISTANT: "distant",
-}
 AREAS: Final = {
     "circle": 1.0,
     "diamond": 0.96,
@@ -146,8 +139,8 @@ def _labels(
         if count == "0" and kind is not Category.NEITHER:
             continue
         weights = _weights(encounters, kind)
-        small = Label((LabelLine(f"<b>{count}</b> {WORDS[kind]}", 14), *weights))
-        large = (LabelLine(count, 24, is_bold=True), LabelLine(WORDS[kind], 14))
+        small = Label((LabelLine(f"<b>{count}</b> {CATEGORY_WORDS[kind]}", 14), *weights))
+        large = (LabelLine(count, 24, is_bold=True), LabelLine(CATEGORY_WORDS[kind], 14))
         beside[kind] = small
         inside[kind] = small if kind is Category.NEITHER else Label((*large, *weights))
     systems = (
@@ -212,7 +205,7 @@ def _marks(
     colour = np.select(fails, [look.x, look.y, look.ink], look.muted)
     symbol = np.select(fails, [look.symbol("x"), look.symbol("y"), "square"], "circle-open")
     text = [
-        f"{plain(row.recording)}, {noun} {row.track}: {WORDS[kind]}<br>severity X "
+        f"{plain(row.recording)}, {noun} {row.track}: {CATEGORY_WORDS[kind]}<br>severity X "
         f"{row.severity_s_x:.2f} s, Y {row.severity_s_y:.2f} s<br>peak cost X "
         f"{row.peak_cost_x:.2f}, Y {row.peak_cost_y:.2f}"
         for row in part.itertuples(index=False)
@@ -222,7 +215,7 @@ def _marks(
         plan.y[kind],
         text,
         customdata=part["shown_row"].to_numpy(),
-        name=f"{WORDS[kind]}, by severity",
+        name=f"{CATEGORY_WORDS[kind]}, by severity",
         showlegend=False,
         marker={
             "color": colour,
@@ -291,6 +284,7 @@ def _clicks(venn: Venn, plan: VennPlan) -> go.Scatter:
     x, y = np.append(x, right), np.append(y, bottom - 0.04 * (top - bottom))
     names = [REGIONS[code].value for code in category] + [Category.DISTANT.value]
     text = [
-        f"{count_text(venn.counts()[name], 'encounter')}: {WORDS[Category(name)]}" for name in names
+        f"{count_text(venn.counts()[name], 'encounter')}: {CATEGORY_WORDS[Category(name)]}"
+        for name in names
     ]
     return click_markers(x, y, text, customdata=names, name="regions", cliponaxis=False)

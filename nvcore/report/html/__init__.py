@@ -9,22 +9,40 @@ give the same bytes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
+from nvcore import __version__
 from nvcore.arguments.report import Inscription
 from nvcore.comparison import Result
+from nvcore.evidence.subgroup_table import subgroup_table
+from nvcore.evidence.table import judge_both
 from nvcore.findings import Finding
 from nvcore.inputs.session import Session
 from nvcore.output.files import write_whole
 from nvcore.pictures.recordings import RecordingPictures, session_pictures
-from nvcore.progress import Progress, no_progress
-from nvcore.report.html.content import Content, report_content
+from nvcore.progress import Progress, no_progress, part_of
+from nvcore.protocols import Protocol
+from nvcore.report.decisive_moments import decisive_moments
+from nvcore.report.html.cover import cover_of
+from nvcore.report.html.frames import photo
 from nvcore.report.html.page import render_page
+from nvcore.report.plan import verdict_plan
+from nvcore.report.section import Photo
+from nvcore.report.sections import evidence as on_evidence
+from nvcore.report.sections import inputs as on_inputs
+from nvcore.report.sections import result_sections, with_cautions
+from nvcore.report.sections import results as on_results
+from nvcore.report.sections.encounters import only_one_section
+from nvcore.report.verdict import verdict
 from nvcore.settings import Settings
+from nvcore.stability.map import MAPS
+from nvcore.tables.classes import has_classes
+from nvcore.tables.pictures import pictures_table
+from nvcore.wording import UNDEFINED, one_line
 
-__all__ = ["render", "write_html_report"]
+__all__ = ["write_html_report"]
 
 NO_INSCRIPTION: Final = Inscription()
 
@@ -40,23 +58,22 @@ def write_html_report(
     inscription: Inscription = NO_INSCRIPTION,
     progress: Progress = no_progress,
 ) -> None:
-    """Write the report; an existing file is replaced.
+    """Write the report and replace an existing file.
 
     Parameters
     ----------
     session
-        Names the protocol of the detection measures and, if it is a `Session`, the recordings'
-        pictures.
+        Settings with the protocol of the detection measures. A `Session` also has the pictures.
     findings
-        Of the audit of the same inputs.
+        Findings of the audit of the same inputs.
     pictures
-        Pictures that are open already; None: those of the session are opened, and closed again.
+        Pictures that are open already. None: those of the session are opened, and closed again.
     stability
-        Whether to compute the stability maps; None: for up to 20,000 frames.
+        Whether to compute the stability maps. None: for up to 20,000 frames.
     inscription
         Title, author, question and date on the first page.
     progress
-        Called before each part; if it raises, nothing is written.
+        Called before each part. If it raises, nothing is written.
 
     Raises
     ------
@@ -67,30 +84,94 @@ def write_html_report(
     if pictures is None and isinstance(session, Session):
         opened = session_pictures(session, result.dataset)
     try:
-        content = report_content(
+        page = _render(
             result,
             findings,
             pictures=opened or pictures or RecordingPictures(),
             protocol=session.protocol,
             stability=stability,
-            inscription=inscription,
+            inscription=inscription.in_short(),
             progress=progress,
-        )
+        ).encode()
     finally:
         if opened is not None:
             opened.close()
-    page = render(content).encode()
     progress(1.0, "done")
     write_whole(path, page)
 
 
-def render(content: Content) -> str:
-    """The page as text."""
+def _render(
+    result: Result,
+    findings: Sequence[Finding],
+    *,
+    pictures: RecordingPictures,
+    protocol: Protocol,
+    stability: bool | None,
+    inscription: Inscription,
+    progress: Progress,
+) -> str:
+    """Return the page as text."""
+    progress(0.0, "testing the differences")
+    evidence, companions = judge_both(result, protocol)
+    subgroups = subgroup_table(result, protocol=protocol)
+    progress(0.15, "detection curves")
+    detection = on_evidence.detection_section(result, protocol)
+    of_plans = part_of(progress, 0.2, 0.3)
+    plans = on_evidence.plan_measures(result, evidence, protocol, progress=of_plans)
+    progress(0.3, "tables")
+    plan = verdict_plan(result, evidence, companions, plans=plans)
+    conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
+    before = [on_evidence.verdict_section(result, conclusion), *result_sections(result)]
+    after = [
+        on_evidence.significance_section(result, evidence),
+        on_evidence.plan_section(result, evidence, plans),
+        on_evidence.subgroups_section(result, subgroups),
+        detection,
+        *([on_results.classes_section(result)] if has_classes(result) else []),
+    ]
+    progress(0.4, MAPS)
+    maps = part_of(progress, 0.4, 0.6)
+    after.append(
+        on_evidence.stability_section(result, evidence, is_wanted=stability, progress=maps)
+    )
+    photos = [*_photos(result, pictures, part_of(progress, 0.6, 0.9))]
+    recordings = result.dataset.recordings["name"]
+    troubles = [
+        f"{one_line(str(recordings.iloc[number]))}: {one_line(why)}"
+        for number, why in pictures.troubles.items()
+    ]
+    after += [
+        on_evidence.frames_section(result, photos, troubles),
+        only_one_section(result),
+        on_inputs.audit_section(result, findings),
+        on_inputs.inputs_section(result, pictures_table(result.dataset, pictures)),
+        on_inputs.parameters_section(result),
+        on_inputs.reading_section(result),
+    ]
+    progress(0.9, "the page")
+    names = one_line(result.x.name), one_line(result.y.name)
+    compared = f"{names[0]} (X) and {names[1]} (Y) compared"
+    facts = (
+        ("Protocol of the detection measures", protocol.title),
+        ("Program", f"nvcore {__version__}"),
+        ("Fingerprint of the inputs", result.dataset.fingerprint or UNDEFINED),
+    )
     return render_page(
         "comparison.html",
-        sections=content.sections,
-        title=content.title,
-        version=content.version,
-        fingerprint=content.fingerprint,
-        content=content,
+        result.objects,
+        sections=[*before, *with_cautions(after, result)],
+        title=inscription.title or compared,
+        version=__version__,
+        fingerprint=result.dataset.fingerprint,
+        cover=cover_of(result, conclusion, evidence, companions, photos, inscription, compared),
+        names=names,
+        facts=facts,
+        theme=result.scheme("light"),
     )
+
+
+def _photos(result: Result, pictures: RecordingPictures, progress: Progress) -> Iterator[Photo]:
+    moments = decisive_moments(result)
+    for number, moment in enumerate(moments):
+        progress(number / len(moments), "evidence frames")
+        yield photo(result, moment, pictures)

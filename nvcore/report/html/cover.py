@@ -17,8 +17,7 @@ from nvcore.evidence.units import MIN_RECORDINGS
 from nvcore.measures.table import count_recordings
 from nvcore.notes import Note, phrase
 from nvcore.objects import Objects
-from nvcore.report.html import words
-from nvcore.report.html.blocks import Photo
+from nvcore.report.section import Photo
 from nvcore.report.tiles import Tile, tiles
 from nvcore.report.verdict import Verdict
 from nvcore.report.words import n_frames_text, sampling_note
@@ -159,7 +158,7 @@ def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
             (
                 conclusion.say(conclusion.doubt),
                 conclusion.say(as_set),
-                result.objects.say(words.SHORT_ENCOUNTERS) if result.is_short else "",
+                conclusion.say(Note("sections.short_encounters")) if result.is_short else "",
                 *(conclusion.say(*remarks.limits(result)) for remarks in contributed("remarks")),
                 few,
                 *points,

@@ -17,7 +17,7 @@ from nvcore.overlay.draw import canvas_size, draw_boxes
 from nvcore.pictures.recordings import RecordingPictures
 from nvcore.pictures.stretch import jpeg
 from nvcore.report.decisive_moments import Moment
-from nvcore.report.html.blocks import Photo, Table, table
+from nvcore.report.section import Photo, Table, table
 from nvcore.tables.frame import PEDESTRIAN_WORDS, frame_summary
 from nvcore.tables.moments import encounter_box
 from nvcore.wording import UNDEFINED, one_line
@@ -112,12 +112,12 @@ def _pedestrians(result: Result, row: int) -> Table | None:
         for values in pedestrians.head(MOST_PEDESTRIANS).to_dict("records")
     ]
     left_out = len(pedestrians) - len(rows)
-    note = f"The {len(rows)} with the largest terms, {left_out} left out." if left_out else ""
+    notes = [f"The {len(rows)} with the largest terms, {left_out} left out."] if left_out else []
     say = result.objects.say
     head = [say(PEDESTRIAN_WORDS[name].label) for name in SHOWN_AS]
     title = say("{Many} of the frame, the largest term first")
     is_number = [number for number, name in enumerate(SHOWN_AS) if SHOWN_AS[name] is not str]
-    return table(title, head, rows, right=is_number, note=note)
+    return table(title, head, rows, right=is_number, notes=notes)
 
 
 def _small_jpeg(canvas: Canvas, width: int) -> bytes:

@@ -13,9 +13,10 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from nvcore.figures.style import CONFIG
+from nvcore.objects import Objects
 from nvcore.pictures import picture_address
-from nvcore.report.html.blocks import Section, Table, charts_of, true_minus
 from nvcore.report.html.charts import figure_json, heading_apart, packed_plotly
+from nvcore.report.section import Section, Table, charts_of, true_minus
 from nvcore.wording import shortened
 
 TEMPLATES: Final = Path(__file__).parent / "templates"
@@ -29,6 +30,7 @@ CHART_CONFIG: Final = {**CONFIG, "responsive": True}
 
 def render_page(
     template: str,
+    objects: Objects,
     *,
     sections: Sequence[Section],
     title: str,
@@ -36,22 +38,24 @@ def render_page(
     fingerprint: str,
     **more: Any,
 ) -> str:
-    """The page as text; the same content gives the same bytes.
+    """Return the page as text; the same content gives the same bytes.
 
     Parameters
     ----------
     template
-        Of the folder ``templates``, made on ``base.html``.
+        File of the folder ``templates`` that extends ``base.html``.
+    objects
+        Words for the objects of the boxes.
     sections
-        What it draws; names of charts are unique among them.
+        Sections in order; names of charts are unique among them.
     version, fingerprint
-        Of the program, and of what the page is about.
+        Version of the program and fingerprint of its inputs.
     more
-        What this template needs besides.
+        Other variables of the template.
     """
     charts = {}
     for chart in chain.from_iterable(charts_of(section.blocks) for section in sections):
-        figure, *heading = heading_apart(chart.figure)
+        figure, *heading = heading_apart(chart.draw())
         json = Markup(figure_json(figure))  # noqa: S704  # figure_json escapes it
         charts[chart.name] = (json, *heading)
     nonce = hashlib.sha256(f"{fingerprint} {version}".encode()).hexdigest()[:32]
@@ -59,7 +63,7 @@ def render_page(
         _environment()
         .get_template(template)
         .render(
-            sections=sections,
+            sections=[section.worded(objects) for section in sections],
             title=title,
             version=version,
             fingerprint=fingerprint,
@@ -88,7 +92,7 @@ def _environment() -> Environment:
         "is_short": _is_short,
         "css_text": css_text,
     }
-    environment.filters["true_minus"] = true_minus
+    environment.filters |= {"true_minus": true_minus, "number_cell": _number_cell}
     return environment
 
 
@@ -99,6 +103,11 @@ def css_text(text: str, most: int) -> Markup:
         for sign in shortened(text, most)
     )
     return Markup(f'"{"".join(signs)}"')  # noqa: S704  # nothing but letters, digits, escapes
+
+
+def _number_cell(text: str) -> str:
+    """Return a number with a minus for its hyphen, on one line with its unit."""
+    return true_minus(text).replace(" pp", "\N{NO-BREAK SPACE}pp")
 
 
 def _is_short(block: Table) -> bool:

@@ -22,10 +22,8 @@ from nvcore.driver.comparison.encounters import (
 )
 from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.driver.comparison.notes import (
-    basis_notes,
     driver_notes,
     no_claim,
-    seen_by,
     seen_unaided,
     source,
     weighting,
@@ -157,13 +155,12 @@ def test_what_is_estimated_and_what_the_truth_states_are_told_apart():
     assert "caution" not in seen_unaided(stated)["by"].fields
 
 
-def test_the_regions_stand_in_the_terminal_and_the_unknown_only_where_there_are_some():
-    assert [region["n"] for region in seen_by(eight())["regions"]] == [1] * 9
-    assert len(seen_by(eight(unknown=0))["regions"]) == 8
-    assert (
-        "encounters seen by: driver, X and Y 1, driver and X 1, driver and Y 1, driver alone 1, X "
-        "and Y 1, X alone 1, Y alone 1, none of them 1, unknown of the driver 1\n"
-    ) in render_scorecard(eight())
+def test_the_section_has_the_regions_and_the_unknown_only_where_there_are_some():
+    for unknown, n in ((1, 9), (0, 8)):
+        result = eight(unknown=unknown)
+        regions = driver_section(result).blocks[1]
+        assert [row[1] for row in regions.rows] == ["1"] * n
+        assert f"\n  {regions.title}:\n" in render_scorecard(result)
 
 
 def test_where_nothing_is_known_nothing_is_said():
@@ -368,7 +365,7 @@ def test_a_share_of_estimates_that_say_little_is_said_with_the_features():
     def basis(record: EstimateRecord, n_outside: int) -> tuple[Note, ...]:
         marked = boxes.assign(is_outside=np.arange(len(boxes)) < n_outside)
         dataset = replace(result.dataset, boxes=marked)
-        return basis_notes(with_estimate(compare(dataset, Params(proximity="none")), record))
+        return driver_notes(with_estimate(compare(dataset, Params(proximity="none")), record))
 
     outside = {"n": 1, "n_known": n, "n_deciding": 1, "n_encounters": 8}
     named = "Height, Edge contrast, Width and 2 more"
@@ -388,7 +385,7 @@ def test_where_boxes_are_outside_the_training_but_no_encounter_is_that_is_said()
     result = result_of(make_dataset(truth))
     boxes = result.dataset.boxes
     outside = boxes.assign(is_outside=(boxes["detectability"] == 0.2).to_numpy())
-    notes = basis_notes(compare(replace(result.dataset, boxes=outside), result.params))
+    notes = driver_notes(compare(replace(result.dataset, boxes=outside), result.params))
     assert Note("driver.outside", n=1, n_known=2, n_deciding=0, n_encounters=1) in notes
 
 
@@ -396,11 +393,11 @@ def test_encounters_whose_largest_value_is_within_its_sd_of_the_threshold_are_op
     shares = (0.5, 0.55, 0.45, 0.8, 0.2)
     truth = [at(0, 50, track=i, detectability=share) for i, share in enumerate(shares)]
     bare = result_of(make_dataset(truth))
-    assert "driver.open" not in keys_of(basis_notes(bare))
+    assert "driver.open" not in keys_of(driver_notes(bare))
     boxes = bare.dataset.boxes.assign(detectability_sd=0.1)
     result = compare(replace(bare.dataset, boxes=boxes), bare.params)
     of = {"n": 3, "n_known": 5, "is_least": False, "n_open_unseen": 1, "n_unseen": 2}
-    assert Note("driver.open", **of, threshold=0.5) in basis_notes(result)
+    assert Note("driver.open", **of, threshold=0.5) in driver_notes(result)
     assert encounters_table(result)["within_sd"].tolist() == [1, 1, 1, 0, 0]
     assert summary(result)["driver"]["within_sd"] == 3
 
@@ -414,11 +411,7 @@ def test_where_every_encounter_is_open_nothing_is_claimed_of_the_driver():
     why = Note("driver.all_open", n=2, is_of_unseen=False, threshold=0.5)
     assert no_claim(result) == (Note("driver.no_claim", why=why),)
     assert not seen_unaided(result)["is_redundant"]
-    assert "driver.open" not in keys_of(basis_notes(result))  # said before
-    assert (
-        "the driver: nothing is claimed about whom the driver sees: in all 2 encounters with known "
-        "detectability, the value that decides is within one standard deviation of 0.5."
-    ) in render_scorecard(result)
+    assert "driver.open" not in keys_of(driver_notes(result))  # said before
     one_known = compare(replace(bare.dataset, boxes=boxes.assign(detectability_sd=[0.1, 0.01])))
     assert not no_claim(one_known)
 
@@ -511,7 +504,7 @@ def test_of_a_pedestrian_who_is_not_seen_any_estimate_outside_the_training_decid
     for threshold, n in ((0.5, 1), (0.2, 0)):
         result = compare(replace(bare.dataset, boxes=boxes), bare.params)
         result = compare(result.dataset, replace(bare.params, driver_threshold=threshold))
-        of_all = only_of("driver.outside", basis_notes(result))
+        of_all = only_of("driver.outside", driver_notes(result))
         assert (of_all["n_deciding"], of_all["n_encounters"]) == (n, 1)
         assert encounters_table(result)["outside_training"].tolist() == [n]
 
@@ -606,7 +599,7 @@ def test_without_a_standard_deviation_it_is_not_known_who_is_near_the_threshold(
     boxes = bare.dataset.boxes.assign(detectability_sd=[0.1, np.nan])
     result = compare(replace(bare.dataset, boxes=boxes), bare.params)
     assert encounters_table(result)["within_sd"].isna().tolist() == [False, True]
-    assert only_of("driver.open", basis_notes(result))["is_least"]
+    assert only_of("driver.open", driver_notes(result))["is_least"]
 
 
 def test_detectability_of_none_of_the_frames_that_decide_is_said():
@@ -628,6 +621,6 @@ def test_estimates_outside_the_training_are_counted():
     result = eight(unknown=0)
     boxes = result.dataset.boxes.assign(is_outside=np.arange(len(result.dataset.boxes)) < 3)
     outside = compare(replace(result.dataset, boxes=boxes), Params(proximity="none"))
-    of_all = only_of("driver.outside", basis_notes(outside))
+    of_all = only_of("driver.outside", driver_notes(outside))
     assert (of_all["n_deciding"], of_all["n_encounters"]) == (3, 8)
     assert encounters_table(outside)["outside_training"].sum() == 3

@@ -17,9 +17,9 @@ from plotly.offline import get_plotlyjs
 from nvcore.evidence.measures import significance_table
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.figures.style import LOOK
-from nvcore.report.html.blocks import Fold, Sentences, Table
 from nvcore.report.html.charts import figure_json, interval_plot, packed_plotly
-from nvcore.report.html.evidence_sections import subgroups_section
+from nvcore.report.section import Fold, Paragraphs, Table
+from nvcore.report.sections.evidence import subgroups_section
 
 
 @pytest.fixture(scope="module")
@@ -104,7 +104,8 @@ def test_an_axis_of_no_difference_still_has_ticks_that_differ(evidence):
 
 
 def test_who_detects_more_is_of_encounters_detected_alone():
-    section = subgroups_section(subgroup_table(met((ALL, LATE), (ALL, ALL))), "light")
+    result = met((ALL, LATE), (ALL, ALL))
+    section = subgroups_section(result, subgroup_table(result))
     (fold,) = [block for block in section.blocks if isinstance(block, Fold)]
     tables = {block.title: block for block in fold.blocks if isinstance(block, Table)}
     groups = [row[:2] for row in tables["Encounters detected by subgroup"].rows]
@@ -113,16 +114,17 @@ def test_who_detects_more_is_of_encounters_detected_alone():
 
 
 def test_groups_with_neither_interval_nor_test_are_left_out_and_counted():
-    whole = subgroup_table(met((ALL, LATE), (ALL, ALL)))
+    result = met((ALL, LATE), (ALL, ALL))
+    whole = subgroup_table(result)
     overall = whole[whole["figure"] == "mean_similarity"].head(1)
     tested = overall.assign(factor="tag", group="night", p=0.5, low=np.nan)
     unknown = tested.assign(group="day", p=np.nan)
     rows = pd.concat([whole[whole["factor"] == "all"], tested, unknown], ignore_index=True)
-    section = subgroups_section(rows, "light")
+    section = subgroups_section(result, rows).worded(result.objects)
     (fold,) = [block for block in section.blocks if isinstance(block, Fold)]
     _, similarity = fold.blocks
     assert [row[:2] for row in similarity.rows] == [("all", ""), ("tag", "night")]
-    assert section.blocks[-1] == Sentences(
+    assert section.blocks[-1] == Paragraphs(
         ("1 row with too little data for an interval or a test left out of these tables: in "
          "subgroups.csv.",)
     )  # fmt: skip

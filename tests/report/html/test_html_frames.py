@@ -18,8 +18,8 @@ from nvcore.inputs.session import RecordingEntry
 from nvcore.pictures import RecordingPictures, session_pictures
 from nvcore.pictures.images import files_as_pictures
 from nvcore.report.decisive_moments import EXCLUSIVE, MOST, Moment, decisive_moments
-from nvcore.report.html.evidence_sections import frames_section
 from nvcore.report.html.frames import MOST_BYTES, photo
+from nvcore.report.sections.evidence import frames_section
 
 
 def decoded(jpeg: bytes) -> np.ndarray:
@@ -124,12 +124,12 @@ def test_without_pictures_boxes_stand_on_a_light_ground_and_that_is_said_once():
     assert drawn.why_blank == "no picture for this frame"
     assert shown[-20, 20].min() > 230
     assert shown.min() < 90  # boxes and the ellipse
-    text, block = frames_section([drawn, drawn], (), "light").blocks
+    text, block = frames_section(result, [drawn, drawn], ()).worded(result.objects).blocks
     assert text.texts[0].startswith("There are no pictures of these frames")
     assert [photo.why_blank for photo in block.photos] == ["", ""]
-    (mixed,) = frames_section([drawn, replace(drawn, why_blank="")], (), "light").blocks
+    (mixed,) = frames_section(result, [drawn, replace(drawn, why_blank="")], ()).blocks
     assert [photo.why_blank for photo in mixed.photos] == [drawn.why_blank, ""]
-    trouble, *_ = frames_section([drawn], ("rural: there is no such file",), "light").blocks
+    trouble, *_ = frames_section(result, [drawn], ["rural: there is no such file"]).blocks
     assert trouble.texts == ("Some pictures cannot be shown.", "rural: there is no such file")
 
 

@@ -13,9 +13,9 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.progress import no_progress
 from nvcore.protocols import PROTOCOLS
-from nvcore.report.html.blocks import Sentences, Table
-from nvcore.report.html.plan_section import plan_measures, plan_section
 from nvcore.report.plan import verdict_plan
+from nvcore.report.section import Paragraphs, Table
+from nvcore.report.sections.evidence import plan_measures, plan_section
 
 
 @pytest.fixture(scope="module")
@@ -26,15 +26,15 @@ def sample() -> Result:
 def test_each_difference_that_is_not_shown_has_its_size_and_what_is_excluded(sample: Result):
     evidence = evidence_table(sample)
     plans = plan_measures(sample, evidence, PROTOCOLS["all"], progress=no_progress)
-    plan, sentences = plan_section(sample, evidence, plans).blocks
+    plan, sentences = plan_section(sample, evidence, plans).worded(sample.objects).blocks
     assert isinstance(plan, Table)
-    assert isinstance(sentences, Sentences)
-    rows = {row[0]: [cell.replace("\xa0", " ") for cell in row[1:]] for row in plan.rows}
+    assert isinstance(sentences, Paragraphs)
+    rows = {row[0]: row[1:] for row in plan.rows}
     assert len(rows) == 9  # lost similarity is mean similarity in other words
     difference, below, above, n, span, n_encounters, _ = rows[
         "share of encounters detected, by recordings"
     ]
-    assert (difference, below, above) == ("+7.9 pp", "−29.7 pp", "+29.1 pp")
+    assert (difference, below, above) == ("+7.9 pp", "-29.7 pp", "+29.1 pp")
     assert 250 < int(n) < 500
     assert int(n_encounters.replace(",", "")) == pytest.approx(3.8 * int(n), abs=1)
     assert " to " in span
@@ -46,7 +46,7 @@ def test_each_difference_that_is_not_shown_has_its_size_and_what_is_excluded(sam
 
 def test_blocks_of_time_and_what_is_shown_have_words_instead():
     few = result_of(drives(4))
-    section = plan_section(few, evidence_table(few), {})
+    section = plan_section(few, evidence_table(few), {}).worded(few.objects)
     assert "a pilot of 6 recordings or more" in section.blocks[0].texts[0]
     assert verdict_plan(few, evidence_table(few), None) == ()
     clear = result_of(drives(30))
@@ -54,5 +54,5 @@ def test_blocks_of_time_and_what_is_shown_have_words_instead():
     assert verdict_plan(clear, evidence, None) == ()
     evidence["p_corrected"] = 0.001
     plans = plan_measures(clear, evidence, PROTOCOLS["all"], progress=no_progress)
-    section = plan_section(clear, evidence, plans)
+    section = plan_section(clear, evidence, plans).worded(clear.objects)
     assert section.blocks[0].texts == ("No p is above 0.05 after correction: nothing to plan for.",)

@@ -1,0 +1,65 @@
+"""Sections of a comparison, each a function that returns a `nvcore.report.section.Section`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import chain
+from typing import Final
+
+from nvcore.comparison import Result
+from nvcore.evidence.operating_points import alarms_as_set, are_unequal
+from nvcore.notes import Note
+from nvcore.report.section import Paragraphs, Section
+from nvcore.report.sections.encounters import encounters_section
+from nvcore.report.sections.results import (
+    false_alerts_section,
+    saliency_section,
+    scorecard_section,
+    similarity_section,
+)
+from nvcore.subjects import contributed
+
+__all__ = ["result_sections", "with_cautions"]
+
+CAUTIONS: Final = {
+    "encounters": Note("sections.short_encounters"),
+    "saliency": Note("sections.short_encounters"),
+    "significance": Note("sections.short_tests"),
+    "subgroups": Note("sections.short_tests"),
+}
+"""First paragraphs of sections, by anchor, where most encounters are one frame long."""
+AS_SET_SECTIONS: Final = (
+    *("scorecard", "encounters", "similarity", "saliency", "false-alerts"),
+    *("significance", "subgroups", "only-one"),
+)
+"""Anchors of the sections with numbers of X and Y as set; those of subjects are added."""
+
+
+def result_sections(result: Result) -> list[Section]:
+    """Return the sections on the measures of X and Y, those of subjects included."""
+    sections = [
+        scorecard_section(result),
+        encounters_section(result),
+        *(of.make(result) for of in chain(*contributed("sections")) if of.applies(result)),
+        similarity_section(result),
+        saliency_section(result),
+        false_alerts_section(result),
+    ]
+    return with_cautions(sections, result)
+
+
+def with_cautions(sections: Iterable[Section], result: Result) -> list[Section]:
+    """Put paragraphs first that say why the numbers of a section mean little."""
+    is_unequal, is_short = are_unequal(result), result.is_short
+    as_set = {*AS_SET_SECTIONS, *(of.anchor for of in chain(*contributed("sections")))}
+    cautious = []
+    for section in sections:
+        notes = []
+        if is_unequal and section.anchor in as_set:
+            notes.append(Note("verdict.unequal_above", alarms=alarms_as_set(result)))
+        if is_short and section.anchor in CAUTIONS:
+            notes.append(CAUTIONS[section.anchor])
+        first = tuple(Paragraphs((note,)) for note in notes)
+        cautious.append(replace(section, blocks=(*first, *section.blocks)))
+    return cautious

@@ -1,0 +1,276 @@
+"""Sections on measures: scorecard, similarity, saliency, false alerts, classes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Final
+
+import pandas as pd
+
+from nvcore.comparison import Result
+from nvcore.measures.entry import MeasureTable
+from nvcore.metrics.kernels import ABSORB_SHARE
+from nvcore.metrics.linking import LINK_GAP, LINK_IOU
+from nvcore.notes import Note
+from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE
+from nvcore.report.section import (
+    MAX_ROWS,
+    Block,
+    Chart,
+    Columns,
+    Fold,
+    Paragraphs,
+    Row,
+    Section,
+    Table,
+    Text,
+    about,
+    listing,
+    of_both,
+    table,
+)
+from nvcore.report.sections.inputs import span_in_use
+from nvcore.report.words import (
+    classes_read,
+    saliencies,
+    saliency_caveat,
+    score_cells,
+    scorecard_cells,
+)
+from nvcore.subjects import contributed
+from nvcore.tables.classes import classes_table, names_classes
+from nvcore.tables.influence import lead_text, other_leads_text
+from nvcore.tables.loss_strip import loss_strip
+from nvcore.tables.result import recordings_table, worst_events, worst_intervals
+from nvcore.tables.scorecard import score_rows
+from nvcore.tables.windows import windows_table, worst_windows_text
+from nvcore.wording import difference
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+MEASURES_HEAD: Final = ("Measure", "X", "Y", "X − Y", "Better")
+PART: Final = "– "
+"""Prefix of the label of a measure that is a part of the one above."""
+N_WORST: Final = 3
+"""Number of intervals, events and episodes of each system that are listed."""
+
+
+def scorecard_section(result: Result) -> Section:
+    """Return all measures side by side."""
+    rows = scorecard_cells(result, indent=PART, mark=" *" if result.is_short else "")
+    remarks = [note for of in contributed("remarks") for note in of.note(result)]
+    measures = table(
+        "Measures of X and Y",
+        MEASURES_HEAD,
+        rows,
+        right=(1, 2, 3),
+        notes=[Note("sections.means_little")] if result.is_short else [],
+        printed=len(rows),
+    )
+    blocks: tuple[Block, ...] = (measures,)
+    blocks = (Paragraphs(tuple(remarks)), *blocks) if remarks else blocks
+    return Section("scorecard", "Scorecard", about("sections.scorecard", result), blocks)
+
+
+def similarity_section(result: Result) -> Section:
+    """Return mean similarity by recording, lost similarity over time, and the worst intervals."""
+    recordings = recordings_table(result)
+
+    def of_recordings() -> go.Figure:
+        from nvcore.figures.paired import recordings_plot
+
+        return recordings_plot(recordings, result.names, theme=result.scheme("light"))
+
+    def of_losses() -> go.Figure:
+        from nvcore.figures.over_time.strip import loss_strip_plot
+
+        return loss_strip_plot(result, loss_strip(result), theme=result.scheme("light"))
+
+    by_recording = _by_recording(result, recordings)
+    leads = tuple(filter(None, (lead_text(result), other_leads_text(result))))
+    introduction = about(
+        "sections.similarity",
+        result,
+        midpoint=span_in_use(result, "midpoint"),
+        spread=span_in_use(result, "spread"),
+        midpoint_share=MIDPOINT_SHARE,
+        spread_share=SPREAD_SHARE,
+    )
+    in_words = "What the worse system loses over the time of every recording"
+    blocks: tuple[Block, ...] = (
+        Chart("recordings", of_recordings, "Mean similarity of X and Y in every recording"),
+        Chart("loss-strip", of_losses, in_words),
+        Fold(by_recording.title, (by_recording,), "in recordings.csv"),
+        Paragraphs(leads),
+        _windows(result),
+        _intervals(result),
+    )
+    return Section("similarity", "Similarity", introduction, blocks)
+
+
+def _by_recording(result: Result, recordings: pd.DataFrame) -> Table:
+    """Return the recordings in their order, those in which X and Y differ most if they are many."""
+    notes = []
+    if len(recordings) > MAX_ROWS:
+        apart = (recordings["mean_similarity_x"] - recordings["mean_similarity_y"]).abs()
+        order = apart.sort_values(ascending=False, kind="stable").index
+        note = Note("sections.most_different", n=MAX_ROWS, rest=len(recordings) - MAX_ROWS)
+        recordings, notes = recordings.loc[order[:MAX_ROWS].sort_values()], [note]
+
+    def apart_text(row: Row) -> str:
+        return difference(row["mean_similarity_x"], row["mean_similarity_y"], ".4f")
+
+    columns: Columns = {
+        "Recording": "recording",
+        "Frames": ("n_frames", "d"),
+        **of_both("Mean {}", "mean_similarity_{}", ".4f"),
+        "X − Y": (apart_text, ""),
+        **of_both(f"below {result.params.low:g}, {{}}", "share_low_{}", ".1%"),
+    }
+    return listing("Similarity by recording", recordings, columns, notes=notes)
+
+
+def _windows(result: Result) -> Fold:
+    """Return lost similarity and the worst window of every recording."""
+    windows = windows_table(result)
+    columns: Columns = {
+        f"{letter.upper()}: {label}": (f"{name}_{letter}", form)
+        for letter in "xy"
+        for label, name, form in (
+            ("lost (s per minute)", "lost_s_per_min", ".2f"),
+            ("worst window", "window_similarity", ".4f"),
+            ("lost in it (s)", "window_lost_s", ".3f"),
+            ("its middle (s)", "window_time_s", ".2f"),
+        )
+    }
+    notes: list[Text] = [Note("sections.worst_windows", seconds=result.params.window)]
+    notes += [worst_windows_text(windows)] if len(windows) else []
+    title = "Lost similarity and the worst window, most lost first"
+    return Fold(
+        title, (listing(title, windows, {"Recording": "recording", **columns}, notes=notes),)
+    )
+
+
+def _intervals(result: Result) -> Table:
+    worst = pd.concat([worst_intervals(result, letter, n=N_WORST) for letter in "xy"])
+    columns: Columns = {
+        "System": _system,
+        "Recording": "recording",
+        "Frames": _frames,
+        "Start (s)": ("start_s", ".2f"),
+        "Duration (s)": ("duration_s", ".2f"),
+        "Depth (s)": ("depth_s", ".3f"),
+        "Lowest": ("min_similarity", ".3f"),
+    }
+    return listing("The worst low intervals", worst, columns)
+
+
+def _system(row: Row) -> str:
+    return str(row["system"]).upper()
+
+
+def _frames(row: Row) -> str:
+    return f"{row['first_frame']} to {row['last_frame']}"
+
+
+def saliency_section(result: Result) -> Section:
+    """Return the derivation of saliency, and the largest events."""
+    worst = pd.concat([worst_events(result, letter, n=N_WORST) for letter in "xy"])
+
+    def plane() -> go.Figure:
+        from nvcore.figures.saliency import plane_plot
+
+        return plane_plot(result, theme=result.scheme("light"))
+
+    columns: Columns = {
+        "System": _system,
+        "Recording": "recording",
+        "{One}": "track",
+        "Start (s)": ("start_s", ".2f"),
+        "Duration (s)": ("duration_s", ".2f"),
+        "Passed at its end": ("tau", ".3f"),
+        "Recency": ("recency", ".3f"),
+        "Saliency (s)": ("saliency_s", ".3f"),
+    }
+    in_words = "Mean similarity and saliency of X and Y in every recording"
+    blocks: tuple[Block, ...] = (
+        Paragraphs((*saliencies(result), *saliency_caveat(result.params))),
+        Chart("plane", plane, in_words),
+        listing("The most salient events", worst, columns),
+    )
+    return Section("saliency", "Saliency", about("sections.saliency", result), blocks)
+
+
+def false_alerts_section(result: Result) -> Section:
+    """Return false alarms and episodes of both systems."""
+    introduction = about(
+        "sections.false_alerts",
+        result,
+        link_iou=LINK_IOU,
+        link_gap=LINK_GAP,
+        absorbed=ABSORB_SHARE,
+    )
+    rows = score_cells(score_rows(result, MeasureTable.FALSE_ALERTS), indent=PART)
+    columns: Columns = {
+        "System": _system,
+        "Recording": "recording",
+        "Frames": _frames,
+        "Start (s)": ("start_s", ".2f"),
+        "Duration (s)": ("duration_s", ".2f"),
+        "Boxes": ("n_boxes", "d"),
+    }
+    blocks: tuple[Block, ...] = (
+        table("False alarms and episodes", MEASURES_HEAD, rows, right=(1, 2, 3)),
+        listing("The longest episodes", _longest_episodes(result), columns),
+    )
+    return Section("false-alerts", "False alerts", introduction, blocks)
+
+
+def _longest_episodes(result: Result) -> pd.DataFrame:
+    frames, name = result.dataset.frames, result.dataset.recordings["name"]
+    longest = pd.concat(
+        system.episodes.sort_values("duration_s", ascending=False, kind="stable")
+        .head(N_WORST)
+        .assign(system=letter)
+        for letter, system in result.sides
+    )
+    return longest.assign(
+        recording=name.iloc[longest["recording"]].to_numpy(),
+        first_frame=frames["frame"].iloc[longest["first_row"]].to_numpy(),
+        last_frame=frames["frame"].iloc[longest["last_row"]].to_numpy(),
+        start_s=frames["time_s"].iloc[longest["first_row"]].to_numpy(),
+    )
+
+
+def classes_section(result: Result) -> Section:
+    """Return the classes that X and Y read, as matrices, for results with `has_classes`."""
+    counted = classes_table(result)
+    blocks: list[Block] = []
+    for letter, system in result.sides:
+        blocks.append(Paragraphs((classes_read(result, counted, letter),)))
+        rows = counted[counted["system"] == letter]
+        if rows.empty or not names_classes(result, system):
+            continue
+        in_words = f"How many boxes of each class {letter.upper()} read as which"
+        cells = rows[["truth_class", "read_class", "n"]].fillna({"read_class": "no class"})
+        columns: Columns = {
+            "Class in the truth": "truth_class",
+            "Class read": "read_class",
+            "Boxes": ("n", "d"),
+        }
+        blocks += [
+            Chart(f"classes-{letter}", _classes(result, counted, letter), in_words),
+            listing(f"Classes read by {letter.upper()}", cells, columns),
+        ]
+    return Section("classes", "Classes", about("sections.classes", result), tuple(blocks))
+
+
+def _classes(result: Result, counted: pd.DataFrame, letter: str) -> Callable[[], go.Figure]:
+    def draw() -> go.Figure:
+        from nvcore.figures.classes import classes_plot
+
+        name = dict(result.sides)[letter].name
+        return classes_plot(counted, letter, name, theme=result.scheme("light"))
+
+    return draw
