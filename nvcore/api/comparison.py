@@ -36,6 +36,7 @@ from nvcore.metrics.venn import BoxVenn, Exclusivity, Venn
 from nvcore.notes import Note
 from nvcore.params import Params
 from nvcore.protocols import Protocol
+from nvcore.report.brief import render_brief
 from nvcore.report.files import (
     REPORT_FILES,
     SESSION_FILE,
@@ -45,7 +46,6 @@ from nvcore.report.files import (
 )
 from nvcore.report.plan import verdict_plan
 from nvcore.report.protect_inputs import files_read, refuse_to_replace
-from nvcore.report.terminal import render_scorecard
 from nvcore.report.verdict import Verdict, verdict
 from nvcore.scoring import SystemResult
 from nvcore.tables.boxes.matches import matches_table
@@ -308,12 +308,7 @@ class Comparison:
             refuse_to_replace(outputs, files_read(settings))
 
     def __str__(self) -> str:
-        return render_scorecard(
-            *(self.result, self.input_findings, self.protocol),
-            evidence=self._evidence,
-            companions=self._companions,
-            plan=self._plan,
-        )
+        return render_brief(self.result, self.input_findings, self._verdict)
 
     def __repr__(self) -> str:
         means = " and ".join(number(system.summary.mean, ".4f") for _, system in self.result.sides)

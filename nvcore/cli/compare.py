@@ -112,6 +112,7 @@ def compare(
     from nvcore.inputs.load import load
     from nvcore.report.brief import MOST_LINES, render_brief
     from nvcore.report.files import REPORT_FILES, summary_json, write_report
+    from nvcore.report.plan import planned_verdict
     from nvcore.report.terminal import render_findings, render_inputs, render_scorecard
 
     if out is None and (tables is not None or matches):
@@ -135,11 +136,11 @@ def compare(
         if as_json:
             text = summary_json(result)
         elif full:
-            text = render_scorecard(result, findings, session.protocol)
+            text = render_scorecard(result, planned_verdict(result, findings, session.protocol))
         else:
             n_more = 2 * are_unequal(result) + (out is not None)  # lines on the error stream
             text = render_brief(
-                *(result, shown, session.protocol),
+                *(result, shown, planned_verdict(result, findings, session.protocol)),
                 next_steps=_next_steps(options["session_file"], out),
                 most_lines=MOST_LINES - n_more,
             )

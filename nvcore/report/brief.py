@@ -6,12 +6,10 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 from nvcore.comparison import Result
-from nvcore.evidence.table import judge_both
 from nvcore.findings import Finding, Severity
 from nvcore.notes import Note, phrase
-from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.report.decisive_moments import Moment, main_moments
-from nvcore.report.plan import verdict_plan
+from nvcore.report.plan import planned_verdict
 from nvcore.report.terminal import (
     NAME_WIDTH,
     WIDTH,
@@ -21,7 +19,7 @@ from nvcore.report.terminal import (
     measure_notes,
     table_lines,
 )
-from nvcore.report.verdict import verdict
+from nvcore.report.verdict import Verdict
 from nvcore.report.words import score_cells
 from nvcore.tables.scorecard import LEADING, pick_rows, score_rows
 from nvcore.wording import one_line, shortened
@@ -38,12 +36,12 @@ FULL_ONLY: Final = ("Operating points", "Question", "Other measures")
 def render_brief(
     result: Result,
     findings: Sequence[Finding] = (),
-    protocol: Protocol = PROTOCOLS["all"],
+    conclusion: Verdict | None = None,
     *,
     next_steps: Sequence[str] = (),
     most_lines: int = MOST_LINES,
 ) -> str:
-    """Audit, leading measures, verdict, and moments to look at, on one screen.
+    """Return audit, leading measures, verdict, and moments to look at, on one screen.
 
     Table, headline and the worst finding are always shown. Operating points, remarks on measures,
     other findings, moments and topics of the verdict follow if there is room, in this order.
@@ -51,17 +49,15 @@ def render_brief(
     Parameters
     ----------
     findings
-        Of the audit, worst first, as the terminal shows them.
-    protocol
-        Which pedestrians count in the detection measures.
+        Findings of the audit, worst first, as the terminal shows them.
+    conclusion
+        None: `nvcore.report.plan.planned_verdict` of the result.
     next_steps
-        What to run next, a line each.
+        Commands to run next, a line each.
     most_lines
-        Of the whole text, if what is always shown leaves it at that.
+        Maximum number of lines, unless the parts that are always shown need more.
     """
-    evidence, companions = judge_both(result, protocol)
-    plan = verdict_plan(result, evidence, companions)
-    conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
+    conclusion = conclusion or planned_verdict(result, findings)
     rows = pick_rows(result, score_rows(result), LEADING)
     cells = score_cells(rows, indent="", mark=" *" if result.is_short else "")
     x, y, extent, *point = heading_lines(result)

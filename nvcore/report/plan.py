@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -17,8 +17,12 @@ from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.notes import ASSUMPTIONS, QUESTION, notes_for_verdict
 from nvcore.evidence.planning.plan import Plan, plan_recordings
+from nvcore.evidence.table import judge_both
+from nvcore.findings import Finding
 from nvcore.measures.table import difference_text
 from nvcore.notes import Note
+from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.report.verdict import Verdict, verdict
 from nvcore.tables.summary import without_nan
 from nvcore.wording import duration_text, percent
 
@@ -55,6 +59,25 @@ def verdict_plan(
     plan = (plans or {}).get(key) if basis is result else None
     plan = plan or plan_recordings(basis, PlanArguments(measure=key), evidence=row)
     return notes_for_verdict(plan)
+
+
+def planned_verdict(
+    result: Result,
+    findings: Sequence[Finding] = (),
+    protocol: Protocol = PROTOCOLS["all"],
+) -> Verdict:
+    """Return the verdict with its tests, comparisons at equal false alarms, and a plan.
+
+    Parameters
+    ----------
+    findings
+        Findings of the audit; the verdict says on which of them it depends.
+    protocol
+        Selection of the pedestrians for the detection measures.
+    """
+    evidence, companions = judge_both(result, protocol)
+    plan = verdict_plan(result, evidence, companions)
+    return verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
 
 
 def render_plan(plan: Plan) -> str:

@@ -9,18 +9,15 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
-from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.operating_points import point_note
-from nvcore.evidence.table import judge_both
 from nvcore.findings import Finding, Severity
 from nvcore.metrics.proximity.horizon import estimate_horizons
 from nvcore.notes import Note, say
 from nvcore.objects import Objects
-from nvcore.protocols import PROTOCOLS, Protocol
-from nvcore.report.plan import verdict_plan
+from nvcore.report.plan import planned_verdict
 from nvcore.report.section import Block, Fold, Paragraphs, Section, Table
 from nvcore.report.sections import result_sections
-from nvcore.report.verdict import Verdict, verdict
+from nvcore.report.verdict import Verdict
 from nvcore.report.words import (
     n_frames_text,
     sampling_note,
@@ -39,35 +36,15 @@ NAME_WIDTH = 16
 """Longest name of a system in the head of a column; the full name is above the table."""
 
 
-def render_scorecard(
-    result: Result,
-    findings: Sequence[Finding] = (),
-    protocol: Protocol = PROTOCOLS["all"],
-    *,
-    evidence: pd.DataFrame | None = None,
-    companions: Companions | None = None,
-    plan: tuple[Note, ...] | None = None,
-) -> str:
-    """Scorecard of both systems, Venn counts, fusion, worst moments, and the verdict.
+def render_scorecard(result: Result, conclusion: Verdict | None = None) -> str:
+    """Return the scorecard, all sections on measures, and the verdict.
 
     Parameters
     ----------
-    findings
-        Of the audit; the verdict says on which of them it depends.
-    protocol
-        Which pedestrians count in the detection measures.
-    evidence, companions
-        ``evidence_table(result, protocol)``, ``find_companions(result, evidence)``, if already
-        computed.
-    plan
-        ``verdict_plan(result, evidence, companions)``, likewise.
+    conclusion
+        None: `nvcore.report.plan.planned_verdict` of the result.
     """
-    if evidence is None:
-        evidence, companions = judge_both(result, protocol)
-    elif companions is None:
-        companions = find_companions(result, evidence, protocol)
-    plan = verdict_plan(result, evidence, companions) if plan is None else plan
-    conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
+    conclusion = conclusion or planned_verdict(result)
     cells = scorecard_cells(result, indent="  ", mark=" *" if result.is_short else "")
     _, *sections = result_sections(result)  # the scorecard has the names of X and Y above it
     parts = [
