@@ -111,7 +111,7 @@ def boxes_of_frame(xywh: np.ndarray, score: np.ndarray, label: np.ndarray) -> Bo
 
 
 class Detectability(NamedTuple):
-    """Would the driver see each truth box by himself.
+    """How likely the driver sees each truth box unaided.
 
     Attributes
     ----------

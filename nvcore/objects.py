@@ -69,7 +69,7 @@ class Objects:
 
     @property
     def are_pedestrians(self) -> bool:
-        """Whether they are pedestrians: people, of whom texts say "he" and "who"."""
+        """Whether they are pedestrians: people, whom texts call "they" and "who"."""
         return self == PEDESTRIAN
 
     def counts(self, label: str) -> bool:

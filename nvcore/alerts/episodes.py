@@ -53,7 +53,7 @@ ALERT_TEXT: Final[dict[AlertKind, str]] = {
 UNWANTED: Final = (AlertKind.FALSE, AlertKind.NUISANCE, AlertKind.REDUNDANT)
 """Alerts that the driver would rather not have had."""
 RESTS_ON_DRIVER: Final = (AlertKind.REDUNDANT, AlertKind.NEEDED)
-"""Kinds whose number is undefined where it is known of nobody whether the driver sees him."""
+"""Kinds whose number is undefined unless detectability is known of somebody."""
 
 NO_ALERTS: Final = pd.DataFrame(
     {
@@ -98,7 +98,7 @@ class Scene:
         """Whether a row of `seen` stands before frame rows; bool, shape (n,).
 
         ``confirmed_row``: the driver has seen the encounters by then; ``known_row``: it is known
-        by then whether he sees them.
+        by then whether the driver sees them.
         """
         first = self.seen[name].to_numpy()[encounter]
         is_before: np.ndarray = (first >= 0) & (first < row)
@@ -282,7 +282,7 @@ def _with_kinds(
     matched = np.flatnonzero(encounter >= 0)
     who, row = encounter[matched], onset[matched]
     owner = np.repeat(np.arange(len(encounters)), np.diff(encounters.offsets))
-    # his box in the frame in which the alert begins, or the next
+    # the pedestrian's box in the frame in which the alert begins, or the next
     key = owner * len(frames) + encounters.frame_index
     at = encounters.order[np.searchsorted(key, who * len(frames) + row)]
     is_far = scene.k_truth[at] < RELEVANT_K

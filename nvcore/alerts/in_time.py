@@ -1,7 +1,7 @@
 """From the onset of an alert to braking: in how many urgent encounters the driver is in time.
 
 Detection, alert, reaction, foot, brakes: the driver answers after a time drawn from a lognormal
-distribution by the kind of alert, then his foot moves and the brakes build up. All kinds, draws and
+distribution by the kind of alert, then the foot moves and the brakes build up. All kinds, draws and
 systems are judged on the same encounters, those that are urgent in the comparison: who is urgent
 depends on the reaction time, and with a set of its own for each kind the order of X and Y can turn.
 """
@@ -29,7 +29,7 @@ from nvcore.time_left.steps import time_left_in
 MOST_DRAWS, FEWEST_DRAWS, DRAWN = 2_000, 200, 20_000_000
 """Draws of all drivers' reactions, and resamples of units: as many as keep so many numbers."""
 DRIVER_WORDS: Final = {
-    "sees": "sees {him} in time without an alert",
+    "sees": "sees the {one} in time without an alert",
     "does_not": "does not",
     "not_known": "not known",
     "all": "all",
@@ -81,8 +81,8 @@ def slack_at_onset(
 
     Time to contact less the time that braking takes, at the onset. Time to contact is measured with
     noise, so the least value of all frames up to the onset counts: an alert after the last chance
-    is late even where a later frame seems to give time again, as in the time left. Nor has he
-    longer than `reaction_s` at the last chance, however slowly the car seems to close before.
+    is late even where a later frame seems to give time again, as in the time left. Nor is
+    there more than `reaction_s` at the last chance, however slowly the car seems to close before.
 
     Parameters
     ----------
@@ -238,7 +238,7 @@ class InTime:
         What intervals are over; those without urgent encounters have no part in them.
     chances
         A row for each urgent encounter (index: of ``result.encounters``): is_known (whether it is
-        known if the driver sees him by himself before the last chance), is_seen (that he does),
+        known if the driver sees them unaided before the last chance), is_seen (whether they do),
         slack_s_x, slack_s_y, and for each kind the chance to be in time with X, with Y and with
         both: ``visual_x``, ``visual_y``, ``visual_both``.
     """
@@ -253,7 +253,7 @@ class InTime:
         return "stretches of these recordings" if self.units.kind == BLOCKS else self.units.kind
 
     def of_hundred(self, kind: str) -> pd.DataFrame:
-        """Of 100 urgent encounters: how many the driver sees himself, in how many X and Y help.
+        """Of 100 urgent encounters: how many the driver sees unaided, in how many X and Y help.
 
         Returns
         -------

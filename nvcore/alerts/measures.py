@@ -77,7 +77,7 @@ def _of_kind(kind: AlertKind) -> tuple[Measure, Measure]:
         return np.where(is_known, counts, np.nan)
 
     label = f"{kind.value} alerts"
-    unknown = "it is known of no {one} whether the driver sees {him}" if rests_on_driver else ""
+    unknown = "it is known of no {one} whether the driver sees {them}" if rests_on_driver else ""
     shared: dict[str, Any] = {
         "better": LOWER if kind in UNWANTED else "",
         "stages": (ALERTS, DRIVER) if rests_on_driver else (ALERTS,),

@@ -108,7 +108,7 @@ class AlertsView:
 
     @cached_property
     def knows_driver(self) -> bool:
-        """Whether it is known of anybody whether the driver sees him."""
+        """Whether detectability is known of anybody."""
         return bool((self.result.made["detectable"]["known_row"] >= 0).any())
 
     def count(self, system: SystemResult) -> dict[AlertKind, float]:

@@ -126,7 +126,7 @@ def render_estimator(estimator: Estimator) -> str:
     ]
     caution = caution_of(estimator)
     lines = [
-        f"{one_line(estimator.name)}: estimates what the driver sees by himself "
+        f"{one_line(estimator.name)}: estimates what the driver sees unaided "
         "(nvcore driver estimate)",
         f"fingerprint: {fingerprint(estimator)}",
         f"trained on: {phrase(_trials(origin), PEDESTRIAN)}",

@@ -139,7 +139,7 @@ def image_features(
 @called_with(EstimateArguments)
 @pipes_kept()
 def estimate_driver(arguments: EstimateArguments) -> WrittenEstimates:
-    """How likely the driver sees each pedestrian by himself, in every frame.
+    """Estimate how likely the driver sees each pedestrian unaided, in every frame.
 
     The settings of the model's features are taken where they are not given. ``session.toml`` is the
     session with the estimates, which `compare` takes.

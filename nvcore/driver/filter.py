@@ -61,7 +61,7 @@ _RANGES: Final = {
 
 @dataclass(frozen=True, kw_only=True)
 class FilterSettings:
-    """How much the driver loses when the light changes, and how soon he has it back; all is ours.
+    """Loss of contrast when the light changes, and how soon it returns (all ours).
 
     Attributes
     ----------

@@ -22,7 +22,7 @@ class Steps(NamedTuple):
         Pedestrians (tracks) for whom the estimator of another period is taken from some frame on.
     n_jumping
         Those of them for whom the two estimators differ by more than the sd of each, on the
-        features of the same frame: that he has come nearer is no step.
+        features of the same frame, so coming nearer does not count as a jump.
     """
 
     n_crossing: int = 0

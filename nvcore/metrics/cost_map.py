@@ -1,4 +1,4 @@
-"""What missing a pedestrian would cost, by where in the picture he stands."""
+"""Cost of missing a pedestrian, by place in the picture."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class CostMap:
     border
         Border of each position as a share of W/2, 0 to 1; float64, (n_columns,).
     k
-        Weight of a pedestrian with his feet in each row, in (0, 1); NaN where none can stand, at
+        Weight of a pedestrian with their feet in each row, in (0, 1); NaN where none can stand, at
         the horizon and above it; float64, (n_rows,).
     basis
         What k follows from: ``height`` (the height that pedestrians of this recording have with
@@ -169,7 +169,7 @@ def map_cost(
 def _weigh_rows(
     truth: BoxColumns, frames: FrameColumns, params: Params, recording: int, foot_px: np.ndarray
 ) -> tuple[np.ndarray, Basis, int, float]:
-    """Weight of a pedestrian with his feet in each row, what it follows from, boxes, height."""
+    """Return the weight of a pedestrian by foot row, its basis, the number of boxes, the height."""
     nan = float("nan")
     if params.proximity == "none":
         return np.ones(len(foot_px)), "none", 0, nan

@@ -1,4 +1,4 @@
-"""Classes of encounters: what the truth says of a pedestrian, what follows from his boxes, codes.
+"""Classes of encounters: attributes of the truth, what follows from the boxes, codes.
 
 The derived classes are our choice (docs/metrics.md, classes of encounters). All depend on the truth
 and on the coded intervals alone, and on no parameter.
@@ -28,7 +28,7 @@ DERIVED: Final = (CROSSING, IN_ROAD, GROUP, CHILD)
 CROSSING_REACH: Final = 0.1
 """Who crosses has been so far left and so far right of the middle, fractions of W/2."""
 STATURE_M: Final = 1.7
-"""Height of a person by which pixels are taken for metres at his distance."""
+"""Height of a person, which converts pixels to metres at their distance."""
 LANE_M: Final = 3.5
 """In the road: at most a lane's width beside the camera's axis, in at least half of the frames."""
 COMPANY_M: Final = 1.5
@@ -228,7 +228,7 @@ def find_in_road(encounters: Encounters, truth: BoxColumns, frames: FrameColumns
 
 
 def find_groups(encounters: Encounters, truth: BoxColumns) -> np.ndarray:
-    """Who walks with another pedestrian beside him, in at least half of the frames; bool.
+    """Find encounters with another pedestrian beside them in at least half of the frames; bool.
 
     Beside: at most `COMPANY_M` to the side, by the taller one's height, and heights `ALIKE`.
     """

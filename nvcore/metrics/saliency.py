@@ -108,8 +108,8 @@ def find_events(
 
     ``saliency = weight * recency`` in seconds, 0 is best. The weight is the event's duration, or
     with ``saliency_weight="risk"`` the sum of ``D(G, S) / (W/2) * time step`` over its frames.
-    With ``saliency_of="each"`` every pedestrian qualifies by his own term, which then stands in
-    place of D(G, S).
+    With ``saliency_of="each"`` every pedestrian qualifies by their own term, which then
+    replaces D(G, S).
 
     Parameters
     ----------

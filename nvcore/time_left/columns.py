@@ -48,7 +48,7 @@ _ENCOUNTERS: Final = (
             "impact_kmh",
             _NUMBER,
             "km/h",
-            "Speed with which the car reaches {him}, if it brakes after `confirmed_frame`.",
+            "Speed with which the car reaches the {one}, if it brakes after `confirmed_frame`.",
             "low",
             empty=_NOT_URGENT,
         ),

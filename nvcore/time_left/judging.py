@@ -1,7 +1,7 @@
 """Time left: whether braking could still have helped when a system had found the pedestrian.
 
 Needs no speed sensor: while a pedestrian is approached at constant speed, one over the height of
-his box (as his distance) falls on a line that reaches 0 at contact.
+the box (like the distance) falls on a line that reaches 0 at contact.
 """
 
 from __future__ import annotations
@@ -59,9 +59,9 @@ def measure_contact(
     ttc_window: float,
     is_on_road: bool = True,
 ) -> Contact:
-    """Time to contact of every pedestrian in every frame, from his boxes alone.
+    """Estimate the time to contact of every pedestrian in every frame, from boxes alone.
 
-    The least-squares line through his distances (if every box has one, else one over the heights)
+    The least-squares line through the distances (if every box has one, else one over the heights)
     over the frames within half a window; boxes that the picture's edge cuts do not count. It is
     infinite where the line does not fall, or by less than twice the slope's standard error, and
     unknown with fewer than 5 boxes.
@@ -177,7 +177,7 @@ def find_urgent(
 def confirm(
     contact: Contact, encounters: Encounters, is_matched: np.ndarray, params: Params
 ) -> pd.DataFrame:
-    """When a system is sure of each pedestrian: `confirm_n` of his last `confirm_m` frames match.
+    """Find when a system confirms each pedestrian: `confirm_n` of `confirm_m` frames match.
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ def confirm(
 def judge_time_left(
     urgency: pd.DataFrame, confirmed: pd.DataFrame, frames: FrameColumns, params: Params
 ) -> pd.DataFrame:
-    """Whether a system confirmed each urgent pedestrian in time, and how fast the car hits him.
+    """Judge whether a system confirmed each urgent pedestrian in time, and the impact speed.
 
     Parameters
     ----------

@@ -34,7 +34,7 @@ def simulate_ratings(session_file: Path) -> pd.DataFrame:
     """Ratings of every recording with the boxes of each system; the same on every call.
 
     Each participant rates the logarithm of an annoyance that follows saliency with other settings
-    than the default ones, with a habit of his own in level, width and noise; some ratings are
+    than the default ones, with habits of their own in level, width and noise; some ratings are
     missing, and one participant takes the scale the wrong way round.
 
     Returns

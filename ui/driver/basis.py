@@ -39,9 +39,9 @@ def why_unknown(
     Parameters
     ----------
     part
-        What the run has of his recording; None: nothing.
+        What the run has of the pedestrian's recording; None: nothing.
     features
-        His own, frame by frame; None: not known.
+        Of the pedestrian, frame by frame; None: not known.
     has_run
         Whether a run of this session made the estimates, of this recording or of others.
     """

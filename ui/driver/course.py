@@ -44,7 +44,7 @@ NOT_KNOWN: Final = "In no frame is it known how detectable this {one} is"
 
 
 def draw(result: Result, encounter: int) -> None:
-    """The pedestrian, beginning at the frame by which the driver has to see him."""
+    """Draw the pedestrian, starting at the frame by which the driver has to see them."""
     course = detectability_course(result, encounter)
     name = state.workspace().n_opened, name_of(result, encounter)
     is_new = store.DRIVER_SHOWN.get()[0] != name

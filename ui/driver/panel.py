@@ -53,7 +53,7 @@ def draw(
         Of `nvcore.driver.comparison.encounters.detectability_course`.
     features, simulated
         Rows as of the course; None: not known, nothing is simulated. Of features with
-        ``estimate``, NaN where the run has none of him.
+        ``estimate``, NaN where the run has none.
     clock
         Of the recording; None: nothing is known of the light.
     caution
@@ -61,7 +61,7 @@ def draw(
     run
         What the estimates and features come from; None: from a file.
     is_estimated
-        Whether an estimator of ours said how detectable he is.
+        Whether an estimator of ours gave the detectability.
     has_run
         Whether a run of this session made the estimates, of this recording or of others.
     """

@@ -81,6 +81,8 @@ def draw_over_threshold(result: Result) -> None:
                 "The driver sees the {one} where detectability reaches the threshold in a "
                 "frame up to the first that counts. How many encounters that leaves for X and Y to "
                 "warn of depends on the threshold, not on the systems ({link}).",
-                link=docs_link(state.say("{what} the driver sees"), "whom-he-sees", doc="driver"),
+                link=docs_link(
+                    state.say("{what} the driver sees"), "whom-the-driver-sees", doc="driver"
+                ),
             ),
         )

@@ -37,7 +37,7 @@ def draw(
     features
         Rows as of the course; None: not known.
     is_estimated
-        Whether the estimator said how detectable he is, with which the simulation is compared.
+        Whether the estimator gave the detectability that the simulation is compared with.
     """
     known = opened_run()
     missing = _missing(known, features, is_estimated=is_estimated)

@@ -138,8 +138,8 @@ def train(trials: Path, out: Path, **options: Any) -> None:
 def evaluate(trials: Path, out: Path | None, html: Path | None, **options: Any) -> None:
     """Evaluate estimators on TRIALS (CSV), leaving out one pedestrian at a time.
 
-    Each pedestrian is estimated by regressions that were chosen and trained without him: one of
-    his adaptation period, one for all periods, and the mean of the others; then by each pair of
+    Each pedestrian is estimated by regressions chosen and trained on all others: one for the
+    adaptation period, one for all periods, and the mean of the others; then by each pair of
     features. With 51 pedestrians and 6 periods that is half an hour of processor time; with --quick
     a tenth. Exit code 0: fine, 2: bad input.
     """

@@ -48,7 +48,7 @@ SIGHT_TEXT: Final[dict[Sight, str]] = {
 
 
 def driver_sights(result: Result) -> np.ndarray:
-    """Whether the driver sees each pedestrian by himself, where that is not open.
+    """Judge whether the driver sees each pedestrian unaided, or whether that is open.
 
     Returns
     -------
@@ -121,9 +121,9 @@ def over_driver_threshold(result: Result) -> pd.DataFrame:
     Returns
     -------
     One row for each of `DRIVER_THRESHOLDS`, of the near encounters of which it is known:
-    driver_threshold, known (how many these are, the same in each row), seen (by the driver, by
-    himself), useful_x, useful_y (detected by the system, not seen by him; higher is better),
-    nobody (neither he nor X nor Y; lower is better). No row where it is known of none.
+    driver_threshold, known (how many these are, the same in each row), seen (by the driver,
+    unaided), useful_x, useful_y (detected by the system, not seen by the driver; higher is better),
+    nobody (neither the driver nor X nor Y; lower is better). No row where it is known of none.
     """
     driver = driver_in(result)
     is_known, n_known = driver.is_known, driver.venn.n_known
@@ -156,7 +156,7 @@ def detectability_course(result: Result, encounter: int) -> pd.DataFrame:
     One row per annotated frame: row (of the frames table), truth_row (of the truth's boxes),
     time_s, detectability, sd (0..1, NaN unknown), is_outside (estimated outside the range of the
     training), is_up_to_relevant (up to the first relevant frame, by which the driver has to see
-    him; False throughout for a distant one).
+    the pedestrian; False throughout for a distant one).
     Of a track id given twice in a frame, the box of the larger detectability.
     """
     encounters, known = result.encounters, result.dataset.detectability
@@ -193,7 +193,7 @@ def features_of_course(
     course
         Of `detectability_course`.
     features
-        Of his recording (`nvcore.driver.run.FEATURE_COLUMNS`): a row for each of its boxes that is
+        Of the recording (`nvcore.driver.run.FEATURE_COLUMNS`): a row for each of its boxes that is
         not ignored.
 
     Returns

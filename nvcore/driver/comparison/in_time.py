@@ -1,4 +1,4 @@
-"""Who confirms the urgent encounters in time: the driver by himself, X, Y."""
+"""Who confirms the urgent encounters in time: the driver unaided, X, Y."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ def is_judged_in_time(result: Result) -> np.ndarray:
 
 
 def is_driver_in_time(result: Result) -> np.ndarray:
-    """Urgent encounters that the driver sees by himself while the car can still stop.
+    """Urgent encounters that the driver sees unaided while the car can still stop.
 
-    He confirms in the first frame in which detectability reaches `driver_threshold`, also where
-    that is after the first relevant one (docs/decisions/055-driver-in-time.md).
+    The driver confirms in the first frame in which detectability reaches `driver_threshold`, even
+    if that is after the first relevant one (docs/decisions/055-driver-in-time.md).
 
     Returns
     -------
@@ -66,9 +66,9 @@ class InTimeVenn(NamedTuple):
     Attributes
     ----------
     driver
-        The driver by himself, whoever else does.
+        By the driver unaided, whoever else does.
     both, x, y, nobody
-        Not he, but both systems, one alone, or neither.
+        Not by the driver, but by both systems, one alone, or neither.
     """
 
     driver: int

@@ -1,4 +1,4 @@
-"""Loop over the frames of encounters: how detectable the pedestrian is before he counts."""
+"""Loop over the frames of encounters: how detectable a pedestrian is before they count."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from typing import Final
 
 
 class DriverRegion(StrEnum):
-    """Who sees an encounter: the driver by himself, X, Y; the three-way Venn diagram."""
+    """Who sees an encounter: the driver unaided, X, Y; the three-way Venn diagram."""
 
     DRIVER_X_Y = "driver_x_y"
     DRIVER_X = "driver_x"

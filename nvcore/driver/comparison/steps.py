@@ -22,7 +22,7 @@ MISS_WEIGHTS: Final = MissWeights("(1 - detectability)", weigh_unseen)
 
 
 def driver_view(result: Result) -> DriverView:
-    """Whom the driver sees by himself, beside X and Y."""
+    """Whom the driver sees unaided, beside X and Y."""
     detected = (system.encounters["is_detected"].to_numpy() for _, system in result.sides)
     return DriverView(result.made["detectable"], result.is_near, *detected)
 

@@ -65,8 +65,8 @@ def train_estimator(
     Support vector regression on standardised features. The choice of features (each alone, each
     pair, all), kernel, C, epsilon and gamma are those with the least error in a five-fold
     cross-validation by pedestrian. All of that is done again without each of five folds of the
-    pedestrians, which gives the uncertainty: no pedestrian is judged by anything that has seen
-    him. The same table, settings and seed give the same model.
+    pedestrians, which gives the uncertainty: no pedestrian is judged by anything trained on
+    them. The same table, settings and seed give the same model.
 
     Parameters
     ----------

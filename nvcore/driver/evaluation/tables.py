@@ -208,7 +208,7 @@ def histograms_table(evaluation: Evaluation) -> pd.DataFrame:
 
 
 def estimates_table(evaluation: Evaluation) -> pd.DataFrame:
-    """Every pedestrian at every period with what was estimated of him.
+    """Return the estimates of every pedestrian at every period.
 
     Returns
     -------

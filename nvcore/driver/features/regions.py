@@ -1,4 +1,4 @@
-"""Which pixels are the pedestrian, and which are his surround."""
+"""Pixels of a pedestrian and of their surround."""
 
 from __future__ import annotations
 

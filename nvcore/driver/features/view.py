@@ -29,8 +29,8 @@ _SPARSE: Final = 16
 class View:
     """The pedestrians in one picture.
 
-    Arrays have a row for each, and in columns of two the pedestrian comes first, then his surround;
-    NaN where there is no pixel.
+    Arrays have a row for each pedestrian. Of two columns, the first is the pedestrian, the second
+    their surround; NaN where there is no pixel.
 
     Attributes
     ----------

@@ -35,12 +35,14 @@ CELL: Final = [*PEDESTRIAN, "period_s"]
 def subjects_table(judged: pd.DataFrame, judging: Judging) -> pd.DataFrame:
     """How each subject responded, and what is odd about it; none is left out here.
 
-    Odd is who is right in a share that is more than 0.25 from what the others' responses to the
-    same pictures at the same periods let expect (and that lies outside the Wilson interval of his
-    own share); who misses more than a quarter of what nine tenths of the others see; whose touches
-    are not better than the same touches on other pictures (one-sided binomial test, 0.05); who
-    touches one place in half of the cases or more, with less than half as many pedestrians there;
-    and who never touches. All of these limits are ours; they need 10 trials.
+    A subject is odd for any of these reasons (all limits are ours, and need 10 trials):
+
+    - the share right is more than 0.25 from what the others' responses to the same pictures at the
+      same periods let expect, which also lies outside the Wilson interval of the share;
+    - they miss more than a quarter of what nine tenths of the others see;
+    - their touches are not better than on other pictures (one-sided binomial test, 0.05);
+    - half of their touches or more are in one place that has less than half as many pedestrians;
+    - they never touch.
 
     Parameters
     ----------
@@ -52,9 +54,9 @@ def subjects_table(judged: pd.DataFrame, judging: Judging) -> pd.DataFrame:
     A row for each subject, in the order of the file: ``subject``, ``n``, ``n_right``, ``share``
     with its interval ``low`` and ``high``, ``share_expected`` (from the others; NaN: there are
     none), ``n_easy`` and ``share_easy`` (trials in which nine tenths of the others are right, and
-    his share of these; NaN without any), ``n_touches``, ``share_touches_right``, ``share_chance``,
-    ``share_one_place``, ``share_there`` (of the pedestrians in that place; NaN without touches),
-    ``n_off_time``, and ``odd``: why, as text; empty: nothing is.
+    the share right of these; NaN without any), ``n_touches``, ``share_touches_right``,
+    ``share_chance``, ``share_one_place``, ``share_there`` (of the pedestrians in that place; NaN
+    without touches), ``n_off_time``, and ``odd``: why, as text; empty: nothing is.
     """
     expected = _expected(judged)
     rows = []

@@ -107,7 +107,7 @@ def approach_plot(
 
 
 def _lines(part: pd.DataFrame, row: np.ndarray, reach: float, theme: Theme) -> list[go.Scatter]:
-    """The band that is too late, and the line of each encounter: dotted once he is out of sight."""
+    """Draw the band that is too late, and a line per encounter, dotted after its last frame."""
     look, zero = LOOK[theme], np.zeros(len(part))
     start = np.minimum(part["first_s"].to_numpy(), reach)
     stop, chance = np.maximum(part["last_s"].to_numpy(), 0), part["ttc_s"].to_numpy()
@@ -201,7 +201,7 @@ def _system_marks(
     look, system, confirms = (
         LOOK[theme],
         result.system(letter),
-        result.objects.say("confirms {him}"),
+        result.objects.say("confirms the {one}"),
     )
     shift = -APART if letter == "x" else APART
     at_s = part[f"confirmed_s_{letter}"].to_numpy()

@@ -88,7 +88,7 @@ def adapted_luminance(time_s: float) -> float:
 
 
 def sensitivity(frequency: Floats, luminance_cd_m2: Floats, size_deg: float) -> Floats:
-    """Contrast sensitivity of the human eye (Barten 2004, his short formula).
+    """Contrast sensitivity of the human eye (Barten 2004, the short formula).
 
     Parameters
     ----------

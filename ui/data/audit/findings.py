@@ -135,7 +135,7 @@ def _draw_weighting(finding: Finding, number: int) -> None:
                 on_click=state.set_params,
                 kwargs={"missing_distance": "borrow"},
                 help=state.say(
-                    "{A_one} takes the distance that {his} matches report, along {his} track."
+                    "{A_one} takes the distance that matching detections report, along the track."
                 ),
             )
 

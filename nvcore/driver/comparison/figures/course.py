@@ -59,9 +59,9 @@ def detectability_course_plot(
     course
         Of `nvcore.driver.comparison.encounters.detectability_course`.
     threshold
-        From which the driver is taken to see him, 0..1.
+        Least detectability with which the driver sees the pedestrian, 0..1.
     clock
-        Of his recording; None: nothing is known of the light.
+        Of the pedestrian's recording; None: nothing is known of the light.
     simulated
         Rows as of the course, with what `detectability` would be after a simulated change of light
         (`nvcore.driver.simulation.simulate_change`), which is the clock's, too.

@@ -114,7 +114,7 @@ def detectability_histograms_plot(histograms: pd.DataFrame, *, theme: Theme) -> 
         traces,
         theme,
         title="Detectability at each adaptation period",
-        subtitle=f"{count_text(n, 'pedestrian')} at each; 0: nobody saw him, 1: everybody",
+        subtitle=f"{count_text(n, 'pedestrian')} at each; 0: seen by nobody, 1: by everybody",
         height=HEIGHT_PX,
         showlegend=False,
         margin={"t": HEADING_PX + TITLES_PX},
