@@ -127,7 +127,7 @@ def pair_text(pair: Mapping[Hashable, Any]) -> str:
         claims=claims,
         withheld=pair["withheld"],
         reasons=[] if has_p else list(reasons),
-        alarms=None if has_p else [pair[f"false_alarms_per_frame_{letter}"] for letter in "xy"],
+        alarms=[pair[f"false_alarms_per_frame_{letter}"] for letter in "xy"],
     )
     return phrase(note, PEDESTRIAN)
 
