@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from nvcore.driver.estimators import Estimator, fingerprint
 from nvcore.driver.estimators.words import LABELS, caution_of
-from nvcore.driver.feature_record import settings_words
 from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
 from nvcore.driver.picture_width import other_width_notes, other_widths
 from nvcore.driver.run import BOX_COLUMNS, FeatureRun
@@ -88,8 +87,8 @@ class EstimateRun:
             notes.append(Note("driver.estimates", caution=caution))
         notes += other_width_notes(self.features.recordings, self.estimator)
         if self.estimator.feature_settings is None:
-            settings = settings_words(self.features.settings.features)
-            notes.append(Note("driver.other_settings", settings=settings))
+            settings = asdict(self.features.settings.features)
+            notes.append(Note("driver.other_settings", **settings))
         if n_adapted := int(known["period_s"].isna().sum()):
             n_unknown = self.n_light_unknown
             notes.append(Note("driver.for_adapted_eyes", n=n_adapted, n_unknown=n_unknown))

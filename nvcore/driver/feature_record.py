@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, fields
+from dataclasses import fields
 from functools import partial
 from pathlib import Path
 from typing import Any, Final, TypeVar
@@ -104,19 +104,6 @@ def settings_from_json(content: Mapping[str, Any]) -> FeatureSettings:
         return FeatureSettings(**values)
     except ParameterError as error:
         raise ValueError(str(error)) from error
-
-
-def settings_words(settings: FeatureSettings) -> str:
-    """Settings in words.
-
-    Examples
-    --------
-    >>> settings_words(FeatureSettings(surround=3))
-    'surround 3, bin distance 1'
-    """
-    return ", ".join(
-        f"{name.replace('_', ' ')} {value:g}" for name, value in asdict(settings).items()
-    )
 
 
 def _entry_about(

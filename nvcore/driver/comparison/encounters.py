@@ -39,12 +39,6 @@ SIGHT_WORDS: Final[dict[Sight, str]] = {
     "unknown": "not known",
 }
 """Whether the driver sees the pedestrian of a near encounter, in short."""
-SIGHT_TEXT: Final[dict[Sight, str]] = {
-    "sees": "the driver sees the {one} unaided",
-    "unseen": "the driver does not see the {one} unaided",
-    "open": "the value that decides is within one standard deviation of the threshold",
-    "unknown": "detectability is known in no frame up to the first that counts",
-}
 
 
 def driver_sights(result: Result) -> np.ndarray:
@@ -63,7 +57,7 @@ def driver_sights(result: Result) -> np.ndarray:
 
 
 def describe_sight(result: Result, encounter: int) -> str:
-    """What the driver sees of one encounter, in a sentence; empty: distant, or nothing is known.
+    """Say whether the driver sees an encounter; empty if it is distant or nothing is known.
 
     Examples
     --------
@@ -73,11 +67,6 @@ def describe_sight(result: Result, encounter: int) -> str:
     sight: Sight = driver_sights(result)[encounter]
     if sight == "distant" or not result.dataset.has_detectability:
         return ""
-    if sight == "unknown":
-        note = Note(
-            "driver.sight", sight=SIGHT_WORDS[sight], why=result.objects.say(SIGHT_TEXT[sight])
-        )
-        return say(note, result.objects)
     largest, sd = driver_in(result).table[["detectability", "sd"]].iloc[encounter]
     record = result.dataset.of("driver")
     name = result.dataset.recordings["name"].iloc[result.encounters.recording[encounter]]
@@ -85,7 +74,7 @@ def describe_sight(result: Result, encounter: int) -> str:
     note = Note(
         "driver.sight",
         sight=SIGHT_WORDS[sight],
-        largest=largest,
+        largest=None if sight == "unknown" else largest,
         sd=sd if np.isfinite(sd) else None,
         caution=(record.caution or None) if is_estimated else None,
     )
