@@ -13,7 +13,7 @@ from ui.widgets.text import docs_link, plain
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """Who sees whom, then the encounters behind it; without detectability, how to get it."""
+    """Draw who sees whom and the encounters behind it, or how to get detectability."""
     st.caption(
         state.say(
             "A warning is worth most where the driver does not see the {one} unaided. "

@@ -41,7 +41,7 @@ NEVER: Final = -np.inf
 
 @dataclass(frozen=True)
 class Reaction:
-    """How long drivers take to answer a kind of alert.
+    """Time that drivers take to answer a kind of alert.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ def slack_at_onset(
     *,
     reaction_s: float,
 ) -> pd.DataFrame:
-    """How long the driver may take after the onset and still stop.
+    """Return how long the driver may take after the onset and still stop.
 
     Time to contact less the time that braking takes, at the onset. Time to contact is measured with
     noise, so the least value of all frames up to the onset counts: an alert after the last chance
@@ -214,7 +214,7 @@ def intervals(sums: np.ndarray, n: np.ndarray) -> dict[str, float]:
 
 
 def chance_in_time(slack_s: np.ndarray, reaction: Reaction, after_s: float) -> np.ndarray:
-    """Chance that a driver is in time in each encounter, without draws; as `slack_s`."""
+    """Compute the chance to be in time in each encounter without draws, shaped like `slack_s`."""
     left = slack_s - after_s
     if not reaction.sd_s:
         return np.where(np.isnan(left), np.nan, left >= reaction.mean_s)
@@ -249,11 +249,11 @@ class InTime:
 
     @property
     def what_varies(self) -> str:
-        """What the units are, such as ``recordings``."""
+        """Name of the units, such as ``recordings``."""
         return "stretches of these recordings" if self.units.kind == BLOCKS else self.units.kind
 
     def of_hundred(self, kind: str) -> pd.DataFrame:
-        """Of 100 urgent encounters: how many the driver sees unaided, in how many X and Y help.
+        """Split 100 urgent encounters by what the driver sees unaided and where X and Y help.
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""Where both systems agree with one another and not with the ground truth."""
+"""Findings where both systems agree with one another and not with the ground truth."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether pedestrians come nearer at about the speed that time left is computed with."""
+"""Findings about closing speeds that differ from the speed that time left is computed with."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def audit_closing_speed(dataset: Dataset, params: Params) -> list[Finding]:
 
 
 def closing_speeds(dataset: Dataset) -> np.ndarray:
-    """Measure how fast pedestrians of each recording come nearer, km/h, by the truth; kept.
+    """Measure how fast pedestrians of each recording come nearer by the truth, km/h (kept).
 
     A pedestrian's speed is the slope of the least-squares line through distances over time, a
     recording's the median over those who come nearer at all.

@@ -14,7 +14,7 @@ WHOSE = ["recording", "track"]
 
 
 class Steps(NamedTuple):
-    """How many pedestrians are followed from one estimator to the next.
+    """Pedestrians who are followed from one estimator to the next.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ def steps_between_periods(
     table: pd.DataFrame,
     taken_s: NDArray[np.float64],
 ) -> Steps:
-    """Steps while the eyes adapt; a new change of light is none.
+    """Count steps while the eyes adapt. A new change of light is no step.
 
     Parameters
     ----------

@@ -76,13 +76,13 @@ def pair_name(pair: Mapping[Hashable, Any], *, between: str = " - ") -> str:
 
 
 def winner_of(pair: Mapping[Hashable, Any], measure: PairMeasure) -> str:
-    """``x`` or ``y``, of which it is claimed that it is better; empty: nothing is."""
+    """Return the letter (``x`` or ``y``) of the better system by a claim, "" without a claim."""
     name = pair[measure.winner]
     return "" if not name else "x" if name == pair["x"] else "y"
 
 
 def pair_cells(pair: Mapping[Hashable, Any], measure: PairMeasure) -> tuple[str, ...]:
-    """Values of both, their difference, its interval, p, p corrected; a dash where undefined."""
+    """Return both values, difference, interval, p, corrected p, with dashes where undefined."""
     form, of_measure = evidence_form(measure.key), measure.evidence
     x, y = pair[f"{measure.value}_x"], pair[f"{measure.value}_y"]
     return (
@@ -133,13 +133,13 @@ def pair_text(pair: Mapping[Hashable, Any]) -> str:
 
 
 def notes_without_p(pair: Mapping[Hashable, Any], measure: PairMeasure) -> list[str]:
-    """Why a measure of a pair has no p; empty: it has one."""
+    """Return why a measure of a pair has no p, or nothing if it has one."""
     is_undefined = math.isnan(pair[f"{measure.evidence}_p"])
     return [note for note in pair[f"{measure.evidence}_note"].split("; ") if note and is_undefined]
 
 
 def pair_notes(table: pd.DataFrame, measure: PairMeasure) -> tuple[list[str], dict[str, str]]:
-    """Footnotes of each pair without a p, as letters; the letters by their notes."""
+    """Return the footnote letters of each pair without a p, and the letters by their notes."""
     footnotes = Footnotes()
     rows = table.to_dict("records")
     of_pairs = [footnotes.of_row(notes_without_p(row, measure)) for row in rows]
@@ -178,7 +178,7 @@ def render_matrix(table: pd.DataFrame) -> str:
 
 
 def matrix_json(dataset: Dataset, params: Params, table: pd.DataFrame) -> str:
-    """Systems and pairs as JSON text; null is undefined.
+    """Return systems and pairs as JSON text, with null for undefined values.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ from nvcore.tables.boxes.states import gather_boxes
 
 
 class Words(NamedTuple):
-    """What a column is called on screen and in the report, and what it means."""
+    """Name of a column on screen and in the report, and its meaning."""
 
     label: str
     meaning: str

@@ -1,4 +1,4 @@
-"""What time left adds to the CSV files of a report and to ``summary.json``."""
+"""Columns and keys of time left in CSV files of a report and ``summary.json``."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ class Contact:
 
     @property
     def is_judged(self) -> np.ndarray:
-        """Encounters whose time to contact can be known; bool, shape (n_encounters,)."""
+        """Encounters whose time to contact can be known, as bool, shape (n_encounters,)."""
         judged: np.ndarray = ~(self.is_sampled | self.is_linked)
         return judged
 
@@ -98,7 +98,7 @@ def over_encounters(kernel: Callable[..., Any], encounters: Encounters, *argumen
 
 
 def speed_of_frames(frames: FrameColumns, speed_kmh: float) -> np.ndarray:
-    """Speed in every frame, km/h: its own or its recording's, else the assumed; (n_frames,)."""
+    """Return the speed in every frame, km/h, (n_frames,): own, of the recording, or assumed."""
     return np.where(np.isnan(frames.speed_kmh), speed_kmh, frames.speed_kmh)
 
 
@@ -115,7 +115,7 @@ def needed_time(speed_kmh: np.ndarray, params: Params) -> np.ndarray:
 def is_outside(
     boxes: BoxColumns, rows: np.ndarray, frames: FrameColumns, corridor: float
 ) -> np.ndarray:
-    """Whether boxes are farther from the middle than a share of half the width; bool, (n,)."""
+    """Whether boxes are farther from the middle than a share of half the width, as bool, (n,)."""
     half = frames.half_width[boxes.frame_index[rows]]
     centre = np.clip(boxes.x[rows] + 0.5 * boxes.w[rows], 0, 2 * half)
     outside: np.ndarray = np.abs(centre - half) > corridor * half
@@ -131,7 +131,7 @@ def find_urgent(
     *,
     speed_kmh: np.ndarray | None = None,
 ) -> pd.DataFrame:
-    """Whether, and when, each encounter becomes urgent: the driver has to be told by then.
+    """Find whether and when each encounter becomes urgent, so that the driver has to be told.
 
     Parameters
     ----------
@@ -275,7 +275,7 @@ def curve_over_speed(
     frames: FrameColumns,
     params: Params,
 ) -> pd.DataFrame:
-    """What the speed changes: each speed in place of those of recordings and parameters.
+    """Judge time left at each speed in place of those of recordings and parameters.
 
     Parameters
     ----------
@@ -305,7 +305,7 @@ def curve_over_speed(
 
 
 def turning_speeds(curve: pd.DataFrame, measure: str) -> list[float]:
-    """Speeds of a curve from which on the other system is ahead; empty: the order never turns.
+    """Return the speeds of a curve at which the other system gets ahead, if there are any.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What texts call the objects that the boxes are of.
+"""Words of texts for the objects that boxes show.
 
 A text that speaks of them is a format template: "{A_one} {whom} nothing matches is missed."
 `nvcore.objects.Objects.say` fills it, once, where the text is made or leaves a table of texts.

@@ -66,7 +66,7 @@ def session_text(recordings: Iterable[Recording]) -> str:
 
 
 def tags_of(recording: Recording) -> tuple[str, ...]:
-    """Where, when in the year, and ``night``; the drives by visible light are at dusk."""
+    """Return place, season, and ``night``. The drives by visible light are at dusk."""
     return recording.tags if recording.name in GLOWS else (*recording.tags, "night")
 
 
@@ -80,7 +80,7 @@ def _context_text(context: float) -> str:
 
 
 def write_video(path: Path, pictures: Iterable[NDArray[np.uint8]]) -> None:
-    """Grey pictures as an H.264 video; the same bytes from the same machine and encoder.
+    """Write grey pictures as an H.264 video, with the same bytes from the same machine and encoder.
 
     Parameters
     ----------

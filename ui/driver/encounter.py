@@ -14,7 +14,7 @@ from ui.widgets.text import plain
 
 
 def draw_head(result: Result, encounter: int) -> None:
-    """Whether the driver sees the pedestrian, where it is known."""
+    """Draw whether the driver sees the pedestrian, if it is known."""
     if sight := describe_sight(result, encounter):
         st.markdown(f":material/visibility: {plain(sight)}")
 

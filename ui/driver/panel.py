@@ -45,7 +45,7 @@ def draw(
     is_estimated: bool = False,
     has_run: bool = False,
 ) -> None:
-    """What is known of the pedestrian on the frame that is shown.
+    """Draw the facts about the pedestrian on the current frame.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def _draw_features(features: pd.DataFrame | None, at: int, why_none: str) -> Non
 
 
 def _by(run: EstimateRun | None, part: pd.Series | None) -> str:
-    """By which estimator, after a comma; empty: it is not known."""
+    """Return the name of the estimator after a comma, or "" if it is not known."""
     if run is None or part is None:
         return ""
     return f", estimator of {basis.period_words(run, part['period_s'])}"
@@ -117,7 +117,7 @@ def _by(run: EstimateRun | None, part: pd.Series | None) -> str:
 def _draw_outside(
     estimate: pd.Series, own: pd.Series | None, would: pd.Series | None, run: EstimateRun | None
 ) -> None:
-    """Which number is of features outside of the training, and of which ones."""
+    """Draw how many features are outside of the training range, and which."""
     parts = {"Detectability": estimate} | ({} if would is None else {"After the change": would})
     for name, part in parts.items():
         if not part["is_outside"]:

@@ -117,7 +117,7 @@ def _choose(result: Result, tracks: list[int], row: int, _line: int, column: str
 
 
 def _boxes(result: Result, facts: FrameSummary) -> None:
-    """Who costs most, and which detections."""
+    """Draw who costs most, and which detections."""
     if not facts.n_truth:
         st.caption(state.say("{Nobody} is annotated in this frame."))
     else:

@@ -57,7 +57,7 @@ def driver_sights(result: Result) -> np.ndarray:
 
 
 def describe_sight(result: Result, encounter: int) -> str:
-    """Say whether the driver sees an encounter; empty if it is distant or nothing is known.
+    """Say whether the driver sees an encounter, or nothing if it is distant or all is unknown.
 
     Examples
     --------
@@ -102,7 +102,7 @@ def driver_venn_table(result: Result) -> pd.DataFrame:
 
 
 def over_driver_threshold(result: Result) -> pd.DataFrame:
-    """Whom the driver sees, and what that leaves to X and Y, over `driver_threshold`.
+    """Count whom the driver sees, and what that leaves to X and Y, over `driver_threshold`.
 
     Counted from the largest detectability of each encounter and who detects it: nothing is compared
     anew.
@@ -133,7 +133,7 @@ def over_driver_threshold(result: Result) -> pd.DataFrame:
 
 
 def detectability_course(result: Result, encounter: int) -> pd.DataFrame:
-    """How detectable the pedestrian of an encounter is from frame to frame.
+    """Return the detectability of the pedestrian of an encounter from frame to frame.
 
     Parameters
     ----------

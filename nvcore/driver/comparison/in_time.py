@@ -1,4 +1,4 @@
-"""Who confirms the urgent encounters in time: the driver unaided, X, Y."""
+"""Urgent encounters by who confirms them in time: the driver unaided, X, Y."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from nvcore.time_left.steps import is_in_time, time_left_in
 
 
 def is_judged_in_time(result: Result) -> np.ndarray:
-    """Urgent encounters of which it is known; bool, shape (n_encounters,)."""
+    """Return urgent encounters with known detectability as bool, shape (n_encounters,)."""
     is_judged: np.ndarray = time_left_in(result).is_urgent & driver_in(result).is_known
     return is_judged
 
@@ -84,7 +84,7 @@ class InTimeVenn(NamedTuple):
 
 
 def count_in_time(result: Result) -> InTimeVenn:
-    """Who confirms the urgent encounters in time, among those of which it is known."""
+    """Count urgent encounters with known detectability by who confirms them in time."""
     is_left = is_judged_in_time(result) & ~is_driver_in_time(result)
     by_x, by_y = (is_in_time(system) for _, system in result.sides)
     alone_x, alone_y = (is_in_time_alone(result, system) for _, system in result.sides)

@@ -199,7 +199,7 @@ def split_unseen(venn: DriverVenn) -> Venn:
 
 @dataclass(frozen=True, eq=False)
 class DriverView:
-    """Whom the driver sees unaided, beside X and Y.
+    """The driver beside X and Y: encounters seen unaided.
 
     Attributes
     ----------
@@ -216,13 +216,13 @@ class DriverView:
 
     @property
     def seen_row(self) -> np.ndarray:
-        """Frame row of the driver's confirmation, -1: none; int64, shape (n_encounters,)."""
+        """Frame row of the driver's confirmation, -1 for none, as int64, shape (n_encounters,)."""
         row: np.ndarray = self.table["seen_row"].to_numpy()
         return row
 
     @cached_property
     def is_known(self) -> np.ndarray:
-        """Near encounters with known detectability; bool, shape (n_encounters,)."""
+        """Near encounters with known detectability as bool, shape (n_encounters,)."""
         is_known: np.ndarray = self.is_near & ~np.isnan(self.table["detectability"].to_numpy())
         return is_known
 
@@ -233,19 +233,19 @@ class DriverView:
 
     @property
     def is_seen(self) -> np.ndarray:
-        """Near encounters that the driver sees unaided; bool, shape (n_encounters,)."""
+        """Near encounters that the driver sees unaided as bool, shape (n_encounters,)."""
         is_seen: np.ndarray = self.is_known & (self.seen_row >= 0)
         return is_seen
 
     @property
     def is_unseen(self) -> np.ndarray:
-        """Near encounters that the driver is known not to see; bool, shape (n_encounters,)."""
+        """Near encounters that the driver is known not to see as bool, shape (n_encounters,)."""
         is_unseen: np.ndarray = self.is_known & (self.seen_row < 0)
         return is_unseen
 
     @cached_property
     def region(self) -> np.ndarray:
-        """Who sees each encounter (`driver_regions`); object, shape (n_encounters,)."""
+        """Region of each encounter (`driver_regions`) as object, shape (n_encounters,)."""
         seen = self.is_seen, self.by_x, self.by_y
         return driver_regions(self.is_near, self.is_known, *seen)
 
@@ -273,7 +273,7 @@ class DriverView:
 
     @property
     def is_adapted(self) -> np.ndarray:
-        """Near encounters decided by an estimate for adapted eyes; bool, (n_encounters,)."""
+        """Near encounters decided by an estimate for adapted eyes as bool, (n_encounters,)."""
         is_adapted: np.ndarray = self.table["is_adapted"].to_numpy() & self.is_known
         return is_adapted
 

@@ -18,7 +18,7 @@ from nvcore.progress import Progress, no_progress, with_time_left
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What came out of an evaluation; `nvcore.driver.evaluation.evaluation_tables` reads it.
+    """Result of an evaluation, which `nvcore.driver.evaluation.evaluation_tables` reads.
 
     Attributes
     ----------

@@ -64,7 +64,7 @@ def _lab_distance(view: View) -> NDArray[np.float64]:
 
 
 def _colour_emd(view: View) -> NDArray[np.float64]:
-    """Of one dimension it is the sum of the differences of the cumulated histograms."""
+    """Return the Earth Mover's Distance: in one dimension, differences of cumulated histograms."""
     cumulated = np.cumsum(view.histogram, axis=-1)
     moved = np.abs(cumulated[:, 0] - cumulated[:, 1])[..., :-1]  # the last is 1 in both
     work: NDArray[np.float64] = view.settings.bin_distance * moved.sum(axis=(1, 2))

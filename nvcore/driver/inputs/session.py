@@ -23,7 +23,7 @@ DETECTABILITY: Final = "detectability"
 
 @dataclass(frozen=True, kw_only=True)
 class DriverEntry:
-    """What a ``[[recording]]`` says of the driver; None: nothing.
+    """Keys of a ``[[recording]]`` about the driver. None is unknown.
 
     Attributes
     ----------

@@ -33,7 +33,7 @@ CELL: Final = [*PEDESTRIAN, "period_s"]
 
 
 def subjects_table(judged: pd.DataFrame, judging: Judging) -> pd.DataFrame:
-    """How each subject responded, and what is odd about it; none is left out here.
+    """Return how each subject responded and what is odd about it, leaving nobody out.
 
     A subject is odd for any of these reasons (all limits are ours, and need 10 trials):
 
@@ -82,7 +82,7 @@ def subjects_table(judged: pd.DataFrame, judging: Judging) -> pd.DataFrame:
 
 
 def _expected(judged: pd.DataFrame) -> pd.Series:
-    """Share of the others who are right in the same trial; NaN: there are none."""
+    """Return the share of the others who are right in the same trial, NaN without others."""
     groups = judged.groupby(CELL)["is_right"]
     n_others = groups.transform("size") - 1
     n_right = groups.transform("sum") - judged["is_right"]
@@ -90,7 +90,7 @@ def _expected(judged: pd.DataFrame) -> pd.Series:
 
 
 def _of_touches(trials: pd.DataFrame, judging: Judging) -> dict[str, float]:
-    """What the touches of one subject are like."""
+    """Summarize the touches of one subject."""
     n = len(trials)
     if n == 0:
         unknown = ("share_touches_right", "share_chance", "share_one_place", "share_there")
@@ -116,7 +116,7 @@ def _of_touches(trials: pd.DataFrame, judging: Judging) -> dict[str, float]:
 
 
 def _odd(row: dict[str, Any]) -> str:
-    """Why the responses of a subject are odd; empty: they are not."""
+    """Return why the responses of a subject are odd, "" if they are not."""
     if row["n"] < LEAST_TRIALS:
         return ""
     reasons = []

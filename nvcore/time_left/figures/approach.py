@@ -147,7 +147,7 @@ def _labels(result: Result, part: pd.DataFrame) -> list[str]:
 
 
 def _places(part: pd.DataFrame, frame_row: np.ndarray) -> np.ndarray:
-    """What a click gives: row of the frames table, row of the encounter; (n, 2)."""
+    """Return what a click gives, (n, 2): row of the frames table, row of the encounter."""
     return np.column_stack([frame_row, part.index.to_numpy()])
 
 
@@ -197,7 +197,7 @@ def _last_chances(result: Result, part: pd.DataFrame, row: np.ndarray, theme: Th
 def _system_marks(
     result: Result, part: pd.DataFrame, letter: str, reach: float, theme: Theme
 ) -> list[go.Scatter]:
-    """Where a system confirms the pedestrians, and whom it never does."""
+    """Draw where a system confirms the pedestrians, and whom it never confirms."""
     look, system, confirms = (
         LOOK[theme],
         result.system(letter),
@@ -234,7 +234,7 @@ def _system_marks(
 
 
 def _impacts(part: pd.DataFrame, theme: Theme) -> list[dict[str, Any]]:
-    """Impact speeds in two columns right of the plot; muted where the car stops."""
+    """Draw impact speeds in two columns right of the plot, muted where the car stops."""
     look = LOOK[theme]
     columns = {"x": 48, "y": RIGHT_PX - 16}
     side: dict[str, Any] = {"xref": "paper", "x": 1, "xanchor": "right", "size": 12}

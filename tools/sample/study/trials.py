@@ -75,7 +75,7 @@ def truth_rows(
     box: tuple[float, float, float, float],
     pictures: tuple[np.ndarray, np.ndarray],
 ) -> pd.DataFrame:
-    """What the model says of one picture, a row per period.
+    """Return the observer model's values for one picture, a row per period.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ def _answers(subject: Subject, known: pd.DataFrame, shown: pd.DataFrame) -> pd.D
 
 
 def trials_text(table: pd.DataFrame) -> str:
-    """Trials as CSV, whole pixels; the same bytes on every system."""
+    """Return trials as CSV in whole pixels, with the same bytes on every system."""
     whole = table.assign(
         touch_x=table["touch_x"].astype("Int64"), touch_y=table["touch_y"].astype("Int64")
     )

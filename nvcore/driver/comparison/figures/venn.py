@@ -1,4 +1,4 @@
-"""Who sees the encounters, of driver, X and Y: three circles with a count in each region."""
+"""Venn diagram of driver, X and Y: three circles with a count in each region."""
 
 from __future__ import annotations
 
