@@ -8,10 +8,11 @@ import numpy as np
 import pandas as pd
 import scipy
 
+from nvcore import objects
 from nvcore.driver.inputs.picture_boxes import PEDESTRIAN
 from nvcore.driver.trials.judging import Judging
 from nvcore.metrics.shares import share_of
-from nvcore.wording import percent
+from nvcore.notes import Note, phrase
 
 LEAST_TRIALS: Final = 10
 """Fewer say nothing about a subject."""
@@ -119,26 +120,20 @@ def _odd(row: dict[str, Any]) -> str:
     """Return why the responses of a subject are odd, "" if they are not."""
     if row["n"] < LEAST_TRIALS:
         return ""
-    reasons = []
-    expected = row["share_expected"]
-    is_far = abs(row["share"] - expected) > FAR and not row["low"] <= expected <= row["high"]
-    if is_far:
-        others = f"the others in {percent(expected)} of the same"
-        reasons.append(f"right in {percent(row['share'])} of the trials, {others}")
+    keys = []
+    share, expected = row["share"], row["share_expected"]
+    if abs(share - expected) > FAR and not row["low"] <= expected <= row["high"]:
+        keys.append("driver.unlike_others")
     if row["n_easy"] >= LEAST_TRIALS and row["share_easy"] < MOST_EASY:
-        reasons.append(
-            f"misses {percent(1 - row['share_easy'])} of {row['n_easy']:,} trials in which nearly "
-            "all others are right"
-        )
-    if row["n_touches"] == 0:
-        reasons.append("never touches")
-    if row["n_touches"] >= LEAST_TRIALS:
-        n, chance = int(row["n_touches"]), row["share_chance"]
+        keys.append("driver.misses_easy")
+    n = int(row["n_touches"])
+    if n == 0:
+        keys.append("driver.never_touches")
+    if n >= LEAST_TRIALS:
         n_right = round(row["share_touches_right"] * n)
-        if scipy.stats.binomtest(n_right, n, chance, alternative="greater").pvalue > AT_CHANCE_P:
-            reasons.append("touches are at chance: as often right on other pictures")
-        share = row["share_one_place"]
-        if share >= SAME_PLACE and share > 2 * row["share_there"]:
-            there = f"with {percent(row['share_there'])} of the pedestrians"
-            reasons.append(f"{percent(share)} of the touches are in one place, {there}")
-    return "; ".join(reasons)
+        test = scipy.stats.binomtest(n_right, n, row["share_chance"], alternative="greater")
+        if test.pvalue > AT_CHANCE_P:
+            keys.append("driver.at_chance")
+        if row["share_one_place"] >= SAME_PLACE and row["share_one_place"] > 2 * row["share_there"]:
+            keys.append("driver.in_one_place")
+    return "; ".join(phrase(Note(key, **row), objects.PEDESTRIAN) for key in keys)
