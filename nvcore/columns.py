@@ -14,7 +14,7 @@ from nvcore.schema import NO_TRACK
 
 @dataclass(frozen=True)
 class BoxColumns:
-    """Boxes of one source as arrays, sorted by frame; ``offsets[f]:offsets[f + 1]`` is frame f.
+    """Boxes of one source as arrays sorted by frame: frame f is ``offsets[f]:offsets[f + 1]``.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class BoxColumns:
         return len(self.x)
 
     def only(self, is_kept: np.ndarray) -> BoxColumns:
-        """The boxes for which `is_kept` is true; bool, shape (n,)."""
+        """Return the boxes for which `is_kept` (bool, shape (n,)) is true."""
         columns = {name: getattr(self, name)[is_kept] for name in BOX_COLUMNS}
         for column in columns.values():  # as a dataset's own: kernels are compiled for one kind
             column.flags.writeable = False
@@ -111,7 +111,7 @@ def boxes_of_frame(xywh: np.ndarray, score: np.ndarray, label: np.ndarray) -> Bo
 
 
 class Detectability(NamedTuple):
-    """Would the driver see each truth box by himself.
+    """Estimated share of drivers who see each truth box unaided.
 
     Attributes
     ----------
@@ -134,7 +134,7 @@ class Detectability(NamedTuple):
 
 @dataclass(frozen=True)
 class FrameColumns:
-    """What the kernels need to know about frames and recordings, as arrays.
+    """Facts about frames and recordings that kernels need, as arrays.
 
     Attributes
     ----------
@@ -173,18 +173,18 @@ class FrameColumns:
 
     @cached_property
     def passed(self) -> np.ndarray:
-        """Sum of the gaps before each frame, over all recordings; float64, (n_frames + 1,)."""
+        """Sum of the gaps before each frame, over all recordings as float64, (n_frames + 1,)."""
         return np.concatenate([[0.0], np.cumsum(self.gap)])
 
     @cached_property
     def half_width(self) -> np.ndarray:
-        """Half the width of every frame's picture, px; float64, (n_frames,)."""
+        """Half the width of every frame's picture, px, as float64, (n_frames,)."""
         half: np.ndarray = 0.5 * self.width[self.recording]
         return half
 
     @cached_property
     def step_s(self) -> np.ndarray:
-        """Time step of every frame, seconds; float64, (n_frames,)."""
+        """Time step of every frame, seconds, as float64, (n_frames,)."""
         steps: np.ndarray = self.gap / self.fps[self.recording]
         return steps
 
@@ -196,7 +196,7 @@ class FrameColumns:
 
     @cached_property
     def sampling_step(self) -> np.ndarray:
-        """Median frames from one listed frame to the next; 1: every frame is listed.
+        """Median frames from one listed frame to the next, 1 if every frame is listed.
 
         Above 1 the frames between were not evaluated, and events counted in listed frames (false
         alarms) are too few per minute of recording time by about this factor.
@@ -265,13 +265,13 @@ class FrameColumns:
 
 
 def offsets_of(frame_index: np.ndarray, n_frames: int) -> np.ndarray:
-    """Row at which each frame's boxes start in a sorted `frame_index`; int64, (n_frames + 1,)."""
+    """Return where each frame's boxes start in a sorted `frame_index` as int64, (n_frames + 1,)."""
     counts = np.bincount(frame_index, minlength=n_frames)
     return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
 
 
 def frame_gaps(frame: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """Frames to the next listed frame; for a recording's last frame, the median gap.
+    """Return frames to the next listed frame, or the median gap for a recording's last frame.
 
     A recording of a single frame has a gap of 1.
 
@@ -293,5 +293,5 @@ def frame_gaps(frame: np.ndarray, first: np.ndarray) -> np.ndarray:
 
 
 def _median_gap(gap: np.ndarray) -> float:
-    """Median of at least one gap; nearly always all are the same, and a median takes its time."""
+    """Return the median gap, with a shortcut for the usual case that all are the same."""
     return float(gap[0] if (gap == gap[0]).all() else np.median(gap))

@@ -1,4 +1,4 @@
-"""What the boxes are of: pedestrians, speed signs, or whatever else a session names.
+"""Objects that boxes show: pedestrians, speed signs, or others that a session names.
 
 Texts that speak of them are templates (`nvcore.wording.objects`), filled by `Objects.say`.
 """
@@ -24,7 +24,7 @@ _JOINTS: Final = str.maketrans("", "", " _-")
 
 @dataclass(frozen=True)
 class Objects:
-    """What the truth's boxes are of, and the systems are to detect.
+    """Objects that the truth's boxes show and the systems are to detect.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class Objects:
 
     @property
     def are_pedestrians(self) -> bool:
-        """Whether they are pedestrians: people, of whom texts say "he" and "who"."""
+        """Whether they are pedestrians: people, whom texts call "they" and "who"."""
         return self == PEDESTRIAN
 
     def counts(self, label: str) -> bool:
@@ -78,7 +78,7 @@ class Objects:
         return (re.sub(r"[^a-z]", "", name) if self.is_numbered else name) in self.classes
 
     def label_of(self, name: str) -> str:
-        """What sets the class of this name apart from others that count; "" where nothing does.
+        """Return what sets a class apart from others that count, or "" if nothing does.
 
         The number of numbered classes (those of speed signs), without its unit; the singular, where
         the name is one of those that mean the same; else the name itself.
@@ -143,7 +143,7 @@ class Objects:
         return words_for(self.singular, self.plural, are_people=self.are_pedestrians)
 
     def given(self) -> str | list[str] | None:
-        """As a session file names them; None: pedestrians, which it need not."""
+        """Return the names for a session file, or None for pedestrians, which it may omit."""
         if self.are_pedestrians:
             return None
         is_known = KINDS.get(self.singular) == self

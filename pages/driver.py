@@ -1,4 +1,4 @@
-"""Driver: whom the driver sees by himself, and who warns him of the others."""
+"""Driver: whom the driver sees unaided, and who warns of the others."""
 
 import streamlit as st
 
@@ -13,12 +13,12 @@ from ui.widgets.text import docs_link, plain
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """Who sees whom, then the encounters behind it; without detectability, how to get it."""
+    """Draw who sees whom and the encounters behind it, or how to get detectability."""
     st.caption(
         state.say(
-            "A warning is worth most where the driver does not see the {one} himself. "
+            "A warning is worth most where the driver does not see the {one} unaided. "
             "{detectability} is the share of drivers who would see the {one}: 0 none, 1 all.",
-            detectability=docs_link("Detectability", "whom-he-sees", doc="driver"),
+            detectability=docs_link("Detectability", "whom-the-driver-sees", doc="driver"),
         )
     )
     if not driver_in(result).has_any:

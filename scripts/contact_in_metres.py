@@ -40,7 +40,7 @@ PICTURE = "images/time-to-contact.png"
 SIZES = {"0013": (1242, 375), "0015": (1242, 375), "0016": (1224, 370)}
 """Recordings with the size of their pictures."""
 NEAR_SIDE_M = 0.4
-"""From the middle of a person, where KITTI's distances end, to his near side."""
+"""From the middle of a person, where KITTI's distances end, to their near side."""
 EDGE_PX = 1.0
 """A box that is no farther than this from the picture's edge is cut off there."""
 HEIGHTS_PX = (0, 50, 75, 100, 150, np.inf)
@@ -66,7 +66,7 @@ closing*: boxes of people who by the metres come nearer, of whom the heights say
 in space, of one height throughout a track, as it projects into the picture: with KITTI's
 calibration they agree with it to a quarter of a pixel (median of each recording, 0.4 at most). So
 the columns of the truth check the formula, and nobody bends in them. That the ratio is below 1 at
-short distances is the person's depth: the height is that of his near side, the distance goes to his
+short distances is the person's depth: the height is that of the near side, the distance goes to the
 middle. The drawn boxes show what boxes from pictures give.
 
 Where it fails:

@@ -30,7 +30,7 @@ from nvcore.time_left.kinds import Urgency
 
 
 class AlertKind(StrEnum):
-    """What an alert was worth; the first that holds, in this order."""
+    """Worth of an alert. The first kind that holds counts, in this order."""
 
     IGNORED = "ignored"
     FALSE = "false"
@@ -53,7 +53,7 @@ ALERT_TEXT: Final[dict[AlertKind, str]] = {
 UNWANTED: Final = (AlertKind.FALSE, AlertKind.NUISANCE, AlertKind.REDUNDANT)
 """Alerts that the driver would rather not have had."""
 RESTS_ON_DRIVER: Final = (AlertKind.REDUNDANT, AlertKind.NEEDED)
-"""Kinds whose number is undefined where it is known of nobody whether the driver sees him."""
+"""Kinds whose number is undefined unless detectability is known of somebody."""
 
 NO_ALERTS: Final = pd.DataFrame(
     {
@@ -73,7 +73,7 @@ kind (`AlertKind`), log_kind (the log's own word; empty)."""
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What alerts are judged by.
+    """Everything that alerts are judged by.
 
     Attributes
     ----------
@@ -95,10 +95,10 @@ class Scene:
     corridor: float
 
     def is_before(self, name: str, encounter: np.ndarray, row: np.ndarray) -> np.ndarray:
-        """Whether a row of `seen` stands before frame rows; bool, shape (n,).
+        """Whether a row of `seen` stands before frame rows, as bool, shape (n,).
 
         ``confirmed_row``: the driver has seen the encounters by then; ``known_row``: it is known
-        by then whether he sees them.
+        by then whether the driver sees them.
         """
         first = self.seen[name].to_numpy()[encounter]
         is_before: np.ndarray = (first >= 0) & (first < row)
@@ -107,7 +107,7 @@ class Scene:
 
 @dataclass(frozen=True, eq=False)
 class Reported:
-    """What a system reports, whatever its threshold.
+    """Output of a system before any threshold.
 
     Attributes
     ----------
@@ -125,7 +125,7 @@ class Reported:
 def alerts_by_policy(
     scene: Scene, system: Reported, policy: Params, *, threshold: float
 ) -> pd.DataFrame:
-    """Alerts that a policy makes of what a system reports; columns of `NO_ALERTS`.
+    """Return the alerts that a policy makes of a system's output, with columns of `NO_ALERTS`.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def alerts_by_policy(
 
 
 def alerts_by_log(scene: Scene, system: Reported, log: AlertLog) -> pd.DataFrame:
-    """Alerts that a system's own log tells; columns of `NO_ALERTS`.
+    """Return the alerts in a system's own log, with columns of `NO_ALERTS`.
 
     The boxes with a flag of one track are an alert, as long as it is missing in no more listed
     frames than a linked track may be. In a table an alert begins in the first listed frame at or
@@ -186,7 +186,7 @@ def alerts_by_log(scene: Scene, system: Reported, log: AlertLog) -> pd.DataFrame
 
 @dataclass(frozen=True, eq=False)
 class _Tracks:
-    """Boxes of a system, and the track of each within its recording; int64, shape (n,).
+    """Boxes of a system, and the track of each within its recording as int64, shape (n,).
 
     Tracks are those that the system reports; other boxes are linked over frames.
     """
@@ -234,7 +234,7 @@ def _judged(
 def _first_decided(
     scene: Scene, system: Reported, tracks: _Tracks, alerts: pd.DataFrame
 ) -> np.ndarray:
-    """Row of the box of each alert that says what it is about; -1: none.
+    """Return the row of the box of each alert that decides what it is about, -1 if there is none.
 
     The first that matches a pedestrian, else the first that is absorbed: people are often ignored
     from afar, and annotated when they are near. Of several in one frame the nearest.
@@ -260,7 +260,7 @@ def _first_decided(
 
 
 def _codes(recording: np.ndarray, track: np.ndarray) -> np.ndarray:
-    """A number for each track of each recording; int64, shape (n,)."""
+    """Number each track of each recording as int64, shape (n,)."""
     known, code = np.unique(track, return_inverse=True)
     codes: np.ndarray = recording * max(len(known), 1) + code
     return codes
@@ -282,7 +282,7 @@ def _with_kinds(
     matched = np.flatnonzero(encounter >= 0)
     who, row = encounter[matched], onset[matched]
     owner = np.repeat(np.arange(len(encounters)), np.diff(encounters.offsets))
-    # his box in the frame in which the alert begins, or the next
+    # the pedestrian's box in the frame in which the alert begins, or the next
     key = owner * len(frames) + encounters.frame_index
     at = encounters.order[np.searchsorted(key, who * len(frames) + row)]
     is_far = scene.k_truth[at] < RELEVANT_K
@@ -303,7 +303,7 @@ def _with_kinds(
 
 
 def _of_dataset(table: pd.DataFrame, dataset: Dataset) -> pd.DataFrame:
-    """The rows of a log of the dataset's recordings, by number; also where these were renamed."""
+    """Return the log rows of the dataset's recordings, by number, even if these were renamed."""
     row_of = {name: row for row, name in enumerate(dataset.recordings["name"])}
     if isinstance(dataset.settings, Session):
         for entry in dataset.settings.recordings:
@@ -315,7 +315,7 @@ def _of_dataset(table: pd.DataFrame, dataset: Dataset) -> pd.DataFrame:
 
 
 def inputs_of(dataset: Dataset) -> AlertInputs:
-    """Logs and policies of a session's systems; none of fused systems, which no session has."""
+    """Return logs and policies of a session's systems. Fused systems have none."""
     named = dataset.of("alerts") if isinstance(dataset.settings, Session) else None
     return named or AlertInputs({}, {})
 

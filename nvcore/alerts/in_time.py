@@ -1,7 +1,7 @@
 """From the onset of an alert to braking: in how many urgent encounters the driver is in time.
 
 Detection, alert, reaction, foot, brakes: the driver answers after a time drawn from a lognormal
-distribution by the kind of alert, then his foot moves and the brakes build up. All kinds, draws and
+distribution by the kind of alert, then the foot moves and the brakes build up. All kinds, draws and
 systems are judged on the same encounters, those that are urgent in the comparison: who is urgent
 depends on the reaction time, and with a set of its own for each kind the order of X and Y can turn.
 """
@@ -29,7 +29,7 @@ from nvcore.time_left.steps import time_left_in
 MOST_DRAWS, FEWEST_DRAWS, DRAWN = 2_000, 200, 20_000_000
 """Draws of all drivers' reactions, and resamples of units: as many as keep so many numbers."""
 DRIVER_WORDS: Final = {
-    "sees": "sees {him} in time without an alert",
+    "sees": "sees the {one} in time without an alert",
     "does_not": "does not",
     "not_known": "not known",
     "all": "all",
@@ -41,7 +41,7 @@ NEVER: Final = -np.inf
 
 @dataclass(frozen=True)
 class Reaction:
-    """How long drivers take to answer a kind of alert.
+    """Time that drivers take to answer a kind of alert.
 
     Attributes
     ----------
@@ -77,12 +77,12 @@ def slack_at_onset(
     *,
     reaction_s: float,
 ) -> pd.DataFrame:
-    """How long the driver may take after the onset and still stop.
+    """Return how long the driver may take after the onset and still stop.
 
     Time to contact less the time that braking takes, at the onset. Time to contact is measured with
     noise, so the least value of all frames up to the onset counts: an alert after the last chance
-    is late even where a later frame seems to give time again, as in the time left. Nor has he
-    longer than `reaction_s` at the last chance, however slowly the car seems to close before.
+    is late even where a later frame seems to give time again, as in the time left. Nor is
+    there more than `reaction_s` at the last chance, however slowly the car seems to close before.
 
     Parameters
     ----------
@@ -214,7 +214,7 @@ def intervals(sums: np.ndarray, n: np.ndarray) -> dict[str, float]:
 
 
 def chance_in_time(slack_s: np.ndarray, reaction: Reaction, after_s: float) -> np.ndarray:
-    """Chance that a driver is in time in each encounter, without draws; as `slack_s`."""
+    """Compute the chance to be in time in each encounter without draws, shaped like `slack_s`."""
     left = slack_s - after_s
     if not reaction.sd_s:
         return np.where(np.isnan(left), np.nan, left >= reaction.mean_s)
@@ -238,7 +238,7 @@ class InTime:
         What intervals are over; those without urgent encounters have no part in them.
     chances
         A row for each urgent encounter (index: of ``result.encounters``): is_known (whether it is
-        known if the driver sees him by himself before the last chance), is_seen (that he does),
+        known if the driver sees them unaided before the last chance), is_seen (whether they do),
         slack_s_x, slack_s_y, and for each kind the chance to be in time with X, with Y and with
         both: ``visual_x``, ``visual_y``, ``visual_both``.
     """
@@ -249,11 +249,11 @@ class InTime:
 
     @property
     def what_varies(self) -> str:
-        """What the units are, such as ``recordings``."""
+        """Name of the units, such as ``recordings``."""
         return "stretches of these recordings" if self.units.kind == BLOCKS else self.units.kind
 
     def of_hundred(self, kind: str) -> pd.DataFrame:
-        """Of 100 urgent encounters: how many the driver sees himself, in how many X and Y help.
+        """Split 100 urgent encounters by what the driver sees unaided and where X and Y help.
 
         Returns
         -------

@@ -43,7 +43,7 @@ def _unwanted_rows(result: Result, system: SystemResult) -> np.ndarray:
 
 
 def _by_recording(result: Result, system: SystemResult, *kinds: AlertKind) -> np.ndarray:
-    """Alerts of these kinds; int64, shape (n_recordings,)."""
+    """Count alerts of these kinds as int64, shape (n_recordings,)."""
     rows = alerts_in(result).rows_of_kind(system, *kinds)
     recording = result.dataset.frame_columns.recording[rows]
     return per_recording(result, None, recording).astype(np.int64)
@@ -62,7 +62,7 @@ _UNWANTED: Final[dict[str, Any]] = {
 
 
 def _of_kind(kind: AlertKind) -> tuple[Measure, Measure]:
-    """How many alerts are of a kind, and how many an hour."""
+    """Return two measures: alerts of a kind, and alerts of a kind per hour."""
     rests_on_driver = kind in RESTS_ON_DRIVER
 
     def count(result: Result, system: SystemResult) -> float:
@@ -77,7 +77,7 @@ def _of_kind(kind: AlertKind) -> tuple[Measure, Measure]:
         return np.where(is_known, counts, np.nan)
 
     label = f"{kind.value} alerts"
-    unknown = "it is known of no {one} whether the driver sees {him}" if rests_on_driver else ""
+    unknown = "it is known of no {one} whether the driver sees {them}" if rests_on_driver else ""
     shared: dict[str, Any] = {
         "better": LOWER if kind in UNWANTED else "",
         "stages": (ALERTS, DRIVER) if rests_on_driver else (ALERTS,),
@@ -205,7 +205,7 @@ def _is_alerted(result: Result, system: SystemResult) -> np.ndarray:
 
 
 def _median_lead_s(result: Result, system: SystemResult) -> float:
-    """Of the urgent encounters that both systems alert, so that both medians are of the same."""
+    """Return the median lead over the urgent encounters that both systems alert."""
     leads_s = [alerts_in(result).lead_s(side) for _, side in result.sides]
     is_alerted_by_both = ~np.isnan(leads_s).any(axis=0)
     lead_s = alerts_in(result).lead_s(system)[is_alerted_by_both]

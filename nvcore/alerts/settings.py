@@ -115,7 +115,7 @@ class AlertSettings:
     alert_oracle: Oracle = _setting(
         "off",
         words={"off": "alert anyway", "on": "keep still (an oracle)"},
-        label="If the driver has seen {him}",
+        label="If the driver has seen the {one}",
         meaning="Whether a box of {a_one} {whom} the driver has seen gives no alert any more (on): "
         "what a perfect driver monitor would bring, an oracle, as no system knows it. False alarms "
         "alert anyway. Of no effect where no detectability is known.",

@@ -1,4 +1,4 @@
-"""What alerts add to a comparison: their step, and what they made as one view."""
+"""The step that judges alerts, and its results as one view."""
 
 from __future__ import annotations
 
@@ -101,18 +101,18 @@ class AlertsView:
         return bool(self.result.params.alerts == "log" and self.has_log(system))
 
     def rows_of_kind(self, system: SystemResult, *kinds: AlertKind) -> np.ndarray:
-        """First frame row of each alert of these kinds; int64."""
+        """Return the first frame row of each alert of these kinds as int64."""
         alerts = self.of(system)
         rows: np.ndarray = alerts["first_row"].to_numpy()[alerts["kind"].isin(kinds).to_numpy()]
         return rows
 
     @cached_property
     def knows_driver(self) -> bool:
-        """Whether it is known of anybody whether the driver sees him."""
+        """Whether detectability is known of anybody."""
         return bool((self.result.made["detectable"]["known_row"] >= 0).any())
 
     def count(self, system: SystemResult) -> dict[AlertKind, float]:
-        """Alerts of each kind; NaN of redundant and needed ones unless `knows_driver`."""
+        """Count alerts of each kind, NaN for redundant and needed ones unless `knows_driver`."""
         return self._count(self.of(system))
 
     def _count(self, alerts: pd.DataFrame) -> dict[AlertKind, float]:
@@ -124,7 +124,7 @@ class AlertsView:
         }
 
     def first_alert(self, system: SystemResult) -> np.ndarray:
-        """Frame row of the first alert of each encounter, -1: none; int64, (n_encounters,)."""
+        """Return the frame row of each encounter's first alert as int64, (n,), -1 for none."""
         name = f"first alerts of {system.name}"
         return self.result.keep(name, lambda: self._first_alert(self.of(system)))
 
@@ -135,7 +135,7 @@ class AlertsView:
         return row
 
     def in_time(self, system: SystemResult) -> np.ndarray:
-        """Encounters of `is_to_alert` alerted in time; bool, shape (n_encounters,)."""
+        """Return which encounters of `is_to_alert` are alerted in time as bool, shape (n,)."""
         return self._is_in_time(self.first_alert(system))
 
     def _is_in_time(self, row: np.ndarray) -> np.ndarray:
@@ -145,7 +145,7 @@ class AlertsView:
 
     @cached_property
     def is_to_alert(self) -> np.ndarray:
-        """Urgent encounters for which an alert can be in time; bool, shape (n_encounters,).
+        """Urgent encounters for which an alert can be in time as bool, shape (n_encounters,).
 
         The oracle suppresses alerts about pedestrians whom the driver sees. With it on, encounters
         that the driver sees in time are left out.
@@ -189,7 +189,7 @@ class AlertsView:
 
     @cached_property
     def speeding(self) -> Speeding | None:
-        """Speed alerts; None: the objects are no speed signs, or no speed is known."""
+        """Speed alerts, or None if the objects are no speed signs or no speed is known."""
         from nvcore.alerts.speeding import has_limits, judge_speeding  # here: as above
 
         return judge_speeding(self.result) if has_limits(self.result.dataset) else None

@@ -1,4 +1,4 @@
-"""Where both systems agree with one another and not with the ground truth."""
+"""Findings where both systems agree with one another and not with the ground truth."""
 
 from __future__ import annotations
 
@@ -207,9 +207,9 @@ def find_loose(source: BoxSource, matches: Matches, params: Params) -> list[Find
         "that is asked for.",
         say(
             "Look at some: where they show the {one}, the boxes are of another shape than the "
-            "ground truth's, {he} counts as missed and they as false alarms, and what is said at "
-            'equal false alarms rests on them. A lower iou, or match = "lateral", judges {what} a '
-            "system detects."
+            "ground truth's. The {one} then counts as missed, the boxes as false alarms, and "
+            'comparisons at equal false alarms rest on them. A lower iou, or match = "lateral", '
+            "judges {what} a system detects."
         ),
     )
 

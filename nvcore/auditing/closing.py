@@ -1,4 +1,4 @@
-"""Whether pedestrians come nearer at about the speed that time left is computed with."""
+"""Findings about closing speeds that differ from the speed that time left is computed with."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from nvcore.schema import KMH, NO_TRACK
 from nvcore.wording import count_text
 
 MIN_BOXES: Final = 5
-"""With fewer distances a pedestrian's speed is not measured, as his time to contact is not."""
+"""Least distances of a pedestrian to measure a speed, as for the time to contact."""
 MIN_PEDESTRIANS: Final = 3
 """The median over fewer says little of the car."""
 FACTOR: Final = 2.0
@@ -69,10 +69,10 @@ def audit_closing_speed(dataset: Dataset, params: Params) -> list[Finding]:
 
 
 def closing_speeds(dataset: Dataset) -> np.ndarray:
-    """How fast a recording's pedestrians come nearer by the truth's distances, km/h; kept.
+    """Measure how fast pedestrians of each recording come nearer by the truth, km/h (kept).
 
-    Of each pedestrian the slope of the least-squares line through his distances over time; of a
-    recording the median over those who come nearer at all.
+    A pedestrian's speed is the slope of the least-squares line through distances over time, a
+    recording's the median over those who come nearer at all.
 
     Returns
     -------

@@ -24,7 +24,7 @@ _ICF: Final = "icf"
 
 
 def render_detectors() -> str:
-    """All detectors that need no model, and what models there may be."""
+    """Render all kinds of detectors, and the models that are built in."""
     lines = []
     for kind in DETECTORS.values():
         lines.append(f"{kind.key}: {kind.title}")
@@ -33,7 +33,7 @@ def render_detectors() -> str:
 
 
 def render_training_settings() -> str:
-    """Every setting of a model that is trained here, with the values of each preset."""
+    """Render the settings of a trained model, with the values of each preset."""
     values = {name: preset.in_words() for name, preset in PRESETS.items()}
     first, *others = PRESETS
     lines = [
@@ -52,7 +52,7 @@ def render_training_settings() -> str:
 
 
 def render_about(detector: Detector, name: str) -> str:
-    """What a detector is: labels, training, and its settings with their range and meaning.
+    """Render a detector: labels, training, and its settings with their range and meaning.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def render_about(detector: Detector, name: str) -> str:
 
 
 def _of_model(model: IcfModel) -> list[str]:
-    """What a model is made of, and how its training went."""
+    """Return the parts of a model and the course of its training."""
     s, channels = model.settings, listed(model.channels)
     object_size = f"{s.object_width:g}x{s.object_height:g} px"
     heights = [s.object_height * scale for scale in (s.scales[0], s.scales[-1])]
@@ -88,7 +88,7 @@ def _of_model(model: IcfModel) -> list[str]:
 
 
 def _settings(about: About, values: Mapping[str, Any]) -> list[str]:
-    """Those of a run with their meaning and range, and those that made the model what it is."""
+    """Return the settings of a run with meaning and range, then those fixed by the training."""
     of_run = run_settings(about)
     lines = ["settings:", *_explained(of_run, values)]
     others = {name: value for name, value in values.items() if name not in of_run}
@@ -100,7 +100,7 @@ def _settings(about: About, values: Mapping[str, Any]) -> list[str]:
 
 
 def _explained(facts: Mapping[str, SettingFacts], values: Mapping[str, Any]) -> list[str]:
-    """Settings with their values, meaning, range and choices."""
+    """Return settings with their values, meaning, range and choices."""
     lines = []
     for name, known in facts.items():
         lines.append(f"  {name} = {_value(values.get(name))}")
@@ -123,7 +123,7 @@ def _range(facts: SettingFacts) -> str:
 
 
 def _described(model: str, settings: Mapping[str, str]) -> str:
-    """A detector, or all that can be set where one is trained."""
+    """Describe a detector, or the settings of a training."""
     if model != _ICF:
         return render_about(open_detector(model, settings), model)
     if settings:

@@ -1,4 +1,4 @@
-"""Does the driver see the pedestrian himself: features of the picture, estimators, trials."""
+"""Estimate what drivers see unaided: features of the picture, estimators, trials."""
 
 from nvcore.subjects import Subject
 

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from nvcore.driver.estimators import Estimator, fingerprint
 from nvcore.driver.estimators.words import LABELS, caution_of
-from nvcore.driver.feature_record import settings_words
 from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
 from nvcore.driver.picture_width import other_width_notes, other_widths
 from nvcore.driver.run import BOX_COLUMNS, FeatureRun
@@ -34,7 +33,7 @@ SEPARATOR: Final = ";"
 
 @dataclass(frozen=True, eq=False, repr=False)
 class EstimateRun:
-    """Detectability of the pedestrians of recordings; ``print`` says what came out.
+    """Detectability of the pedestrians of recordings. ``print`` shows a summary.
 
     Attributes
     ----------
@@ -63,7 +62,7 @@ class EstimateRun:
 
     @property
     def outside_by_feature(self) -> dict[str, int]:
-        """Estimates with a feature outside the range of the training, by its name; most first."""
+        """Estimates outside the range of the training by feature label, most frequent first."""
         chosen = self.table.loc[self.table["is_outside"], "outside_features"].value_counts()
         counts = Counter[str]()
         for keys, n in chosen.items():  # a few combinations
@@ -88,8 +87,8 @@ class EstimateRun:
             notes.append(Note("driver.estimates", caution=caution))
         notes += other_width_notes(self.features.recordings, self.estimator)
         if self.estimator.feature_settings is None:
-            settings = settings_words(self.features.settings.features)
-            notes.append(Note("driver.other_settings", settings=settings))
+            settings = asdict(self.features.settings.features)
+            notes.append(Note("driver.other_settings", **settings))
         if n_adapted := int(known["period_s"].isna().sum()):
             n_unknown = self.n_light_unknown
             notes.append(Note("driver.for_adapted_eyes", n=n_adapted, n_unknown=n_unknown))
@@ -140,7 +139,7 @@ class EstimateRun:
         ]
 
     def _missing(self) -> Note | None:
-        """Return which features the estimator needs and no box has; None if there are none."""
+        """Return the features that the estimator needs and no box has, or None."""
         tables = [part.table for part in self.features.recordings if not part.may_be_of_heat]
         tables = [table for table in tables if len(table)]
         if not tables:
@@ -178,7 +177,7 @@ class EstimateRun:
         raise InputError(phrase(note, PEDESTRIAN))
 
     def counts_json(self) -> dict[str, Any]:
-        """How many estimates there are, and which are to be taken with care, for a record."""
+        """Return how many estimates there are, and how many need care, for a record."""
         counts = {
             "n": self.n_estimated,
             "n_light_unknown": self.n_light_unknown,
@@ -286,7 +285,7 @@ def run_estimate(
 
 
 def _names(outside: NDArray[np.bool_]) -> NDArray[np.object_]:
-    """Keys of the features that are outside in each row; empty: none is."""
+    """Return the keys of the features that are outside in each row, "" if none is."""
     bits = 1 << np.arange(len(FEATURE_KEYS))
     choices, place = np.unique(outside @ bits, return_inverse=True)
     keys = np.array(FEATURE_KEYS)

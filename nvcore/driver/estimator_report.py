@@ -33,7 +33,7 @@ ERROR: Final = ".4f"
 
 
 def render_table(table: TrainingTable) -> list[str]:
-    """What there is to learn from, and whose responses are odd."""
+    """Render the training data, and the subjects whose responses are odd."""
     fewest, most = table.responses
     n_periods = len(table.periods_s)
     notes = [
@@ -57,7 +57,7 @@ def _trials(of: TrainingTable | Origin, n_periods: int | None = None) -> Note:
 
 
 def _subjects(table: TrainingTable) -> list[Note]:
-    """Return who is left out and who is odd; where most are odd, that before a few of them."""
+    """Return notes on subjects who are left out or odd, headed by a note if most are odd."""
     notes = [
         Note(
             "driver.subject",
@@ -80,7 +80,7 @@ def _lines(notes: Iterable[Note]) -> list[str]:
 
 
 def render_training(training: Training) -> str:
-    """What was learned from what, and how well it does on pedestrians left out."""
+    """Render the training data, and the error on pedestrians left out."""
     estimator = training.estimator
     errors = pd.DataFrame(
         {
@@ -109,7 +109,7 @@ def render_training(training: Training) -> str:
 
 
 def render_estimator(estimator: Estimator) -> str:
-    """What an estimator is: what it was trained on, how well it does, and what it takes."""
+    """Render an estimator's training, error and settings."""
     origin = estimator.origin
     errors = pd.DataFrame(
         {
@@ -126,7 +126,7 @@ def render_estimator(estimator: Estimator) -> str:
     ]
     caution = caution_of(estimator)
     lines = [
-        f"{one_line(estimator.name)}: estimates what the driver sees by himself "
+        f"{one_line(estimator.name)}: estimates what the driver sees unaided "
         "(nvcore driver estimate)",
         f"fingerprint: {fingerprint(estimator)}",
         f"trained on: {phrase(_trials(origin), PEDESTRIAN)}",
@@ -149,13 +149,13 @@ def render_estimators() -> str:
 
 
 def _feature_settings(estimator: Estimator) -> list[Note]:
-    """Return that it is unknown how the features were computed; empty if it is known."""
+    """Return a note if it is unknown how the features were computed."""
     is_known = estimator.feature_settings is not None
     return [] if is_known else [Note("driver.unknown_feature_settings")]
 
 
 def _errors(errors: pd.DataFrame, last: str = "mean") -> list[str]:
-    """A line for each period, that without one last; columns that are all empty are left out."""
+    """Return a line per period, the one without a period last, and drop empty columns."""
     titles = {
         "own": "estimator",
         "own_constant": "constant",
@@ -209,7 +209,7 @@ def learning(errors: pd.DataFrame) -> list[Note]:
 
 
 def describe_evaluated(evaluation: Evaluation) -> list[str]:
-    """What was evaluated on, whose responses are odd, and how features and settings were chosen."""
+    """Return the data of an evaluation, odd subjects, and how features and settings were chosen."""
     search = evaluation.search
     quick = [Note("driver.searched", n=search.n_settings)] if search.is_quick else []
     return [

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 @called_with(FeatureArguments)
 @pipes_kept()
 def driver_features(arguments: FeatureArguments) -> WrittenFeatures:
-    """How well each pedestrian can be seen in the pictures: eight features, and the light.
+    """Measure how visible each pedestrian is in the pictures (eight features), and the light.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def driver_features(arguments: FeatureArguments) -> WrittenFeatures:
 def features_job(
     arguments: FeatureArguments, *, inputs: Sequence[Path] = (), loading: Progress = no_progress
 ) -> Callable[[Progress], WrittenFeatures]:
-    """What `driver_features` runs; what cannot be done is refused before anything runs.
+    """Prepare the job of `driver_features`, and refuse what cannot be done before it runs.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def image_features(
 @called_with(EstimateArguments)
 @pipes_kept()
 def estimate_driver(arguments: EstimateArguments) -> WrittenEstimates:
-    """How likely the driver sees each pedestrian by himself, in every frame.
+    """Estimate how likely the driver sees each pedestrian unaided, in every frame.
 
     The settings of the model's features are taken where they are not given. ``session.toml`` is the
     session with the estimates, which `compare` takes.
@@ -159,7 +159,7 @@ def estimate_driver(arguments: EstimateArguments) -> WrittenEstimates:
 def estimate_job(
     arguments: EstimateArguments, *, inputs: Sequence[Path] = (), loading: Progress = no_progress
 ) -> Callable[[Progress], WrittenEstimates]:
-    """What `estimate_driver` runs; what cannot be done is refused before anything runs.
+    """Prepare the job of `estimate_driver`, and refuse what cannot be done before it runs.
 
     Parameters
     ----------

@@ -1,11 +1,11 @@
-"""How the features in a file were computed, as the record beside it says: settings, pictures."""
+"""Records beside files of features: settings and pictures that they were computed from."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, fields
+from dataclasses import fields
 from functools import partial
 from pathlib import Path
 from typing import Any, Final, TypeVar
@@ -36,7 +36,7 @@ def record_bytes(contents: Mapping[str, bytes], **entries: object) -> bytes:
 
 
 def settings_beside(features: Path) -> FeatureSettings | None:
-    """The settings of a file of features; None: no record beside it is about this content.
+    """Return the settings of a file of features, or None without a record of this content.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def picture_px_beside(features: Path) -> tuple[int, int] | None:
 
 
 def _beside(features: Path, entry: Callable[[dict[str, Any]], T | None]) -> T | None:
-    """An entry of the record beside a file that is about its content; None: there is none."""
+    """Return an entry of the record about the content of a file beside it, or None."""
     if not features.is_file():
         return None
     digest = hashlib.sha256(features.read_bytes()).hexdigest()
@@ -74,7 +74,7 @@ def _beside(features: Path, entry: Callable[[dict[str, Any]], T | None]) -> T | 
 
 
 def picture_px_from_json(content: object) -> tuple[int, int] | None:
-    """Width and height as a list of two whole numbers; None is not known.
+    """Parse width and height from a list of two whole numbers, or None if not known.
 
     Raises
     ------
@@ -104,19 +104,6 @@ def settings_from_json(content: Mapping[str, Any]) -> FeatureSettings:
         return FeatureSettings(**values)
     except ParameterError as error:
         raise ValueError(str(error)) from error
-
-
-def settings_words(settings: FeatureSettings) -> str:
-    """Settings in words.
-
-    Examples
-    --------
-    >>> settings_words(FeatureSettings(surround=3))
-    'surround 3, bin distance 1'
-    """
-    return ", ".join(
-        f"{name.replace('_', ' ')} {value:g}" for name, value in asdict(settings).items()
-    )
 
 
 def _entry_about(

@@ -61,7 +61,7 @@ _RANGES: Final = {
 
 @dataclass(frozen=True, kw_only=True)
 class FilterSettings:
-    """How much the driver loses when the light changes, and how soon he has it back; all is ours.
+    """Loss of contrast when the light changes, and how soon it returns (all ours).
 
     Attributes
     ----------
@@ -98,13 +98,13 @@ class FilterSettings:
 
 
 def contrast_threshold(period_s: float, settings: FilterSettings | None = None) -> float:
-    """Contrast that disappears so many seconds after the change; NaN seconds: 0."""
+    """Return the contrast that disappears so many seconds after the change, 0 for NaN seconds."""
     settings = settings or FilterSettings()
     return settings.threshold * _left(period_s, settings.threshold_decay_s)
 
 
 def blur_px(period_s: float, width_px: int, settings: FilterSettings | None = None) -> float:
-    """Standard deviation of the blur so many seconds after the change, px; NaN seconds: 0.
+    """Return the SD of the blur so many seconds after the change, px, 0 for NaN seconds.
 
     Half the angle of the details that blur: of bars that wide 0.3 of the contrast is left. At the
     most `MOST_SIGMA_PX`.

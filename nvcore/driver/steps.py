@@ -14,7 +14,7 @@ WHOSE = ["recording", "track"]
 
 
 class Steps(NamedTuple):
-    """How many pedestrians are followed from one estimator to the next.
+    """Pedestrians who are followed from one estimator to the next.
 
     Attributes
     ----------
@@ -22,7 +22,7 @@ class Steps(NamedTuple):
         Pedestrians (tracks) for whom the estimator of another period is taken from some frame on.
     n_jumping
         Those of them for whom the two estimators differ by more than the sd of each, on the
-        features of the same frame: that he has come nearer is no step.
+        features of the same frame, so coming nearer does not count as a jump.
     """
 
     n_crossing: int = 0
@@ -35,7 +35,7 @@ def steps_between_periods(
     table: pd.DataFrame,
     taken_s: NDArray[np.float64],
 ) -> Steps:
-    """Steps while the eyes adapt; a new change of light is none.
+    """Count steps while the eyes adapt. A new change of light is no step.
 
     Parameters
     ----------

@@ -30,7 +30,7 @@ LANES: Final = {"x": -0.17, "y": -0.34}
 def weightings_plot(
     result: Result, encounter: int, weightings: Weightings, *, theme: Theme
 ) -> go.Figure:
-    """Three curves of k over time, and below them the frames in which X and Y detect him.
+    """Draw three curves of k over time, and the frames in which X and Y detect the pedestrian.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What missing a pedestrian would cost, by where in the picture he stands."""
+"""Cost of missing a pedestrian, by place in the picture."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class CostMap:
     border
         Border of each position as a share of W/2, 0 to 1; float64, (n_columns,).
     k
-        Weight of a pedestrian with his feet in each row, in (0, 1); NaN where none can stand, at
+        Weight of a pedestrian with their feet in each row, in (0, 1); NaN where none can stand, at
         the horizon and above it; float64, (n_rows,).
     basis
         What k follows from: ``height`` (the height that pedestrians of this recording have with
@@ -62,13 +62,13 @@ class CostMap:
 
     @property
     def cost(self) -> np.ndarray:
-        """Cost at each place, 0 to 1, NaN where none can stand; float64, (n_rows, n_columns)."""
+        """Cost at each place, 0 to 1, NaN where none can stand, as float64, (n_rows, n_columns)."""
         cost: np.ndarray = np.outer(self.k, self.border)
         return cost
 
     @property
     def text(self) -> str:
-        """What the weight follows from; a template with words of the objects."""
+        """Basis of the weight, as a template with words of the objects."""
         boxes = count_text(self.n_boxes, "box", "boxes")
         return {
             "height": f"height by foot row, a line through {boxes} of this recording",
@@ -93,7 +93,7 @@ class FootLine(NamedTuple):
 
 
 def fit_line(foot_px: np.ndarray, value: np.ndarray, *, height: float) -> FootLine | None:
-    """Least-squares line of a value over the foot row; None where none can be relied on.
+    """Fit a least-squares line of a value over the foot row, or None where it is not reliable.
 
     That is with fewer than `LEAST_BOXES` boxes, with feet all in about the same row, or where the
     value does not grow downwards.
@@ -123,7 +123,7 @@ def map_cost(
     n_rows: int = N_ROWS,
     n_columns: int = N_COLUMNS,
 ) -> CostMap:
-    """What missing a pedestrian would cost in each place of a recording's picture.
+    """Map the cost of missing a pedestrian at each place of a recording's picture.
 
     With proximity by height, the height in each foot row is taken from a straight line through
     the recording's boxes, those that the picture's upper or lower edge cuts left out; on flat
@@ -169,7 +169,7 @@ def map_cost(
 def _weigh_rows(
     truth: BoxColumns, frames: FrameColumns, params: Params, recording: int, foot_px: np.ndarray
 ) -> tuple[np.ndarray, Basis, int, float]:
-    """Weight of a pedestrian with his feet in each row, what it follows from, boxes, height."""
+    """Return the weight of a pedestrian by foot row, its basis, the number of boxes, the height."""
     nan = float("nan")
     if params.proximity == "none":
         return np.ones(len(foot_px)), "none", 0, nan

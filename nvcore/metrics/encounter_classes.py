@@ -1,4 +1,4 @@
-"""Classes of encounters: what the truth says of a pedestrian, what follows from his boxes, codes.
+"""Classes of encounters: attributes of the truth, what follows from the boxes, codes.
 
 The derived classes are our choice (docs/metrics.md, classes of encounters). All depend on the truth
 and on the coded intervals alone, and on no parameter.
@@ -28,7 +28,7 @@ DERIVED: Final = (CROSSING, IN_ROAD, GROUP, CHILD)
 CROSSING_REACH: Final = 0.1
 """Who crosses has been so far left and so far right of the middle, fractions of W/2."""
 STATURE_M: Final = 1.7
-"""Height of a person by which pixels are taken for metres at his distance."""
+"""Height of a person, which converts pixels to metres at their distance."""
 LANE_M: Final = 3.5
 """In the road: at most a lane's width beside the camera's axis, in at least half of the frames."""
 COMPANY_M: Final = 1.5
@@ -69,7 +69,7 @@ class EncounterClasses:
 
     @cached_property
     def texts(self) -> np.ndarray:
-        """All classes of each encounter, joined by `CLASS_SEPARATOR`; object, shape (n,).
+        """Classes of each encounter, joined by `CLASS_SEPARATOR`, as object, shape (n,).
 
         First those that the truth names of it: what it says of others changes no order.
         """
@@ -82,7 +82,7 @@ class EncounterClasses:
 
 
 def classes_of(dataset: Dataset) -> EncounterClasses:
-    """Classes of the encounters of a dataset's ground truth; kept: no parameter moves them."""
+    """Return the classes of encounters of a dataset's truth (kept, as no setting moves them)."""
     key = "encounter_classes", dataset.objects, dataset.settings.codes
     if key not in dataset.derived:
         _, encounters = encounters_of(dataset)
@@ -112,7 +112,7 @@ def classes_of(dataset: Dataset) -> EncounterClasses:
 
 
 def texts_of_truth(dataset: Dataset) -> Any:
-    """The text of `Dataset.attributes` for each truth row; missing where there is none."""
+    """Return the text of `Dataset.attributes` for each truth row, missing where there is none."""
     table, n_truth = dataset.attributes, len(dataset.truth)
     texts = pd.Categorical(table["attributes"])
     codes = np.full(n_truth, -1, np.int64)
@@ -134,7 +134,7 @@ def _place(file: np.ndarray, line: np.ndarray) -> np.ndarray:
 
 
 def attributes_of(encounters: Encounters, texts: Any) -> np.ndarray:
-    """The most frequent text of each encounter; object, shape (n_encounters,).
+    """Return the most frequent text of each encounter as object, shape (n_encounters,).
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def shown_class(name: str) -> str:
 
 
 def classes_named(attributes: np.ndarray) -> dict[str, np.ndarray]:
-    """Encounters of each class that the texts name; blanks around the names do not matter.
+    """Return the encounters of each class that the texts name, ignoring blanks around names.
 
     Examples
     --------
@@ -181,7 +181,7 @@ def classes_named(attributes: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def find_coded(encounters: Encounters, dataset: Dataset) -> dict[str, np.ndarray]:
-    """Who is there, from the first to the last frame, while an interval of each code lasts; bool.
+    """Find encounters that last while an interval of each code does, as bool.
 
     `NO_CODE` are the others of recordings with an interval: of the rest nobody knows whether they
     were coded. Nothing without coded intervals.
@@ -205,7 +205,7 @@ def find_coded(encounters: Encounters, dataset: Dataset) -> dict[str, np.ndarray
 
 
 def find_crossing(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:
-    """Who was on both sides of the picture's middle, by `CROSSING_REACH` or more on each; bool."""
+    """Find who was at least `CROSSING_REACH` left and right of the picture's middle, as bool."""
     side = _signed_offset(encounters, truth, frames)
     starts = encounters.offsets[:-1]
     if not len(starts):
@@ -216,7 +216,7 @@ def find_crossing(encounters: Encounters, truth: BoxColumns, frames: FrameColumn
 
 
 def find_in_road(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:
-    """Who stands or walks within `LANE_M` of the way ahead, in at least half of the frames; bool.
+    """Find who is within `LANE_M` of the way ahead in at least half of the frames, as bool.
 
     Metres to the side of the camera's axis come from the height of the box, which stands for
     `STATURE_M`.
@@ -228,7 +228,7 @@ def find_in_road(encounters: Encounters, truth: BoxColumns, frames: FrameColumns
 
 
 def find_groups(encounters: Encounters, truth: BoxColumns) -> np.ndarray:
-    """Who walks with another pedestrian beside him, in at least half of the frames; bool.
+    """Find encounters with another pedestrian beside them in half of the frames or more, as bool.
 
     Beside: at most `COMPANY_M` to the side, by the taller one's height, and heights `ALIKE`.
     """
@@ -254,7 +254,7 @@ def find_groups(encounters: Encounters, truth: BoxColumns) -> np.ndarray:
 
 
 def find_children(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:
-    """Find pedestrians who are small for where they stand, by distance or horizon; bool.
+    """Find pedestrians who are small for where they stand, by distance or horizon, as bool.
 
     Stature is height times distance, else height over the foot point's depth below the horizon,
     each relative to the median of all encounters of which it is known in the same way (at least
@@ -289,7 +289,7 @@ def _signed_offset(encounters: Encounters, truth: BoxColumns, frames: FrameColum
 
 
 def _in_half_of_frames(encounters: Encounters, holds: np.ndarray) -> np.ndarray:
-    """Whether it holds for at least half of each encounter's boxes.
+    """Return which encounters meet a condition in at least half of their boxes.
 
     Parameters
     ----------
@@ -305,7 +305,7 @@ def _in_half_of_frames(encounters: Encounters, holds: np.ndarray) -> np.ndarray:
 
 
 def _medians(encounters: Encounters, values: np.ndarray) -> np.ndarray:
-    """Median of each encounter's known values; NaN where fewer than half of its boxes have one."""
+    """Return the median of each encounter's known values, NaN with fewer than half known."""
     n = len(encounters)
     counts = np.diff(encounters.offsets)
     encounter = np.repeat(np.arange(n), counts)

@@ -28,7 +28,7 @@ EVENT_COLUMNS = (
 
 
 def qualify(distances: SetDistances, frames: FrameColumns, *, tolerance: float) -> np.ndarray:
-    """Truth row of the pedestrian that qualifies in each frame, -1 none; int64, (n_frames,).
+    """Return the truth row that qualifies in each frame (-1 for none) as int64, (n_frames,).
 
     The pedestrian that attains D(G, S), if ``D(G, S) > tolerance * W/2``: below that it is
     localisation noise, not a miss.
@@ -45,7 +45,7 @@ def qualify_each(
     *,
     tolerance: float,
 ) -> np.ndarray:
-    """Truth rows of all pedestrians that qualify by themselves, by encounter and frame; int64.
+    """Return truth rows of pedestrians that each qualify, by encounter and frame, as int64.
 
     Those whose own term is greater than ``tolerance * W/2``. A track that occurs twice in a frame
     counts once there, with the larger term.
@@ -69,7 +69,7 @@ def qualify_each(
 
 
 def recency_weight(tau: np.ndarray, rest_s: np.ndarray, params: Params) -> np.ndarray:
-    """Weight in (0, 1) of an event by its end; larger later: drivers remember the end.
+    """Return the weight in (0, 1) of an event, larger the later it ends (drivers remember the end).
 
     ``1 / (1 + exp(-(tau - recency_midpoint) / recency_spread))``, or with
     ``recency_unit="seconds"`` ``1 / (1 + exp((rest_s - recency_midpoint_s) / recency_spread_s))``.
@@ -108,8 +108,8 @@ def find_events(
 
     ``saliency = weight * recency`` in seconds, 0 is best. The weight is the event's duration, or
     with ``saliency_weight="risk"`` the sum of ``D(G, S) / (W/2) * time step`` over its frames.
-    With ``saliency_of="each"`` every pedestrian qualifies by his own term, which then stands in
-    place of D(G, S).
+    With ``saliency_of="each"`` every pedestrian qualifies by their own term, which then
+    replaces D(G, S).
 
     Parameters
     ----------
@@ -186,13 +186,13 @@ def find_events(
 
 
 def _sum(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """Sum of every event's values; no event is empty."""
+    """Sum the values of every event. No event is empty."""
     sums: np.ndarray = np.add.reduceat(values, starts) if len(starts) else np.empty(0)
     return sums
 
 
 def saliency_by_recording(events: pd.DataFrame, n_recordings: int, *, aggregate: str) -> np.ndarray:
-    """Saliency of every recording, seconds, 0 is best; float64, shape (n_recordings,).
+    """Sum the saliency of every recording, seconds (0 is best), as float64, (n_recordings,).
 
     Its most salient event ("max") or the sum of all ("sum"); 0 without any.
     """
@@ -207,7 +207,7 @@ def saliency_by_recording(events: pd.DataFrame, n_recordings: int, *, aggregate:
 def aggregate_events(
     recording: np.ndarray, saliency_s: np.ndarray, n_recordings: int, *, aggregate: str
 ) -> np.ndarray:
-    """As `saliency_by_recording`, from the recording and the saliency of each event."""
+    """Aggregate like `saliency_by_recording`, from the recording and saliency of each event."""
     saliency = np.zeros(n_recordings)
     add = np.maximum if aggregate == "max" else np.add
     add.at(saliency, recording, saliency_s)
@@ -215,7 +215,7 @@ def aggregate_events(
 
 
 def mean_saliency(events: pd.DataFrame, frames: FrameColumns, *, aggregate: str) -> float:
-    """Mean over the recordings that have frames of each one's saliency, seconds; NaN without any.
+    """Return the mean saliency of recordings that have frames, seconds, NaN without any.
 
     References
     ----------

@@ -123,12 +123,11 @@ class SimilaritySettings:
     missing_distance: MissingDistance = setting(
         PROXIMITY,
         "height",
-        words={"height": "{his} height", "borrow": "the distance of {his} matches"},
+        words={"height": "height", "borrow": "distance of matches"},
         used_with=("proximity", ("distance",)),
         label="Without a distance, weigh by",
-        meaning="What weighs {a_one} {who} has no distance in the ground truth: {his} height "
-        "(height), or the distance that the systems report of {him}, borrowed along {his} track "
-        "(borrow).",
+        meaning="How to weigh {a_one} without a distance in the ground truth: by height (height), "
+        "or by the distance that the systems report, borrowed along the track (borrow).",
     )
     horizon: float | None = setting(
         PROXIMITY,

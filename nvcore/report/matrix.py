@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -17,6 +17,8 @@ from nvcore.errors import InputError
 from nvcore.evidence.pairwise import systems_of
 from nvcore.evidence.units import MIN_RECORDINGS, WHOLE
 from nvcore.measures.table import evidence_form
+from nvcore.notes import Note, phrase
+from nvcore.objects import PEDESTRIAN
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import refuse_other_run, write_run
 from nvcore.params import Params
@@ -24,13 +26,11 @@ from nvcore.tables.summary import without_nan
 from nvcore.wording import (
     Footnotes,
     aligned,
-    capitalised,
     count_text,
     difference,
     interval_text,
     number,
     one_line,
-    percent,
 )
 
 MATRIX_FILES: Final = ("matrix.csv", "matrix.json")
@@ -41,16 +41,14 @@ SYSTEM_HEAD: Final = (
     "encounters detected",
     "mean similarity",
 )
-NO_CLAIM: Final = "No difference is shown to be more than chance"
 
 
 class PairMeasure(NamedTuple):
-    """A measure of every pair: its title, what is claimed, and the columns that hold it."""
+    """A measure of every pair: its title, the note of a claim, and the columns that hold it."""
 
     key: str
     title: str
     claim: str
-    form: Callable[[float], str]
     value: str
     evidence: str
     winner: str
@@ -60,15 +58,13 @@ PAIR_MEASURES: Final = (
     PairMeasure(
         "encounters_detected_by_unit",
         "encounters detected",
-        "detects more encounters",
-        percent,
+        "matrix.detects_more",
         *("detected", "detected_by_unit", "detects_more"),
     ),
     PairMeasure(
         "mean_similarity",
         "mean similarity",
-        "has the higher mean similarity",
-        "{:.3f}".format,
+        "matrix.higher_similarity",
         *("similarity", "similarity", "higher_similarity"),
     ),
 )
@@ -80,13 +76,13 @@ def pair_name(pair: Mapping[Hashable, Any], *, between: str = " - ") -> str:
 
 
 def winner_of(pair: Mapping[Hashable, Any], measure: PairMeasure) -> str:
-    """``x`` or ``y``, of which it is claimed that it is better; empty: nothing is."""
+    """Return the letter (``x`` or ``y``) of the better system by a claim, "" without a claim."""
     name = pair[measure.winner]
     return "" if not name else "x" if name == pair["x"] else "y"
 
 
 def pair_cells(pair: Mapping[Hashable, Any], measure: PairMeasure) -> tuple[str, ...]:
-    """Values of both, their difference, its interval, p, p corrected; a dash where undefined."""
+    """Return both values, difference, interval, p, corrected p, with dashes where undefined."""
     form, of_measure = evidence_form(measure.key), measure.evidence
     x, y = pair[f"{measure.value}_x"], pair[f"{measure.value}_y"]
     return (
@@ -111,43 +107,39 @@ def system_cells(system: Mapping[Hashable, Any]) -> tuple[str, ...]:
 
 
 def pair_text(pair: Mapping[Hashable, Any]) -> str:
-    """Who is better in what, in a sentence or two that claim no more than the data support."""
-    claims = []
+    """Say who is better in what, in a sentence or two that claim no more than the data support."""
+    is_unequal, claims = bool(pair["is_unequal"]), []
     for measure in PAIR_MEASURES:
-        if winner := pair[measure.winner]:
-            p = f"p = {pair[f'{measure.evidence}_p_holm']:.2g} corrected"
-            if not pair["is_unequal"]:  # whose values are as set, and not what the claim is about
-                order = "xy" if winner == pair["x"] else "yx"
-                values = (measure.form(pair[f"{measure.value}_{letter}"]) for letter in order)
-                p = f"{' against '.join(values)}, {p}"
-            claims.append(f"{winner} {measure.claim} ({p})")
-    text = "; ".join(claims) or NO_CLAIM
-    has_p = any(math.isfinite(pair[f"{of.evidence}_p"]) for of in PAIR_MEASURES)
-    notes = dict.fromkeys(note for of in PAIR_MEASURES for note in notes_without_p(pair, of))
+        if winner := winner_of(pair, measure):
+            order = (winner, "y" if winner == "x" else "x")
+            best, other = (pair[f"{measure.value}_{letter}"] for letter in order)
+            # values are as set, whereas the claim about an unequal pair is at equal false alarms
+            values = {} if is_unequal else {"best": best, "other": other}
+            p = pair[f"{measure.evidence}_p_holm"]
+            claims.append(Note(measure.claim, winner=pair[winner], p=p, **values))
+    reasons = dict.fromkeys(note for of in PAIR_MEASURES for note in notes_without_p(pair, of))
     if pair["unit"] not in WHOLE:
-        notes = {f"{MIN_RECORDINGS} recordings are needed for a p": None}
-    if not has_p and not claims and notes:
-        text = f"Nothing is claimed: {'; '.join(notes)}"
-    if pair["withheld"] and not claims:
-        text = "Nothing is claimed"
-    points = "at the thresholds as set"
-    if pair["is_unequal"]:
-        points = "at equal false alarms"
-        x, y = (pair[f"false_alarms_per_frame_{letter}"] for letter in "xy")
-        apart = f"At unequal operating points, of {x:.3g} and {y:.3g} false alarms per frame"
-        text = f"{capitalised(points) if has_p else apart}: {text}"
-    reasons = f" More than chance {points}, but no claim: {pair['withheld']}."
-    return f"{text}.{reasons if pair['withheld'] else ''}"
+        reasons = {f"{MIN_RECORDINGS} recordings are needed for a p": None}
+    has_p = any(math.isfinite(pair[f"{of.evidence}_p"]) for of in PAIR_MEASURES)
+    note = Note(
+        "matrix.pair",
+        is_unequal=is_unequal,
+        claims=claims,
+        withheld=pair["withheld"],
+        reasons=[] if has_p else list(reasons),
+        alarms=[pair[f"false_alarms_per_frame_{letter}"] for letter in "xy"],
+    )
+    return phrase(note, PEDESTRIAN)
 
 
 def notes_without_p(pair: Mapping[Hashable, Any], measure: PairMeasure) -> list[str]:
-    """Why a measure of a pair has no p; empty: it has one."""
+    """Return why a measure of a pair has no p, or nothing if it has one."""
     is_undefined = math.isnan(pair[f"{measure.evidence}_p"])
     return [note for note in pair[f"{measure.evidence}_note"].split("; ") if note and is_undefined]
 
 
 def pair_notes(table: pd.DataFrame, measure: PairMeasure) -> tuple[list[str], dict[str, str]]:
-    """Footnotes of each pair without a p, as letters; the letters by their notes."""
+    """Return the footnote letters of each pair without a p, and the letters by their notes."""
     footnotes = Footnotes()
     rows = table.to_dict("records")
     of_pairs = [footnotes.of_row(notes_without_p(row, measure)) for row in rows]
@@ -186,7 +178,7 @@ def render_matrix(table: pd.DataFrame) -> str:
 
 
 def matrix_json(dataset: Dataset, params: Params, table: pd.DataFrame) -> str:
-    """Systems and pairs as JSON text; null is undefined.
+    """Return systems and pairs as JSON text, with null for undefined values.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ from nvcore.tables.boxes.states import gather_boxes
 
 
 class Words(NamedTuple):
-    """What a column is called on screen and in the report, and what it means."""
+    """Name of a column on screen and in the report, and its meaning."""
 
     label: str
     meaning: str
@@ -127,7 +127,7 @@ class FrameSummary:
         weight k, is_relevant (``k >= 0.5``), is_matched_x and is_matched_y, missed_by
         (``X and Y``, ``X``, ``Y`` or empty), is_salient_x and is_salient_y (the most salient
         miss), border_px, nearest_px_x and nearest_px_y (infinite: no detection), term_x and term_y
-        (own term of D(G, S) as a share of W/2, 0 is best), cost (of missing him, 0 to 1).
+        (own term of D(G, S) as a share of W/2, 0 is best), cost (of a miss, 0 to 1).
     detections
         Those that count, the largest term first, columns system (``X`` or ``Y``), outcome
         (``match`` or ``false``), term (own term of D(S, G) as a share of W/2, 0 is best), k,

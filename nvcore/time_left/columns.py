@@ -1,4 +1,4 @@
-"""What time left adds to the CSV files of a report and to ``summary.json``."""
+"""Columns and keys of time left in CSV files of a report and ``summary.json``."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ _ENCOUNTERS: Final = (
             "impact_kmh",
             _NUMBER,
             "km/h",
-            "Speed with which the car reaches {him}, if it brakes after `confirmed_frame`.",
+            "Speed with which the car reaches the {one}, if it brakes after `confirmed_frame`.",
             "low",
             empty=_NOT_URGENT,
         ),

@@ -1,7 +1,7 @@
 """Time left: whether braking could still have helped when a system had found the pedestrian.
 
 Needs no speed sensor: while a pedestrian is approached at constant speed, one over the height of
-his box (as his distance) falls on a line that reaches 0 at contact.
+the box (like the distance) falls on a line that reaches 0 at contact.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Contact:
 
     @property
     def is_judged(self) -> np.ndarray:
-        """Encounters whose time to contact can be known; bool, shape (n_encounters,)."""
+        """Encounters whose time to contact can be known, as bool, shape (n_encounters,)."""
         judged: np.ndarray = ~(self.is_sampled | self.is_linked)
         return judged
 
@@ -59,9 +59,9 @@ def measure_contact(
     ttc_window: float,
     is_on_road: bool = True,
 ) -> Contact:
-    """Time to contact of every pedestrian in every frame, from his boxes alone.
+    """Estimate the time to contact of every pedestrian in every frame, from boxes alone.
 
-    The least-squares line through his distances (if every box has one, else one over the heights)
+    The least-squares line through the distances (if every box has one, else one over the heights)
     over the frames within half a window; boxes that the picture's edge cuts do not count. It is
     infinite where the line does not fall, or by less than twice the slope's standard error, and
     unknown with fewer than 5 boxes.
@@ -98,7 +98,7 @@ def over_encounters(kernel: Callable[..., Any], encounters: Encounters, *argumen
 
 
 def speed_of_frames(frames: FrameColumns, speed_kmh: float) -> np.ndarray:
-    """Speed in every frame, km/h: its own or its recording's, else the assumed; (n_frames,)."""
+    """Return the speed in every frame, km/h, (n_frames,): own, of the recording, or assumed."""
     return np.where(np.isnan(frames.speed_kmh), speed_kmh, frames.speed_kmh)
 
 
@@ -115,7 +115,7 @@ def needed_time(speed_kmh: np.ndarray, params: Params) -> np.ndarray:
 def is_outside(
     boxes: BoxColumns, rows: np.ndarray, frames: FrameColumns, corridor: float
 ) -> np.ndarray:
-    """Whether boxes are farther from the middle than a share of half the width; bool, (n,)."""
+    """Whether boxes are farther from the middle than a share of half the width, as bool, (n,)."""
     half = frames.half_width[boxes.frame_index[rows]]
     centre = np.clip(boxes.x[rows] + 0.5 * boxes.w[rows], 0, 2 * half)
     outside: np.ndarray = np.abs(centre - half) > corridor * half
@@ -131,7 +131,7 @@ def find_urgent(
     *,
     speed_kmh: np.ndarray | None = None,
 ) -> pd.DataFrame:
-    """Whether, and when, each encounter becomes urgent: the driver has to be told by then.
+    """Find whether and when each encounter becomes urgent, so that the driver has to be told.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def find_urgent(
 def confirm(
     contact: Contact, encounters: Encounters, is_matched: np.ndarray, params: Params
 ) -> pd.DataFrame:
-    """When a system is sure of each pedestrian: `confirm_n` of his last `confirm_m` frames match.
+    """Find when a system confirms each pedestrian: `confirm_n` of `confirm_m` frames match.
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ def confirm(
 def judge_time_left(
     urgency: pd.DataFrame, confirmed: pd.DataFrame, frames: FrameColumns, params: Params
 ) -> pd.DataFrame:
-    """Whether a system confirmed each urgent pedestrian in time, and how fast the car hits him.
+    """Judge whether a system confirmed each urgent pedestrian in time, and the impact speed.
 
     Parameters
     ----------
@@ -275,7 +275,7 @@ def curve_over_speed(
     frames: FrameColumns,
     params: Params,
 ) -> pd.DataFrame:
-    """What the speed changes: each speed in place of those of recordings and parameters.
+    """Judge time left at each speed in place of those of recordings and parameters.
 
     Parameters
     ----------
@@ -305,7 +305,7 @@ def curve_over_speed(
 
 
 def turning_speeds(curve: pd.DataFrame, measure: str) -> list[float]:
-    """Speeds of a curve from which on the other system is ahead; empty: the order never turns.
+    """Return the speeds of a curve at which the other system gets ahead, if there are any.
 
     Parameters
     ----------

@@ -95,8 +95,8 @@ class TimeLeftSettings:
         is_whole=True,
         slider_format="%0.0f",
         label="Confirmed if matched in (frames)",
-        meaning="A system is sure of {a_one}, so that it can warn, when it matches {him} in so "
-        "many of {his} last few frames; of how many, the next setting says. At most that many.",
+        meaning="A system confirms {a_one}, and can warn, once it matches the {one} in this many "
+        "of the most recent frames. The next setting is how many frames those are.",
         is_advanced=True,
     )
     confirm_m: int = setting(
@@ -109,8 +109,8 @@ class TimeLeftSettings:
         is_whole=True,
         slider_format="%0.0f",
         label="Confirmed within the last (frames)",
-        meaning="Among how many of {a_one}'s last frames the matched ones are counted that "
-        "confirm {him}; at {his} first frames there are fewer.",
+        meaning="Number of most recent frames in which matches of {a_one} count towards "
+        "confirmation. There are fewer at the start of a track.",
         is_advanced=True,
     )
 

@@ -1,4 +1,4 @@
-"""What texts call the objects that the boxes are of.
+"""Words of texts for the objects that boxes show.
 
 A text that speaks of them is a format template: "{A_one} {whom} nothing matches is missed."
 `nvcore.objects.Objects.say` fills it, once, where the text is made or leaves a table of texts.
@@ -11,6 +11,8 @@ from functools import lru_cache
 from typing import Final
 
 _OF_PEOPLE_AND_THINGS: Final = {
+    "them": ("them", "it"),
+    "their": ("their", "its"),
     "he": ("he", "it"),
     "him": ("him", "it"),
     "his": ("his", "its"),
@@ -38,7 +40,7 @@ def words_for(singular: str, plural: str, *, are_people: bool) -> Mapping[str, s
     Examples
     --------
     >>> words = words_for("animal", "animals", are_people=False)
-    >>> words["A_one"], words["many"], words["His"]
+    >>> words["A_one"], words["many"], words["Their"]
     ('An animal', 'animals', 'Its')
     """
     article = "an" if singular[0].casefold() in "aeiou" else "a"

@@ -48,7 +48,7 @@ def measure(result: Result, key: str) -> list[float]:
 
 
 def met(frames, *, detectability=NAN, **params) -> Result:
-    """An urgent pedestrian whom X detects in these frames; how detectable he is in frame 3."""
+    """An urgent pedestrian whom X detects in these frames; how detectable they are in frame 3."""
     boxes = approach(ALL, 5)
     truth = [box._replace(detectability=detectability if box.frame == 3 else NAN) for box in boxes]
     truth[0] = truth[0]._replace(detectability=0.0 if detectability == detectability else NAN)
@@ -87,14 +87,14 @@ def test_an_alert_about_who_is_not_urgent_is_a_nuisance_if_he_is_far_or_outside(
 
 
 def test_an_urgent_pedestrian_is_no_nuisance_however_far():
-    # in frame 0 he is 10 px tall: below the midpoint of 20 px
+    # in frame 0 the pedestrian is 10 px tall: below the midpoint of 20 px
     assert kinds(met([0], midpoint=20.0, spread=2.0)) == ["wanted"]
 
 
 def test_an_alert_is_redundant_if_the_driver_has_seen_before_needed_if_not():
     seen = {"detectability": 0.9, "midpoint": 20.0, "spread": 2.0}
     assert kinds(met([4, 5], **seen)) == ["redundant"]
-    assert kinds(met([3, 4], **seen)) == ["needed"]  # he sees in that very frame
+    assert kinds(met([3, 4], **seen)) == ["needed"]  # the driver sees in that very frame
     assert kinds(met([4, 5], **{**seen, "detectability": 0.4})) == ["needed"]
 
 
@@ -133,7 +133,7 @@ def test_an_alert_after_one_that_was_wanted_is_marked_as_a_repeat():
 
 
 def test_an_alert_after_a_nuisance_is_no_repeat():
-    # 9 px weigh less than 0.5, 11 px more; he stands still and is not urgent
+    # 9 px weigh less than 0.5, 11 px more; the pedestrian stands still and is not urgent
     truth = [at(frame, 50, h=9.0 if frame < 10 else 11.0, w=4, track=1) for frame in ALL]
     result = judged(truth, only(truth, [2, 15, 30]))
     assert kinds(result) == ["nuisance", "wanted", "wanted"]
@@ -141,7 +141,7 @@ def test_an_alert_after_a_nuisance_is_no_repeat():
 
 
 def test_the_first_box_that_matches_says_whom_an_alert_is_about():
-    # box of frame 2 beside him, as of a track that is about to take him: the alert is his
+    # box of frame 2 beside the pedestrian, as of a track about to take them: the alert is theirs
     boxes = approach(ALL, 5)
     early = boxes[2]._replace(x=boxes[2].x + 30)
     result = judged(boxes, [early, *only(boxes, [3, 4])])
@@ -153,8 +153,8 @@ def test_the_first_box_that_matches_says_whom_an_alert_is_about():
     ("frames", "kind"), [(range(1, 12), "nuisance"), ((1, 2), "wanted")], ids=["known", "unknown"]
 )
 def test_nearness_is_that_of_the_frame_in_which_the_alert_begins(frames, kind):
-    # weight 0.5 from 10 px on: he has 9 px in frame 0, then 11 px, where a box matches; in three
-    # frames it is not known whether he is urgent, and nothing is called a nuisance
+    # weight 0.5 from 10 px on: 9 px in frame 0, then 11 px, where a box matches; in three
+    # frames it is not known whether they are urgent, and nothing is called a nuisance
     truth = [at(0, 50, h=9.0, w=4, track=1), *(at(f, 50, h=11.0, w=4, track=1) for f in frames)]
     missed = Box(0, 20, 10, 4, 9, track=1)
     assert kinds(judged(truth, [missed, *only(truth, [1, 2])])) == [kind]

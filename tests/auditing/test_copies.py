@@ -23,7 +23,7 @@ from nvcore.report.verdict import verdict
 
 
 def drive(seed: int, n: int = 40) -> list[Box]:
-    """A pedestrian who goes his own way through a recording."""
+    """A pedestrian who goes their own way through a recording."""
     rng = np.random.default_rng(seed)
     centre, height = rng.uniform(20, 80), rng.uniform(20, 40)
     return [

@@ -28,7 +28,7 @@ from nvcore.inputs.session_toml import read_session
 
 @pytest.fixture
 def place(tmp_path: Path) -> Path:
-    """40 frames at 4 a second with a person 60 brighter than his surround; it is dark from 5 s."""
+    """40 frames at 4 a second with a person 60 brighter than the surround; it is dark from 5 s."""
     rows = [f"drive,{frame},20,10,8,16,5" for frame in range(40)]
     (tmp_path / "truth.csv").write_text("\n".join(["recording,frame,x,y,w,h,track", *rows]) + "\n")
     grey = np.full((48, 64), 40, np.uint8)

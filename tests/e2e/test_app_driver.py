@@ -143,7 +143,7 @@ def test_from_a_study_to_whom_the_driver_sees(
     subject.go(study)
     take_part(subject, small_estimator.study_figures(N_PICTURES))
 
-    # his answers train an estimator
+    # the subject's answers train an estimator
     conductor.go(conduct)
     with conductor.page.expect_download() as download:
         conductor.page.get_by_role("button", name="Trials (CSV)").click()

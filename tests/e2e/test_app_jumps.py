@@ -84,7 +84,7 @@ def open_case(one: Visit) -> None:
 
 
 def choose_pedestrian(one: Visit) -> None:
-    """Choose who is in the frame, if nobody is chosen, and open the page about him."""
+    """Choose who is in the frame, if nobody is chosen, and open the page about them."""
     chosen = one.page.locator(".st-key-open_chosen button")
     if not chosen.count():
         one.table("pedestrians").get_by_role("gridcell").first.click()

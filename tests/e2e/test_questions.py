@@ -95,7 +95,7 @@ def test_about_who_was_missed_and_when(visit):
     asker.reads(re.compile(r"2\s*of 5"))
     assert asker.clicks == 1
 
-    # would the driver have seen him?
+    # would the driver have seen them?
     asker.starts_anew()
     asker.follow("Would the driver have seen them?", "Driver")
     expect(asker.visit.page.get_by_role("button", name="Estimate")).to_be_visible()

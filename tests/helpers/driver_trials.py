@@ -24,7 +24,7 @@ def true_detectability(features: pd.DataFrame, period_s: float) -> np.ndarray:
 
 
 def made_features(n: int = 51, seed: int = 1) -> pd.DataFrame:
-    """One pedestrian in each of n pictures, and where he is."""
+    """One pedestrian in each of n pictures, and where they are."""
     rng = np.random.default_rng(seed)
     height = rng.uniform(60, 260, n)
     columns = {

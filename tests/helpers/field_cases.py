@@ -1,6 +1,6 @@
 """The scene of `field_scene`, written as other tools write it, and what has to come of it.
 
-Each case is the files of truth, X and Y as their user has them, the flags that he gives, and the
+Each case is the files of truth, X and Y as their user has them, the flags that they give, and the
 right outcome: the right values, or a refusal or finding that names the cause.
 """
 

@@ -27,7 +27,7 @@ def write_model(
 ) -> Path:
     """An estimator: soon after a change 0.2 of the contrast over 100, from 4.5 s on `late` of it.
 
-    With `late` = 1 who is 80 brighter than his surround is seen by 0.8 of all adapted drivers.
+    With `late` = 1 a pedestrian 80 brighter than the surround is seen by 0.8 of adapted drivers.
     That of soon after a change was trained on contrasts of up to `soon_high`, the others of 200.
     """
     parts = ((0.2, soon_high), (late, 200.0), (late, 200.0))

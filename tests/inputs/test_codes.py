@@ -38,7 +38,7 @@ def coded(folder: Path, *lines: str, **facts: object) -> Session:
 def four() -> Result:
     """Four pedestrians of a second each, one after another: X detects the first three, Y the outer.
 
-    Glare until the second one comes, distraction from his last frame (1.9 s) to the third's first.
+    Glare until the second one comes, distraction from its end (1.9 s) to the third's first frame.
     """
     truth = [at(frame, 50, track=1 + frame // 10) for frame in range(40)]
     dataset = make_dataset(truth, truth[:30], truth[:10] + truth[30:])

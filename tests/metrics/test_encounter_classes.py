@@ -35,7 +35,7 @@ def members(dataset: Dataset) -> dict[str, list[int]]:
 
 
 def far_left(frame: int, track: int, **more: float) -> Box:
-    """Of a pedestrian who shows no class: 4.25 times his height to the left of the middle."""
+    """Of a pedestrian who shows no class: 4.25 times their height to the left of the middle."""
     return at(frame, 7.5, h=10.0, track=track, **more)
 
 

@@ -24,7 +24,7 @@ CRITERIA: tuple[Criterion, ...] = get_args(Criterion)
 def turning() -> Result:
     """X - Y = 0.5 - 1.5 alpha.
 
-    The pedestrian stands in the middle (50 of 100 px). X sees nobody: M = 1 - alpha. Y sees him
+    The pedestrian stands in the middle (50 of 100 px). X sees nobody: M = 1 - alpha. Y sees them
     and somebody at 25 px: M = 1 - (1 - alpha) * 25 / 50.
     """
     return result_of(make_dataset([at(0, 50)], [], [at(0, 50, score=0.9), at(0, 25, score=0.4)]))

@@ -31,10 +31,10 @@ something."""
 
 
 def simulate_ratings(session_file: Path) -> pd.DataFrame:
-    """Ratings of every recording with the boxes of each system; the same on every call.
+    """Simulate ratings of every recording with the boxes of each system, the same on every call.
 
     Each participant rates the logarithm of an annoyance that follows saliency with other settings
-    than the default ones, with a habit of his own in level, width and noise; some ratings are
+    than the default ones, with habits of their own in level, width and noise; some ratings are
     missing, and one participant takes the scale the wrong way round.
 
     Returns
@@ -63,6 +63,6 @@ def simulate_ratings(session_file: Path) -> pd.DataFrame:
 
 
 def ratings_text(table: pd.DataFrame) -> str:
-    """The ratings as CSV, missing ones empty; the same bytes on every system."""
+    """Return ratings as CSV, missing ones empty, with the same bytes on every system."""
     whole = table.assign(rating=table["rating"].astype("Int64"))
     return str(whole.to_csv(index=False, lineterminator="\n"))

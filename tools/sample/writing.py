@@ -66,7 +66,7 @@ def session_text(recordings: Iterable[Recording]) -> str:
 
 
 def tags_of(recording: Recording) -> tuple[str, ...]:
-    """Where, when in the year, and ``night``; the drives by visible light are at dusk."""
+    """Return place, season, and ``night``. The drives by visible light are at dusk."""
     return recording.tags if recording.name in GLOWS else (*recording.tags, "night")
 
 
@@ -80,7 +80,7 @@ def _context_text(context: float) -> str:
 
 
 def write_video(path: Path, pictures: Iterable[NDArray[np.uint8]]) -> None:
-    """Grey pictures as an H.264 video; the same bytes from the same machine and encoder.
+    """Write grey pictures as an H.264 video, with the same bytes from the same machine and encoder.
 
     Parameters
     ----------
@@ -228,13 +228,13 @@ A study that never happened, either, of who sees a pedestrian how long after the
 study of this kind is public.
 
 - `study/`: {n_pictures} pictures at twilight, rendered, 960 x 540, one pedestrian each.
-  `boxes.csv`: where he is, in pixels, and the point of fixation, the middle of the picture.
+  `boxes.csv`: where they are, in pixels, and the point of fixation, the middle of the picture.
 - `trials_simulated.csv`: {n_subjects} simulated subjects (`device` is `simulated`), each with every
   picture at six times after a change from 1,000 to 10 lx, two pictures a run. Touches are in
   pixels; 200 px stand for 5 degrees. One subject often does not look.
 - `trials_simulated_truth.csv`: what the simulated observer says, by picture and time:
-  `visibility` (how many times the threshold of contrast), `picking` (chance to pick him out in one
-  glance), `probability` (chance that a subject sees him, mean of all). An estimate can be
+  `visibility` (how many times the threshold of contrast), `picking` (chance to pick them out in one
+  glance), `probability` (chance that a subject sees them, mean of all). An estimate can be
   compared with it; a real study has no such column. The observer is a contrast-sensitivity filter
   over the picture with and without the pedestrian, whose adaptation recovers with time. Its parts
   are published, some constants are ours; no person was asked, and it says nothing about people

@@ -34,14 +34,14 @@ NO_FEATURE: Final = "a feature that the estimator needs is not known in any of t
 def why_unknown(
     part: RecordingFeatures | None, features: pd.DataFrame | None, *, has_run: bool
 ) -> str:
-    """Why it is known in no frame how detectable a pedestrian is, in words.
+    """Say why a pedestrian's detectability is known in no frame.
 
     Parameters
     ----------
     part
-        What the run has of his recording; None: nothing.
+        What the run has of the pedestrian's recording; None: nothing.
     features
-        His own, frame by frame; None: not known.
+        Of the pedestrian, frame by frame; None: not known.
     has_run
         Whether a run of this session made the estimates, of this recording or of others.
     """
@@ -53,7 +53,7 @@ def why_unknown(
 
 
 def period_words(run: EstimateRun, period_s: float) -> str:
-    """Of which adaptation periods the regressions are: "7.5 s", or "3 and 4.5 s" between two.
+    """Return the adaptation periods of regressions, such as "7.5 s" or "3 and 4.5 s".
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def longest_words(run: EstimateRun) -> str:
 
 
 def outside_words(run: EstimateRun, features: pd.Series, period_s: float) -> list[str]:
-    """The features that are outside of the training's range, with value and range; empty: none is.
+    """List the features outside of the training range, with value and range.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ NOT_KNOWN: Final = "In no frame is it known how detectable this {one} is"
 
 
 def draw(result: Result, encounter: int) -> None:
-    """The pedestrian, beginning at the frame by which the driver has to see him."""
+    """Draw the pedestrian, starting at the frame by which the driver has to see them."""
     course = detectability_course(result, encounter)
     name = state.workspace().n_opened, name_of(result, encounter)
     is_new = store.DRIVER_SHOWN.get()[0] != name
@@ -63,14 +63,14 @@ def draw(result: Result, encounter: int) -> None:
 
 
 def first_shown(course: pd.DataFrame) -> int:
-    """Row of the first relevant frame; of a distant one, of the first."""
+    """Return the first relevant row, or the first row of a distant encounter."""
     before = course["row"][course["is_up_to_relevant"]]
     return int(before.iloc[-1] if len(before) else course["row"].iloc[0])
 
 
 @st.fragment
 def _draw_moving(result: Result, encounter: int, course: pd.DataFrame) -> None:
-    """What shows the current frame; a click in one part moves all."""
+    """Draw the parts that show the current frame. A click in one part moves all."""
     if chosen_encounter(result) != store.DRIVER_SHOWN.get()[1]:  # another was chosen in the picture
         st.rerun()
     settled = compared_viewer.settled(KEY)
@@ -134,7 +134,7 @@ def _clock(result: Result, recording: int, change: tunnel.Change | None) -> Adap
 
 
 def _visible(recording: int, clock: AdaptationClock | None) -> VisiblePictures | None:
-    """As the page's own switch says, without that of the viewer."""
+    """Return the setting of the page's own switch, ignoring that of the viewer."""
     visible = visible_of(recording)
     if visible is None:
         return None

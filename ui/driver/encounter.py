@@ -7,19 +7,14 @@ from typing import Final
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.driver.comparison.encounters import (
-    SIGHT_TEXT,
-    SIGHT_WORDS,
-    describe_sight,
-    driver_sights,
-)
+from nvcore.driver.comparison.encounters import SIGHT_WORDS, describe_sight, driver_sights
 from nvcore.driver.comparison.steps import driver_in
 from ui.subjects import ColumnLook, EncounterFilter
 from ui.widgets.text import plain
 
 
 def draw_head(result: Result, encounter: int) -> None:
-    """Whether the driver sees the pedestrian, where it is known."""
+    """Draw whether the driver sees the pedestrian, if it is known."""
     if sight := describe_sight(result, encounter):
         st.markdown(f":material/visibility: {plain(sight)}")
 
@@ -31,14 +26,18 @@ CHOICES: Final = {
     "unknown": SIGHT_WORDS["unknown"],
 }
 """What can be chosen: open ones are taken out of the first two."""
-APART: Final = (
+HELP: Final = (
+    f"*{CHOICES['sees']}*: the driver sees the {{one}} unaided.",
+    f"*{CHOICES['unseen']}*: the driver does not see the {{one}} unaided.",
+    f"*{CHOICES['open']}*: the value that decides is within one SD of the threshold.",
+    f"*{CHOICES['unknown']}*: detectability is known in no frame up to the first that counts.",
     "Open ones are listed apart; the page Driver and encounters.csv count them as seen or not "
-    "seen, by the side of the threshold on which the value is."
+    "seen, by the side of the threshold on which the value is.",
 )
 FILTER: Final = EncounterFilter(
     "driver",
     "By the driver",
-    "  \n".join([*(f"*{CHOICES[sight]}*: {SIGHT_TEXT[sight]}." for sight in SIGHT_WORDS), APART]),
+    "  \n".join(HELP),
     CHOICES,
     driver_sights,
     lambda result: driver_in(result).has_any,

@@ -45,7 +45,7 @@ def draw(
     is_estimated: bool = False,
     has_run: bool = False,
 ) -> None:
-    """What is known of the pedestrian on the frame that is shown.
+    """Draw the facts about the pedestrian on the current frame.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def draw(
         Of `nvcore.driver.comparison.encounters.detectability_course`.
     features, simulated
         Rows as of the course; None: not known, nothing is simulated. Of features with
-        ``estimate``, NaN where the run has none of him.
+        ``estimate``, NaN where the run has none.
     clock
         Of the recording; None: nothing is known of the light.
     caution
@@ -61,7 +61,7 @@ def draw(
     run
         What the estimates and features come from; None: from a file.
     is_estimated
-        Whether an estimator of ours said how detectable he is.
+        Whether an estimator of ours gave the detectability.
     has_run
         Whether a run of this session made the estimates, of this recording or of others.
     """
@@ -108,7 +108,7 @@ def _draw_features(features: pd.DataFrame | None, at: int, why_none: str) -> Non
 
 
 def _by(run: EstimateRun | None, part: pd.Series | None) -> str:
-    """By which estimator, after a comma; empty: it is not known."""
+    """Return the name of the estimator after a comma, or "" if it is not known."""
     if run is None or part is None:
         return ""
     return f", estimator of {basis.period_words(run, part['period_s'])}"
@@ -117,7 +117,7 @@ def _by(run: EstimateRun | None, part: pd.Series | None) -> str:
 def _draw_outside(
     estimate: pd.Series, own: pd.Series | None, would: pd.Series | None, run: EstimateRun | None
 ) -> None:
-    """Which number is of features outside of the training, and of which ones."""
+    """Draw how many features are outside of the training range, and which."""
     parts = {"Detectability": estimate} | ({} if would is None else {"After the change": would})
     for name, part in parts.items():
         if not part["is_outside"]:

@@ -33,7 +33,7 @@ COLUMNS: Final = {
 
 
 def draw(result: Result) -> DriverRegion | None:
-    """The diagram and its regions; the one that is chosen, None: all."""
+    """Draw the diagram and its regions, and return the selected one, None for all."""
     left, right = st.columns([2, 3], gap="medium")
     names = result.x.name, result.y.name
     with left:
@@ -65,7 +65,7 @@ def draw(result: Result) -> DriverRegion | None:
 
 
 def draw_over_threshold(result: Result) -> None:
-    """Whom the driver sees and what that leaves to X and Y over the threshold, folded away."""
+    """Draw whom the driver sees and what that leaves to X and Y over the threshold, folded."""
     with st.expander("Over the threshold"):
         figure = driver_threshold_plot(
             over_driver_threshold(result),
@@ -81,6 +81,8 @@ def draw_over_threshold(result: Result) -> None:
                 "The driver sees the {one} where detectability reaches the threshold in a "
                 "frame up to the first that counts. How many encounters that leaves for X and Y to "
                 "warn of depends on the threshold, not on the systems ({link}).",
-                link=docs_link(state.say("{what} the driver sees"), "whom-he-sees", doc="driver"),
+                link=docs_link(
+                    state.say("{what} the driver sees"), "whom-the-driver-sees", doc="driver"
+                ),
             ),
         )

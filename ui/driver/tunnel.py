@@ -30,14 +30,14 @@ class Change(NamedTuple):
 def draw(
     result: Result, course: pd.DataFrame, features: pd.DataFrame | None, *, is_estimated: bool
 ) -> Change | None:
-    """The switch, the time, and what would be; None: nothing is simulated.
+    """Draw switch and time, and return the simulated change, or None if there is none.
 
     Parameters
     ----------
     features
         Rows as of the course; None: not known.
     is_estimated
-        Whether the estimator said how detectable he is, with which the simulation is compared.
+        Whether the estimator gave the detectability that the simulation is compared with.
     """
     known = opened_run()
     missing = _missing(known, features, is_estimated=is_estimated)
@@ -92,7 +92,7 @@ def _begin_here() -> None:
 
 
 def _missing(known: OpenedRun | None, features: pd.DataFrame | None, *, is_estimated: bool) -> str:
-    """Why no change of light can be simulated; empty: it can."""
+    """Return why no change of light can be simulated, or "" if it can."""
     if known is None:
         return (
             "To simulate a change of light, features and an estimator are needed, and the session "
@@ -114,7 +114,7 @@ def _missing(known: OpenedRun | None, features: pd.DataFrame | None, *, is_estim
 def _estimates(
     known: OpenedRun, course: pd.DataFrame, features: pd.DataFrame, fps: float, change_s: float
 ) -> pd.DataFrame:
-    """What would be, by the estimator of the run, in its confined process."""
+    """Simulate by the estimator of the run, in its confined process."""
     space = state.workspace()
     end_s = course["time_s"].to_numpy(np.float64) + 1 / fps
     clock = clock_of(state.recording())

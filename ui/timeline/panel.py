@@ -80,7 +80,7 @@ def _numbers(facts: FrameSummary) -> str:
 
 
 def _chosen(result: Result, row: int) -> None:
-    """Who was chosen, in the picture or in the table, and what he costs here."""
+    """Show the selected pedestrian and what missing them costs in this frame."""
     encounter = chosen_encounter(result)
     if encounter is None:
         st.caption("Click a box in the picture, or a cell below: why it counts and costs.")
@@ -117,7 +117,7 @@ def _choose(result: Result, tracks: list[int], row: int, _line: int, column: str
 
 
 def _boxes(result: Result, facts: FrameSummary) -> None:
-    """Who costs most, and which detections."""
+    """Draw who costs most, and which detections."""
     if not facts.n_truth:
         st.caption(state.say("{Nobody} is annotated in this frame."))
     else:

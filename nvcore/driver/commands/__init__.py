@@ -1,4 +1,4 @@
-"""``nvcore driver``: would the driver have seen the pedestrian himself."""
+"""``nvcore driver``: estimate what the driver would have seen unaided."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from nvcore.driver.commands.features import features
 from nvcore.driver.commands.train import evaluate, train
 
 
-@click.group(short_help="Would the driver have seen the pedestrian himself.")
+@click.group(short_help="Estimate what the driver would have seen unaided.")
 def driver() -> None:
-    """Estimate whether the driver would have seen each pedestrian himself."""
+    """Estimate whether the driver would have seen each pedestrian unaided."""
 
 
 for command in (features, train, evaluate, estimate):

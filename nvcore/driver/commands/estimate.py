@@ -1,4 +1,4 @@
-"""``nvcore driver estimate``: how likely the driver sees each pedestrian by himself."""
+"""``nvcore driver estimate``: how likely the driver sees each pedestrian unaided."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from nvcore.wording import one_line
 
 @click.command(
     cls=GroupedCommand,
-    short_help="How likely the driver sees each pedestrian by himself.",
+    short_help="Estimate how likely the driver sees each pedestrian.",
     epilog=examples(
         "nvcore driver estimate night.toml --model driver.npz --out seen",
         "nvcore compare seen/session.toml",
@@ -25,7 +25,7 @@ from nvcore.wording import one_line
 @options_of(EstimateArguments)
 @setting_options
 def estimate(session_file: Path, **options: Any) -> None:
-    """How likely the driver sees each pedestrian by himself, in every frame.
+    """Estimate how likely the driver sees each pedestrian unaided, in every frame.
 
     SESSION_FILE (TOML) names what nvcore driver features needs. DIR/session.toml is the same
     session with the estimates, which nvcore compare takes. Features are computed with the settings

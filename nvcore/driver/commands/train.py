@@ -86,7 +86,7 @@ _judging_options = with_options(
 
 
 def say_how_to_leave_out(table: TrainingTable) -> None:
-    """The flags that leave the odd subjects out; nothing where most are odd."""
+    """Print the flags that leave the odd subjects out, unless most are odd."""
     names = table.odd_subjects
     if 0 < len(names) <= table.n_subjects / 2:
         flags = shlex.join(part for name in names for part in ("--leave-out", name))
@@ -138,8 +138,8 @@ def train(trials: Path, out: Path, **options: Any) -> None:
 def evaluate(trials: Path, out: Path | None, html: Path | None, **options: Any) -> None:
     """Evaluate estimators on TRIALS (CSV), leaving out one pedestrian at a time.
 
-    Each pedestrian is estimated by regressions that were chosen and trained without him: one of
-    his adaptation period, one for all periods, and the mean of the others; then by each pair of
+    Each pedestrian is estimated by regressions chosen and trained on all others: one for the
+    adaptation period, one for all periods, and the mean of the others; then by each pair of
     features. With 51 pedestrians and 6 periods that is half an hour of processor time; with --quick
     a tenth. Exit code 0: fine, 2: bad input.
     """
@@ -161,7 +161,7 @@ def evaluate(trials: Path, out: Path | None, html: Path | None, **options: Any) 
 
 
 def _judged(options: dict[str, Any]) -> dict[str, Any]:
-    """The options with how responses are judged as one; a square is in pixels or an angle."""
+    """Replace the options on judging responses by one value, converting an angle to pixels."""
     from nvcore.driver.trials import Judging, side_of_angle
 
     square_px, degrees = options.pop("square_px"), options.pop("square_degrees")

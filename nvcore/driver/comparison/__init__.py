@@ -1,1 +1,1 @@
-"""The driver in the comparison: whom he sees by himself, beside X and Y."""
+"""The driver in the comparison: whom they see unaided, beside X and Y."""

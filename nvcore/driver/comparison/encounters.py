@@ -39,16 +39,10 @@ SIGHT_WORDS: Final[dict[Sight, str]] = {
     "unknown": "not known",
 }
 """Whether the driver sees the pedestrian of a near encounter, in short."""
-SIGHT_TEXT: Final[dict[Sight, str]] = {
-    "sees": "the driver sees the {one} unaided",
-    "unseen": "the driver does not see the {one} unaided",
-    "open": "the value that decides is within one standard deviation of the threshold",
-    "unknown": "detectability is known in no frame up to the first that counts",
-}
 
 
 def driver_sights(result: Result) -> np.ndarray:
-    """Whether the driver sees each pedestrian by himself, where that is not open.
+    """Judge whether the driver sees each pedestrian unaided, or whether that is open.
 
     Returns
     -------
@@ -63,7 +57,7 @@ def driver_sights(result: Result) -> np.ndarray:
 
 
 def describe_sight(result: Result, encounter: int) -> str:
-    """What the driver sees of one encounter, in a sentence; empty: distant, or nothing is known.
+    """Say whether the driver sees an encounter, or nothing if it is distant or all is unknown.
 
     Examples
     --------
@@ -73,11 +67,6 @@ def describe_sight(result: Result, encounter: int) -> str:
     sight: Sight = driver_sights(result)[encounter]
     if sight == "distant" or not result.dataset.has_detectability:
         return ""
-    if sight == "unknown":
-        note = Note(
-            "driver.sight", sight=SIGHT_WORDS[sight], why=result.objects.say(SIGHT_TEXT[sight])
-        )
-        return say(note, result.objects)
     largest, sd = driver_in(result).table[["detectability", "sd"]].iloc[encounter]
     record = result.dataset.of("driver")
     name = result.dataset.recordings["name"].iloc[result.encounters.recording[encounter]]
@@ -85,7 +74,7 @@ def describe_sight(result: Result, encounter: int) -> str:
     note = Note(
         "driver.sight",
         sight=SIGHT_WORDS[sight],
-        largest=largest,
+        largest=None if sight == "unknown" else largest,
         sd=sd if np.isfinite(sd) else None,
         caution=(record.caution or None) if is_estimated else None,
     )
@@ -113,7 +102,7 @@ def driver_venn_table(result: Result) -> pd.DataFrame:
 
 
 def over_driver_threshold(result: Result) -> pd.DataFrame:
-    """Whom the driver sees, and what that leaves to X and Y, over `driver_threshold`.
+    """Count whom the driver sees, and what that leaves to X and Y, over `driver_threshold`.
 
     Counted from the largest detectability of each encounter and who detects it: nothing is compared
     anew.
@@ -121,9 +110,9 @@ def over_driver_threshold(result: Result) -> pd.DataFrame:
     Returns
     -------
     One row for each of `DRIVER_THRESHOLDS`, of the near encounters of which it is known:
-    driver_threshold, known (how many these are, the same in each row), seen (by the driver, by
-    himself), useful_x, useful_y (detected by the system, not seen by him; higher is better),
-    nobody (neither he nor X nor Y; lower is better). No row where it is known of none.
+    driver_threshold, known (how many these are, the same in each row), seen (by the driver,
+    unaided), useful_x, useful_y (detected by the system, not seen by the driver; higher is better),
+    nobody (neither the driver nor X nor Y; lower is better). No row where it is known of none.
     """
     driver = driver_in(result)
     is_known, n_known = driver.is_known, driver.venn.n_known
@@ -144,7 +133,7 @@ def over_driver_threshold(result: Result) -> pd.DataFrame:
 
 
 def detectability_course(result: Result, encounter: int) -> pd.DataFrame:
-    """How detectable the pedestrian of an encounter is from frame to frame.
+    """Return the detectability of the pedestrian of an encounter from frame to frame.
 
     Parameters
     ----------
@@ -156,7 +145,7 @@ def detectability_course(result: Result, encounter: int) -> pd.DataFrame:
     One row per annotated frame: row (of the frames table), truth_row (of the truth's boxes),
     time_s, detectability, sd (0..1, NaN unknown), is_outside (estimated outside the range of the
     training), is_up_to_relevant (up to the first relevant frame, by which the driver has to see
-    him; False throughout for a distant one).
+    the pedestrian; False throughout for a distant one).
     Of a track id given twice in a frame, the box of the larger detectability.
     """
     encounters, known = result.encounters, result.dataset.detectability
@@ -193,7 +182,7 @@ def features_of_course(
     course
         Of `detectability_course`.
     features
-        Of his recording (`nvcore.driver.run.FEATURE_COLUMNS`): a row for each of its boxes that is
+        Of the recording (`nvcore.driver.run.FEATURE_COLUMNS`): a row for each of its boxes that is
         not ignored.
 
     Returns

@@ -1,4 +1,4 @@
-"""What the driver knows of rules: on how many encounters a measure of his view rests, and which."""
+"""Encounters that a gate rule about the driver rests on: how many, and which."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who confirms the urgent encounters in time: the driver by himself, X, Y."""
+"""Urgent encounters by who confirms them in time: the driver unaided, X, Y."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from nvcore.time_left.steps import is_in_time, time_left_in
 
 
 def is_judged_in_time(result: Result) -> np.ndarray:
-    """Urgent encounters of which it is known; bool, shape (n_encounters,)."""
+    """Return urgent encounters with known detectability as bool, shape (n_encounters,)."""
     is_judged: np.ndarray = time_left_in(result).is_urgent & driver_in(result).is_known
     return is_judged
 
 
 def is_driver_in_time(result: Result) -> np.ndarray:
-    """Urgent encounters that the driver sees by himself while the car can still stop.
+    """Urgent encounters that the driver sees unaided while the car can still stop.
 
-    He confirms in the first frame in which detectability reaches `driver_threshold`, also where
-    that is after the first relevant one (docs/decisions/055-driver-in-time.md).
+    The driver confirms in the first frame in which detectability reaches `driver_threshold`, even
+    if that is after the first relevant one (docs/decisions/055-driver-in-time.md).
 
     Returns
     -------
@@ -66,9 +66,9 @@ class InTimeVenn(NamedTuple):
     Attributes
     ----------
     driver
-        The driver by himself, whoever else does.
+        By the driver unaided, whoever else does.
     both, x, y, nobody
-        Not he, but both systems, one alone, or neither.
+        Not by the driver, but by both systems, one alone, or neither.
     """
 
     driver: int
@@ -84,7 +84,7 @@ class InTimeVenn(NamedTuple):
 
 
 def count_in_time(result: Result) -> InTimeVenn:
-    """Who confirms the urgent encounters in time, among those of which it is known."""
+    """Count urgent encounters with known detectability by who confirms them in time."""
     is_left = is_judged_in_time(result) & ~is_driver_in_time(result)
     by_x, by_y = (is_in_time(system) for _, system in result.sides)
     alone_x, alone_y = (is_in_time_alone(result, system) for _, system in result.sides)

@@ -1,4 +1,4 @@
-"""The driver: whom he sees by himself, and who of driver, X and Y sees whom.
+"""The driver: whom they see unaided, and who of driver, X and Y sees whom.
 
 Detectability is the share of drivers, 0 to 1, who would see the pedestrian of a truth box by
 themselves. It is stated by the ground truth, or estimated from pictures.
@@ -42,10 +42,11 @@ first of two."""
 def judge_driver(
     detectability: Detectability, encounters: Encounters, k_truth: np.ndarray, params: Params
 ) -> pd.DataFrame:
-    """Whether the driver sees each pedestrian by himself before the pedestrian counts.
+    """Judge whether the driver sees each pedestrian unaided before the pedestrian counts.
 
-    He does if detectability reaches `driver_threshold` in a frame up to the first relevant one
-    (``k >= 0.5``). That frame is his confirmation. Frames in which it is unknown are passed over.
+    The driver sees a pedestrian if detectability reaches `driver_threshold` in a frame up to the
+    first relevant one (``k >= 0.5``). The first such frame is the confirmation. Frames of unknown
+    detectability are passed over.
 
     Parameters
     ----------
@@ -60,8 +61,8 @@ def judge_driver(
     these in which it is known), n_seen (in which it reaches `driver_threshold`), is_outside
     (whether what decides was estimated outside the range of the training: the largest one, and
     where it is below the threshold any of them), is_adapted (whether the largest one was estimated
-    for adapted eyes: no change from bright to dark is known before), seen_row (frame row of his
-    confirmation, -1: he does not see, or it is unknown), confirmed_row (the first frame of all,
+    for adapted eyes: no change from bright to dark is known before), seen_row (frame row of the
+    confirmation, -1: not seen, or unknown), confirmed_row (the first frame of all,
     later ones too, in which it reaches the threshold; -1: none), known_row (the first frame of all
     in which it is known; -1: none).
 
@@ -130,7 +131,7 @@ def count_unknown(dataset: Dataset) -> int:
 
 @dataclass(frozen=True)
 class DriverVenn:
-    """Near encounters by who sees them: the driver by himself, X, Y.
+    """Near encounters by who sees them: the driver unaided, X, Y.
 
     Attributes
     ----------
@@ -147,12 +148,12 @@ class DriverVenn:
 
     @property
     def n_seen(self) -> int:
-        """Of these, the ones that the driver sees by himself."""
+        """Known near encounters that the driver sees unaided."""
         return sum(self.counts[region] for region in _KNOWN[:4])
 
     @property
     def n_unseen(self) -> int:
-        """The others of these: whom a system can warn him of."""
+        """Known near encounters that the driver does not see: a system can warn of them."""
         return self.n_known - self.n_seen
 
 
@@ -198,7 +199,7 @@ def split_unseen(venn: DriverVenn) -> Venn:
 
 @dataclass(frozen=True, eq=False)
 class DriverView:
-    """Whom the driver sees by himself, beside X and Y.
+    """The driver beside X and Y: encounters seen unaided.
 
     Attributes
     ----------
@@ -215,13 +216,13 @@ class DriverView:
 
     @property
     def seen_row(self) -> np.ndarray:
-        """Frame row of his confirmation, -1 where he does not see; int64, (n_encounters,)."""
+        """Frame row of the driver's confirmation, -1 for none, as int64, shape (n_encounters,)."""
         row: np.ndarray = self.table["seen_row"].to_numpy()
         return row
 
     @cached_property
     def is_known(self) -> np.ndarray:
-        """Near encounters of which it is known whether he sees them; bool, (n_encounters,)."""
+        """Near encounters with known detectability as bool, shape (n_encounters,)."""
         is_known: np.ndarray = self.is_near & ~np.isnan(self.table["detectability"].to_numpy())
         return is_known
 
@@ -232,25 +233,25 @@ class DriverView:
 
     @property
     def is_seen(self) -> np.ndarray:
-        """Near encounters that he sees by himself; bool, shape (n_encounters,)."""
+        """Near encounters that the driver sees unaided as bool, shape (n_encounters,)."""
         is_seen: np.ndarray = self.is_known & (self.seen_row >= 0)
         return is_seen
 
     @property
     def is_unseen(self) -> np.ndarray:
-        """Near encounters that he is known not to see; bool, shape (n_encounters,)."""
+        """Near encounters that the driver is known not to see as bool, shape (n_encounters,)."""
         is_unseen: np.ndarray = self.is_known & (self.seen_row < 0)
         return is_unseen
 
     @cached_property
     def region(self) -> np.ndarray:
-        """Who sees each encounter (`driver_regions`); object, shape (n_encounters,)."""
+        """Region of each encounter (`driver_regions`) as object, shape (n_encounters,)."""
         seen = self.is_seen, self.by_x, self.by_y
         return driver_regions(self.is_near, self.is_known, *seen)
 
     @cached_property
     def venn(self) -> DriverVenn:
-        """Encounters by who sees them: the driver by himself, X, Y."""
+        """Encounters by who sees them: the driver unaided, X, Y."""
         return count_driver_regions(self.region)
 
     @property
@@ -272,13 +273,13 @@ class DriverView:
 
     @property
     def is_adapted(self) -> np.ndarray:
-        """Near encounters decided by an estimate for adapted eyes; bool, (n_encounters,)."""
+        """Near encounters decided by an estimate for adapted eyes as bool, (n_encounters,)."""
         is_adapted: np.ndarray = self.table["is_adapted"].to_numpy() & self.is_known
         return is_adapted
 
     @property
     def is_seldom_seen(self) -> np.ndarray:
-        """Near encounters that he sees in fewer than `SELDOM` of the frames in which it is known.
+        """Near encounters that the driver sees in fewer than `SELDOM` of the known frames.
 
         bool, shape (n_encounters,); of the frames up to the first relevant one.
         """

@@ -1,4 +1,4 @@
-"""Loop over the frames of encounters: how detectable the pedestrian is before he counts."""
+"""Loop over the frames of encounters: how detectable a pedestrian is before they count."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def driver_frames(
     confirmed,
     known_row,
 ):
-    """How detectable each encounter is up to its first relevant frame.
+    """Find the largest detectability of each encounter up to its first relevant frame.
 
     ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e by frame, and
     `frame_index` has the frames of these rows in the same order. Writes, of the frames up to the

@@ -1,4 +1,4 @@
-"""Who sees an encounter, of the driver, X and Y, with one sentence each."""
+"""Regions of driver, X and Y that encounters are in, with one sentence each."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Final
 
 
 class DriverRegion(StrEnum):
-    """Who sees an encounter: the driver by himself, X, Y; the three-way Venn diagram."""
+    """Region of the three-way Venn diagram of who sees an encounter: the driver unaided, X, Y."""
 
     DRIVER_X_Y = "driver_x_y"
     DRIVER_X = "driver_x"

@@ -1,4 +1,4 @@
-"""Measures of the driver's own view: whom a system warns him of, and whom nobody sees."""
+"""Measures of the driver's own view: useful and redundant alerts, and who is seen by nobody."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from nvcore.time_left.settings import TIME_LEFT
 KNOWN: Final = Condition(
     lambda result: result.dataset.each_alone or driver_in(result).has_any, "without detectability"
 )
-"""That it is known of any near encounter if the driver sees the pedestrian himself."""
+"""Condition: detectability is known of at least one near encounter."""
 Members = Callable[[Result, SystemResult], np.ndarray]
 """Encounters of a kind; bool, shape (n_encounters,)."""
 
@@ -106,7 +106,7 @@ MEASURES: Final[tuple[Measure, ...]] = (
         _useful,
         "useful alerts: detected, of {n_unseen:,} that the driver does not see",
         HIGHER,
-        "Encounters that the system detects and the driver does not see by himself.",
+        "Encounters that the system detects and the driver does not see unaided.",
         leads=True,
         inference=Inference(
             test="encounters",
@@ -141,7 +141,7 @@ MEASURES: Final[tuple[Measure, ...]] = (
         lambda result, system: driver_in(result).is_unseen & ~_is_detected(system),
         "unprotected: seen by neither the driver nor the system",
         LOWER,
-        "Encounters that neither the driver sees by himself nor the system detects.",
+        "Encounters that the driver does not see unaided and the system does not detect.",
         part="unprotected: seen by neither driver nor system",
         leads=True,
     ),
@@ -150,8 +150,8 @@ MEASURES: Final[tuple[Measure, ...]] = (
         lambda result, system: driver_in(result).is_seen & _is_detected(system),
         "redundant alerts: detected, of {n_seen:,} that the driver sees",
         "",
-        "Encounters that the system detects and the driver sees by himself, if not always while "
-        "the car can still stop. How many there are depends on {what} the driver sees, too.",
+        "Encounters that the system detects and the driver sees unaided, if not always while "
+        "the car can still stop. Their number depends on {what} the driver sees, too.",
         part="redundant alerts: detected, seen by the driver anyway",
     ),
     _count(
@@ -159,8 +159,8 @@ MEASURES: Final[tuple[Measure, ...]] = (
         is_in_time_alone,
         "urgent, in time by it alone (not by driver or other system)",
         HIGHER,
-        "Urgent encounters that the system confirmed in time, and neither the driver by himself "
-        "nor the other system.",
+        "Urgent encounters that the system confirmed in time, and neither the driver "
+        "unaided nor the other system.",
         part="urgent, in time by it alone",
         stages=(TIME_LEFT, DRIVER),
         is_judged=is_judged_in_time,

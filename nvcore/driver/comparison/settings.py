@@ -1,4 +1,4 @@
-"""Settings of the driver: from which detectability on he sees, and what his view weighs."""
+"""Settings of the driver: the threshold of seeing, and what the driver's view weighs."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, Final, Literal
 from nvcore.stages import MISS_WEIGHTS, PROXIMITY, Stage, setting, share
 
 DRIVER: Final = Stage(
-    "whom the driver sees", "The driver", (PROXIMITY,), "what the driver sees by himself"
+    "whom the driver sees", "The driver", (PROXIMITY,), "what the driver sees unaided"
 )
 
 RESULTS: Final = (DRIVER,)
@@ -23,14 +23,14 @@ def _has_detectability(dataset: Any) -> bool:
 
 @dataclass(frozen=True)
 class DriverSettings:
-    """The part of `nvcore.params.Params` about what the driver sees by himself."""
+    """The part of `nvcore.params.Params` about what the driver sees unaided."""
 
     driver_threshold: float = share(
         DRIVER,
         0.5,
         is_above_low=True,
         label="The driver sees from (detectability)",
-        meaning="Least detectability with which the driver sees {a_one} by himself, in a "
+        meaning="Least detectability with which the driver sees {a_one} unaided, in a "
         "frame up to the first in which the {one} is near enough to count. Of no effect where "
         "no detectability is known.",
         is_advanced=True,

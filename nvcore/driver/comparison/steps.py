@@ -1,4 +1,4 @@
-"""What the driver adds to a comparison: its step, and what it made beside X and Y."""
+"""The step that judges the driver, and its results beside X and Y."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ MISS_WEIGHTS: Final = MissWeights("(1 - detectability)", weigh_unseen)
 
 
 def driver_view(result: Result) -> DriverView:
-    """Whom the driver sees by himself, beside X and Y."""
+    """Judge whom the driver sees unaided, beside X and Y."""
     detected = (system.encounters["is_detected"].to_numpy() for _, system in result.sides)
     return DriverView(result.made["detectable"], result.is_near, *detected)
 
 
 def driver_in(result: Result) -> DriverView:
-    """Whom the driver sees in a comparison: what ``result.of("driver")`` returns."""
+    """Return the driver's view of a comparison, which is ``result.of("driver")``."""
     return cast("DriverView", result.of("driver"))

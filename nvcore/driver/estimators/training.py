@@ -26,7 +26,7 @@ OUTER_FOLDS: Final = 5
 
 @dataclass(frozen=True)
 class Training:
-    """What came out of a training.
+    """Result of a training.
 
     Attributes
     ----------
@@ -65,8 +65,8 @@ def train_estimator(
     Support vector regression on standardised features. The choice of features (each alone, each
     pair, all), kernel, C, epsilon and gamma are those with the least error in a five-fold
     cross-validation by pedestrian. All of that is done again without each of five folds of the
-    pedestrians, which gives the uncertainty: no pedestrian is judged by anything that has seen
-    him. The same table, settings and seed give the same model.
+    pedestrians, which gives the uncertainty: no pedestrian is judged by anything trained on
+    them. The same table, settings and seed give the same model.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def train_estimator(
 
 
 def errors_by_period(samples: Samples, estimate: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Mean squared error at each period, float64, shape (p,); NaN where an estimate is.
+    """Return the mean squared error at each period as float64, (p,), NaN with a NaN estimate.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def errors_by_period(samples: Samples, estimate: NDArray[np.float64]) -> NDArray
 
 
 def _qualities(samples: Samples, left_out: OutOfFold) -> tuple[Quality, ...]:
-    """Of each period's regression, then of that for all."""
+    """Return the quality of each period's regression, then of the one for all periods."""
     errors = errors_by_period(samples, left_out.switched)
     constant = errors_by_period(samples, left_out.constant)
     of_periods = [
@@ -158,7 +158,7 @@ def _qualities(samples: Samples, left_out: OutOfFold) -> tuple[Quality, ...]:
 
 
 def origin_of(table: TrainingTable, search: Search) -> Origin:
-    """What an estimator that is trained on a table notes of it."""
+    """Return what an estimator trained on a table records about the table."""
     columns = ["image", "pedestrian", "period_s", "detectability", "n_subjects", *FEATURE_KEYS]
     content = to_csv_bytes(table.rows[columns], digits=None)
     return Origin(

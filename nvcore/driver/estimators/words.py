@@ -14,7 +14,7 @@ LABELS: Final = {feature.key: feature.label for feature in FEATURES}
 
 
 def words_of(keys: Sequence[str]) -> str:
-    """A choice of features in words.
+    """Return a choice of features in words.
 
     Examples
     --------
@@ -27,7 +27,7 @@ def words_of(keys: Sequence[str]) -> str:
 
 
 def caution_of(estimator: Estimator, *, simulated: str = "") -> str:
-    """Why its estimates are to be doubted, whatever the pictures; empty: nothing is known.
+    """Return why the estimates are doubtful for any pictures, "" if no reason is known.
 
     Parameters
     ----------

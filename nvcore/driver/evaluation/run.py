@@ -1,4 +1,4 @@
-"""Leave-one-pedestrian-out: every pedestrian is estimated by regressions that never saw him."""
+"""Leave-one-pedestrian-out: estimate each pedestrian by regressions trained on the others."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from nvcore.progress import Progress, no_progress, with_time_left
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What came out of an evaluation; `nvcore.driver.evaluation.evaluation_tables` reads it.
+    """Result of an evaluation, which `nvcore.driver.evaluation.evaluation_tables` reads.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ def evaluate_estimators(
     n_threads: int | None = None,
     progress: Progress = no_progress,
 ) -> Evaluation:
-    """Estimate each pedestrian by estimators that were chosen and trained without him.
+    """Estimate each pedestrian by estimators chosen and trained on all others.
 
     Nested: for each pedestrian, features and settings are chosen anew by five-fold
     cross-validation over the others (`nvcore.driver.estimators.train_estimator`). With 51

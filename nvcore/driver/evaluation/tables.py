@@ -36,7 +36,7 @@ def evaluation_tables(evaluation: Evaluation) -> dict[str, pd.DataFrame]:
 
 
 def errors_table(evaluation: Evaluation) -> pd.DataFrame:
-    """Mean squared error at each period on pedestrians left out; 0 is best.
+    """Return the mean squared error at each period on pedestrians left out (0 is best).
 
     Returns
     -------
@@ -87,7 +87,7 @@ def _sampling(evaluation: Evaluation) -> NDArray[np.float64]:
 
 
 def choices_table(evaluation: Evaluation) -> pd.DataFrame:
-    """Which features were chosen, and how often.
+    """Return which features were chosen, and how often.
 
     Returns
     -------
@@ -139,7 +139,7 @@ def pairs_table(evaluation: Evaluation) -> pd.DataFrame:
 
 
 def pair_ranks_table(evaluation: Evaluation) -> pd.DataFrame:
-    """How alike the rankings of the pairs of features are at two periods.
+    """Return how alike the rankings of the pairs of features are at two periods.
 
     Returns
     -------
@@ -186,7 +186,7 @@ def periods_table(evaluation: Evaluation) -> pd.DataFrame:
 
 
 def histograms_table(evaluation: Evaluation) -> pd.DataFrame:
-    """How many pedestrians have which detectability, at each period.
+    """Count pedestrians by detectability at each period.
 
     With up to ten subjects a bar for each value that there can be, else eleven: 0, 0.1 to 1. What
     counts are the most subjects that responded to one pedestrian; where fewer did, the share is
@@ -208,7 +208,7 @@ def histograms_table(evaluation: Evaluation) -> pd.DataFrame:
 
 
 def estimates_table(evaluation: Evaluation) -> pd.DataFrame:
-    """Every pedestrian at every period with what was estimated of him.
+    """Return the estimates of every pedestrian at every period.
 
     Returns
     -------

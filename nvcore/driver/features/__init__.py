@@ -1,8 +1,8 @@
-"""Features of a pedestrian in a picture of visible light: how well he can be seen.
+"""Features of a pedestrian in a picture of visible light: how visible they are.
 
     features_of(picture, boxes, fixation)      one row a pedestrian, one column a feature
 
-The pedestrian is what his box covers, his surround a ring around it; both end with the picture.
+The box is the pedestrian, a ring around it the surround; both end at the edge of the picture.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Which pixels are the pedestrian, and which are his surround."""
+"""Pixels of a pedestrian and of their surround."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def _pixels(
     width: int,
     height: int,
 ) -> NDArray[np.int64]:
-    """Pixels whose middle lies inside; int64, (n, 4)."""
+    """Return the pixels whose middle lies inside as int64, (n, 4)."""
     ends = np.stack([left, top, right, bottom], axis=1)
     # a middle on the left or upper edge is inside, one on the right or lower edge is not
     whole = np.ceil(np.nan_to_num(np.clip(ends, -1.0, 1e9)) - 0.5)

@@ -64,7 +64,7 @@ def _lab_distance(view: View) -> NDArray[np.float64]:
 
 
 def _colour_emd(view: View) -> NDArray[np.float64]:
-    """Of one dimension it is the sum of the differences of the cumulated histograms."""
+    """Return the Earth Mover's Distance: in one dimension, differences of cumulated histograms."""
     cumulated = np.cumsum(view.histogram, axis=-1)
     moved = np.abs(cumulated[:, 0] - cumulated[:, 1])[..., :-1]  # the last is 1 in both
     work: NDArray[np.float64] = view.settings.bin_distance * moved.sum(axis=(1, 2))
@@ -100,21 +100,21 @@ FEATURES: Final = (
         "luminance_sd",
         "Luminance SD",
         "grey levels",
-        "Standard deviation of the 8-bit luminance of the pedestrian: his own contrast.",
+        "Standard deviation of the 8-bit luminance of the pedestrian: their own contrast.",
         _luminance_sd,
     ),
     Feature(
         "luminance_contrast",
         "Luminance contrast",
         "grey levels",
-        "Difference of the mean 8-bit luminance of the pedestrian and of his surround.",
+        "Difference of the mean 8-bit luminance of the pedestrian and their surround.",
         lambda view: _apart(view.luminance),
     ),
     Feature(
         "lab_distance",
         "Lab distance",
         "ΔE",
-        "Distance of the mean colours of the pedestrian and of his surround in CIE L*a*b*.",
+        "Distance of the mean colours of the pedestrian and their surround in CIE L*a*b*.",
         _lab_distance,
         needs_colour=True,
     ),
@@ -122,7 +122,7 @@ FEATURES: Final = (
         "edge_contrast",
         "Edge contrast",
         "grey levels",
-        "Difference of the mean Sobel gradient of the pedestrian and of his surround.",
+        "Difference of the mean Sobel gradient of the pedestrian and their surround.",
         lambda view: _apart(view.edge_strength),
         is_of_scale=True,
     ),
@@ -131,7 +131,7 @@ FEATURES: Final = (
         "Colour EMD",
         "bins",
         "Earth Mover's Distance of the histograms of R, G and B (16 bins each) of the pedestrian "
-        "and of his surround, summed over the three.",
+        "and their surround, summed over the three.",
         _colour_emd,
         needs_colour=True,
     ),

@@ -1,4 +1,4 @@
-"""What is seen of the pedestrians of one picture: the means that features are made of."""
+"""Views of the pedestrians of one picture: the means that features are made of."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ _SPARSE: Final = 16
 class View:
     """The pedestrians in one picture.
 
-    Arrays have a row for each, and in columns of two the pedestrian comes first, then his surround;
-    NaN where there is no pixel.
+    Arrays have a row for each pedestrian. Of two columns, the first is the pedestrian, the second
+    their surround; NaN where there is no pixel.
 
     Attributes
     ----------
@@ -103,12 +103,12 @@ class View:
 
     @property
     def lab(self) -> NDArray[np.float64]:
-        """Mean CIE L*a*b* of both regions, (n, 2, 3); NaN without colour."""
+        """Mean CIE L*a*b* of both regions, (n, 2, 3), NaN without colour."""
         return self._colour[0]
 
     @property
     def histogram(self) -> NDArray[np.float64]:
-        """Shares of the pixels in each bin of R, G, B, (n, 2, 3, bins); NaN without colour."""
+        """Shares of the pixels in each bin of R, G, B, (n, 2, 3, bins), NaN without colour."""
         return self._colour[1]
 
 
@@ -118,7 +118,7 @@ def view_of(
     fixation: NDArray[np.float64] | tuple[float, float] | None,
     settings: FeatureSettings,
 ) -> View:
-    """The view of a picture; see `nvcore.driver.features.features_of`.
+    """Return the view of a picture for `nvcore.driver.features.features_of`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""How the detectability of a dataset was estimated, as the record beside the file says.
+"""Records of how the detectability of a dataset was estimated.
 
     {"written_by": "nvcore 0.1.0",
      "estimator": {"name": "driver", "fingerprint": "5f1c...", "simulated": "all",
@@ -37,7 +37,7 @@ _OF_ESTIMATOR: Final = {"name": str, "fingerprint": str, "simulated": str, "n_su
 
 @dataclass(frozen=True)
 class EstimateRecord:
-    """How detectability was estimated.
+    """Record of how detectability was estimated.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ class EstimateRecord:
 
     @property
     def made_by(self) -> str:
-        """The estimator in a few words; empty: not known."""
+        """Estimator in a few words, "" if not known."""
         if not self.name:
             return ""
         note = Note(
@@ -123,7 +123,7 @@ class EstimateRecord:
 
     @property
     def caution(self) -> str:
-        """Why it is to be doubted: subjects, learning, pictures, light; empty: nothing is known."""
+        """Doubts about subjects, learning, pictures and light, "" if there are none."""
         notes = []
         if self.search or self.simulated in ("all", "some"):
             notes.append(Note("driver.learnt", simulated=self.simulated, search=self.search))
@@ -145,7 +145,7 @@ def _named(names: Iterable[str]) -> str:
 
 
 def estimate_json(record: EstimateRecord) -> bytes:
-    """The record as JSON; the same record gives the same bytes."""
+    """Return the record as JSON. The same record gives the same bytes."""
     estimator: dict[str, object] = {name: getattr(record, name) for name in _OF_ESTIMATOR}
     if record.no_better_at_s:  # else as before there was such a thing
         estimator["no_better_at_s"] = list(record.no_better_at_s)

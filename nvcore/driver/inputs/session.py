@@ -1,4 +1,4 @@
-"""What a session says of the driver: where he looked, how bright it was, what he saw.
+"""Session tables about the driver: gaze, ambient light, detectability.
 
 [[recording]]
 light = "lux.csv"                 time_s,lux of a light meter
@@ -23,7 +23,7 @@ DETECTABILITY: Final = "detectability"
 
 @dataclass(frozen=True, kw_only=True)
 class DriverEntry:
-    """What a ``[[recording]]`` says of the driver; None: nothing.
+    """Keys of a ``[[recording]]`` about the driver. None is unknown.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class DriverTable:
     Attributes
     ----------
     detectability
-        CSV of how likely the driver sees each pedestrian by himself, 0 to 1, in each frame
+        CSV of how likely the driver sees each pedestrian unaided, 0 to 1, in each frame
         (docs/driver-reference.md); None: nothing is known.
     provenance
         A record of how it was estimated (`nvcore.driver.inputs.record`); None: nothing is known.
@@ -62,6 +62,6 @@ class DriverTable:
 
 @dataclass(frozen=True, kw_only=True)
 class DriverTables:
-    """What is known of whether the driver sees the pedestrians himself."""
+    """Session keys about what the driver sees unaided."""
 
     driver: DriverTable = field(default_factory=DriverTable)

@@ -8,10 +8,11 @@ import numpy as np
 import pandas as pd
 import scipy
 
+from nvcore import objects
 from nvcore.driver.inputs.picture_boxes import PEDESTRIAN
 from nvcore.driver.trials.judging import Judging
 from nvcore.metrics.shares import share_of
-from nvcore.wording import percent
+from nvcore.notes import Note, phrase
 
 LEAST_TRIALS: Final = 10
 """Fewer say nothing about a subject."""
@@ -33,14 +34,16 @@ CELL: Final = [*PEDESTRIAN, "period_s"]
 
 
 def subjects_table(judged: pd.DataFrame, judging: Judging) -> pd.DataFrame:
-    """How each subject responded, and what is odd about it; none is left out here.
+    """Return how each subject responded and what is odd about it, leaving nobody out.
 
-    Odd is who is right in a share that is more than 0.25 from what the others' responses to the
-    same pictures at the same periods let expect (and that lies outside the Wilson interval of his
-    own share); who misses more than a quarter of what nine tenths of the others see; whose touches
-    are not better than the same touches on other pictures (one-sided binomial test, 0.05); who
-    touches one place in half of the cases or more, with less than half as many pedestrians there;
-    and who never touches. All of these limits are ours; they need 10 trials.
+    A subject is odd for any of these reasons (all limits are ours, and need 10 trials):
+
+    - the share right is more than 0.25 from what the others' responses to the same pictures at the
+      same periods let expect, which also lies outside the Wilson interval of the share;
+    - they miss more than a quarter of what nine tenths of the others see;
+    - their touches are not better than on other pictures (one-sided binomial test, 0.05);
+    - half of their touches or more are in one place that has less than half as many pedestrians;
+    - they never touch.
 
     Parameters
     ----------
@@ -52,9 +55,9 @@ def subjects_table(judged: pd.DataFrame, judging: Judging) -> pd.DataFrame:
     A row for each subject, in the order of the file: ``subject``, ``n``, ``n_right``, ``share``
     with its interval ``low`` and ``high``, ``share_expected`` (from the others; NaN: there are
     none), ``n_easy`` and ``share_easy`` (trials in which nine tenths of the others are right, and
-    his share of these; NaN without any), ``n_touches``, ``share_touches_right``, ``share_chance``,
-    ``share_one_place``, ``share_there`` (of the pedestrians in that place; NaN without touches),
-    ``n_off_time``, and ``odd``: why, as text; empty: nothing is.
+    the share right of these; NaN without any), ``n_touches``, ``share_touches_right``,
+    ``share_chance``, ``share_one_place``, ``share_there`` (of the pedestrians in that place; NaN
+    without touches), ``n_off_time``, and ``odd``: why, as text; empty: nothing is.
     """
     expected = _expected(judged)
     rows = []
@@ -80,7 +83,7 @@ def subjects_table(judged: pd.DataFrame, judging: Judging) -> pd.DataFrame:
 
 
 def _expected(judged: pd.DataFrame) -> pd.Series:
-    """Share of the others who are right in the same trial; NaN: there are none."""
+    """Return the share of the others who are right in the same trial, NaN without others."""
     groups = judged.groupby(CELL)["is_right"]
     n_others = groups.transform("size") - 1
     n_right = groups.transform("sum") - judged["is_right"]
@@ -88,7 +91,7 @@ def _expected(judged: pd.DataFrame) -> pd.Series:
 
 
 def _of_touches(trials: pd.DataFrame, judging: Judging) -> dict[str, float]:
-    """What the touches of one subject are like."""
+    """Summarize the touches of one subject."""
     n = len(trials)
     if n == 0:
         unknown = ("share_touches_right", "share_chance", "share_one_place", "share_there")
@@ -114,29 +117,23 @@ def _of_touches(trials: pd.DataFrame, judging: Judging) -> dict[str, float]:
 
 
 def _odd(row: dict[str, Any]) -> str:
-    """Why the responses of a subject are odd; empty: they are not."""
+    """Return why the responses of a subject are odd, "" if they are not."""
     if row["n"] < LEAST_TRIALS:
         return ""
-    reasons = []
-    expected = row["share_expected"]
-    is_far = abs(row["share"] - expected) > FAR and not row["low"] <= expected <= row["high"]
-    if is_far:
-        others = f"the others in {percent(expected)} of the same"
-        reasons.append(f"right in {percent(row['share'])} of the trials, {others}")
+    keys = []
+    share, expected = row["share"], row["share_expected"]
+    if abs(share - expected) > FAR and not row["low"] <= expected <= row["high"]:
+        keys.append("driver.unlike_others")
     if row["n_easy"] >= LEAST_TRIALS and row["share_easy"] < MOST_EASY:
-        reasons.append(
-            f"misses {percent(1 - row['share_easy'])} of {row['n_easy']:,} trials in which nearly "
-            "all others are right"
-        )
-    if row["n_touches"] == 0:
-        reasons.append("never touches")
-    if row["n_touches"] >= LEAST_TRIALS:
-        n, chance = int(row["n_touches"]), row["share_chance"]
+        keys.append("driver.misses_easy")
+    n = int(row["n_touches"])
+    if n == 0:
+        keys.append("driver.never_touches")
+    if n >= LEAST_TRIALS:
         n_right = round(row["share_touches_right"] * n)
-        if scipy.stats.binomtest(n_right, n, chance, alternative="greater").pvalue > AT_CHANCE_P:
-            reasons.append("touches are at chance: as often right on other pictures")
-        share = row["share_one_place"]
-        if share >= SAME_PLACE and share > 2 * row["share_there"]:
-            there = f"with {percent(row['share_there'])} of the pedestrians"
-            reasons.append(f"{percent(share)} of the touches are in one place, {there}")
-    return "; ".join(reasons)
+        test = scipy.stats.binomtest(n_right, n, row["share_chance"], alternative="greater")
+        if test.pvalue > AT_CHANCE_P:
+            keys.append("driver.at_chance")
+        if row["share_one_place"] >= SAME_PLACE and row["share_one_place"] > 2 * row["share_there"]:
+            keys.append("driver.in_one_place")
+    return "; ".join(phrase(Note(key, **row), objects.PEDESTRIAN) for key in keys)

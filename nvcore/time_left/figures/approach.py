@@ -107,7 +107,7 @@ def approach_plot(
 
 
 def _lines(part: pd.DataFrame, row: np.ndarray, reach: float, theme: Theme) -> list[go.Scatter]:
-    """The band that is too late, and the line of each encounter: dotted once he is out of sight."""
+    """Draw the band that is too late, and a line per encounter, dotted after its last frame."""
     look, zero = LOOK[theme], np.zeros(len(part))
     start = np.minimum(part["first_s"].to_numpy(), reach)
     stop, chance = np.maximum(part["last_s"].to_numpy(), 0), part["ttc_s"].to_numpy()
@@ -147,7 +147,7 @@ def _labels(result: Result, part: pd.DataFrame) -> list[str]:
 
 
 def _places(part: pd.DataFrame, frame_row: np.ndarray) -> np.ndarray:
-    """What a click gives: row of the frames table, row of the encounter; (n, 2)."""
+    """Return what a click gives, (n, 2): row of the frames table, row of the encounter."""
     return np.column_stack([frame_row, part.index.to_numpy()])
 
 
@@ -197,11 +197,11 @@ def _last_chances(result: Result, part: pd.DataFrame, row: np.ndarray, theme: Th
 def _system_marks(
     result: Result, part: pd.DataFrame, letter: str, reach: float, theme: Theme
 ) -> list[go.Scatter]:
-    """Where a system confirms the pedestrians, and whom it never does."""
+    """Draw where a system confirms the pedestrians, and whom it never confirms."""
     look, system, confirms = (
         LOOK[theme],
         result.system(letter),
-        result.objects.say("confirms {him}"),
+        result.objects.say("confirms the {one}"),
     )
     shift = -APART if letter == "x" else APART
     at_s = part[f"confirmed_s_{letter}"].to_numpy()
@@ -234,7 +234,7 @@ def _system_marks(
 
 
 def _impacts(part: pd.DataFrame, theme: Theme) -> list[dict[str, Any]]:
-    """Impact speeds in two columns right of the plot; muted where the car stops."""
+    """Draw impact speeds in two columns right of the plot, muted where the car stops."""
     look = LOOK[theme]
     columns = {"x": 48, "y": RIGHT_PX - 16}
     side: dict[str, Any] = {"xref": "paper", "x": 1, "xanchor": "right", "size": 12}

@@ -10,7 +10,7 @@ from nvcore.notes import Note
 
 
 def test_each_encounter_and_each_urgent_one_is_in_one_part():
-    """In time are nobody, Y alone, X and Y, the driver too, and it is unknown of him."""
+    """In time are nobody, Y alone, X and Y, the driver too, and of the driver it is unknown."""
     late, always = range(30, 40), range(40)
     kinds = [(0.1, late, late), (0.1, late, always), (0.1, always, always)]
     kinds += [(0.9, always, always), (NAN, always, always)]

@@ -1,4 +1,4 @@
-"""The driver in the encounters: what he sees of each, in words, and over the threshold."""
+"""The driver in the encounters: what they see of each, in words, and over the threshold."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whom the driver sees by himself, who of driver, X and Y sees whom, and what a miss weighs."""
+"""Whom the driver sees unaided, who of driver, X and Y sees whom, and what a miss weighs."""
 
 from __future__ import annotations
 

@@ -202,7 +202,7 @@ def test_the_table_of_regions_has_a_row_for_each_with_words():
 
 
 def urgent(**params: float) -> Result:
-    """Four who are driven up to: by nobody, by Y alone, by the driver too, unknown of him."""
+    """Four who are driven up to: seen by nobody, by Y alone, by the driver too, one unknown."""
     late, all_ = range(30, 40), range(40)
     truth, x, y = [], [], []
     for recording, (seen, by_y) in enumerate([(0.1, late), (0.1, all_), (0.9, all_), (NAN, all_)]):

@@ -110,10 +110,10 @@ def test_a_change_after_he_has_seen_the_pedestrian_comes_too_late_for_an_alert()
 
 
 @pytest.mark.parametrize("n_up_to", [0, 1])
-def test_a_frame_after_the_first_that_counts_is_no_alert_s_and_seeing_him_then_no_confirmation(
+def test_a_frame_after_the_first_that_counts_is_no_alert_s_and_seeing_then_no_confirmation(
     n_up_to: int,
 ):
-    """He sees the pedestrian in the frames that follow alone, and it is dark from the third on."""
+    """The pedestrian is seen in the frames that follow alone, and it is dark from the third on."""
     was, would = course(0.1, 0.9, 0.9, n_up_to=n_up_to), simulated(0.1, 0.9, 0.1, since=2)
     text = words(was, would, 0.2)
     assert "had seen" not in text

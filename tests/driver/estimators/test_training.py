@@ -102,8 +102,8 @@ def test_the_constant_is_the_mean_of_the_other_pedestrians(table: TrainingTable)
     assert np.isnan(estimates.pairs).all()
 
 
-def test_a_pedestrian_left_out_has_no_part_in_his_own_estimate(table: TrainingTable):
-    """Whatever is said of him, his estimate stays."""
+def test_a_pedestrian_left_out_has_no_part_in_their_own_estimate(table: TrainingTable):
+    """Whatever is said of the pedestrian, their estimate stays."""
     search = Search(n_settings=1, n_folds=2)
     samples = samples_of(table)
     mine = samples.group == 3

@@ -66,7 +66,7 @@ def test_luminance_sd_divides_by_the_number_of_pixels():
 def test_luminance_contrast_is_the_difference_of_the_means():
     picture = grey(value=10)
     picture[20:60, 40:60] = 50
-    picture[:, :40] = 40  # 10 of the 20 columns beside him: 800 of 2400 pixels of the surround
+    picture[:, :40] = 40  # 10 of the 20 columns beside the box: 800 of 2400 pixels of the surround
     mean_around = (800 * 40 + 1600 * 10) / 2400
     assert of(picture)["luminance_contrast"] == pytest.approx(50 - mean_around)
 
@@ -132,7 +132,7 @@ def masks(box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def test_edge_contrast_of_a_step_that_goes_through_the_pedestrian():
     picture = grey()
     picture[:, 50:] = 10
-    # a step of 10: the two columns at it have a gradient of 4 * 10, in 40 of 80 rows his
+    # a step of 10: the two columns at it have a gradient of 4 * 10, in 40 of 80 rows the box's
     inside, around = 40 * 2 * 40 / 800, 40 * 2 * 40 / 2400
     assert of(picture)["edge_contrast"] == pytest.approx(inside - around)
 
@@ -259,10 +259,10 @@ def test_a_box_between_the_middles_of_pixels_has_its_size_alone():
 def test_a_pixel_counts_if_its_middle_is_in_the_box():
     picture = grey()
     picture[:, 40] = 100
-    # middles at 40.5 and 41.5: from x = 40.5 on the column 40 is still his, from 40.6 on not
+    # middles at 40.5 and 41.5: from x = 40.5 on the column 40 is still the box's, from 40.6 on not
     first = features_of(picture, np.array([[40.5, 20, 1, 40], [40.6, 20, 1, 40]]))
     assert first[:, 2].tolist() == [0.0, 0.0]
-    assert first[0, 3] > 0  # he is bright, his surround is dark
+    assert first[0, 3] > 0  # the pedestrian is bright, the surround dark
     assert features_of(picture, np.array([[40.0, 20, 2, 40]]))[0, 2] == 50.0
 
 

@@ -141,7 +141,7 @@ def test_many_adaptation_periods_may_be_planned(tmp_path: Path):
 
 
 def subject_rows(tmp_path: Path, change) -> pd.Series:
-    """What is said of the first subject after a change of his trials."""
+    """What is said of the first subject after a change of their trials."""
     features = made_features(12)
     trials = made_trials(features)
     mine = trials["subject"] == "S0"

@@ -199,7 +199,7 @@ def test_of_100_encounters_each_kind_of_alert_has_its_table(page: AppTest) -> No
 
 def test_whom_the_driver_sees_is_undefined_where_it_is_not_known(page: AppTest) -> None:
     rows = measures(page, "alerts-hundred")
-    assert rows["sees him in time without an alert"] == ("–",) * 5
+    assert rows["sees the pedestrian in time without an alert"] == ("–",) * 5
     assert rows["does not"] == ("–",) * 5
     assert rows["all"][0] == "100"
     assert "not known" not in rows

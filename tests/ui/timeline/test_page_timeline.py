@@ -79,7 +79,7 @@ def test_the_chosen_pedestrian_is_told_of_marked_in_the_lanes_and_open_in_encoun
     assert "Pedestrian 3: missed by Y" in texts(app)
     assert "Takes 0.715 of Y's similarity" in texts(app)
     assert any(shape.get("name") == "chosen" for shape in lanes_layout(app)["shapes"])
-    # filters of an earlier visit leave him out: they are cleared
+    # filters of an earlier visit leave the pedestrian out: they are cleared
     key = f"encounters_recording_{app.session_state['workspace'].n_opened}"
     app.session_state[key] = ["urban_crossing"]
     checked(app.button(key="open_chosen").click().run())

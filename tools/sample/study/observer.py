@@ -88,7 +88,7 @@ def adapted_luminance(time_s: float) -> float:
 
 
 def sensitivity(frequency: Floats, luminance_cd_m2: Floats, size_deg: float) -> Floats:
-    """Contrast sensitivity of the human eye (Barten 2004, his short formula).
+    """Contrast sensitivity of the human eye (Barten 2004, the short formula).
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def visibility(
     box: tuple[float, float, float, float],
     fixation: tuple[float, float],
 ) -> Floats:
-    """How far the pedestrian stands out, in units of the threshold, at each of `PERIODS_S`.
+    """Return the visibility of the pedestrian as a multiple of the threshold, at each `PERIODS_S`.
 
     Parameters
     ----------
@@ -156,7 +156,7 @@ def eccentricity_deg(
 
 
 def picking(box: tuple[float, float, float, float], fixation: tuple[float, float]) -> float:
-    """Chance to pick out in one glance what can be seen, 0 to 1; the light does not matter."""
+    """Return the chance to pick out in one glance what can be seen, 0 to 1, in any light."""
     critical = CRITICAL_DEG * (1 + eccentricity_deg(box, fixation) / E2_DEG)
     ratio = (box[3] / PIXELS_PER_DEGREE / critical) ** PICKING
     return float(ratio / (1 + ratio))
@@ -174,7 +174,7 @@ def seeing(visible: Floats, *, gain: float = 1.0) -> Floats:
 
 
 def _band(light: Floats, sigma: float) -> tuple[Floats, Floats]:
-    """What lies between blurs of `sigma` and twice it, and the mean around it."""
+    """Return the band between blurs of `sigma` and twice it, and the mean around it."""
     fine = cv2.GaussianBlur(light, (0, 0), sigma)
     coarse = cv2.GaussianBlur(light, (0, 0), 2 * sigma)
     return np.asarray(fine - coarse), np.asarray(coarse)

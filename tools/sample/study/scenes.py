@@ -176,7 +176,7 @@ def _cars(generator: np.random.Generator, z: float) -> tuple[Car, ...]:
 
 
 def _is_fit(scene: Scene) -> bool:
-    """The pedestrian is whole, in the picture, and nothing hides him."""
+    """True if the pedestrian is whole, in the picture, and unoccluded."""
     sighting = sightings(scene.recording)[0]
     if sighting.hidden[scene.frame] > _MAX_HIDDEN or sighting.depth_m[scene.frame] < 2.0:
         return False

@@ -42,9 +42,9 @@ class Subject:
     gain
         Sensitivity to contrast relative to the model's observer.
     lapse
-        Share of pictures at which he does not look.
+        Share of pictures that the subject does not look at.
     guess
-        Share of the unseen pedestrians for which he touches some place nevertheless.
+        Share of the unseen pedestrians for which the subject touches some place nevertheless.
     """
 
     name: str
@@ -53,7 +53,7 @@ class Subject:
     guess: float
 
     def chance(self, visible: Floats, picked: Floats) -> Floats:
-        """Chance that he sees a pedestrian, 0 to 1."""
+        """Chance that the subject sees a pedestrian, 0 to 1."""
         return np.asarray((1 - self.lapse) * seeing(visible, gain=self.gain) * picked)
 
 
@@ -75,7 +75,7 @@ def truth_rows(
     box: tuple[float, float, float, float],
     pictures: tuple[np.ndarray, np.ndarray],
 ) -> pd.DataFrame:
-    """What the model says of one picture, a row per period.
+    """Return the observer model's values for one picture, a row per period.
 
     Parameters
     ----------
@@ -84,9 +84,9 @@ def truth_rows(
 
     Returns
     -------
-    ``image, pedestrian, period_s``; ``visibility``: how many times the threshold he stands out;
-    ``picking``: chance to pick him out in one glance; ``probability``: chance that a subject sees
-    him, mean of all subjects.
+    ``image, pedestrian, period_s``; ``visibility``: contrast as a multiple of the threshold;
+    ``picking``: chance to pick them out in one glance; ``probability``: chance that a subject sees
+    them, mean of all subjects.
     """
     visible = np.round(visibility(*pictures, box, FIXATION), 3)
     picked = np.round(picking(box, FIXATION), 4)
@@ -176,7 +176,7 @@ def _answers(subject: Subject, known: pd.DataFrame, shown: pd.DataFrame) -> pd.D
 
 
 def trials_text(table: pd.DataFrame) -> str:
-    """Trials as CSV, whole pixels; the same bytes on every system."""
+    """Return trials as CSV in whole pixels, with the same bytes on every system."""
     whole = table.assign(
         touch_x=table["touch_x"].astype("Int64"), touch_y=table["touch_y"].astype("Int64")
     )

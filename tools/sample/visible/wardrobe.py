@@ -52,7 +52,7 @@ WALLS: Final = (
 
 @dataclass(frozen=True)
 class Outfit:
-    """What a person wears, and his hair and skin; albedos, shape (3,) each."""
+    """Clothes, hair and skin of a person as albedos, shape (3,) each."""
 
     coat: Floats
     trousers: Floats

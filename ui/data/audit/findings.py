@@ -42,7 +42,7 @@ MOST_SHOWN: Final = 4
 
 
 def draw() -> None:
-    """What is open, and all findings about it."""
+    """Draw what is open, and all findings about it."""
     findings = worst_first(input_findings())
     label, n = state.opened().label, len(state.recording_names())
     which = filter_text() or f"{n:,} recording{'s' if n > 1 else ''}"
@@ -67,7 +67,7 @@ def draw() -> None:
 
 
 def _counts(findings: Sequence[Finding]) -> str:
-    """How many there are of each severity, and what that means for the numbers."""
+    """Return the number of findings of each severity, and what that means for the numbers."""
     words = []
     of_numbers = [finding for finding in findings if not finding.is_of_pictures]
     for severity, (singular, plural) in KINDS.items():
@@ -100,7 +100,7 @@ def _draw_one(finding: Finding, number: int) -> None:
 
 
 def _draw_ways(finding: Finding, number: int) -> None:
-    """What to do; a button for each way on that needs no more than the session."""
+    """Draw the suggested fixes, with a button for each that needs only the session."""
     opened = state.opened()
     ways = [(step, applied(opened.session, step, opened.dataset.systems)) for step in finding.steps]
     steps = [step for step, session in ways if session is None]
@@ -135,7 +135,7 @@ def _draw_weighting(finding: Finding, number: int) -> None:
                 on_click=state.set_params,
                 kwargs={"missing_distance": "borrow"},
                 help=state.say(
-                    "{A_one} takes the distance that {his} matches report, along {his} track."
+                    "{A_one} takes the distance that matching detections report, along the track."
                 ),
             )
 

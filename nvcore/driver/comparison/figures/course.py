@@ -1,4 +1,4 @@
-"""How detectable a pedestrian is from frame to frame, and the light and adaptation meanwhile."""
+"""Plot of a pedestrian's detectability over time, with light and adaptation."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def detectability_course_plot(
     simulated: pd.DataFrame | None = None,
     caution: str = "",
 ) -> go.Figure:
-    """Detectability over time, with its uncertainty; below it, the light and the adaptation.
+    """Plot detectability with its uncertainty over time, above light and adaptation.
 
     A click on a mark gives its row of the frames table as `customdata`.
 
@@ -59,9 +59,9 @@ def detectability_course_plot(
     course
         Of `nvcore.driver.comparison.encounters.detectability_course`.
     threshold
-        From which the driver is taken to see him, 0..1.
+        Least detectability with which the driver sees the pedestrian, 0..1.
     clock
-        Of his recording; None: nothing is known of the light.
+        Of the pedestrian's recording; None: nothing is known of the light.
     simulated
         Rows as of the course, with what `detectability` would be after a simulated change of light
         (`nvcore.driver.simulation.simulate_change`), which is the clock's, too.
@@ -181,7 +181,7 @@ def _outside(known: pd.DataFrame, theme: Theme) -> go.Scatter:
 
 
 def _simulated(course: pd.DataFrame, simulated: pd.DataFrame, theme: Theme) -> list[go.Scatter]:
-    """What would be, in the frames of which the change is."""
+    """Draw detectability after the simulated change, in the frames that it concerns."""
     own = simulated["is_simulated"].to_numpy(bool) & simulated["detectability"].notna().to_numpy()
     return [
         marks(
@@ -197,7 +197,7 @@ def _simulated(course: pd.DataFrame, simulated: pd.DataFrame, theme: Theme) -> l
 
 
 def _light(clock: AdaptationClock, span: list[float], theme: Theme) -> list[Any]:
-    """How bright it is, and the seconds since it became dark."""
+    """Draw the brightness, and the seconds since it became dark."""
     look = LOOK[theme]
     lines = []
     inside = _is_inside(clock, span)
@@ -267,7 +267,7 @@ def _decades(level: NDArray[np.float64]) -> list[int]:
 def _mark_changes(
     figure: go.Figure, clock: AdaptationClock, span: list[float], theme: Theme
 ) -> None:
-    """A line where it became dark, over the whole height; the simulated one apart."""
+    """Draw lines over the whole height where it became dark, the simulated one apart."""
     look = LOOK[theme]
     place = {"yref": "paper", "yanchor": "bottom", "xanchor": "left", "y": 0.42}
     texts = []

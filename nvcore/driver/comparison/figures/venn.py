@@ -1,4 +1,4 @@
-"""Who sees the encounters, of driver, X and Y: three circles with a count in each region."""
+"""Venn diagram of driver, X and Y: three circles with a count in each region."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ CLICK_PX: Final = 44
 def driver_venn_plot(
     venn: DriverVenn, names: tuple[str, str], *, theme: Theme, objects: Objects
 ) -> go.Figure:
-    """Near encounters by who sees them: the driver by himself, X, Y.
+    """Near encounters by who sees them: the driver unaided, X, Y.
 
     A click on a count gives its region (`nvcore.schema.DriverRegion`) as `customdata`. The circles
     are of one size: three counts and their overlaps cannot be areas of circles.

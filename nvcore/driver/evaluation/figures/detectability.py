@@ -1,4 +1,4 @@
-"""What people saw how long after the light changed."""
+"""Histograms of detectability by the time since the light changed."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def detectability_plot(periods: pd.DataFrame, *, theme: Theme) -> go.Figure:
 
 
 def detectability_histograms_plot(histograms: pd.DataFrame, *, theme: Theme) -> go.Figure:
-    """How many pedestrians have which detectability, side by side for each period.
+    """Plot histograms of pedestrians over detectability, one for each period.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def detectability_histograms_plot(histograms: pd.DataFrame, *, theme: Theme) -> 
         traces,
         theme,
         title="Detectability at each adaptation period",
-        subtitle=f"{count_text(n, 'pedestrian')} at each; 0: nobody saw him, 1: everybody",
+        subtitle=f"{count_text(n, 'pedestrian')} at each; 0: seen by nobody, 1: by everybody",
         height=HEIGHT_PX,
         showlegend=False,
         margin={"t": HEADING_PX + TITLES_PX},
@@ -126,7 +126,7 @@ def detectability_histograms_plot(histograms: pd.DataFrame, *, theme: Theme) -> 
 
 
 def _bars_axis(theme: Theme, start: float, width: float, *, is_middle: bool) -> dict[str, Any]:
-    """The axis below one histogram; the middle one says what all are of."""
+    """Return the axis below one histogram, with a title below the middle one only."""
     return axis(
         theme,
         "detectability" if is_middle else "",
