@@ -60,7 +60,6 @@ def test_scorecard_and_verdict_speak_of_speed_signs(result: nv.Comparison):
     assert "severity of missed speed signs (s)" in text
     assert said_of_pedestrians(text) == []
     assert "time left" not in text.lower()
-    assert "time left" not in text.lower()
 
 
 def test_tables_and_figures_do_too(result: nv.Comparison):

@@ -12,6 +12,7 @@ from nvcore.alerts.measures import MEASURES
 from nvcore.alerts.notes import alert_notes, in_time_by_kind
 from nvcore.alerts.speeding import ROWS
 from nvcore.alerts.steps import AlertsView
+from nvcore.metrics.encounter_classes import classes_of
 from nvcore.notes import say
 from nvcore.report.section import worded
 from nvcore.report.sections.encounters import by_class
@@ -39,12 +40,13 @@ def render_alerts(view: AlertsView) -> str:
         for row in score_rows(result)
         if row.key in own
     ]
+    coded = filter(None, [by_class(result)] if classes_of(result.dataset).coded else [])
     curve = [("", "score from", "unwanted", "alerted", "in time"), *_curve(view)]
     lines = [
         *(f"{letter.upper()}: {one_line(system.name)}" for letter, system in result.sides),
         "",
         *sentences,
-        *block_lines(worded(by_class(result), result.objects)),
+        *block_lines(worded(coded, result.objects)),
         "",
         *aligned([("", "X", "Y"), *rows]),
         *_speeding(view),

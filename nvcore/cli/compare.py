@@ -82,7 +82,8 @@ MAX_CONVERSION = 160
     OUTPUT,
     "--full",
     is_flag=True,
-    help="Print what was read, every finding, every measure, and the verdict with its reasons.",
+    help="Print what was read, every finding, every measure, the sections of the report on them, "
+    "and the verdict with its reasons.",
 )
 @grouped_option(
     OUTPUT, "--json", "as_json", is_flag=True, help="Print summary.json, not the scorecard."

@@ -81,6 +81,10 @@ class Table:
         Maximum number of rows on paper.
     rest
         Where the other rows are, after "12 more:".
+    marks
+        Footnote marks of the rows, such as "a c", which follow the first cell. Empty: no marks.
+    hints
+        Explanations of the rows, templates with words for the objects. Empty: no explanations.
     """
 
     kind: ClassVar[str] = "table"
@@ -91,6 +95,8 @@ class Table:
     notes: tuple[Text, ...] = ()
     printed: int = MAX_PRINTED
     rest: str = IN_THE_FILE
+    marks: tuple[str, ...] = ()
+    hints: tuple[str, ...] = ()
 
     @property
     def note(self) -> str:
@@ -248,8 +254,9 @@ def _worded(block: Block, objects: Objects) -> Block:
     if isinstance(block, Paragraphs):
         return Paragraphs(texts(block.texts))
     if isinstance(block, Table):
-        head = tuple(map(objects.say, block.head))
-        return replace(block, title=objects.say(block.title), head=head, notes=texts(block.notes))
+        head, hints = (tuple(map(objects.say, of)) for of in (block.head, block.hints))
+        title, notes = objects.say(block.title), texts(block.notes)
+        return replace(block, title=title, head=head, hints=hints, notes=notes)
     if isinstance(block, Fold):
         title = objects.say(block.title)
         return replace(block, title=title, blocks=worded(block.blocks, objects))

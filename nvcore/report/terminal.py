@@ -80,13 +80,17 @@ def block_lines(blocks: Sequence[Block]) -> Iterator[str]:
 def _rows(block: Table) -> list[str]:
     if not block.rows:
         return []
-    widths = [max(map(len, column)) for column in zip(block.head, *block.rows, strict=True)]
+    rows = block.rows
+    if block.marks:
+        marked = zip(rows, block.marks, strict=True)
+        rows = tuple((f"{first} {mark}".rstrip(), *others) for (first, *others), mark in marked)
+    widths = [max(map(len, column)) for column in zip(block.head, *rows, strict=True)]
     return [
         "  ".join(
             cell.rjust(width) if i in block.right else cell.ljust(width)
             for i, (cell, width) in enumerate(zip(row, widths, strict=True))
         ).rstrip()
-        for row in (block.head, *block.rows)
+        for row in (block.head, *rows)
     ]
 
 

@@ -29,7 +29,6 @@ from nvcore.wording import (
     count_text,
     difference,
     interval_text,
-    minus,
     number,
 )
 
@@ -69,7 +68,7 @@ def scorecard_cells(result: Result, *, indent: str, mark: str = "") -> list[tupl
 
 def interval_cell(of: Evidence, notes: Footnotes) -> tuple[str, str]:
     """Return the interval of a difference, and the mark of the footnote if there is none."""
-    interval = minus(interval_text(of.low, of.high, evidence_form(of.figure)))
+    interval = interval_text(of.low, of.high, evidence_form(of.figure))
     if interval == UNDEFINED:
         reason = of.note.partition("; ")[0]
         return interval, notes.mark(reason) if reason else ""

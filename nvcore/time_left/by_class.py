@@ -14,7 +14,7 @@ from nvcore.measures.table import evidence_form
 from nvcore.metrics.encounter_classes import shown_class
 from nvcore.report.words import interval_cell
 from nvcore.time_left.steps import is_in_time, time_left_in
-from nvcore.wording import Footnotes, difference, minus, number
+from nvcore.wording import Footnotes, difference, number
 
 SHARE: Final = "in_time_by_unit"
 IMPACT: Final = "mean_impact_kmh"
@@ -53,7 +53,7 @@ class OfClass(NamedTuple):
 
 
 def _apart(of: Evidence) -> str:
-    return minus(difference(of.x, of.y, evidence_form(of.figure)))
+    return difference(of.x, of.y, evidence_form(of.figure))
 
 
 def time_left_by_class(result: Result) -> tuple[OfClass, ...]:

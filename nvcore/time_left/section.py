@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
@@ -18,7 +19,6 @@ from nvcore.report.section import (
     Section,
     SectionOf,
     Table,
-    Text,
     about,
     listing,
     of_both,
@@ -29,7 +29,7 @@ from nvcore.time_left.by_class import CLASS_HEAD, time_left_by_class
 from nvcore.time_left.encounters import urgent_encounters
 from nvcore.time_left.notes import confirmed, few_urgent, needed, orders, urgent
 from nvcore.time_left.steps import time_left_in
-from nvcore.wording import Footnotes, capitalised
+from nvcore.wording import Footnotes
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -57,11 +57,11 @@ def _section(result: Result) -> Section:
     blocks: list[Block] = [Paragraphs(notes)]
     if not encounters.empty:
         in_words = "For each urgent encounter the last chance and when X and Y confirm"
-        listed = _listing(result, encounters)
+        listed, classes = _listing(result, encounters), by_class(result)
         blocks += [
             Chart("approach", partial(_approach, result, encounters), in_words),
             Fold(listed.title, (listed,), "in encounters.csv"),
-            *_by_class(result),
+            *([Fold("By class of {one}", (classes,))] if classes else []),
         ]
     if curve["urgent"].any():
         charts = tuple(
@@ -90,18 +90,22 @@ def _over_speed(result: Result, curve: pd.DataFrame, measure: OverSpeed) -> go.F
     return over_speed_plot(curve, result.names, speed_kmh=speed_kmh, theme=theme, measure=measure)
 
 
-def _by_class(result: Result) -> tuple[Fold, ...]:
-    """Return a row for each class of urgent encounters, if they have any."""
-    rows, notes = [], Footnotes()
-    for row in time_left_by_class(result):
-        cells, marks = row.cells(notes)
-        rows.append((f"{row.label} {marks}".rstrip(), *cells))
+def by_class(result: Result) -> Table | None:
+    """Return a row for each class of urgent encounters, or None if they have none."""
+    footnotes = Footnotes()
+    rows = [(row.label, *row.cells(footnotes)) for row in time_left_by_class(result)]
     if not rows:
-        return ()
-    title, head = "By class of {one}", ("Class", *CLASS_HEAD)
-    texts = [f"{mark}: {capitalised(note)}." for note, mark in notes.marks.items()]
-    below: list[Text] = [*texts, Note("time_left.by_class")]
-    return (Fold(title, (table(title, head, rows, right=range(1, len(head)), notes=below),)),)
+        return None
+    return replace(
+        table(
+            "By class of {one}",
+            ("Class", *CLASS_HEAD),
+            [(label, *cells) for label, cells, _ in rows],
+            right=range(1, 1 + len(CLASS_HEAD)),
+            notes=[*footnotes.lines(), Note("time_left.by_class")],
+        ),
+        marks=tuple(marks for *_, marks in rows),
+    )
 
 
 def _listing(result: Result, urgent: pd.DataFrame) -> Table:

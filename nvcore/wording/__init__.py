@@ -129,6 +129,10 @@ class Footnotes:
             self.marks[note] = mark or ascii_lowercase[n % n_letters] * (1 + n // n_letters)
         return self.marks[note]
 
+    def lines(self) -> list[str]:
+        """Return the notes as sentences after their marks: "a: Too few recordings."."""
+        return [f"{mark}: {capitalised(note)}." for note, mark in self.marks.items()]
+
     def of_row(self, notes: Iterable[str]) -> str:
         """The marks of all notes of a row: "a c"."""
         return " ".join(dict.fromkeys(self.mark(note) for note in notes))

@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import pandas as pd
 
+from nvcore.codes import NO_CODE
 from nvcore.comparison import Result
+from nvcore.evidence.subgroup_table import judge_groups
+from nvcore.evidence.subgroups import class_groups
 from nvcore.measures.entry import MeasureTable
-from nvcore.metrics.encounter_classes import shown_class
+from nvcore.measures.table import evidence_form
+from nvcore.metrics.encounter_classes import (
+    CHILD,
+    CROSSING,
+    GROUP,
+    IN_ROAD,
+    EncounterClasses,
+    classes_of,
+    shown_class,
+)
 from nvcore.notes import Note
 from nvcore.report.section import (
     MAX_ROWS,
@@ -27,7 +40,7 @@ from nvcore.report.section import (
     spaced,
     table,
 )
-from nvcore.report.words import fusion_gains, lead, misses
+from nvcore.report.words import fusion_gains, interval_cell, lead, misses
 from nvcore.schema import CATEGORY_TEXT, CATEGORY_WORDS, MISS_CLASS_TEXT, Category
 from nvcore.tables.encounters.miss_classes import class_counts, fusion_table
 from nvcore.tables.encounters.severity import weighed_encounters
@@ -35,11 +48,22 @@ from nvcore.tables.encounters.weightings import compare_weightings
 from nvcore.tables.moments import encounter_moments
 from nvcore.tables.result import encounters_table
 from nvcore.tables.scorecard import score_rows
-from nvcore.wording import capitalised, count_text, number
+from nvcore.wording import UNDEFINED, Footnotes, capitalised, count_text, difference, number
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
 
+SHARE: Final = "encounters_detected_by_unit"
+NO_INTERVAL: Final = (UNDEFINED, "")
+CLASSES: Final = Note("sections.by_class")
+ORIGINS: Final = {
+    CROSSING: "Was on both sides of the picture's middle.",
+    IN_ROAD: "At most 3.5 m beside the camera's axis in half of the frames, by height.",
+    GROUP: "Another {one} alongside in half of the frames.",
+    CHILD: "Small for {a_one} at that distance, which is known or follows from the horizon.",
+    NO_CODE: "Overlaps no stretch with a code.",
+}
+"""Rules for classes that come from boxes alone, and for encounters without a code."""
 N_HEAVIEST: Final = 10
 """Number of listed encounters with the largest severity."""
 
@@ -66,7 +90,7 @@ def encounters_section(result: Result) -> Section:
         )
 
     in_words = ", ".join(f"{CATEGORY_WORDS[kind]} {counts[kind]}" for kind in Category)
-    missed = _miss_classes(result)
+    missed, classes_table = _miss_classes(result), by_class(result)
     fusion = fusion_table(result)
     classes_in_words = "How many encounters each system fails in which way"
     blocks: tuple[Block, ...] = (
@@ -74,7 +98,7 @@ def encounters_section(result: Result) -> Section:
         Chart("venn", venn, f"Encounters: {in_words}"),
         _heaviest(result, encounters),
         *_weightings(result, encounters),
-        *by_class(result),
+        *([Fold("By class of {one}", (classes_table,))] if classes_table else []),
         Paragraphs((*misses(result), lead(result))),
         Fold(missed.title, (Chart("classes", classes, classes_in_words), missed)),
         Paragraphs(fusion_gains(fusion)),
@@ -163,20 +187,43 @@ def _weightings(result: Result, encounters: pd.DataFrame) -> tuple[Fold, ...]:
     )
 
 
-def by_class(result: Result) -> tuple[Block, ...]:
-    """Return who detects the encounters of each class, if any has one."""
+def by_class(result: Result) -> Table | None:
+    """Return who detects the encounters of each class, or None if none has a class."""
     counts = class_counts(result).reset_index()
     if counts.empty:
-        return ()
+        return None
+    groups = class_groups(result, result.is_near)
+    judged = {of: by[SHARE] for of, by in judge_groups(result, groups, (SHARE,)).items()}
+    footnotes = Footnotes()
+    intervals = {name: interval_cell(row, footnotes) for name, row in judged.items()}
+
+    def apart(row: Row) -> str:
+        of = judged.get(row["class"])
+        return UNDEFINED if of is None else difference(of.x, of.y, evidence_form(SHARE))
+
     columns: Columns = {
         "Class": lambda row: shown_class(row["class"]),
         **{capitalised(CATEGORY_WORDS[kind]): (kind.value, "d") for kind in Category},
+        "Detected X − Y": (apart, ""),
+        "95 % interval": (lambda row: intervals.get(row["class"], NO_INTERVAL)[0], ""),
         **of_both("Severity {} (s)", "severity_s_{}", ".2f"),
-        "Jaccard": ("jaccard", ".2f"),
+        "Shared misses": ("jaccard", ".2f"),
         "Phi": ("phi", ".2f"),
     }
-    title = "By class of {one}"
-    return (Fold(title, (listing(title, counts, columns),)),)
+    classes = classes_of(result.dataset)
+    return replace(
+        listing("By class of {one}", counts, columns, notes=[*footnotes.lines(), CLASSES]),
+        marks=tuple(intervals.get(name, NO_INTERVAL)[1] for name in counts["class"]),
+        hints=tuple(_origin_of(classes, name) for name in counts["class"]),
+    )
+
+
+def _origin_of(classes: EncounterClasses, name: str) -> str:
+    """Return where a class comes from."""
+    ways = ["Named by the truth."] if name in classes.named else []
+    if name in classes.coded and name != NO_CODE:
+        ways.append("Overlaps a stretch with this code.")
+    return " ".join(ways) or ORIGINS.get(name, "")
 
 
 def _boxes(result: Result) -> Table:
