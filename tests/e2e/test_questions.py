@@ -139,7 +139,7 @@ def test_of_a_link(visit):
 
     # what did the next version break and mend?
     asker = Asker(visit("?x=NIR&y=NIR 2"))
-    expect(asker.visit.keyed("open_x_only")).to_contain_text("Only X 0")  # newly missed
+    expect(asker.visit.keyed("open_x_only")).to_contain_text("Only NIR 0")  # newly missed
     asker.click(asker.visit.keyed("open_y_only").get_by_role("button"))
     asker.reads("2 of 46 encounters")  # it mends these
     assert asker.clicks == 1
