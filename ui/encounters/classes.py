@@ -37,19 +37,19 @@ SHARE: Final = "encounters_detected_by_unit"
 NO_INTERVAL: Final = (UNDEFINED, "")
 MEANINGS: Final = {
     CROSSING: "Was on both sides of the picture's middle.",
-    IN_ROAD: "At most 3.5 m beside the camera's axis in half of the frames, by {his} own height.",
-    GROUP: "Another {one} beside {him} in half of the frames.",
-    CHILD: "Small for where {he} stands, by {his} distance or the horizon.",
+    IN_ROAD: "At most 3.5 m beside the camera's axis in half of the frames, by height.",
+    GROUP: "Another {one} alongside in half of the frames.",
+    CHILD: "Small for {a_one} at that distance, which is known or follows from the horizon.",
     NO_CODE: "Overlaps no stretch with a code.",
 }
 
 
 def draw(result: Result) -> None:
-    """A row for each class; nothing where no encounter has any."""
+    """Draw a row for each class."""
     table = class_counts(result)
     if table.empty:
+        st.caption("No encounter has a class.")
         return
-    st.subheader(state.say("By class of {one}"))
     classes = classes_of(result.dataset)
     evidence = state.cached("by_class", comparison_key(result), lambda: _judge(result), most=8)
     notes = Footnotes()
@@ -73,20 +73,20 @@ def draw(result: Result) -> None:
         )
         for name, row in table.iterrows()
     ]
-    st.html(measures_html(rows, key="by-class", head=HEAD, first="Class"))
     from_boxes = ""
     if result.dataset.objects.are_pedestrians:
         from_boxes = (
             "; crossing, in road, group and child also from the boxes alone, by rules of ours "
             f"({docs_link('Metrics', 'classes-of-encounters')})"
         )
+    st.html(measures_html(rows, key="by-class", head=HEAD, first="Class"))
     lines = [f"{mark}: {plain(capitalised(note))}." for note, mark in notes.marks.items()]
-    lines.append(
-        state.say("{A_one} may have several classes. They come from the truth's column ")
-        + f"*attributes*, from stretches with a code{from_boxes}. Detected: as a share of "
-        "those not distant. Shared misses: Jaccard index."
+    lines.append(state.say("{A_one} may have several classes."))
+    st.caption(
+        "  \n".join(lines),
+        help="Classes come from the truth's column *attributes*, from stretches with a code"
+        f"{from_boxes}. Detected: as a share of those not distant. Shared misses: Jaccard index.",
     )
-    st.caption("  \n".join(lines))
 
 
 def _hint(classes: EncounterClasses, name: str) -> str:
@@ -94,7 +94,7 @@ def _hint(classes: EncounterClasses, name: str) -> str:
     ways = ["Named by the truth."] if name in classes.named else []
     if name in classes.coded and name != NO_CODE:
         ways.append("Overlaps a stretch with this code.")
-    return " ".join(ways) or MEANINGS.get(name, "")
+    return " ".join(ways) or state.say(MEANINGS.get(name, ""))
 
 
 def _judge(result: Result) -> dict[str, Evidence]:
