@@ -10,7 +10,7 @@ from nvcore.wording import UNDEFINED, markdown_text, number, one_line, shortened
 
 __all__ = ["UNDEFINED", "docs_link", "number", "plain", "short_names"]
 
-MAX_NAME: Final = 14
+MAX_NAME: Final = 10
 """Characters of a system's name where there is little room."""
 
 _ADDRESS: Final = re.compile(r"(?:https?(?=\\:)|www(?=\\\.)|(?=\\@))", re.IGNORECASE)

@@ -34,7 +34,7 @@ def test_an_address_is_broken_by_nothing_that_one_sees(name: str, starts: int):
     [
         ("FIR", "NIR", ["FIR", "NIR"]),
         ("a\nb", "*b*", ["a\\nb", "*b*"]),
-        ("thermal camera 2", "NIR", ["thermal camer…", "NIR"]),
+        ("thermal camera 2", "NIR", ["thermal c…", "NIR"]),
         *((x, y, ["X", "Y"]) for x, y in [("thermal camera 2", "thermal camera 3"), ("Y", "NIR")]),
         ("", "NIR", ["X", "Y"]),
     ],
