@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from html import escape
+from typing import Final
 
 from nvcore.notes import phrase
 from nvcore.objects import Objects
 from nvcore.report.tiles import Tile
 from ui.widgets.html import stamp_html, value_hooks
+
+MAX_NAME: Final = 5
+"""Characters of a name that fit beside a value; X and Y stand for longer ones."""
 
 
 def tiles_html(tiles: Sequence[Tile], objects: Objects, names: Mapping[str, str]) -> str:
@@ -19,6 +23,8 @@ def tiles_html(tiles: Sequence[Tile], objects: Objects, names: Mapping[str, str]
     names
         `ui.widgets.text.short_names` of the systems.
     """
+    if max(map(len, names.values())) > MAX_NAME:
+        names = {"x": "X", "y": "Y"}
     sections = "".join(_tile(tile, objects, names) for tile in tiles)
     return f'<div class="nv-tiles">{stamp_html()}{sections}</div>'
 

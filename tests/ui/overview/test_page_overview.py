@@ -88,6 +88,13 @@ def test_four_tiles_say_what_is_shown_and_the_better_value_has_a_mark(page: AppT
     assert len(every) == 22
 
 
+def test_tiles_call_systems_x_and_y_where_a_name_is_long(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(verdict_page, "short_names", lambda _: {"x": "thermal", "y": "NIR"})
+    body = tiles(checked(opened()))
+    assert "<i>X</i>" in body
+    assert "<i>Y</i>" in body
+
+
 def test_the_verdict_is_short_and_its_reason_stands_below(page: AppTest):
     headline, reason = page.markdown[0].value.split("\n\n")
     assert headline == "## 10 recordings do not tell X and Y apart\\."
