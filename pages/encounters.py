@@ -1,6 +1,7 @@
 """Encounters: one row for each pedestrian that was met, how X and Y did, and why."""
 
 from collections.abc import Sequence
+from typing import Final
 
 import pandas as pd
 import streamlit as st
@@ -12,7 +13,14 @@ from ui.encounters.order import Order
 from ui.session import state, store
 from ui.session.chosen import choose_named, encounter_of, name_of
 from ui.shell.messages import draw_notices, needs_comparison
-from ui.widgets.text import docs_link, plain
+from ui.widgets.choices import look_closer
+from ui.widgets.text import docs_link, plain, short_names
+
+MEANING: Final = (
+    "An {encounter} is one {one} of one recording. It counts while the {one} is near enough to "
+    "matter, else it is *distant*. {severity}: seconds of {a_one} missed straight ahead and near. "
+    "{miss_class}: how a system failed."
+)
 
 
 @st.fragment
@@ -80,31 +88,43 @@ def write_address(
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """The encounters, and what the systems would be together."""
+    """The encounters, and what follows from all of them, one section at a time."""
     if not len(result.encounters):
         state.write_address()
         st.info(
             state.say("The truth has no {many}: there is {nobody} to meet, and {nobody} to miss.")
         )
         return
-    st.caption(
-        state.say(
-            "An {encounter} is one {one} of one recording. It counts while the {one} is near "
-            "enough to matter, else it is *distant*. {severity}: seconds of {a_one} missed "
-            "straight ahead and near. {miss_class}: how a system failed.",
-            encounter=docs_link("encounter", "encounters"),
-            severity=docs_link("Severity", "severity"),
-            miss_class=docs_link("Miss class", "miss-classes"),
-        )
-    )
     draw_notices(result)
     draw_filtered()
-    classes.draw(result)
-    figures.draw_exclusivity(result)
-    figures.draw_fusion(result)
+    x, y = map(plain, short_names(result).values())
+    parts = {
+        "classes": state.say("By class of {one}"),
+        "misses": state.say("Do {x} and {y} miss the same {many}?", x=x, y=y),
+        "fusion": "What would a fusion bring?",
+    }
+    match look_closer(parts, store.ENCOUNTERS_PART):
+        case "classes":
+            classes.draw(result)
+        case "misses":
+            figures.draw_exclusivity(result)
+        case "fusion":
+            figures.draw_fusion(result)
 
 
-st.title("Encounters")
+def explain() -> str | None:
+    """What the page is about; None while there is nothing to compare."""
+    if state.result() is None:
+        return None
+    return state.say(
+        MEANING,
+        encounter=docs_link("encounter", "encounters"),
+        severity=docs_link("Severity", "severity"),
+        miss_class=docs_link("Miss class", "miss-classes"),
+    )
+
+
+st.title("Encounters", help=explain())
 if state.result() is None:
     state.write_address()
 draw()

@@ -1,5 +1,7 @@
 """Time left: whether braking could still have helped when a system had found the pedestrian."""
 
+from typing import Final
+
 import streamlit as st
 
 from nvcore.comparison import Result
@@ -8,12 +10,19 @@ from ui.session import state, store
 from ui.shell.messages import draw_notices, needs_comparison
 from ui.time_left import approaches, listed, numbers, speeds
 from ui.time_left.listed import open_encounter
+from ui.widgets.choices import look_closer
 from ui.widgets.text import docs_link
+
+MEANING: Final = (
+    "Could braking still have helped when a system had found the {one}? An encounter is {urgent} "
+    "if the car comes so near that a warning is too late to stop. From the last chance on it is "
+    "too late: the driver has to be warned before."
+)
 
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """The numbers, then the encounters behind them, and what the speed changes."""
+    """The numbers and the encounters behind them, then one section at a time."""
     objects = result.dataset.objects
     if not objects.is_on_road:
         st.info(
@@ -22,26 +31,31 @@ def draw(result: Result) -> None:
         return
     if (opened := store.URGENT_ENCOUNTER.pop()) is not None:
         open_encounter(result, *opened)
-    st.caption(
-        state.say(
-            "Could braking still have helped when a system had found the {one}? An encounter is "
-            "{urgent} if the car comes so near that a warning is too late to stop. From the "
-            "last chance on it is too late: the driver has to be warned before.",
-            urgent=docs_link("urgent", "the-last-chance"),
-        )
-    )
     draw_notices(result)
     numbers.draw(result)
-    if time_left_in(result).is_urgent.any():
-        urgent = approaches.urgent_of(result)
-        approaches.draw(result, urgent)
-    speeds.draw(result)
-    numbers.draw_by_class(result)
-    if time_left_in(result).is_urgent.any():
-        st.header("One by one")
-        approaches.draw_margins(result, urgent)
-        listed.draw(urgent)
+    has_urgent = time_left_in(result).is_urgent.any()
+    if has_urgent:
+        approaches.draw(result, approaches.urgent_of(result))
+    parts = {"speeds": "If the car were slower or faster"}
+    if has_urgent:
+        parts |= {"classes": state.say("By class of {one}"), "encounters": "One by one"}
+    match look_closer(parts, store.TIME_LEFT_PART):
+        case "speeds":
+            speeds.draw(result)
+        case "classes":
+            numbers.draw_by_class(result)
+        case "encounters":
+            urgent = approaches.urgent_of(result)
+            approaches.draw_margins(result, urgent)
+            listed.draw(urgent)
 
 
-st.title("Time left")
+def explain() -> str | None:
+    """What the page is about; None while there is nothing to compare."""
+    if state.result() is None:
+        return None
+    return state.say(MEANING, urgent=docs_link("urgent", "the-last-chance"))
+
+
+st.title("Time left", help=explain())
 draw()

@@ -112,7 +112,7 @@ def tiles(
     *,
     is_being_tested: bool = False,
 ) -> tuple[Tile, ...]:
-    """The four tiles: what the comparison shows at a glance.
+    """Return the four tiles: what the comparison shows at a glance, what is 0 for both last.
 
     Parameters
     ----------
@@ -126,10 +126,11 @@ def tiles(
         support = find_claims(result, evidence, companions)
         of_evidence = [] if evidence is None else evidence.to_dict("records")
         rows = {row["figure"]: row for row in of_evidence}
-    return tuple(
+    four = (
         _tile(kind, result, rows.get(kind.judged), support, is_being_tested=is_being_tested)
         for kind in KINDS
     )
+    return tuple(sorted(four, key=lambda tile: values_of(tile.key, result) == (0, 0)))
 
 
 def _tile(

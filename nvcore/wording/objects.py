@@ -11,9 +11,6 @@ from functools import lru_cache
 from typing import Final
 
 _OF_PEOPLE_AND_THINGS: Final = {
-    "he": ("he", "it"),
-    "him": ("him", "it"),
-    "his": ("his", "its"),
     "them": ("them", "it"),
     "their": ("their", "its"),
     "who": ("who", "that"),

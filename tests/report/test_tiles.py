@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 from drives import at_thresholds
 from places import SAMPLE
+from verdict_scenes import detecting
 
 from nvcore.comparison import Result, compare
 from nvcore.evidence.companions import Companions, find_companions
@@ -177,3 +178,10 @@ def test_few_false_alarms_are_why_a_tile_is_not_tested(
 def test_what_is_not_tested_yet_says_so(sample: tuple[Result, pd.DataFrame, Companions]):
     four = tiles(sample[0], None, None, is_being_tested=True)
     assert [tile.chip for tile in four[:3]] == [Note("verdict.chip_testing")] * 3
+
+
+def test_what_is_0_for_both_comes_last():
+    four = tiles(detecting(6, range(6), range(2)), None, None)
+    values = [(tile.title, tile.x, tile.y) for tile in four]
+    assert values[0] == ("Pedestrians found", "6", "2")
+    assert values[-1] == ("False-alert episodes", "0", "0")

@@ -67,6 +67,12 @@ def test_who_detects_more_encounters(
     assert [claim.key for claim in text.claims] == ([BY_UNIT] if kind == "claimed" else [])
 
 
+def test_the_reason_repeats_no_measure_of_the_headline(better_x: Result):
+    text = verdict_by(better_x, row_of(BY_UNIT, 0.03), row_of("mean_similarity", 0.04))
+    assert text.in_short.startswith("X is better on encounters detected")
+    assert text.reason == "What is claimed is more than chance across 12 recordings."
+
+
 def test_p_stands_by_itself_and_corrected(better_x: Result):
     text = verdict_by(better_x, row_of(BY_UNIT, 1.0) | {"p": 0.18}, row_of("mean_similarity", 1.0))
     (detected,) = said(text, "Encounters")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Final
 
 import pandas as pd
@@ -12,8 +13,8 @@ from nvcore.metrics.encounter_classes import shown_class
 from nvcore.pictures import jpeg, picture_address
 from nvcore.schema import CATEGORY_TEXT, CLASS_SEPARATOR, Category
 from nvcore.tables.moments import NEVER, encounter_box, encounter_time
+from nvcore.wording import capitalised, minus, percent
 from nvcore.wording import listed as listed_words
-from nvcore.wording import minus, percent
 from ui.encounters import selection, weightings
 from ui.session import state, store
 from ui.shell.navigate import open_row
@@ -22,12 +23,14 @@ from ui.widgets import drawing
 from ui.widgets.buttons import button
 from ui.widgets.drawing import keep_look, look
 from ui.widgets.table_columns import class_words
-from ui.widgets.text import UNDEFINED, docs_link, number, plain
+from ui.widgets.text import UNDEFINED, docs_link, number, plain, short_names
 
 MEANINGS: Final = (
     "Peak cost: what the worst of its frames costs, 0 to 1. Lag: how long after coming near enough "
     "to count it was first matched. Longest gap: between two matches. Tail: after the last match, "
-    "until it no longer counts."
+    "until it no longer counts. k: weight for how near it is, 0 to 1, at the tallest box. "
+    "Position: mean, −1 left edge, 1 right edge. Pose: height by width, in standard deviations "
+    "from the mean of all encounters."
 )
 OF_VISIBLE: Final = ("visible", "blended")
 """Ways to see the pictures in which the cut-out is of visible light."""
@@ -38,32 +41,34 @@ def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
     selection.draw_steps(listed, encounter)
     row = listed.iloc[selection.place_of(listed, encounter)]
     st.header(f"{state.say('{One}')} {row['track']} in {plain(row['recording'])}")
-    category = state.say(CATEGORY_TEXT[Category(row["category"])])
-    st.markdown(f"{category}  \n{_who_missed(result, row)}")
+    names = {letter: plain(name) for letter, name in short_names(result).items()}
+    kind = Category(row["category"])
+    finder = {Category.X_ONLY: names["x"], Category.Y_ONLY: names["y"]}.get(kind, "")
+    text = "Only {finder} detected the {one}." if finder else CATEGORY_TEXT[kind]
+    st.markdown(f"{state.say(text, finder=finder)}  \n{_who_missed(result, row, names)}")
     for draw_head in contributed("ENCOUNTER_HEAD"):
         draw_head(result, encounter)
     moments = selection.moments_of(result).iloc[encounter]
-    if names := [shown_class(name) for name in str(row["classes"]).split(CLASS_SEPARATOR) if name]:
-        classes = plain(listed_words(names))
-        st.caption(f"{docs_link('Classes', 'classes-of-encounters')}: {classes}.")
-    _draw_picture(result, encounter, int(moments["shown_row"]))
-    _draw_ways(result, row, moments)
+    if classes := [
+        shown_class(name) for name in str(row["classes"]).split(CLASS_SEPARATOR) if name
+    ]:
+        words = plain(listed_words(classes))
+        st.caption(f"{docs_link('Classes', 'classes-of-encounters')}: {words}.")
+    _draw_picture(result, encounter, row, moments)
+    _draw_ways(result, row, moments, names)
     for draw_text in contributed("ENCOUNTER_TEXT"):
         draw_text(result, encounter)
-    st.table(_both(row))
-    st.caption(MEANINGS)
-    pose = number(row["aspect_z"], "+.1f")
+    st.table(_both(row, names))
     text = (
-        f"Up to {row['peak_height']:.0f} px tall, where the weight for how near it is (k, 0 to 1) "
-        f"is {row['peak_k']:.2f}; mean position {row['lateral_position']:+.2f} (-1 left edge, 1 "
-        f"right edge); height by width {pose} standard deviations from the mean of all "
-        f"encounters; frames {row['first_frame']} to {row['last_frame']}."
+        f"Up to {row['peak_height']:.0f} px tall, k {row['peak_k']:.2f}; position "
+        f"{row['lateral_position']:+.2f}; pose {number(row['aspect_z'], '+.1f')}; frames "
+        f"{row['first_frame']} to {row['last_frame']}."
     )
-    st.caption(plain(minus(text)))
+    st.caption(plain(minus(text)), help=MEANINGS)
     weightings.draw(result, encounter)
 
 
-def _who_missed(result: Result, row: pd.Series[Any]) -> str:
+def _who_missed(result: Result, row: pd.Series[Any], names: Mapping[str, str]) -> str:
     """How long each system misses the pedestrian while it counts, and what that weighs."""
     times = encounter_time(result, int(str(row.name)))
     if not times.relevant_s:
@@ -73,19 +78,19 @@ def _who_missed(result: Result, row: pd.Series[Any]) -> str:
         if missed_s:
             does = f"misses it for {missed_s:.2f} of {times.relevant_s:.2f} s"
             weighs = f"severity **{row[f'severity_s_{letter}']:.2f} s**"
-            lines.append(f"**{letter.upper()}** {does}: {weighs}")
+            lines.append(f"**{names[letter]}** {does}: {weighs}")
         else:
-            lines.append(f"**{letter.upper()}** never misses it in {times.relevant_s:.2f} s")
+            lines.append(f"**{names[letter]}** never misses it in {times.relevant_s:.2f} s")
     return "  \n".join(lines)
 
 
-def _both(row: pd.Series[Any]) -> pd.DataFrame:
-    """How X and Y did with one encounter, side by side, as text."""
+def _both(row: pd.Series[Any], names: Mapping[str, str]) -> pd.DataFrame:
+    """How both systems did with one encounter, side by side, as text."""
     columns = {}
     for letter in "xy":
         matched, coverage = row[f"matched_{letter}"], row[f"coverage_{letter}"]
         share = f"{matched} of {row['n_relevant']} frames"
-        columns[letter.upper()] = {
+        columns[names[letter]] = {
             "Severity": _seconds(row[f"severity_s_{letter}"]),
             "Peak cost": number(row[f"peak_cost_{letter}"], ".2f"),
             "Miss class": class_words(row[f"miss_class_{letter}"]) or UNDEFINED,
@@ -102,11 +107,12 @@ def _seconds(value: float) -> str:
     return text if text == UNDEFINED else f"{text} s"
 
 
-def _draw_ways(result: Result, row: pd.Series[Any], moments: pd.Series[Any]) -> None:
+def _draw_ways(
+    result: Result, row: pd.Series[Any], moments: pd.Series[Any], names: Mapping[str, str]
+) -> None:
     """Buttons to the frames that are worth seeing."""
     frames = result.dataset.frames
     shown_row = int(moments["shown_row"])
-    missed = {letter: int(moments[f"missed_row_{letter}"]) for letter in "xy"}
     if button(
         "Show in timeline",
         key="encounters_show",
@@ -115,19 +121,18 @@ def _draw_ways(result: Result, row: pd.Series[Any], moments: pd.Series[Any]) -> 
         width="stretch",
     ):
         open_row(shown_row)
-    st.caption(
-        f"Frame {frames['frame'].iloc[shown_row]} at {frames['time_s'].iloc[shown_row]:.2f} s, "
-        f"{_why(result, row, shown_row, any(place >= 0 for place in missed.values()))}."
-    )
-    for letter, place in missed.items():
-        if place not in (shown_row, NEVER) and button(
-            f"Show where {letter.upper()} first misses (frame {frames['frame'].iloc[place]})",
-            key=f"encounters_show_{letter}",
-            width="stretch",
-        ):
-            open_row(place)
-    for draw_ways in contributed("ENCOUNTER_WAYS"):
-        draw_ways(result, int(str(row.name)))
+    with st.container(horizontal=True):
+        for letter in "xy":
+            place = int(moments[f"missed_row_{letter}"])
+            if place not in (shown_row, NEVER) and button(
+                f"{names[letter]} first misses it",
+                key=f"encounters_show_{letter}",
+                help=f"Frame {frames['frame'].iloc[place]}",
+                width="stretch",
+            ):
+                open_row(place)
+        for draw_ways in contributed("ENCOUNTER_WAYS"):
+            draw_ways(result, int(str(row.name)))
 
 
 def _why(result: Result, row: pd.Series[Any], shown_row: int, is_missed: bool) -> str:
@@ -145,11 +150,14 @@ def _why(result: Result, row: pd.Series[Any], shown_row: int, is_missed: bool) -
     return f"where {what} costs most{while_seen}"
 
 
-def _draw_picture(result: Result, encounter: int, row: int) -> None:
+def _draw_picture(
+    result: Result, encounter: int, described: pd.Series[Any], moments: pd.Series[Any]
+) -> None:
     """The part of a frame around the pedestrian; without pictures, the boxes on a blank.
 
     Of the recording's own pictures or those of visible light, as chosen here or in a viewer.
     """
+    row = int(moments["shown_row"])
     has_visible = drawing.has_visible(row)
     is_visible = has_visible and look().picture in OF_VISIBLE
     key = (state.workspace().version, drawing.stretch(), row, encounter, is_visible)
@@ -164,9 +172,17 @@ def _draw_picture(result: Result, encounter: int, row: int) -> None:
         width="stretch",
         alt=state.say("The {one} with the boxes of truth, X and Y"),
     )
-    if has_visible:
-        store.ENCOUNTER_IS_VISIBLE.set(is_visible)
-        st.toggle("Visible light", key=store.ENCOUNTER_IS_VISIBLE.key, on_change=_choose)
+    frames = result.dataset.frames
+    is_missed = any(int(moments[f"missed_row_{letter}"]) >= 0 for letter in "xy")
+    with st.container(horizontal=True, horizontal_alignment="distribute"):
+        st.caption(
+            f"Frame {frames['frame'].iloc[row]} at {frames['time_s'].iloc[row]:.2f} s",
+            width="content",
+            help=f"{capitalised(_why(result, described, row, is_missed))}.",
+        )
+        if has_visible:
+            store.ENCOUNTER_IS_VISIBLE.set(is_visible)
+            st.toggle("Visible light", key=store.ENCOUNTER_IS_VISIBLE.key, on_change=_choose)
 
 
 def _choose() -> None:

@@ -19,7 +19,7 @@ from ui.session import state
 from ui.widgets.charts import Clicked, draw_chart
 from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.table_columns import class_words
-from ui.widgets.text import UNDEFINED, docs_link, plain
+from ui.widgets.text import UNDEFINED, docs_link, plain, short_names
 
 MANY_BOXES: Final = 300_000
 """Boxes of all sources from which on a fusion is computed only on request."""
@@ -41,8 +41,8 @@ def draw_classes(result: Result, encounters: pd.DataFrame) -> None:
             lead_time_plot(encounters, theme=theme, objects=result.objects),
             "encounters_lead",
             help=state.say(
-                "{link}: how much earlier X matches {a_one} than Y, counted from the moment {he} "
-                "is near enough to count.",
+                "{link}: how much earlier X matches {a_one} than Y, counted from the moment the "
+                "{one} is near enough to count.",
                 link=docs_link("Lead time", "lead-time"),
             ),
         )
@@ -54,15 +54,19 @@ def _choose_class(clicked: Clicked) -> None:
 
 
 def draw_exclusivity(result: Result) -> None:
-    """Whether both miss the same pedestrians: in words, and class against class."""
-    st.header(state.say("Do X and Y miss the same {many}?"))
-    st.markdown("\n".join(f"- {plain(state.say(fact))}" for fact in misses(result)))
-    st.caption(
-        f"{docs_link('Jaccard index', 'exclusivity')}: share of all misses that both have, 0 to "
-        "1. Phi: how much the misses of X and Y go together, −1 to 1, 0 if not at all. McNemar's "
-        "p: how often chance alone gives so uneven a split. The filters have no effect here."
+    """Draw whether both miss the same pedestrians: in words, and class against class."""
+    x, y = map(plain, short_names(result).values())
+    st.markdown(
+        "\n".join(f"- {plain(state.say(fact))}" for fact in misses(result)),
+        help=f"{docs_link('Jaccard index', 'exclusivity')}: share of all misses that both have, "
+        "0 to 1. Phi: how much the misses of X and Y go together, −1 to 1, 0 if not at all. "
+        "McNemar's p: how often chance alone gives so uneven a split. The filters have no effect "
+        "here.",
     )
-    st.markdown("**Miss class of X (rows) against that of Y (columns)**")
+    st.markdown(
+        f"**Miss class of {x} (X, rows) against that of {y} (Y, columns)**",
+        help="Click a count to list these encounters.",
+    )
     counts = miss_class_totals(result)
     kinds = [*counts.index]
     draw_table(
@@ -75,7 +79,6 @@ def draw_exclusivity(result: Result) -> None:
         clicks="cell",
         is_sortable=False,
     )
-    st.caption("Click a count to list these encounters.")
 
 
 def _class_name(kind: Hashable) -> str:
@@ -88,8 +91,7 @@ def _choose_pair(kinds: list[str], row: int, column: str) -> None:
 
 
 def draw_fusion(result: Result) -> None:
-    """What ``X or Y`` and ``X and Y`` would gain and cost."""
-    st.header("What would a fusion bring?")
+    """Draw what ``X or Y`` and ``X and Y`` would gain and cost."""
     if len(result.dataset.boxes) >= MANY_BOXES and not st.toggle(
         "Work it out",
         key="encounters_fuse",
@@ -106,12 +108,12 @@ def draw_fusion(result: Result) -> None:
             "encounters_fusion",
             help=f"{docs_link('Fusion', 'fusion')}: \u201cX or Y\u201d shows what either detects, "
             "\u201cX and Y\u201d what both detect. A false-alert episode is a run of false alarms "
-            "that a driver would notice as one. The filters have no effect here.",
+            "that a driver would notice as one. The filters have no effect here. "
+            f"{plain(state.say(Note('encounters.fusion_rule')))}",
         )
     with right:
         gains = (state.say(gain) for gain in fusion_gains(fusion))
         st.markdown("\n".join(f"- {sentence}" for sentence in gains))
-        st.caption(plain(state.say(Note("encounters.fusion_rule"))))
         draw_table(
             fusion.assign(system=fusion["system"].map(LABELS)),
             {

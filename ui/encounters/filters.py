@@ -20,7 +20,7 @@ from ui.session.store import Entry
 from ui.streamlit_inside.types import DeltaGenerator
 from ui.subjects import EncounterFilter, contributed
 from ui.widgets.table_columns import MISS_WORDS, category_words, class_words
-from ui.widgets.text import plain
+from ui.widgets.text import plain, short_names
 
 CATEGORIES: Final = tuple(kind.value for kind in Category)
 CLASSES: Final = tuple(kind.value for kind in MissClass)
@@ -34,6 +34,10 @@ LISTS: Final = ("category", "class_x", "class_y", "recording", "class", *OF_SUBJ
 RANGES: Final = ("position", "height", "pose")
 OPEN: Final = (-math.inf, math.inf)
 """The ends of a range that nobody has set: they are those of what is listed, whatever that is."""
+HOW_LISTED: Final = (
+    "Click a row to see the encounter, a heading to sort by it. By severity, distant {many}, "
+    "which do not count, are last."
+)
 MOST_WORDS: Final = 80
 """Characters of the filters in words; all of them are in the widgets."""
 
@@ -125,7 +129,7 @@ def possible(result: Result) -> dict[str, tuple[str, ...]]:
 
 def draw(result: Result, encounters: pd.DataFrame) -> tuple[Filters, pd.DataFrame]:
     """Draw the filters; returns them, and the encounters that pass."""
-    filters = _draw_widgets(encounters, possible(result))
+    filters = _draw_widgets(encounters, possible(result), short_names(result))
     values = {name: OF_SUBJECTS[name].values(result) for name in filters.of_subjects}
     return filters, filters.keep(encounters, values)
 
@@ -134,7 +138,11 @@ def draw_count(filters: Filters, n_matching: int, n_all: int) -> None:
     """How many encounters pass, which filters are in use, and the way to all."""
     words = "; ".join(in_words(filters))
     used = f" · {plain(shortened(words, MOST_WORDS))}" if words else ""
-    st.markdown(f"**{n_matching:,}** of {n_all:,} encounters{used}", width="content")
+    st.markdown(
+        f"**{n_matching:,}** of {n_all:,} encounters{used}",
+        width="content",
+        help=state.say(HOW_LISTED),
+    )
     if filters != Filters():
         st.button(
             "Clear filters",
@@ -216,18 +224,24 @@ def clear_filters() -> None:
         _wish(name).pop()
 
 
-def _draw_widgets(encounters: pd.DataFrame, of_subjects: Mapping[str, Sequence[str]]) -> Filters:
+def _draw_widgets(
+    encounters: pd.DataFrame,
+    of_subjects: Mapping[str, Sequence[str]],
+    names_of: Mapping[str, str],
+) -> Filters:
+    words = {kind: category_words(kind) for kind in CATEGORIES}
+    words |= {f"{letter}_only": f"only {plain(name)}" for letter, name in names_of.items()}
     with st.container(horizontal=True, gap="large"):
         categories = st.pills(
             "Detected by",
             CATEGORIES,
             selection_mode="multi",
-            format_func=category_words,
+            format_func=lambda kind: words[kind],
             key=_filter("category").key,
             persist_state="session",
             width="content",
             help=state.say(
-                " ".join(f"*{category_words(kind)}*: {CATEGORY_TEXT[kind]}" for kind in Category)
+                " ".join(f"*{words[kind]}*: {CATEGORY_TEXT[kind]}" for kind in Category)
             ),
         )
         chosen = {

@@ -38,10 +38,6 @@ FIRST_COLUMNS: Final = (
 )
 """What most people look for; the first five stand beside the encounter in a small window."""
 BY_SEVERITY: Final = "Severity, the larger of both"
-NOTE: Final = (
-    "Click a row to see the encounter, a heading to sort by it. By severity, distant {many}, "
-    "which do not count, are last."
-)
 
 
 def order() -> Order:
@@ -110,7 +106,8 @@ def draw(listed: pd.DataFrame, encounter: int) -> None:
         sorted_by=SortedBy(by.by, by.is_descending),
         on_sort=_sort,
     )
-    st.caption(f"{rows_told(len(listed), 'first')} {state.say(NOTE)}".strip())
+    if told := rows_told(len(listed), "first"):
+        st.caption(told)
 
 
 def _sort(by: str) -> None:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Final
 
 import pandas as pd
-import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
 from ui.overview import evidence, moments, plan, scorecard
 from ui.session import store
+from ui.widgets.choices import look_closer
 
 PARTS: Final = {
     "moments": "Moments to look at",
@@ -23,16 +23,8 @@ PARTS: Final = {
 
 
 def draw(result: Result, measured: pd.DataFrame, companions: Companions | None) -> None:
-    """The part that is chosen; none at first, and what is not chosen costs nothing."""
-    part = st.segmented_control(
-        "Look closer",
-        list(PARTS),
-        format_func=PARTS.__getitem__,
-        key=store.OVERVIEW_PART.key,
-        persist_state="session",
-        on_change=_note_question,
-    )
-    match part:
+    """Draw the chosen section."""
+    match look_closer(PARTS, store.OVERVIEW_PART, on_change=_note_question):
         case "moments":
             moments.draw(result)
         case "recordings":

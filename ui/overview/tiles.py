@@ -2,25 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
+from typing import Final
 
 from nvcore.notes import phrase
 from nvcore.objects import Objects
 from nvcore.report.tiles import Tile
 from ui.widgets.html import stamp_html, value_hooks
 
+MAX_NAME: Final = 5
+"""Characters of a name that fit beside a value; X and Y stand for longer ones."""
 
-def tiles_html(tiles: Sequence[Tile], objects: Objects) -> str:
-    """Tiles in a row; each is as high with an interval as without."""
-    sections = "".join(_tile(tile, objects) for tile in tiles)
+
+def tiles_html(tiles: Sequence[Tile], objects: Objects, names: Mapping[str, str]) -> str:
+    """Return tiles in a row; each is as high with an interval as without.
+
+    Parameters
+    ----------
+    names
+        `ui.widgets.text.short_names` of the systems.
+    """
+    if max(map(len, names.values())) > MAX_NAME:
+        names = {"x": "X", "y": "Y"}
+    sections = "".join(_tile(tile, objects, names) for tile in tiles)
     return f'<div class="nv-tiles">{stamp_html()}{sections}</div>'
 
 
-def _tile(tile: Tile, objects: Objects) -> str:
+def _tile(tile: Tile, objects: Objects, names: Mapping[str, str]) -> str:
     values = "".join(
         f'<span class="{letter}{" better" if tile.better == letter else ""}">'
-        f'<i>{letter.upper()}</i><span data-value="{letter}">{escape(value)}</span></span>'
+        f'<i>{escape(names[letter])}</i><span data-value="{letter}">{escape(value)}</span></span>'
         for letter, value in (("x", tile.x), ("y", tile.y))
     )
     interval = "" if tile.interval is None else phrase(tile.interval, objects)

@@ -20,7 +20,7 @@ from ui.widgets.buttons import button
 from ui.widgets.charts import clicked_chart, kept_figure
 from ui.widgets.table import draw_table
 from ui.widgets.table_columns import as_shown, columns_of
-from ui.widgets.text import docs_link
+from ui.widgets.text import docs_link, plain, short_names
 
 WORDS: Final = {"both": "Both", "x_only": "Only X", "y_only": "Only Y", "neither": "Neither"}
 OF_VERSIONS: Final = {
@@ -59,7 +59,9 @@ def draw(result: Result) -> None:
         "Click a region to see its encounters."
     )
     counts = result.venn.counts()
-    alt = "Encounters detected: " + ", ".join(f"{WORDS[c]} {counts[c]}" for c in WORDS)
+    names_of = short_names(result)
+    words = WORDS | {f"{letter}_only": f"Only {name}" for letter, name in names_of.items()}
+    alt = "Encounters detected: " + ", ".join(f"{words[c]} {counts[c]}" for c in words)
     clicked = clicked_chart(figure, "venn", alt=alt, help=help_text)
     if isinstance(clicked, str):
         _open(clicked)
@@ -67,9 +69,9 @@ def draw(result: Result) -> None:
         open_row(int(clicked))
     with st.container(key="venn_open"):
         columns = st.columns(4)
-    for column, (category, words) in zip(columns, WORDS.items(), strict=True):
+    for column, (category, label) in zip(columns, words.items(), strict=True):
         if button(
-            f"{words} {counts[category]}",
+            f"{plain(label)} {counts[category]}",
             key=f"open_{category}",
             width="stretch",
             help=OF_VERSIONS.get(category),

@@ -21,7 +21,7 @@ from ui.session import state, store
 from ui.shell.navigate import open_page
 from ui.streamlit_inside.types import DeltaGenerator
 from ui.widgets.buttons import button
-from ui.widgets.text import docs_link, plain
+from ui.widgets.text import docs_link, plain, short_names
 
 
 class VerdictBox:
@@ -50,7 +50,9 @@ class VerdictBox:
         self._words = self._words.markdown("## :gray[The differences are being tested.]")
         self._basis = self._basis.caption(_short_extent(self._result))
         four = tiles(self._result, evidence, None, is_being_tested=True)
-        self._tiles = self._tiles.html(tiles_html(four, self._result.objects))
+        self._tiles = self._tiles.html(
+            tiles_html(four, self._result.objects, short_names(self._result))
+        )
 
     def draw(
         self,
@@ -68,7 +70,9 @@ class VerdictBox:
         store.SHOWN_VERDICT.set(state.opened().dataset.fingerprint)
         store.LAST_VERDICT.set(self._opening())
         four = tiles(result, evidence, companions, is_being_tested=True)
-        self._tiles = self._tiles.html(tiles_html(four, self._result.objects))
+        self._tiles = self._tiles.html(
+            tiles_html(four, self._result.objects, short_names(self._result))
+        )
         with self._basis.container():
             st.caption(_short_extent(result))
             for point in conclusion.points:

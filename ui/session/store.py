@@ -269,6 +269,8 @@ PLAN_MEASURE: Entry[str | None] = Entry("plan_measure", None)
 
 # Encounters, timeline, saliency, detection, stability, time left, export
 
+ENCOUNTERS_PART: Entry[str | None] = Entry("encounters_more", None)
+TIME_LEFT_PART: Entry[str | None] = Entry("time_left_more", None)
 ENCOUNTER_IS_NEW = Entry("encounters_just_chosen", False)
 """Whether the encounter was chosen on the page just now."""
 HAS_STEPPED = Entry("encounters_stepped", False)

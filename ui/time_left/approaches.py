@@ -52,7 +52,7 @@ def draw(result: Result, urgent: pd.DataFrame) -> None:
 
 
 def draw_margins(result: Result, urgent: pd.DataFrame) -> None:
-    """A mark for each urgent encounter: who confirms him how long before the last chance."""
+    """Draw each urgent encounter: how long before the last chance X and Y confirm it."""
     theme = state.theme()
     figure = kept_figure(
         "time_left_margins",

@@ -25,8 +25,9 @@ def draw_ways(result: Result, encounter: int) -> None:
     view, frames = time_left_in(result), result.dataset.frames
     chance = int(view.urgency["urgent_row"].iloc[encounter])
     if view.is_urgent[encounter] and button(
-        f"Show the last chance to stop (frame {frames['frame'].iloc[chance]})",
+        "Last chance to stop",
         key="encounters_show_chance",
+        help=f"Frame {frames['frame'].iloc[chance]}",
         width="stretch",
     ):
         open_row(chance)

@@ -17,35 +17,46 @@ from nvcore.notes import Note
 from nvcore.report.words import WITHIN, WITHIN_NOTE
 from nvcore.stages import THRESHOLD
 from nvcore.tables.scorecard import score_rows
-from nvcore.time_left.by_class import CLASS_HEAD, IMPACT, SHARE, time_left_by_class
+from nvcore.time_left.by_class import IMPACT, SHARE
 from nvcore.time_left.kinds import TimeLeft, Urgency
 from nvcore.time_left.notes import confirmed, few_urgent, needed, urgent
+from nvcore.time_left.section import by_class
 from nvcore.time_left.settings import TIME_LEFT
 from nvcore.time_left.steps import time_left_in
-from nvcore.wording import Footnotes, capitalised, difference, interval_text, minus, number
+from nvcore.wording import Footnotes, difference, interval_text, minus, number
 from ui.session import state
 from ui.session.results import comparison_key
 from ui.widgets.html import MeasureRow, measures_html, score_row
-from ui.widgets.text import UNDEFINED, docs_link, plain
+from ui.widgets.section import draw_table_of
+from ui.widgets.text import UNDEFINED, docs_link, plain, short_names
 
 KEYS: Final = (*(kind.value for kind in TimeLeft), IMPACT, "median_margin_s")
-HEAD: Final = ("X", "Y", "X − Y", "95 % interval")
+MEANING: Final = """
+*In time*: matched in {n:g} of {m:g} frames in a row at some time before the last chance, if lost
+again as well. *Late*: only then or later; the car brakes too late and reaches the {one} with the
+*impact speed*. *Never*: the car does not brake.
+
+In time means that a warning could have come early enough, not that the driver would have heeded it,
+nor that {nobody} is hurt: {many} are taken to go on as they do, the car to drive on at its speed.
+Time to contact comes from {source}. Whether a difference is more than chance is tested on the
+Overview ({link}).
+"""
 
 
 def draw(result: Result) -> None:
-    """The counts, the measures with their intervals, and what they mean."""
+    """Draw the counts, the measures with their intervals, and how early a warning has to come."""
     with st.container(key="time_left_headline"):
         for fact in confirmed(result):
-            st.header(plain(state.say(fact)), anchor=False)
+            st.header(plain(state.say(fact)), anchor=False, help=_meaning(result))
     if not time_left_in(result).is_urgent.any():
         _draw_nobody(result)
         return
-    st.caption(_urgency(result))
     left, right = st.columns([5, 4], gap="large")
     with left:
         _draw_measures(result)
     with right:
-        _draw_meaning(result)
+        _draw_needed(result)
+        st.caption(_urgency(result))
 
 
 def _urgency(result: Result) -> str:
@@ -84,8 +95,9 @@ def _draw_measures(result: Result) -> None:
         rows.append(with_interval(shown, evidence.get(row.key), notes))
         if row.key == TimeLeft.IN_TIME.value and SHARE in evidence:
             rows.append(with_interval(_share(evidence[SHARE]), evidence[SHARE], notes))
-    st.html(measures_html(rows, key="time-left", head=HEAD))
-    lines = [f"{mark}: {plain(capitalised(note))}." for note, mark in notes.marks.items()]
+    head = (*short_names(result).values(), "X − Y", "95 % interval")
+    st.html(measures_html(rows, key="time-left", head=head))
+    lines = [plain(line) for line in notes.lines()]
     lines += [state.say(fact) for fact in few_urgent(result)]
     st.caption("  \n".join(lines))
 
@@ -118,34 +130,25 @@ def with_interval(row: MeasureRow, of: Evidence | None, notes: Footnotes) -> Mea
     return replace(row, cells=(*row.cells, interval), marks=notes.of_row(of_row))
 
 
-def _draw_meaning(result: Result) -> None:
-    """What *in time* says, and what it does not."""
-    params = result.params
+def _draw_needed(result: Result) -> None:
+    """Say how early a warning has to come."""
     view = time_left_in(result)
     if view.has_assumed_speed.any():
         if view.assumed_speed_kmh is None:
             st.markdown("Where the recordings do not state their speed:")
-        st.markdown(plain(state.say(needed(params))))
+        st.markdown(plain(state.say(needed(result.params))))
     else:
         st.markdown("The recordings state the speed of the car: the assumed one moves nothing.")
-    st.markdown(
-        state.say(
-            "*In time*: matched in {n:g} of {m:g} frames in a row at some time before the last "
-            "chance, if lost again as well. *Late*: only then or later; the car brakes too late "
-            "and reaches {him} with the *impact speed*. *Never*: the car does not brake.",
-            n=params.confirm_n,
-            m=params.confirm_m,
-        )
-    )
-    st.caption(
-        state.say(
-            "In time means that a warning could have come early enough, not that the driver would "
-            "have heeded it, nor that {nobody} is hurt: {many} are taken to go on as they do, "
-            "the car to drive on at its speed. Time to contact comes from {source}. Whether a "
-            "difference is more than chance is tested on the Overview ({link}).",
-            source=_source(result),
-            link=docs_link("Time left", "time-left"),
-        )
+
+
+def _meaning(result: Result) -> str:
+    """Say what *in time* means, and what it does not."""
+    return state.say(
+        MEANING,
+        n=result.params.confirm_n,
+        m=result.params.confirm_m,
+        source=_source(result),
+        link=docs_link("Time left", "time-left"),
     )
 
 
@@ -168,19 +171,11 @@ def key_of(result: Result) -> tuple[object, ...]:
 
 
 def draw_by_class(result: Result) -> None:
-    """A row for each class; nothing where no urgent encounter has any."""
+    """Draw a row for each class."""
     key = comparison_key(result)
-    rows = state.cached("time_left_by_class", key, lambda: time_left_by_class(result), most=8)
-    if not rows:
+    table = state.cached("time_left_by_class", key, lambda: by_class(result), most=8)
+    if table is None:
+        st.caption("No urgent encounter has a class.")
         return
-    st.subheader(state.say("By class of {one}"))
-    notes = Footnotes()
-    shown = []
-    for row in rows:
-        cells, marks = row.cells(notes)
-        shown.append(MeasureRow(row.label, cells, marks=marks))
-    st.html(measures_html(shown, key="time-left-by-class", head=CLASS_HEAD, first="Class"))
-    lines = [f"{mark}: {plain(capitalised(note))}." for note, mark in notes.marks.items()]
     classes = docs_link("Classes of encounters", "classes-of-encounters")
-    lines.append(state.say(Note("time_left.by_class", link=classes)))
-    st.caption("  \n".join(lines))
+    draw_table_of(table, key="time-left-by-class", explanation=f"{classes}.")

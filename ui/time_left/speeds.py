@@ -23,16 +23,12 @@ MEASURES: Final[tuple[OverSpeed, ...]] = ("share_in_time", "mean_impact_kmh")
 
 
 def draw(result: Result) -> None:
-    """Share in time and mean impact speed over the speed, and where the order turns.
-
-    Nothing where nobody is urgent at any speed.
-    """
+    """Draw share in time and mean impact speed over the speed, and where the order turns."""
     key, curve = _curve(result)
     if not curve["urgent"].any():
+        st.caption("No encounter is urgent at any speed.")
         return
-    st.header("If the car were slower or faster")
-    for order in orders(curve):
-        st.markdown(plain(state.say(order)))
+    st.markdown("  \n".join(plain(state.say(order)) for order in orders(curve)))
     names, theme = (result.x.name, result.y.name), state.theme()
     speed_kmh = time_left_in(result).assumed_speed_kmh
     help_text = state.say(

@@ -10,6 +10,7 @@ import streamlit as st
 
 from nvcore.output.csv_text import to_csv_bytes
 from ui.session import store
+from ui.session.store import Entry
 
 Option = TypeVar("Option")
 
@@ -31,6 +32,24 @@ def choose_side_by_side(
         **{"format_func": words, **more},
     )
     return option
+
+
+def look_closer(parts: Mapping[str, str], chosen: Entry[str | None], **more: Any) -> str | None:
+    """Choose which section of a page is unfolded, by its title; none at first.
+
+    A section that is not chosen costs nothing.
+    """
+    if chosen.get() not in (None, *parts):
+        chosen.set(None)
+    part: str | None = st.segmented_control(
+        "Look closer",
+        list(parts),
+        format_func=parts.__getitem__,
+        key=chosen.key,
+        persist_state="session",
+        **more,
+    )
+    return part
 
 
 def choose_first(label: str, n: int, most: int, key: str, **more: Any) -> int:

@@ -5,10 +5,13 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from nvcore.wording import UNDEFINED, markdown_text, number
+from nvcore.comparison import Result
+from nvcore.wording import UNDEFINED, markdown_text, number, one_line, shortened
 
-__all__ = ["UNDEFINED", "docs_link", "number", "plain"]
+__all__ = ["UNDEFINED", "docs_link", "number", "plain", "short_names"]
 
+MAX_NAME: Final = 10
+"""Characters of a system's name where there is little room."""
 
 _ADDRESS: Final = re.compile(r"(?:https?(?=\\:)|www(?=\\\.)|(?=\\@))", re.IGNORECASE)
 """Where Streamlit would see the start of a web or e-mail address, in text without markup."""
@@ -30,6 +33,17 @@ def plain(text: object) -> str:
     'www:small[]\\.example\\.com'
     """
     return _ADDRESS.sub(lambda start: start[0] + _NOTHING, markdown_text(text))
+
+
+def short_names(result: Result) -> dict[str, str]:
+    """Names of both systems by letter, shortened; not escaped.
+
+    They are X and Y if the short names are alike, or could be taken for these letters.
+    """
+    names = {letter: shortened(one_line(system.name), MAX_NAME) for letter, system in result.sides}
+    short = {name.casefold() for name in names.values()}
+    is_clear = len(short) == 2 and short.isdisjoint({"", "x", "y"})
+    return names if is_clear else {"x": "X", "y": "Y"}
 
 
 def docs_link(text: str, anchor: str, *, doc: str = "metrics") -> str:

@@ -119,8 +119,9 @@ class Visit:
         return self.page.get_by_test_id("stPopoverBody").get_by_role("link", name=title)
 
     def look_closer(self, part: str) -> None:
-        """Unfold a part of the Overview."""
-        self.keyed("overview_more").get_by_text(part, exact=True).click()
+        """Unfold a section of a page, if it is folded."""
+        sections = self.page.get_by_role("radiogroup", name="Look closer")
+        sections.get_by_role("radio", name=part, exact=True).check()
         self.wait_until_drawn()
 
     def open_way(self, way: str) -> None:

@@ -26,8 +26,11 @@ FILTERS = f"st.session_state['matching'] = ui.encounters.filters.draw(RESULT, {A
 RECORDINGS = ["rural_road", "urban_crossing"]
 
 
-def opened(**link: str) -> AppTest:
-    return checked(alone("encounters", **link).run())
+def opened(section: str | None = None, **link: str) -> AppTest:
+    """The page with one of its sections unfolded."""
+    page = alone("encounters", **link)
+    page.session_state["encounters_more"] = section
+    return checked(page.run())
 
 
 def one(row: int = 0) -> AppTest:
@@ -69,8 +72,7 @@ def test_all_encounters_of_the_sample_are_listed_the_heaviest_failures_first(pag
     assert set(rows["category"].tail(8)) == {"distant"}
     assert page.selectbox(key="encounters_order").value == "severity"
     assert "encounters_clear" not in [button.key for button in page.button]
-    assert "X misses 8 and Y misses 11" in texts(page)
-    assert "“X or Y” detects 35 of 38 encounters, 5 more than X alone" in texts(page)
+    assert "X misses 8 and Y misses 11" not in texts(page)  # folded
     assert list(rows) == list(table.FIRST_COLUMNS)  # until all are asked for
     more = part(f"ui.encounters.table.draw({ALL}, 0)")
     more.session_state["encounters_columns"] = True
@@ -78,11 +80,14 @@ def test_all_encounters_of_the_sample_are_listed_the_heaviest_failures_first(pag
     assert {"lag_s_y", "gap_s_x", "tail_s_x", "peak_k", "aspect_z", "occluded_share"} <= columns
 
 
-def test_what_the_measures_of_one_encounter_mean_stands_below_them(page: AppTest):
-    captions = " ".join(text.value for text in page.caption)
+def test_what_the_measures_of_one_encounter_mean_stands_behind_a_question_mark(page: AppTest):
+    (facts,) = [text for text in page.caption if "position −0.48" in text.value.replace("\\", "")]
     for term in ("Peak cost: ", "Lag: ", "Longest gap: ", "Tail: ", "standard deviations"):
-        assert term in captions
-    assert "mean position −0.48" in captions.replace("\\", "")
+        assert term in facts.proto.help
+
+
+def test_a_fusion_detects_more():
+    assert "“X or Y” detects 35 of 38 encounters, 5 more than X alone" in texts(opened("fusion"))
 
 
 def test_the_keys_n_and_p_step(page: AppTest):
@@ -108,9 +113,10 @@ def test_an_encounter_is_named_by_its_recording_and_track(page: AppTest):
         assert encounter_of(result, other) is None
 
 
-def test_a_pair_of_miss_classes_is_listed_by_a_click(
-    page: AppTest, monkeypatch: pytest.MonkeyPatch
-):
+def test_a_pair_of_miss_classes_is_listed_by_a_click(monkeypatch: pytest.MonkeyPatch):
+    page = opened("misses")
+    assert "X misses 8 and Y misses 11" in texts(page)
+    assert "Miss class of FIR (X, rows) against that of NIR (Y, columns)" in texts(page)
     chosen: list[tuple[str | None, str | None]] = []
     monkeypatch.setattr(figures, "set_classes", lambda x, y: chosen.append((x, y)))
     (pairs,) = [pairs for pairs in tables(page) if "never" in pairs]
@@ -192,10 +198,10 @@ def test_a_chosen_encounter_opens_where_the_heavier_failure_costs_most(
     page = one(2)
     result = space_of(page).result
     assert "Pedestrian 3 in urban_crossing" in texts(page)
-    assert "Only X detected the pedestrian" in texts(page)
-    assert "where Y's failure, the heavier, costs most" in texts(page)
-    assert "**X** never misses it in 2.55 s" in texts(page)
-    assert "**Y** misses it for 2.15 of 2.55 s: severity **0.64 s**" in texts(page)
+    assert "Only FIR detected the pedestrian" in texts(page)
+    assert "Where Y's failure, the heavier, costs most" in texts(page)
+    assert "**FIR** never misses it in 2.55 s" in texts(page)
+    assert "**NIR** misses it for 2.15 of 2.55 s: severity **0.64 s**" in texts(page)
     values = page.table[0].value
     assert values.index.name == "Measure"  # no table has an empty heading
     assert values.loc["Matched"].tolist() == ["51 of 51 frames (100 %)", "8 of 51 frames (16 %)"]
@@ -209,7 +215,7 @@ def test_an_encounter_that_nobody_misses_opens_where_it_begins_to_count(page: Ap
     result = space_of(page).result
     is_whole = (result.x.failures["peak_row"] < 0) & (result.y.failures["peak_row"] < 0)
     whole = int(np.flatnonzero(is_whole & (result.category == "both"))[0])
-    assert "where the encounter begins to count" in texts(one(whole))
+    assert "Where the encounter begins to count" in texts(one(whole))
 
 
 def test_encounters_are_gone_through_one_by_one_in_the_order_of_the_list_across_recordings():
@@ -246,7 +252,7 @@ def test_time_left_and_classes_are_said_of_the_encounter_and_its_last_chance_ope
     ) in texts(page)
     assert "(metrics#classes-of-encounters): in road." in texts(page)
     button = page.button(key="encounters_show_chance")
-    assert button.label == "Show the last chance to stop (frame 194)"
+    assert (button.label, button.help) == ("Last chance to stop", "Frame 194")
     press(page, "encounters_show_chance")
     assert result.dataset.frames.iloc[shown]["frame"].tolist() == [194]
     distant = one(encounter_of(result, "urban_crossing:1"))
@@ -310,7 +316,7 @@ def test_names_with_commas_come_back_from_the_address():
 
 
 def test_a_class_is_listed_counted_and_kept_in_the_address():
-    page = opened(**{"class": "child"})
+    page = opened("classes", **{"class": "child"})
     assert not page.warning
     rows = listed(page)
     assert sorted(rows[["recording", "track"]].to_numpy().tolist()) == [
@@ -349,7 +355,7 @@ def test_a_heading_sorts_and_turns_the_order_round(monkeypatch):
 def test_a_distant_encounter_has_no_severity_and_else_dashes():
     page = one(4)
     assert "never came near enough" in texts(page)
-    severity, peak, *others = page.table[0].value["X"].tolist()
+    severity, peak, *others = page.table[0].value["FIR"].tolist()
     assert (severity, peak) == ("0.00 s", "0.00")
     assert others == ["–"] * 5
 

@@ -122,12 +122,14 @@ def shown(page: AppTest, kind: str, name: str) -> Any:
 
 
 def texts(page: AppTest) -> str:
-    """All that is said in words, that of figures at the end; markup taken away."""
+    """All that is said in words, also behind question marks; markup taken away."""
     kinds = (
         *(page.markdown, page.caption, page.error, page.warning, page.info, page.success),
         page.header,
     )
-    shown = "\n".join(item.value for kind in kinds for item in kind)
+    items = [item for kind in kinds for item in kind]
+    behind = [getattr(item.proto, "help", "") for item in [*page.title, *items]]
+    shown = "\n".join([*(item.value for item in items), *behind])
     for data in _sent(page, "spec"):
         shown += "\n".join(["", *filter(None, [*data["meta"][:2], data["help"]])])
     return shown.replace("\\", "").replace(":small[]", "")

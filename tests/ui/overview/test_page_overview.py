@@ -74,8 +74,8 @@ def test_four_tiles_say_what_is_shown_and_the_better_value_has_a_mark(page: AppT
     assert page.markdown[0].value.startswith("## 10 recordings do not tell X and Y apart")
     body = tiles(page)
     assert body.count("<section") == 4
-    assert '<span class="x better"><i>X</i><span data-value="x">30</span></span>' in body
-    assert '<span class="y"><i>Y</i><span data-value="y">27</span></span>' in body
+    assert '<span class="x better"><i>FIR</i><span data-value="x">30</span></span>' in body
+    assert '<span class="y"><i>NIR</i><span data-value="y">27</span></span>' in body
     assert body.count(">may be chance<") == 3
     assert "95 % interval −" in body
     (table,) = [item.proto.body for item in page.get("html") if 'nv-scorecard"' in item.proto.body]
@@ -86,6 +86,13 @@ def test_four_tiles_say_what_is_shown_and_the_better_value_has_a_mark(page: AppT
     every = measures(checked(unfolded.run()), "all_measures")
     assert every["largest event of all (s) ↓"] == ("3.813", "3.491", "+0.322")
     assert len(every) == 22
+
+
+def test_tiles_call_systems_x_and_y_where_a_name_is_long(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(verdict_page, "short_names", lambda _: {"x": "thermal", "y": "NIR"})
+    body = tiles(checked(opened()))
+    assert "<i>X</i>" in body
+    assert "<i>Y</i>" in body
 
 
 def test_the_verdict_is_short_and_its_reason_stands_below(page: AppTest):

@@ -24,8 +24,11 @@ from ui.widgets.html import MeasureRow
 ASSUMED = "Assumed speed (km/h)"
 
 
-def alone_on() -> AppTest:
-    return checked(alone("time_left").run())
+def alone_on(section: str | None = None) -> AppTest:
+    """The page with one of its sections unfolded."""
+    page = alone("time_left")
+    page.session_state["time_left_more"] = section
+    return checked(page.run())
 
 
 @pytest.fixture(scope="module")
@@ -78,18 +81,20 @@ def test_the_sample_has_the_numbers_of_an_independent_reading(page: AppTest):
     assert measures["confirmed too late ↓"][:2] == ("1", "5")
     assert "X and Y differ in too few recordings for a test: 2" in texts(page)
     assert "In time means that a warning could have come early enough, not that" in texts(page)
-    assert headings(page) == [
-        "From the first sight to contact",
-        "Share in time over speed",
-        "Mean impact speed over speed",
-        "Margin of X against Y",
-    ]
+    assert headings(page) == ["From the first sight to contact"]
+    assert not tables(page)
+
+
+def test_the_order_turns_at_a_speed():
+    page = alone_on("speeds")
+    assert headings(page)[1:] == ["Share in time over speed", "Mean impact speed over speed"]
     assert "Below 75 km/h, X confirms the larger share in time; from there on, Y does" in texts(
         page
     )
 
 
-def test_children_only_stand_in_the_table_by_class(page: AppTest):
+def test_children_only_stand_in_the_table_by_class():
+    page = alone_on("classes")
     rows = pages.measures(page, "time-left-by-class")
     assert rows["child, 2 urgent[c]"] == (
         *("1", "0", "+50.0 pp", "–", "13.0", "30.5", "−17.6", "–"),
@@ -98,10 +103,12 @@ def test_children_only_stand_in_the_table_by_class(page: AppTest):
 
 
 def test_the_list_has_the_fastest_impact_first_and_opens_the_last_chance(
-    page: AppTest, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ):
     shown: list[int] = []
     monkeypatch.setattr("ui.time_left.listed.open_row", shown.append)
+    page = alone_on("encounters")
+    assert headings(page)[1:] == ["Margin of X against Y"]
     assert len(table(page)) == 20
     worst = table(page)[["impact_kmh_x", "impact_kmh_y"]].max(axis=1)
     assert worst.is_monotonic_decreasing
@@ -141,7 +148,7 @@ def test_a_few_encounters_are_called_few_and_a_system_that_is_never_sure_hits_at
 ):
     boxes = approach(range(40), 5)
     begin_with(session(tmp_path, boxes, boxes, only(boxes, range(3))), monkeypatch)
-    page = alone_on()
+    page = alone_on("encounters")
     assert "There is only 1 urgent encounter. It shows what happened in these recordings" in texts(
         page
     )
@@ -174,6 +181,9 @@ def test_where_nobody_is_urgent_the_page_says_why_and_what_the_speed_would_chang
     assert not tables(page)
     assert not page.header
     assert not headings(page)
+    assert page.button_group(key="time_left_more").options == ["If the car were slower or faster"]
+    page.button_group(key="time_left_more").set_value("speeds")
+    assert "No encounter is urgent at any speed" in texts(checked(page.run()))
 
 
 def test_where_time_left_is_unknown_the_page_says_why(

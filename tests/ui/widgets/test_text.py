@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 
-from ui.widgets.text import plain
+from ui.widgets.text import plain, short_names
 
 NOTHING = ":small[]"
 
@@ -25,3 +27,18 @@ def test_an_address_is_broken_by_nothing_that_one_sees(name: str, starts: int):
     )
     for start in ("http\\:", "https\\:", "www\\.", "a\\@"):
         assert start not in shown.lower()
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "short"),
+    [
+        ("FIR", "NIR", ["FIR", "NIR"]),
+        ("a\nb", "*b*", ["a\\nb", "*b*"]),
+        ("thermal camera 2", "NIR", ["thermal c…", "NIR"]),
+        *((x, y, ["X", "Y"]) for x, y in [("thermal camera 2", "thermal camera 3"), ("Y", "NIR")]),
+        ("", "NIR", ["X", "Y"]),
+    ],
+)
+def test_short_names_of_systems_are_never_alike(x: str, y: str, short: list[str]):
+    result = SimpleNamespace(sides=[("x", SimpleNamespace(name=x)), ("y", SimpleNamespace(name=y))])
+    assert list(short_names(result).values()) == short
