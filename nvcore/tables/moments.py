@@ -308,13 +308,13 @@ def _miss_reason(
         return track, f"{letter}'s nearest detection is up to {apart_px:.0f} px from {who}."
     rival_matched_rows = np.setdiff1d(missed_rows, rival_missed_rows)
     if not len(rival_matched_rows):
-        does = "misses it, too"
+        does = "does, too"
         if span.kind.endswith("better"):
             does += _nearer(system.nearest.truth[rows].max(), rival.nearest.truth[rows].max())
     elif len(rival_matched_rows) == len(missed_rows):
-        does = "finds it"
+        does = "does not"
     else:
-        does = f"finds it for {_seconds(_time_s(result, rival_matched_rows))} of that time"
+        does = f"matches for {_seconds(_time_s(result, rival_matched_rows))} of that time"
     lasts = _share(_time_s(result, missed_rows), _span_s(result, span))
     return track, f"{letter} misses {who} for {lasts}; {other} {does}."
 

@@ -58,7 +58,7 @@ def test_a_system_that_is_never_worse_has_no_moments(y_blind: Result):
 def test_the_reason_names_the_pedestrian_and_who_finds_it(y_blind: Result):
     table = worst_moments(y_blind)
     assert set(table["reason"]) == {
-        "Y misses pedestrian 7 (up to 50 px tall) for 0.40 s; X finds it."
+        "Y misses pedestrian 7 (up to 50 px tall) for 0.40 s; X does not."
     }
 
 
@@ -73,8 +73,8 @@ WIDE, BESIDE = [at(0, 50, w=40, track=1)], [at(0, 60, w=40)]  # IoU 0.6, 10 px a
 @pytest.mark.parametrize(
     ("boxes", "params", "reason"),
     [
-        ((PERSON,), {}, "X misses pedestrian 1 (up to 50 px tall) for 0.40 s; Y misses it, too."),
-        ((PERSON, [], middle([1])), {}, "for 0.40 s; Y finds it for 0.10 s of that time."),
+        ((PERSON,), {}, "X misses pedestrian 1 (up to 50 px tall) for 0.40 s; Y does, too."),
+        ((PERSON, [], middle([1])), {}, "for 0.40 s; Y matches for 0.10 s of that time."),
         ((IN_TURN,), {}, "pedestrian 1 (up to 50 px tall) for 0.30 s of 0.60 s"),
         ((TWICE, [at(0, 20)]), {}, "for 0.10 s of 0.20 s"),
         (([], middle([1, 2, 3])), {"low": 0.95}, "X has false alarms for 0.30 s."),
@@ -102,11 +102,10 @@ def test_of_two_that_miss_somebody_the_better_one_is_nearer_to_them():
     x, y = ([at(f, c) for f in range(10)] for c in (60, 95))  # 10 px and 45 px off
     (better,) = of_kind(result_of(make_dataset(truth, x, y)), "x_better").to_dict("records")
     assert better["reason"].endswith(
-        "X misses it, too, but its nearest detection is closer "
-        "(up to 10 px away; the other: 45 px)."
+        "X does, too, but its nearest detection is closer (up to 10 px away; the other: 45 px)."
     )
     (low, *_) = of_kind(result_of(make_dataset(truth, x, y)), "y").to_dict("records")
-    assert low["reason"].endswith("X misses it, too.")
+    assert low["reason"].endswith("X does, too.")
 
 
 def test_the_reason_of_a_difference_is_what_makes_the_difference():

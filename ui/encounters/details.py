@@ -76,11 +76,11 @@ def _who_missed(result: Result, row: pd.Series[Any], names: Mapping[str, str]) -
     lines = []
     for letter, missed_s in (("x", times.missed_s_x), ("y", times.missed_s_y)):
         if missed_s:
-            does = f"misses it for {missed_s:.2f} of {times.relevant_s:.2f} s"
+            share = f"missed for {missed_s:.2f} of {times.relevant_s:.2f} s"
             weighs = f"severity **{row[f'severity_s_{letter}']:.2f} s**"
-            lines.append(f"**{names[letter]}** {does}: {weighs}")
+            lines.append(f"**{names[letter]}**: {share}, {weighs}")
         else:
-            lines.append(f"**{names[letter]}** never misses it in {times.relevant_s:.2f} s")
+            lines.append(f"**{names[letter]}**: never missed in {times.relevant_s:.2f} s")
     return "  \n".join(lines)
 
 
@@ -125,7 +125,7 @@ def _draw_ways(
         for letter in "xy":
             place = int(moments[f"missed_row_{letter}"])
             if place not in (shown_row, NEVER) and button(
-                f"{names[letter]} first misses it",
+                f"First miss of {names[letter]}",
                 key=f"encounters_show_{letter}",
                 help=f"Frame {frames['frame'].iloc[place]}",
                 width="stretch",

@@ -200,8 +200,8 @@ def test_a_chosen_encounter_opens_where_the_heavier_failure_costs_most(
     assert "Pedestrian 3 in urban_crossing" in texts(page)
     assert "Only FIR detected the pedestrian" in texts(page)
     assert "Where Y's failure, the heavier, costs most" in texts(page)
-    assert "**FIR** never misses it in 2.55 s" in texts(page)
-    assert "**NIR** misses it for 2.15 of 2.55 s: severity **0.64 s**" in texts(page)
+    assert "**FIR**: never missed in 2.55 s" in texts(page)
+    assert "**NIR**: missed for 2.15 of 2.55 s, severity **0.64 s**" in texts(page)
     values = page.table[0].value
     assert values.index.name == "Measure"  # no table has an empty heading
     assert values.loc["Matched"].tolist() == ["51 of 51 frames (100 %)", "8 of 51 frames (16 %)"]
