@@ -153,6 +153,11 @@ def _system(letter: str) -> str:
     return letter.upper() if letter in ("x", "y") else letter
 
 
+def _seconds(duration_s: float) -> str:
+    """Return a duration with more decimals below one second: "0.40 s", "2.2 s"."""
+    return f"{duration_s:.2f} s" if duration_s < 1 else f"{duration_s:.1f} s"
+
+
 _FILTERS: Final[dict[str, Callable[..., str]]] = {
     "system": _system,
     "count": count_text,
@@ -160,6 +165,7 @@ _FILTERS: Final[dict[str, Callable[..., str]]] = {
     "percent": percent,
     "p": p_text,
     "duration": duration_text,
+    "seconds": _seconds,
     "difference": difference_text,
     "size": size_text,
     "capital": capitalised,

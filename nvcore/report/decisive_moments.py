@@ -10,10 +10,9 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.metrics.encounters import RELEVANT_K
+from nvcore.notes import Note, say
 from nvcore.schema import Category, MissClass
-from nvcore.scoring import SystemResult
 from nvcore.tables.moments import worst_moments
-from nvcore.wording import percent
 
 MOST: Final = 12
 """Most frames of a report."""
@@ -76,8 +75,8 @@ def decisive_moments(result: Result) -> list[Moment]:
     moments: list[Moment] = []
     n_of: dict[str, int] = {}
     for moment in (
-        *_exclusive(result, Category.X_ONLY, "X", result.x, "Y", result.y),
-        *_exclusive(result, Category.Y_ONLY, "Y", result.y, "X", result.x),
+        *_exclusive(result, Category.X_ONLY, "x", "y"),
+        *_exclusive(result, Category.Y_ONLY, "y", "x"),
         *worst,
     ):
         kind = moment.title.partition(" (")[0]
@@ -156,15 +155,9 @@ def _about(result: Result, moment: Mapping[Any, Any]) -> int:
     return int(np.argmax(is_encounter)) if is_encounter.any() else -1
 
 
-def _exclusive(
-    result: Result,
-    category: Category,
-    winner: str,
-    detected_by: SystemResult,
-    loser: str,
-    missed_by: SystemResult,
-) -> list[Moment]:
+def _exclusive(result: Result, category: Category, winner: str, loser: str) -> list[Moment]:
     encounters = result.encounters
+    detected_by, missed_by = (result.system(letter) for letter in (winner, loser))
     rows, frame_rows = encounters.order, encounters.frame_index
     of = np.repeat(np.arange(len(encounters)), np.diff(encounters.offsets))
     is_decisive = (result.category == category.value)[of] & (result.k_truth.k[rows] >= RELEVANT_K)
@@ -192,30 +185,25 @@ def _exclusive(
     return [
         Moment(
             row=int(frame_rows[index]),
-            title=f"Only {winner} detects",
-            text=_coverage_text(result, int(of[index]), winner, detected_by, loser, missed_by),
+            title=f"Only {winner.upper()} detects",
+            text=_coverage_text(result, int(of[index]), winner, loser),
             encounter=int(of[index]),
-            loser=loser.lower(),
+            loser=loser,
         )
         for index in clearest
     ]
 
 
-def _coverage_text(
-    result: Result,
-    encounter: int,
-    winner: str,
-    detected_by: SystemResult,
-    loser: str,
-    missed_by: SystemResult,
-) -> str:
-    coverage = [
-        float(system.encounters["coverage"].iloc[encounter]) for system in (detected_by, missed_by)
-    ]
+def _coverage_text(result: Result, encounter: int, winner: str, loser: str) -> str:
+    detected_by, missed_by = (result.system(letter) for letter in (winner, loser))
     kind = MissClass(missed_by.encounters["miss_class"].iloc[encounter])
-    failure = "" if kind is MissClass.NONE else f" ({kind.value.replace('_', ' ')})"
-    who = result.objects.say("{One}")
-    return (
-        f"{who} {result.encounters.track[encounter]}: {winner} matches {percent(coverage[0])} of "
-        f"the frames that count, {loser} {percent(coverage[1])}{failure}."
+    note = Note(
+        "moments.coverage",
+        track=result.encounters.track[encounter],
+        winner=winner,
+        loser=loser,
+        detected=float(detected_by.encounters["coverage"].iloc[encounter]),
+        missed=float(missed_by.encounters["coverage"].iloc[encounter]),
+        failure=None if kind is MissClass.NONE else kind.value.replace("_", " "),
     )
+    return say(note, result.objects)

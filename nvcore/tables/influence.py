@@ -1,4 +1,4 @@
-"""Whether who is ahead rests on a single recording."""
+"""Influence of single recordings on who is ahead."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from nvcore.measures.values import (
     per_recording,
     severity_by_recording,
 )
-from nvcore.wording import listed
+from nvcore.notes import Note
 
 FORM: Final = ".3f"
 
@@ -42,34 +42,34 @@ def similarity_without_each(result: Result) -> pd.DataFrame:
     return pd.DataFrame(columns)
 
 
-def lead_text(result: Result) -> str:
-    """Who is ahead in mean similarity, and whether leaving out one recording changes that.
+def leads(result: Result) -> tuple[Note, ...]:
+    """Return who is ahead, and whether leaving out one recording changes that.
 
-    A sentence with a recording's name as it is; empty where nobody is ahead, or only one recording
-    has frames. It says nothing of chance.
+    The first note is about mean similarity, the second about encounters detected, severity and
+    false-alert episodes, each per encounter near enough to count or per second. There are none if
+    fewer than two recordings have frames, or nobody is ahead. They say nothing about chance.
     """
+    return (*_similarity_lead(result), *_other_leads(result))
+
+
+def _similarity_lead(result: Result) -> tuple[Note, ...]:
     others = similarity_without_each(result)
-    if others.empty:
-        return ""
-    lead = _lead(result.x.summary.mean, result.y.summary.mean)
+    lead = 0.0 if others.empty else _lead(result.x.summary.mean, result.y.summary.mean)
     if not lead:
-        return ""
-    ahead, behind = ("X", "Y") if lead > 0 else ("Y", "X")
-    leads = np.array([_lead(x, y) for x, y in zip(others["x"], others["y"], strict=True)])
-    leads *= np.sign(lead)
-    least, name = leads.min(), others["recording"].iloc[int(leads.argmin())]
-    first = f"{ahead} is ahead by {abs(lead):{FORM}} in mean similarity"
-    n_decide = int(np.count_nonzero(leads <= 0))
-    if not n_decide:
-        return (
-            f"{first}, whichever recording is left out: by {least:{FORM}} or more (least without "
-            f"{name})."
-        )
-    who = f"{behind} would be, by {-least:{FORM}}" if least < 0 else "neither would be"
-    rests = (
-        "that rests on one recording" if n_decide == 1 else f"any of {n_decide} recordings decides"
+        return ()
+    left = np.array([_lead(x, y) for x, y in zip(others["x"], others["y"], strict=True)])
+    left *= np.sign(lead)
+    ahead, behind = "xy" if lead > 0 else "yx"
+    note = Note(
+        "moments.lead",
+        ahead=ahead,
+        behind=behind,
+        by=abs(lead),
+        n_decide=int(np.count_nonzero(left <= 0)),
+        least=float(left.min()),
+        recording=others["recording"].iloc[int(left.argmin())],
     )
-    return f"{first}, but {rests}: without {name} {who}."
+    return (note,)
 
 
 def _lead(x: float, y: float) -> float:
@@ -77,19 +77,13 @@ def _lead(x: float, y: float) -> float:
     return float(format(x - y, f"z{FORM}"))
 
 
-def other_leads_text(result: Result) -> str:
-    """The same of encounters detected, severity and false-alert episodes, in short.
-
-    Each per encounter near enough to count, or per second. Empty where fewer than two recordings
-    have frames, or nobody is ahead in any of them.
-    """
+def _other_leads(result: Result) -> tuple[Note, ...]:
     n_frames = np.diff(result.dataset.frame_columns.first)
     if np.count_nonzero(n_frames) < 2:
-        return ""
+        return ()
     is_near = result.is_near
     n_near = per_recording(result, is_near.astype(float), result.encounters.recording)
-    stays: dict[str, list[str]] = {"X": [], "Y": []}
-    rests = []
+    leads: dict[str, list[str]] = {"x": [], "y": [], "rests": []}
     for name, sums, of, sign in (
         ("encounters detected", detected_by_recording, n_near, 1),
         ("severity", severity_by_recording, n_near, -1),
@@ -101,11 +95,7 @@ def other_leads_text(result: Result) -> str:
             continue
         others = np.sign(lead) * (lead - apart)[(n_frames > 0) & (of < of.sum())]
         if others.min(initial=np.inf) > 0:
-            stays["X" if lead > 0 else "Y"].append(name)
+            leads["x" if lead > 0 else "y"].append(name)
         else:
-            rests.append(name)
-    leads = [f"{letter} stays ahead in {listed(names)}" for letter, names in stays.items() if names]
-    sentences = [f"With any one left out, {', and '.join(leads)}."] if leads else []
-    if rests:
-        sentences.append(f"Who is ahead in {listed(rests)} rests on one recording.")
-    return " ".join(sentences)
+            leads["rests"].append(name)
+    return (Note("moments.other_leads", **leads),) if any(leads.values()) else ()

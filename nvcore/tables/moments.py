@@ -10,6 +10,7 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.similarity import runs_of
+from nvcore.notes import Note, say
 from nvcore.scoring import SystemResult
 from nvcore.tables.lanes import miss_starts
 
@@ -201,8 +202,8 @@ def worst_moments(result: Result, *, n: int = 5) -> pd.DataFrame:
             "depth_s": np.array([span.depth_s for span in spans], dtype=float),
             "similarity_x": result.x.similarity[row],
             "similarity_y": result.y.similarity[row],
-            "track": pd.array([track for track, _ in reasons], dtype="Int64"),
-            "reason": np.array([reason for _, reason in reasons], dtype=object),
+            "track": pd.array([note.fields.get("track") for note in reasons], dtype="Int64"),
+            "reason": np.array([say(note, result.objects) for note in reasons], dtype=object),
         }
     )
 
@@ -253,14 +254,14 @@ def _difference_spans(result: Result, n: int) -> list[_Span]:
     return spans
 
 
-def _reason(result: Result, span: _Span) -> tuple[int | None, str]:
-    """The track that a moment is about (None: no pedestrian), and why it is as bad as it is.
+def _reason(result: Result, span: _Span) -> Note:
+    """Return why a moment is as bad as it is.
 
-    The pedestrian (or the false alarms) with the largest effect on similarity summed over the
-    interval, not only in its worst frame.
+    It names the pedestrian (or the false alarms) with the largest effect on similarity summed over
+    the interval, not only in its worst frame.
     """
-    worse, other = ("X", "Y") if span.kind in ("x", "y_better") else ("Y", "X")
-    systems = {"X": result.x, "Y": result.y}
+    worse, other = ("x", "y") if span.kind in ("x", "y_better") else ("y", "x")
+    systems = dict(result.sides)
     system, frames = systems[worse], slice(span.first, span.last + 1)
     of_misses, of_alarms = system.distances.d_miss[frames], system.distances.d_false[frames]
     if span.kind.endswith("better"):  # what makes the difference
@@ -275,92 +276,63 @@ def _reason(result: Result, span: _Span) -> tuple[int | None, str]:
     )
     if len(effect) and effect.max() >= ((1 - alpha) * of_alarms * gap).sum():
         worst = int(np.argmax(effect) + encounter.min(initial=0))
-        track, text = _miss_reason(result, span, worst, worse, system, other, systems[other])
-        return track, text
-    return None, _alarm_reason(result, span, worse, system)
+        return _miss_reason(result, span, worst, worse, other)
+    return _alarm_reason(result, span, worse, system)
 
 
-def _miss_reason(
-    result: Result,
-    span: _Span,
-    encounter: int,
-    letter: str,
-    system: SystemResult,
-    other: str,
-    rival: SystemResult,
-) -> tuple[int | None, str]:
-    encounters = result.encounters
+def _miss_reason(result: Result, span: _Span, encounter: int, worse: str, other: str) -> Note:
+    encounters, system, rival = result.encounters, result.system(worse), result.system(other)
     start, stop = encounters.offsets[encounter : encounter + 2]
     inside = start + np.searchsorted(
         encounters.frame_index[start:stop], [span.first, span.last + 1]
     )
     rows, frame_row = encounters.order[slice(*inside)], encounters.frame_index[slice(*inside)]
-    track = int(encounters.track[encounter])
-    height = f"up to {result.dataset.truth.h[rows].max():.0f} px tall"
-    who = f"{result.objects.singular} {track} ({height})"
+    about = {
+        "system": worse,
+        "track": int(encounters.track[encounter]),
+        "height_px": float(result.dataset.truth.h[rows].max()),
+    }
     missed_rows, rival_missed_rows = (
         # a track that occurs twice in a frame is matched if either box is
         np.setdiff1d(frame_row, frame_row[scored.matches.truth_det[rows] >= 0])
         for scored in (system, rival)
     )
+    apart_px, rival_px = (float(of.nearest.truth[rows].max()) for of in (system, rival))
     if not len(missed_rows):
-        apart_px = system.nearest.truth[rows].max()
-        return track, f"{letter}'s nearest detection is up to {apart_px:.0f} px from {who}."
-    rival_matched_rows = np.setdiff1d(missed_rows, rival_missed_rows)
-    if not len(rival_matched_rows):
-        does = "does, too"
-        if span.kind.endswith("better"):
-            does += _nearer(system.nearest.truth[rows].max(), rival.nearest.truth[rows].max())
-    elif len(rival_matched_rows) == len(missed_rows):
-        does = "does not"
-    else:
-        does = f"matches for {_seconds(_time_s(result, rival_matched_rows))} of that time"
-    lasts = _share(_time_s(result, missed_rows), _span_s(result, span))
-    return track, f"{letter} misses {who} for {lasts}; {other} {does}."
-
-
-def _nearer(apart_px: float, rival_px: float) -> str:
-    """How much nearer the rival's detection is where both systems miss the pedestrian."""
-    if not rival_px < apart_px:
-        return ""
-    apart = f"{apart_px:.0f} px" if np.isfinite(apart_px) else "no detection at all"
-    return (
-        f", but its nearest detection is closer (up to {rival_px:.0f} px away; the other: {apart})"
+        return Note("moments.near_miss", apart_px=apart_px, **about)
+    n_matched = len(rival_matched := np.setdiff1d(missed_rows, rival_missed_rows))
+    is_nearer = span.kind.endswith("better") and rival_px < apart_px
+    return Note(
+        "moments.miss",
+        **about,
+        other=other,
+        missed=_lasting(result, span, missed_rows),
+        is_matched=n_matched > 0,
+        rival_s=_time_s(result, rival_matched) if 0 < n_matched < len(missed_rows) else None,
+        rival_px=rival_px if is_nearer else None,
+        apart_px=apart_px if np.isfinite(apart_px) else None,
     )
 
 
-def _alarm_reason(result: Result, span: _Span, letter: str, system: SystemResult) -> str:
+def _alarm_reason(result: Result, span: _Span, worse: str, system: SystemResult) -> Note:
     frames = np.arange(span.first, span.last + 1)
     n_alarms = system.false_alarms[frames]
     if not n_alarms.any():
         boxes = result.dataset.system(system.name)
         rows = boxes.rows_of(span.first, span.last + 1)
         apart_px = system.nearest.detections[rows][system.matches.is_counted[rows]]
-        return (
-            f"{letter} has detections up to {apart_px.max():.0f} px from the nearest "
-            f"{result.objects.singular}."
-        )
-    lasts = _share(_time_s(result, frames[n_alarms > 0]), _span_s(result, span))
-    most = n_alarms.max()
-    at_once = f" (up to {most} at once)" if most > 1 else ""
-    return f"{letter} has false alarms for {lasts}{at_once}."
+        return Note("moments.far_detections", system=worse, apart_px=float(apart_px.max()))
+    lasting = _lasting(result, span, frames[n_alarms > 0])
+    return Note("moments.false_alarms", system=worse, lasting=lasting, most=int(n_alarms.max()))
+
+
+def _lasting(result: Result, span: _Span, frames: np.ndarray) -> Note:
+    """Return the duration of some frames of a span, and of the whole span."""
+    whole_s = _time_s(result, np.arange(span.first, span.last + 1))
+    return Note("moments.duration", part_s=_time_s(result, frames), whole_s=whole_s)
 
 
 def _time_s(result: Result, frames: np.ndarray) -> float:
     """Sum of the time steps of some frames of one recording, seconds."""
     columns = result.dataset.frame_columns
     return float(columns.gap[frames].sum() / columns.fps[columns.recording[frames[0]]])
-
-
-def _span_s(result: Result, span: _Span) -> float:
-    return _time_s(result, np.arange(span.first, span.last + 1))
-
-
-def _share(part_s: float, whole_s: float) -> str:
-    """A duration, followed by the whole duration where they differ."""
-    part, whole = _seconds(part_s), _seconds(whole_s)
-    return part if part == whole else f"{part} of {whole}"
-
-
-def _seconds(duration_s: float) -> str:
-    return f"{duration_s:.2f} s" if duration_s < 1 else f"{duration_s:.1f} s"

@@ -9,6 +9,7 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.measures.values import lost_per_minute_by_recording
+from nvcore.notes import Note
 
 ALL: Final = "all recordings"
 """Name in the row over all recordings."""
@@ -55,8 +56,8 @@ def windows_table(result: Result) -> pd.DataFrame:
     return by_loss
 
 
-def worst_windows_text(table: pd.DataFrame) -> str:
-    """Where each system has its worst window of all, in a sentence; names as they are.
+def worst_windows_note(table: pd.DataFrame) -> Note:
+    """Return where each system has its worst window of all.
 
     Parameters
     ----------
@@ -64,8 +65,6 @@ def worst_windows_text(table: pd.DataFrame) -> str:
         `windows_table`, with a row at least.
     """
     of_all = table.iloc[0]
-    x, y = (
-        f"{of_all[f'window_recording_{letter}']} at {of_all[f'window_time_s_{letter}']:.2f} s"
-        for letter in "xy"
-    )
-    return f"The worst window of X is in {x}, that of Y in {y}."
+    recordings = {letter: of_all[f"window_recording_{letter}"] for letter in "xy"}
+    times_s = {f"{letter}_s": float(of_all[f"window_time_s_{letter}"]) for letter in "xy"}
+    return Note("moments.worst_windows", **recordings, **times_s)

@@ -6,7 +6,9 @@ import pytest
 from builders import Box, Place, at, make_dataset, result_of
 
 from nvcore.comparison import Result
-from nvcore.tables.influence import lead_text, other_leads_text, similarity_without_each
+from nvcore.notes import say
+from nvcore.objects import PEDESTRIAN
+from nvcore.tables.influence import leads, similarity_without_each
 
 PLACES = [Place(range(10)), Place([]), Place(range(5))]
 TRUTH = [at(i, 50, track=1) for i in range(10)]
@@ -28,6 +30,10 @@ def test_without_a_recording_the_mean_is_that_of_the_other_frames():
     assert table["recording"].tolist() == ["r0", "r2"]
     assert table["x"].to_numpy() == pytest.approx([1, 9.1 / 10])
     assert table["y"].to_numpy() == pytest.approx([2.3 / 5, 1])
+
+
+def words(result: Result, key: str) -> str:
+    return " ".join(say(note, PEDESTRIAN) for note in leads(result) if note.key == key)
 
 
 @pytest.mark.parametrize(
@@ -58,22 +64,23 @@ def test_without_a_recording_the_mean_is_that_of_the_other_frames():
 def test_it_is_said_whether_one_recording_decides_who_is_ahead(
     x: list[tuple[int, int]], y: list[tuple[int, int]], text: str
 ):
-    assert lead_text(missing(x, y)) == text
+    assert words(missing(x, y), "moments.lead") == text
 
 
 def test_of_a_single_recording_nothing_is_said():
     truth = [at(i, 50, track=1) for i in range(4)]
     result = result_of(make_dataset(truth, truth, truth[:2]))
     assert similarity_without_each(result).empty
-    assert lead_text(result) == ""
-    assert other_leads_text(result) == ""
+    assert leads(result) == ()
 
 
 def test_it_is_said_of_encounters_severity_and_false_alerts_too():
     """X misses the second pedestrian for good; Y misses the first in 4 of 10 frames."""
     result = missing([(2, frame) for frame in range(5)], [(0, frame) for frame in range(4)])
-    assert other_leads_text(result) == (
+    assert words(result, "moments.other_leads") == (
         "Who is ahead in encounters detected and severity rests on one recording."
     )
     result = missing([], [(0, 4), (2, 4)])
-    assert other_leads_text(result) == "With any one left out, X stays ahead in severity."
+    assert (
+        words(result, "moments.other_leads") == "With any one left out, X stays ahead in severity."
+    )

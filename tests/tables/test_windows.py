@@ -5,7 +5,9 @@ from __future__ import annotations
 import pytest
 from builders import Place, at, make_dataset, result_of
 
-from nvcore.tables.windows import ALL, windows_table, worst_windows_text
+from nvcore.notes import Note, say
+from nvcore.objects import PEDESTRIAN
+from nvcore.tables.windows import ALL, windows_table, worst_windows_note
 
 
 def test_the_recording_that_loses_most_follows_the_row_over_all():
@@ -26,9 +28,8 @@ def test_the_recording_that_loses_most_follows_the_row_over_all():
     assert table["window_row_y"].tolist() == [12, 12, 0]
     assert table["window_recording_y"].tolist() == ["r2", "r2", "r0"]
     assert table["window_time_s_y"].to_numpy() == pytest.approx([0.2, 0.2, 0])
-    assert worst_windows_text(table) == (
-        "The worst window of X is in r0 at 0.30 s, that of Y in r2 at 0.20 s."
-    )
+    note = Note("moments.worst_windows", x="r0", x_s=0.3, y="r2", y_s=0.2)
+    assert say(worst_windows_note(table), PEDESTRIAN) == say(note, PEDESTRIAN)
     # the missed frame is the last of the first window that holds it
     assert table["window_row_x"].tolist() == [3, 10, 3]
 

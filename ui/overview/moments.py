@@ -14,7 +14,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.pictures import jpeg, picture_address
 from nvcore.tables.moments import encounter_box, worst_moments
-from nvcore.tables.windows import windows_table, worst_windows_text
+from nvcore.tables.windows import windows_table, worst_windows_note
 from ui.session import state, store
 from ui.shell.navigate import open_row
 from ui.widgets import drawing
@@ -96,9 +96,9 @@ def worst_windows(result: Result) -> None:
         clicks="cell",
     )
     st.caption(
-        f"{plain(worst_windows_text(table))} Click a value of X or Y to open the middle of that "
-        f"system's worst window of {result.params.window:g} s in the Timeline, or a recording's "
-        "name for that of the worse system "
+        f"{plain(state.say(worst_windows_note(table)))} Click a value of X or Y to open the middle "
+        f"of that system's worst window of {result.params.window:g} s in the Timeline, or a "
+        "recording's name for that of the worse system "
         f"({docs_link('Metrics', 'similarity')})."
     )
     row = store.WINDOW_ROW.pop()

@@ -14,7 +14,7 @@ from nvcore.notes import Note
 from nvcore.report.tiles import tiles
 from nvcore.report.verdict import verdict
 from nvcore.report.words import sampling_note
-from nvcore.tables.influence import lead_text, other_leads_text
+from nvcore.tables.influence import leads
 from nvcore.wording import count_text, percent
 from ui.overview.tiles import tiles_html
 from ui.session import state, store
@@ -64,7 +64,7 @@ class VerdictBox:
         """What the measures support, how much more it would take, and what it depends on."""
         result = self._result
         conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
-        reasons = " ".join([conclusion.reason, lead_text(result), other_leads_text(result)])
+        reasons = " ".join([conclusion.reason, *map(state.say, leads(result))])
         words = plain(conclusion.in_short), plain(reasons)
         self._words = self._words.markdown("## {}\n\n{}".format(*words))
         store.SHOWN_VERDICT.set(state.opened().dataset.fingerprint)

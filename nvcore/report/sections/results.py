@@ -39,11 +39,11 @@ from nvcore.report.words import (
 )
 from nvcore.subjects import contributed
 from nvcore.tables.classes import classes_table, names_classes
-from nvcore.tables.influence import lead_text, other_leads_text
+from nvcore.tables.influence import leads
 from nvcore.tables.loss_strip import loss_strip
 from nvcore.tables.result import recordings_table, worst_events, worst_intervals
 from nvcore.tables.scorecard import score_rows
-from nvcore.tables.windows import windows_table, worst_windows_text
+from nvcore.tables.windows import windows_table, worst_windows_note
 from nvcore.wording import difference
 
 if TYPE_CHECKING:
@@ -88,7 +88,6 @@ def similarity_section(result: Result) -> Section:
         return loss_strip_plot(result, loss_strip(result), theme=result.scheme("light"))
 
     by_recording = _by_recording(result, recordings)
-    leads = tuple(filter(None, (lead_text(result), other_leads_text(result))))
     introduction = about(
         "sections.similarity",
         result,
@@ -102,7 +101,7 @@ def similarity_section(result: Result) -> Section:
         Chart("recordings", of_recordings, "Mean similarity of X and Y in every recording"),
         Chart("loss-strip", of_losses, in_words),
         Fold(by_recording.title, (by_recording,), "in recordings.csv"),
-        Paragraphs(leads),
+        Paragraphs(leads(result)),
         _windows(result),
         _intervals(result),
     )
@@ -145,7 +144,7 @@ def _windows(result: Result) -> Fold:
         )
     }
     notes: list[Text] = [Note("sections.worst_windows", seconds=result.params.window)]
-    notes += [worst_windows_text(windows)] if len(windows) else []
+    notes += [worst_windows_note(windows)] if len(windows) else []
     title = "Lost similarity and the worst window, most lost first"
     return Fold(
         title, (listing(title, windows, {"Recording": "recording", **columns}, notes=notes),)
