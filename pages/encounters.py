@@ -1,4 +1,4 @@
-"""Encounters: one row for each pedestrian that was met, how X and Y did, and why."""
+"""Encounters page: one row per pedestrian met, with the results of X and Y and the reasons."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -26,7 +26,7 @@ MEANING: Final = (
 @st.fragment
 @needs_comparison
 def draw_filtered(result: Result) -> None:
-    """What passes the filters; a filter that is moved redraws nothing but this."""
+    """Draw the encounters that pass the filters. Moving a filter redraws only this part."""
     encounters = encounters_table(result)
     follow_link(result, filters.class_names(encounters))
     selection.go_along(result)
@@ -54,8 +54,8 @@ def draw_filtered(result: Result) -> None:
 
 
 def follow_link(result: Result, classes: Sequence[str]) -> None:
-    """Take filters, order and selection from the address that led here, or from another page."""
-    link = store.PAGE_LINK.pop()  # once: what is chosen on the page afterwards holds
+    """Apply filters, order and selection from the address, or from the page that led here."""
+    link = store.PAGE_LINK.pop()  # only once: later choices on the page stay
     if link is None:
         return
     choice, wrong = address.from_address(
@@ -79,7 +79,7 @@ def follow_link(result: Result, classes: Sequence[str]) -> None:
 def write_address(
     result: Result, matching: pd.DataFrame, chosen: filters.Filters, order: Order
 ) -> None:
-    """Keep the address in step with what is listed and selected."""
+    """Update the address to what is listed and selected."""
     encounter = selection.selected(result, matching)
     name = None if encounter is None else name_of(result, encounter)
     choice = address.Choice(chosen, order, store.ALL_COLUMNS.get(), name)
@@ -88,7 +88,7 @@ def write_address(
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """The encounters, and what follows from all of them, one section at a time."""
+    """Draw the encounters, then the analyses of all of them, one section at a time."""
     if not len(result.encounters):
         state.write_address()
         st.info(
@@ -113,7 +113,7 @@ def draw(result: Result) -> None:
 
 
 def explain() -> str | None:
-    """What the page is about; None while there is nothing to compare."""
+    """Return the explanation of the page, or None while there is nothing to compare."""
     if state.result() is None:
         return None
     return state.say(

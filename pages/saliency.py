@@ -1,4 +1,4 @@
-"""Saliency: which misses would annoy the driver most, and how the number comes about."""
+"""Saliency page: the misses that would annoy the driver most, and the parts of the number."""
 
 import streamlit as st
 
@@ -10,7 +10,7 @@ from ui.shell.messages import draw_notices, needs_comparison
 @st.fragment
 @needs_comparison
 def draw_events(result: Result) -> None:
-    """X against Y, then the events of the chosen recording; a choice redraws nothing but this."""
+    """Draw X against Y, then the events of the chosen recording. A choice redraws only this."""
     events.open_asked()
     figures.draw_recordings(result)
     st.header("Events")
@@ -21,7 +21,7 @@ def draw_events(result: Result) -> None:
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """What saliency is, the numbers, and the events behind them."""
+    """Draw the meaning of saliency, the numbers, and the events behind them."""
     st.caption(figures.what_it_is(result.params))
     draw_notices(result)
     figures.draw_numbers(result)

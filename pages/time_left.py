@@ -1,4 +1,4 @@
-"""Time left: whether braking could still have helped when a system had found the pedestrian."""
+"""Time left page: chances that braking still helps when a system has found the pedestrian."""
 
 from typing import Final
 
@@ -22,7 +22,7 @@ MEANING: Final = (
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """The numbers and the encounters behind them, then one section at a time."""
+    """Draw the numbers and the encounters behind them, then one section at a time."""
     objects = result.dataset.objects
     if not objects.is_on_road:
         st.info(
@@ -51,7 +51,7 @@ def draw(result: Result) -> None:
 
 
 def explain() -> str | None:
-    """What the page is about; None while there is nothing to compare."""
+    """Return the explanation of the page, or None while there is nothing to compare."""
     if state.result() is None:
         return None
     return state.say(MEANING, urgent=docs_link("urgent", "the-last-chance"))

@@ -1,4 +1,4 @@
-"""What every page has: navigation, sidebar, and errors as text. Streamlit's script."""
+"""Streamlit script with the parts of every page: navigation, sidebar, and errors as text."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ from ui.shell.pages import (
 from ui.subjects import contributed
 from ui.widgets.text import plain
 
-# pages with more in their address, which they write by themselves, or leave as it is
-# (Streamlit would print a string below it on every page)
+# pages with more in their address, which they write themselves or leave as it is
+# (a comment, since Streamlit would print a docstring here on every page)
 WRITE_ADDRESS = ("encounters", "metrics")
 
 st.set_page_config(
@@ -64,7 +64,7 @@ try:
     tab.follow_history()
     leave_screen(state.workspace(), page.url_path if is_participant() else "")
     if not is_participant():
-        with st.sidebar:  # before the page, so that its room is kept from the start
+        with st.sidebar:  # before the page, to reserve the space
             systems.draw()
             for aside in contributed("ASIDE"):
                 aside.draw(page.url_path)
@@ -84,11 +84,11 @@ try:
     if not is_participant():
         draw_questions(pages, page)
     store.PAGE_LINK.pop()  # it was for this page
-except Exception as error:  # noqa: BLE001  # the sidebar is drawn, or its widgets lose their values
+except Exception as error:  # noqa: BLE001  # draw the sidebar, or its widgets lose their values
     error_banner(error)
     failure = error
-store.CLICKED.pop()  # it is no longer there
-if wrong_params is not None and not is_participant():  # something is open
+store.CLICKED.pop()  # the widget is gone
+if wrong_params is not None and not is_participant():  # a comparison is open
     try:
         shown = shown_on(page)
         sidebar.draw(
@@ -99,7 +99,7 @@ if wrong_params is not None and not is_participant():  # something is open
             idle=idle_on(page),
             is_folded=is_folded_on(page, shown),
         )
-    except Exception as error:  # noqa: BLE001  # what follows is drawn
+    except Exception as error:  # noqa: BLE001  # draw what follows
         if failure is None:
             error_banner(error)
             failure = error
@@ -111,8 +111,8 @@ if wrong_params is not None and not is_participant():  # something is open
 if failure is None and not is_participant():
     try:
         for aside in contributed("ASIDE"):
-            aside.take_over()  # all is drawn: nobody's click is lost
-    except Exception as error:  # noqa: BLE001  # a fault of ours: it is not tried again
+            aside.take_over()  # all is drawn: no click gets lost
+    except Exception as error:  # noqa: BLE001  # our bug: do not retry
         for aside in contributed("ASIDE"):
             aside.give_up()
         error_banner(error)

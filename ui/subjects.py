@@ -1,4 +1,4 @@
-"""What the subjects add to the dashboard."""
+"""Contributions of the subjects to the dashboard."""
 
 from __future__ import annotations
 
@@ -23,38 +23,38 @@ Section = Literal["Compare", "Evidence", "Lab", "Help"]
 
 @dataclass(frozen=True)
 class Page:
-    """A page of the dashboard.
+    """Page of the dashboard.
 
     Attributes
     ----------
     key
-        Of its script, ``pages/<key>.py``, and of its address.
+        Name of its script, ``pages/<key>.py``, and of its address.
     title, section
-        What it is called in the navigation, and under which heading.
+        Title in the navigation, and the heading above it.
     icon
-        What stands for it there in place of its title; empty: the title.
+        Icon shown there in place of the title. Empty: the title.
     tab_of
-        Key of the page among whose tabs it is, instead of an entry of its own.
+        Key of the page that has it as a tab, instead of an entry of its own.
     lacks
-        What a comparison would need for it to show anything, as a short sentence; empty: it has
-        that. None: every comparison has.
+        Returns what the comparison lacks for this page, as a short sentence (empty: nothing).
+        None: no comparison lacks anything.
     asks
-        Its question, for a link to it at the end of the Overview; empty: none.
+        Question of the page, for a link to it at the end of the Overview. Empty: no link.
     after
-        Key of the page that it follows; see `nvcore.subjects.in_place`.
+        Key of the page that it follows (see `nvcore.subjects.in_place`).
     shown
-        What it shows of the comparison; None: all results. Settings that move nothing of it are
-        quiet in the sidebar.
+        Results that it shows. None: all results. Settings that do not affect them are quiet in the
+        sidebar.
     own
-        Stages that it is about: on it their settings stand first, unfolded.
+        Stages that it is about. Their settings come first in its sidebar, unfolded.
     controls
-        Settings of these stages that the page itself has buttons for: the sidebar leaves them out.
+        Settings of these stages for which the page has buttons. The sidebar leaves them out.
     idle
-        Returns the settings that have no effect on the page as it is; None: `shown` tells them.
+        Returns the settings that have no effect on the page as it is. None: `shown` decides.
     is_folded
-        Whether the settings are folded away, though they move what it shows.
+        True if the settings are folded away although they affect what it shows.
     script
-        Path of its script where that is another one.
+        Path of its script if it is not ``pages/<key>.py``.
     """
 
     key: str
@@ -75,7 +75,7 @@ class Page:
 
 @dataclass(frozen=True)
 class Document:
-    """A page of the documentation, ``docs/<key>.md``; `after` as in `Page`."""
+    """Page of the documentation, ``docs/<key>.md``, with `after` as in `Page`."""
 
     key: str
     title: str
@@ -84,7 +84,7 @@ class Document:
 
 @dataclass(frozen=True)
 class MadeFile:
-    """A file that the app has made of what is open; the session to be exported names it."""
+    """File that the app made from the open comparison. An exported session names it."""
 
     path: Path
     meaning: str
@@ -92,15 +92,15 @@ class MadeFile:
 
 @dataclass(frozen=True)
 class TimelinePlot:
-    """A figure over time below the lanes of the page Timeline.
+    """Figure over time below the lanes of the page Timeline.
 
     Attributes
     ----------
     applies
-        Whether a comparison has what it shows.
+        Returns whether a comparison has the data to show.
     make
-        Of the result, the recording's row and the theme. A mark's ``customdata`` is the row in
-        ``dataset.frames`` and that in ``result.encounters``, -1: nobody.
+        Returns the figure for the result, the recording's row and the theme. A mark's
+        ``customdata`` is its row in ``dataset.frames`` and in ``result.encounters`` (-1: none).
     """
 
     key: str
@@ -110,18 +110,18 @@ class TimelinePlot:
 
 @cache
 def contributed(kind: str) -> tuple[Any, ...]:
-    """What each subject adds to a list of the dashboard, of those that add to it.
+    """Return what each subject adds to a list of the dashboard, without subjects that add nothing.
 
     Parameters
     ----------
     kind
-        Name of what `nvcore.subjects.Subject.ui` has, or of a reference ``"module:name"`` to it:
+        Name of a list in `nvcore.subjects.Subject.ui`, or of a reference ``"module:name"`` to it:
         ``"PAGES"`` (`Page`), ``"DOCUMENTS"`` (`Document`), ``"ASIDE"`` (`ui.jobs.runs.Aside`),
         ``"ROUTES"`` (`ui.session.routes.Place`), ``"STUDIES"`` (`ui.people.studies.Studies`),
-        ``"PRELOADED"`` (modules that `ui.confined.nursery` loads before it forks: none that loads
-        Streamlit), ``"TIMELINE_PLOTS"`` (`TimelinePlot`), ``"SIGHT"``
-        (`ui.widgets.drawing.Sight`) or ``"MADE_FILES"`` (function of the session and of the one to
-        be written: each `MadeFile` by its name in the latter).
+        ``"PRELOADED"`` (modules that `ui.confined.nursery` loads before it forks, none of them
+        loading Streamlit), ``"TIMELINE_PLOTS"`` (`TimelinePlot`), ``"SIGHT"``
+        (`ui.widgets.drawing.Sight`) or ``"MADE_FILES"`` (function of the session and of the session
+        to write, returning each `MadeFile` by its name in the latter).
     """
     rooms = [subject.ui for _, subject in subjects().values() if subject.ui]
     return tuple(
@@ -133,20 +133,20 @@ def contributed(kind: str) -> tuple[Any, ...]:
 
 @dataclass(frozen=True)
 class EncounterFilter:
-    """A filter of the page Encounters.
+    """Filter of the page Encounters.
 
     Attributes
     ----------
     name
-        Its entry in the address.
+        Name of its entry in the address.
     label, help
-        What the widget is called, and its help text.
+        Label and help text of the widget.
     choices
-        What can be chosen, in words.
+        Choices in words, by value.
     values
-        Which of these each encounter is; shape (n_encounters,).
+        Returns the value of each encounter, shape (n_encounters,).
     applies
-        Whether a comparison has what it is about.
+        Returns whether a comparison has the data for it.
     """
 
     name: str
@@ -159,18 +159,18 @@ class EncounterFilter:
 
 @dataclass(frozen=True)
 class ColumnLook:
-    """How a column of the report's tables looks on pages.
+    """Look of a column of the report's tables on pages.
 
     Attributes
     ----------
     heading
-        Its heading, without the system's letter; empty: what follows from its name.
+        Heading without the system's letter. Empty: derived from the column's name.
     form
         Format of a number that is not whole.
     is_share
-        Whether it is shown in percent.
+        True if it is shown in percent.
     words
-        What its values are called; None: as they are.
+        Returns a value in words. None: values are shown as they are.
     """
 
     heading: str = ""

@@ -1,4 +1,4 @@
-"""Alerts page: whether the driver can still react, and of 100 encounters whom the systems help."""
+"""Alerts page: alerts in time for the driver to react, in total and per 100 encounters."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ui.widgets.text import docs_link, number, plain
 
 
 def draw(result: Result) -> None:
-    """Shares in time by kind of alert, then the page for who decides; nothing of speed signs."""
+    """Draw shares in time by kind, then a table per 100 encounters (not for speed signs)."""
     if not alerts_in(result).has_urgency:
         return
     st.header("In time for the driver")

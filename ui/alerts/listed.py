@@ -1,4 +1,4 @@
-"""Alerts page: the alerts one by one, with the viewer beside."""
+"""Alerts page: the alerts one by one, beside the viewer."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ COLUMNS: Final = {
 
 
 def draw(result: Result) -> None:
-    """Draw the alerts of X, Y or both, unwanted ones first; the chosen one in the viewer."""
+    """Draw the alerts of X, Y or both, unwanted ones first, and the chosen one in the viewer."""
     st.header("One by one")
     view = alerts_in(result)
     alerts = pd.concat([view.of(system) for _, system in result.sides], ignore_index=True)
@@ -87,7 +87,7 @@ def draw(result: Result) -> None:
         ):
             store.RATINGS_PART.set("session")
             store.RATING_ALERTS.set("these")
-            if state.params().alerts == "off":  # they are shown on this page alone
+            if state.params().alerts == "off":  # alerts are then shown on this page only
                 state.set_params(alerts="policy")
             open_page("ratings")
 
@@ -101,13 +101,13 @@ def draw_beside_viewer(
     key: str,
     name: str,
 ) -> None:
-    """A table whose rows are looked at one by one, beside the viewer.
+    """Draw a table whose rows are viewed one by one, beside the viewer.
 
     Parameters
     ----------
     table
-        With the columns row and encounter_row: the frame row in which each begins, and the row in
-        ``result.encounters`` of whom it is about (-1: nobody).
+        Its column ``row`` holds the frame row in which an entry begins, and ``encounter_row`` the
+        row of its encounter in ``result.encounters`` (-1: none).
     """
     rows, entry = table["row"].tolist(), store.ALERT_AT.of(key)
     at = min(entry.get(), len(rows) - 1)
@@ -141,6 +141,6 @@ def draw_beside_viewer(
 
 
 def _go_to(entry: store.Entry[int], rows: list[int], at: int) -> None:
-    """Show the frame in which a row begins. For callbacks."""
+    """Show the frame in which an entry begins. For callbacks."""
     entry.set(at)
     state.go_to(*state.place_of(rows[at]))

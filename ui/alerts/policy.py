@@ -1,4 +1,4 @@
-"""Alerts page: the policy that makes alerts of detections, and which settings act on the page."""
+"""Alerts page: the policy that turns detections into alerts, and settings without effect."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from ui.widgets.text import plain
 
 
 def judged(result: Result) -> Result:
-    """Return the comparison with alerts; where they are off, with those of the set policy.
+    """Return the comparison with alerts. If they are off, the set policy makes them.
 
-    So the page has something to show before a policy is chosen, while verdict, files and other
-    pages stay without alerts. Speed signs have alerts of their own instead.
+    The page can then show alerts before a policy is chosen. The verdict, files and other pages
+    stay without them. Speed signs have their own alerts instead.
     """
     view = alerts_in(result)
     if view.is_asked or view.speeding is not None:
@@ -40,7 +40,7 @@ def judged(result: Result) -> Result:
 
 
 def find_idle() -> frozenset[str]:
-    """Return the settings of alerts that change nothing on the page as it is."""
+    """Return the alert settings that change nothing on the page as it is."""
     result = state.result()
     if result is None:
         return frozenset()
@@ -68,7 +68,7 @@ def _settings_of(*stages: Stage) -> set[str]:
 
 
 def own_policies(result: Result) -> dict[str, str]:
-    """File of the policy that a system follows whatever policy is chosen, by its letter."""
+    """Return the policy files of systems that ignore the chosen policy, by letter."""
     inputs = result.dataset.inputs
     files = dict(zip(inputs["conversion"], inputs["file"], strict=True))
     return {
@@ -79,14 +79,14 @@ def own_policies(result: Result) -> dict[str, str]:
 
 
 def draw(result: Result, *, is_asked: bool) -> None:
-    """Draw the named policies, with a mark on the one in use; a click takes another.
+    """Draw the named policies and mark the one in use. A click selects another.
 
     Parameters
     ----------
     result
-        As `judged` returns it.
+        The comparison that `judged` returns.
     is_asked
-        Whether alerts are judged on other pages as well.
+        True if other pages judge alerts as well.
     """
     params, view, own = result.params, alerts_in(result), own_policies(result)
     if view.speeding is not None:

@@ -1,4 +1,4 @@
-"""Alerts page: alerts of drivers above the limit that a system has read from a sign."""
+"""Alerts page: alerts for drivers above the limit that a system has read from a sign."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ui.widgets.table import TableColumn
 from ui.widgets.text import docs_link
 
 SHOWN: Final = ("alerted", "missed", "false", "median_late_s", "right_limit")
-"""Those of `ROWS` that are shown."""
+"""Rows of `ROWS` that the page shows."""
 COLUMNS: Final = {
     "subject": TableColumn(
         "Of", "Whose alert it is: of X, of Y, or called for by the truth.", is_head=True
@@ -34,7 +34,7 @@ COLUMNS: Final = {
 
 
 def draw(result: Result) -> None:
-    """The speed alerts of X and Y; nothing where the objects are no speed signs."""
+    """Draw the speed alerts of X and Y, if the objects are speed signs."""
     speeding = alerts_in(result).speeding
     if speeding is None:
         return

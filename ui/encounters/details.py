@@ -1,4 +1,4 @@
-"""Encounters page: one encounter, beside the list: picture, who missed it how long, and why."""
+"""Encounters page: one encounter beside the list, with picture, time missed and reasons."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ MEANINGS: Final = (
     "from the mean of all encounters."
 )
 OF_VISIBLE: Final = ("visible", "blended")
-"""Ways to see the pictures in which the cut-out is of visible light."""
+"""Picture modes in which the cut-out shows visible light."""
 
 
 def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
-    """The encounter, with the way to the one before and the next."""
+    """Draw the encounter, with buttons to the previous and the next one."""
     selection.draw_steps(listed, encounter)
     row = listed.iloc[selection.place_of(listed, encounter)]
     st.header(f"{state.say('{One}')} {row['track']} in {plain(row['recording'])}")
@@ -69,7 +69,7 @@ def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
 
 
 def _who_missed(result: Result, row: pd.Series[Any], names: Mapping[str, str]) -> str:
-    """How long each system misses the pedestrian while it counts, and what that weighs."""
+    """Return how long each system misses the pedestrian while they count, and the severity."""
     times = encounter_time(result, int(str(row.name)))
     if not times.relevant_s:
         return ""
@@ -85,7 +85,7 @@ def _who_missed(result: Result, row: pd.Series[Any], names: Mapping[str, str]) -
 
 
 def _both(row: pd.Series[Any], names: Mapping[str, str]) -> pd.DataFrame:
-    """How both systems did with one encounter, side by side, as text."""
+    """Return the results of both systems for one encounter, side by side, as text."""
     columns = {}
     for letter in "xy":
         matched, coverage = row[f"matched_{letter}"], row[f"coverage_{letter}"]
@@ -110,7 +110,7 @@ def _seconds(value: float) -> str:
 def _draw_ways(
     result: Result, row: pd.Series[Any], moments: pd.Series[Any], names: Mapping[str, str]
 ) -> None:
-    """Buttons to the frames that are worth seeing."""
+    """Draw buttons to the frames that are worth seeing."""
     frames = result.dataset.frames
     shown_row = int(moments["shown_row"])
     if button(
@@ -136,7 +136,7 @@ def _draw_ways(
 
 
 def _why(result: Result, row: pd.Series[Any], shown_row: int, is_missed: bool) -> str:
-    """Why that frame is shown."""
+    """Return the reason why this frame is shown."""
     if not is_missed:
         return "where the encounter begins to count"
     x, y = row["severity_s_x"], row["severity_s_y"]
@@ -153,9 +153,9 @@ def _why(result: Result, row: pd.Series[Any], shown_row: int, is_missed: bool) -
 def _draw_picture(
     result: Result, encounter: int, described: pd.Series[Any], moments: pd.Series[Any]
 ) -> None:
-    """The part of a frame around the pedestrian; without pictures, the boxes on a blank.
+    """Draw the part of a frame around the pedestrian. Without pictures, draw boxes on a blank.
 
-    Of the recording's own pictures or those of visible light, as chosen here or in a viewer.
+    The picture is the recording's own or of visible light, as chosen here or in a viewer.
     """
     row = int(moments["shown_row"])
     has_visible = drawing.has_visible(row)

@@ -1,4 +1,4 @@
-"""Encounters page: which encounters are listed and drawn."""
+"""Encounters page: filters for the encounters to list and draw."""
 
 from __future__ import annotations
 
@@ -28,30 +28,30 @@ SEVERITY_STEP_S: Final = 0.05
 OF_SUBJECTS: Final[dict[str, EncounterFilter]] = {
     known.name: known for known in contributed("ENCOUNTER_FILTER")
 }
-"""The filters that subjects add, by name."""
+"""Filters that subjects add, by name."""
 LISTS: Final = ("category", "class_x", "class_y", "recording", "class", *OF_SUBJECTS)
-"""Names of the filters that are lists, and of those that are ranges."""
+"""Names of the filters that are lists. `RANGES` names those that are ranges."""
 RANGES: Final = ("position", "height", "pose")
 OPEN: Final = (-math.inf, math.inf)
-"""The ends of a range that nobody has set: they are those of what is listed, whatever that is."""
+"""Ends of a range that nobody has set. Such a range covers everything that is listed."""
 HOW_LISTED: Final = (
     "Click a row to see the encounter, a heading to sort by it. By severity, distant {many}, "
     "which do not count, are last."
 )
 MOST_WORDS: Final = 80
-"""Characters of the filters in words; all of them are in the widgets."""
+"""Maximum length of the filters in words, in characters. The widgets show all of them."""
 
 
 @dataclass(frozen=True)
 class Filters:
-    """Which encounters to keep, by columns of ``encounters.csv``; empty or None: all.
+    """Filters by columns of ``encounters.csv`` (empty or None: keep all).
 
-    A range may be open at one end, which is infinite then.
+    A range may be open at one end, which is then infinite.
 
     Attributes
     ----------
     of_subjects
-        What is chosen of the filters that subjects add, by name; none that is empty.
+        Choices in the filters that subjects add, by name. Filters without choices are left out.
     """
 
     categories: Sequence[str] = ()
@@ -66,7 +66,7 @@ class Filters:
     least_severity_s: float = 0.0
 
     def keep(self, encounters: pd.DataFrame, of_subjects: Mapping[str, np.ndarray]) -> pd.DataFrame:
-        """Rows of `nvcore.tables.result.encounters_table` that pass, with their index.
+        """Return the rows of `nvcore.tables.result.encounters_table` that pass, with their index.
 
         Parameters
         ----------
@@ -104,23 +104,23 @@ class Filters:
 
 
 def class_names(encounters: pd.DataFrame) -> list[str]:
-    """Classes of these rows of `nvcore.tables.result.encounters_table`, by name."""
+    """Return the sorted classes in rows of `nvcore.tables.result.encounters_table`."""
     texts = encounters["classes"].unique()
     return sorted({name for text in texts for name in str(text).split(CLASS_SEPARATOR) if name})
 
 
 def _filter(name: str) -> Entry[Any]:
-    """What a filter's widget has; other data have other recordings and ranges."""
+    """Return the value of a filter's widget, which other data with other ranges do not share."""
     return store.ENCOUNTER_FILTER.of(f"{name}_{state.workspace().n_opened}")
 
 
 def _wish(name: str) -> Entry[Any]:
-    """What a filter was set to, but may be outside of what is listed."""
+    """Return the value set for a filter, which may lie outside of what is listed."""
     return store.FILTER_WISH.of(f"{name}_{state.workspace().n_opened}")
 
 
 def possible(result: Result) -> dict[str, tuple[str, ...]]:
-    """The choices of the filters that subjects add, by name; none where one does not apply."""
+    """Return the choices of the filters that subjects add, by name (none if not applicable)."""
     return {
         name: tuple(known.choices) if known.applies(result) else ()
         for name, known in OF_SUBJECTS.items()
@@ -128,14 +128,14 @@ def possible(result: Result) -> dict[str, tuple[str, ...]]:
 
 
 def draw(result: Result, encounters: pd.DataFrame) -> tuple[Filters, pd.DataFrame]:
-    """Draw the filters; returns them, and the encounters that pass."""
+    """Draw the filters. Return them and the encounters that pass."""
     filters = _draw_widgets(encounters, possible(result), short_names(result))
     values = {name: OF_SUBJECTS[name].values(result) for name in filters.of_subjects}
     return filters, filters.keep(encounters, values)
 
 
 def draw_count(filters: Filters, n_matching: int, n_all: int) -> None:
-    """How many encounters pass, which filters are in use, and the way to all."""
+    """Draw the number of encounters that pass, the filters in use, and a button to clear them."""
     words = "; ".join(in_words(filters))
     used = f" · {plain(shortened(words, MOST_WORDS))}" if words else ""
     st.markdown(
@@ -154,7 +154,7 @@ def draw_count(filters: Filters, n_matching: int, n_all: int) -> None:
 
 
 def in_words(filters: Filters) -> list[str]:
-    """The filters in use that are not in sight while they are folded."""
+    """Return the filters in use, in words, that are hidden while folded."""
     words = [
         f"{name} {', '.join(chosen)}"
         for name, chosen in (
@@ -187,7 +187,7 @@ def _range_words(span: tuple[float, float]) -> str:
 
 
 def take(filters: Filters) -> None:
-    """Give the widgets these values, before they are drawn."""
+    """Set the widgets to these filters, before they are drawn."""
     clear_filters()
     lists = {
         "category": filters.categories,
@@ -209,7 +209,7 @@ def take(filters: Filters) -> None:
 
 
 def set_classes(x: str | None, y: str | None) -> None:
-    """List the encounters of these miss classes only; None: of all. For callbacks."""
+    """List only the encounters of these miss classes (None: all). For callbacks."""
     clear_filters()
     for name, classes in (("class_x", x), ("class_y", y)):
         _filter(name).set([] if classes is None else [classes])
@@ -332,7 +332,7 @@ def _draw_widgets(
 
 
 def _choose(known: EncounterFilter, choices: Sequence[str]) -> Sequence[str]:
-    """What is chosen of a filter that a subject adds; nothing: all."""
+    """Draw a filter that a subject adds, and return its choices (none: all)."""
     chosen: Sequence[str] = st.pills(
         known.label,
         choices,
@@ -347,7 +347,7 @@ def _choose(known: EncounterFilter, choices: Sequence[str]) -> Sequence[str]:
 
 
 def _least_severity(place: DeltaGenerator, encounters: pd.DataFrame) -> float:
-    """A slider from 0, which lists all encounters, to the largest severity."""
+    """Draw a slider from 0 (lists all) to the largest severity, and return its value."""
     largest = np.nanmax(
         encounters[["severity_s_x", "severity_s_y"]].to_numpy(dtype=float), initial=0.0
     )
@@ -382,7 +382,7 @@ def _range(
     step: float,
     text: str,
 ) -> tuple[float, float] | None:
-    """A slider with two handles; None while neither cuts anything off."""
+    """Draw a slider with two handles. Return its range, or None if it cuts nothing off."""
     values = values[np.isfinite(values)]
     if not len(values):
         return None
@@ -409,7 +409,7 @@ def _range(
 
 
 def _give(name: str, unset: tuple[float, ...], limits: tuple[float, float]) -> tuple[float, ...]:
-    """Give a slider what was set, within its limits: these follow tags and other settings."""
+    """Set a slider to its wish, clipped to limits that follow tags and other settings."""
     low, high = limits
     wanted = _wish(name).get() or unset
     inside = tuple(min(max(end, low), high) for end in wanted)
@@ -423,14 +423,14 @@ def _give(name: str, unset: tuple[float, ...], limits: tuple[float, float]) -> t
 def _set(
     name: str, before: tuple[float, ...], ends: tuple[float, ...], unset: tuple[float, ...]
 ) -> None:
-    """Keep what a slider was set to; a handle at its end, or left alone, sets nothing. A callback.
+    """Keep the handles that were moved. A handle at its end sets nothing. For callbacks.
 
     Parameters
     ----------
     before
-        Where the handles were.
+        Positions of the handles before.
     ends
-        Where they set nothing.
+        Positions at which the handles set nothing.
     """
     value = _filter(name).get()
     handles = value if isinstance(value, tuple) else (value,)
@@ -444,7 +444,7 @@ def _set(
 
 
 def _choose_among(name: str, names: Sequence[str]) -> None:
-    """Keep the choices that the list still has; others are set aside until it has them again."""
+    """Keep choices that the list still has, and set the others aside until it has them again."""
     choice, wish = _filter(name), _wish(name)
     chosen, waiting = choice.get() or [], wish.get() or []
     if not {*chosen} <= {*names} or not {*waiting}.isdisjoint(names):

@@ -1,4 +1,4 @@
-"""Encounters page: the list, in an order that can be chosen, and the map of all in it."""
+"""Encounters page: the list, its order, and a map of all listed encounters."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ FIRST_COLUMNS: Final = (
     "peak_cost_x",
     "peak_cost_y",
 )
-"""What most people look for; the first five stand beside the encounter in a small window."""
+"""Columns that most people look for. In a small window, the first five fit."""
 BY_SEVERITY: Final = "Severity, the larger of both"
 
 
 def order() -> Order:
-    """The order that is chosen."""
+    """Return the chosen order."""
     return Order(store.ENCOUNTER_ORDER.get() or SEVERITY, store.IS_DESCENDING.get())
 
 
@@ -52,7 +52,7 @@ def take_order(chosen: Order) -> None:
 
 
 def draw_order() -> Order:
-    """What the list is sorted by, and which end comes first."""
+    """Draw the choice of column and direction for sorting the list, and return the order."""
     with st.container(horizontal=True, vertical_alignment="bottom", gap="small"):
         st.selectbox(
             "Sort by",
@@ -76,7 +76,7 @@ def draw_order() -> Order:
 
 
 def draw_switch() -> None:
-    """Whether all columns are shown; not right above the table, where its own tools come up."""
+    """Draw the switch for all columns, away from the tools that appear above the table."""
     st.toggle(
         "All columns",
         key=store.ALL_COLUMNS.key,
@@ -86,13 +86,13 @@ def draw_switch() -> None:
 
 
 def draw(listed: pd.DataFrame, encounter: int) -> None:
-    """The list, with the row of this encounter selected."""
+    """Draw the list, with the row of this encounter selected."""
     added = [name for name in chain(*contributed("ENCOUNTER_COLUMNS")) if name in listed]
-    at_category = FIRST_COLUMNS.index("category") + 1  # beside who detects the pedestrian
+    at_category = FIRST_COLUMNS.index("category") + 1  # after the category
     first = [*FIRST_COLUMNS[:at_category], *added, *FIRST_COLUMNS[at_category:]]
     others = [str(name) for name in listed if name not in first]
     table = as_shown(listed.head(MOST_ROWS))
-    if len(state.recording_names()) == 1:  # its name says nothing there, and takes room
+    if len(state.recording_names()) == 1:  # the same name in every row
         first.remove("recording")
     shown = [*first, *others] if store.ALL_COLUMNS.get() else first
     at, by = selection.place_of(listed, encounter), order()
@@ -111,7 +111,7 @@ def draw(listed: pd.DataFrame, encounter: int) -> None:
 
 
 def _sort(by: str) -> None:
-    """A heading sorts by it, or turns its order round."""
+    """Sort by the clicked heading, or reverse the order if it is already sorted by it."""
     before = order()
     take_order(Order(by, not before.is_descending if before.by == by else True))
 
@@ -121,7 +121,7 @@ def _click(index: pd.Index, row: int, _column: str) -> None:
 
 
 def draw_map(encounters: pd.DataFrame) -> None:
-    """Where in the picture the encounters are; a click selects."""
+    """Draw the positions of the encounters in the picture. A click selects one."""
     draw_chart(
         position_map(encounters, theme=state.theme(), objects=state.opened().dataset.objects),
         "encounters_map",

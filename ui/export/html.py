@@ -43,7 +43,7 @@ LABELS: Final = {
 
 @dataclass(frozen=True)
 class ReportKey:
-    """What a report is made from; stability maps of None: only for few frames."""
+    """Inputs of a report. `with_map` None: stability maps only for few frames."""
 
     version: str
     params: Params
@@ -54,7 +54,7 @@ class ReportKey:
 
 
 def draw(result: Result) -> None:
-    """What is in it, the button, and how far it is."""
+    """Draw the contents of the report, the button, and the progress."""
     st.header("Report to share")
     st.markdown(
         "One HTML file with verdict, charts, evidence frames, tables, all parameters and hashes of "
@@ -96,7 +96,7 @@ def draw(result: Result) -> None:
 
 
 def _ask_for_map(result: Result) -> bool | None:
-    """Whether with the stability maps; None where there are so few frames that they always are."""
+    """Ask for the stability maps. Return None for few frames, which always have them."""
     if len(result.dataset.frames) <= AT_ONCE:
         return None
     return st.toggle(
@@ -108,7 +108,7 @@ def _ask_for_map(result: Result) -> bool | None:
 
 
 def _ask_for_first_page() -> Inscription:
-    """What its author writes on the first page."""
+    """Ask for the author's text on the first page."""
     store.HTML_DATE.setdefault(date.today().isoformat())
     with st.expander("Title, author, question and date on its first page"):
         texts = {
@@ -134,7 +134,7 @@ def _start(result: Result, key: ReportKey) -> None:
 
 
 def shown_result(result: Result, public: Callable[[object], str]) -> Result:
-    """The result with files and notes made `public`: named without the folders of the machine."""
+    """Return the result with `public` file names and notes, without folders of the machine."""
     named = with_public_names(result, public)
     notes = tuple(public(note) for note in result.dataset.notes)
     return replace(named, dataset=replace(named.dataset, notes=notes))
@@ -149,7 +149,7 @@ def start_job(
     path: Path,
     pictures: RecordingPictures,
 ) -> FileJob:
-    """Start writing; it ends with the session, and when the session opens something else."""
+    """Start writing. The job ends when the session ends or opens something else."""
 
     def write(progress: Progress) -> None:
         write_html_report(

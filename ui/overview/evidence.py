@@ -1,4 +1,4 @@
-"""Overview page: whether the differences are more than chance, and where they lie."""
+"""Overview page: significance of the differences, and differences by group."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ HEAD: Final = ("X", "Y", "X − Y", "95 % interval", "p", "p (corrected)", "effe
 
 
 def draw(result: Result, evidence: pd.DataFrame) -> None:
-    """The table of evidence."""
+    """Draw the table of evidence."""
     evidence = as_shown(result, evidence)
     rows, notes = shown_evidence(result, evidence)
     head = (*HEAD, SETTING) if are_unequal(result) else HEAD
@@ -66,7 +66,7 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
 
 @st.fragment
 def draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
-    """One measure for groups of encounters; which one is chosen here."""
+    """Draw one measure for groups of encounters, and the choice of the measure."""
     evidence = as_shown(result, evidence)
     labels = dict(zip(evidence["figure"], evidence["label"], strict=True))
     keys = [key for key in EVIDENCE_KEYS if key in labels]
@@ -115,7 +115,7 @@ def draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
 def shown_evidence(
     result: Result, evidence: pd.DataFrame
 ) -> tuple[list[MeasureRow], dict[str, str]]:
-    """The table of evidence, a dash where nothing can be given; its footnotes with their marks."""
+    """Return the rows of evidence (dashes for missing values), and footnotes with their marks."""
     rows: list[MeasureRow] = []
     footnotes = Footnotes()
     for row in evidence.to_dict("records"):

@@ -1,4 +1,4 @@
-"""Overview page: what is looked at when the first two screens leave a question; one at a time."""
+"""Overview page: sections for questions that the first two screens leave, one at a time."""
 
 from __future__ import annotations
 

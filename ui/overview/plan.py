@@ -1,4 +1,4 @@
-"""Overview page: how many recordings would show a difference, computed once it is unfolded."""
+"""Overview page: number of recordings that would show a difference, computed when unfolded."""
 
 from __future__ import annotations
 
@@ -47,13 +47,13 @@ class _Answer(NamedTuple):
 
 
 def known_plan(result: Result) -> tuple[Note, ...]:
-    """What the verdict says of more recordings, once any plan was computed; else nothing."""
+    """Return the verdict's notes on more recordings (empty until a plan was computed)."""
     notes: tuple[Note, ...] | None = state.known("verdict_plan", comparison_key(result))
     return notes or ()
 
 
 def draw(result: Result, evidence: pd.DataFrame, companions: Companions | None) -> None:
-    """The question, the button that computes the answer, and the answer."""
+    """Draw the question, the button that computes the answer, and the answer."""
     if not evidence["unit"].isin(WHOLE).any():
         n_independent, _ = count_whole(result.dataset)
         reason = too_few_for_pilot(count_recordings(result), n_independent)
@@ -72,13 +72,13 @@ def draw(result: Result, evidence: pd.DataFrame, companions: Companions | None) 
 
 
 def _ask(result: Result, evidence: pd.DataFrame) -> PlanArguments | None:
-    """The question; None while a margin is lacking."""
+    """Draw the question and return it, or None while a margin is missing."""
     labels = dict(zip(evidence["figure"], evidence["label"], strict=True))
     question = choose_side_by_side("Question", QUESTIONS, "plan_question", default=DIFFERENCE)
     left, right = st.columns(2, vertical_alignment="bottom")
     names = [name for name, key in PLAN_KEYS.items() if key in labels]
     keys, primary = [PLAN_KEYS[name] for name in names], primary_of(result.dataset).key
-    if store.PLAN_MEASURE.get() not in names:  # of data that had another one
+    if store.PLAN_MEASURE.get() not in names:  # left over from data with other measures
         store.PLAN_MEASURE.pop()
     measure = left.selectbox(
         "Measure",
@@ -142,7 +142,7 @@ def _draw_answer(
     space, key = state.workspace(), comparison_key(result)
     if space.peek("verdict_plan", key) is None:
         space.cached("verdict_plan", key, lambda: answer.of_verdict)
-        st.rerun()  # the verdict, which is above, says it
+        st.rerun()  # the verdict above shows it
     st.markdown("\n".join(f"- {plain(sentence)}" for sentence in answer.plan.sentences))
     if any(size.points for size in answer.plan.sizes):
         draw_chart(power_plot(answer.plan, theme=state.theme()), "power")

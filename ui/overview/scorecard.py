@@ -24,9 +24,9 @@ from ui.widgets.text import docs_link, plain
 
 
 class Scorecard:
-    """The scorecard, which may be drawn again when the intervals are known.
+    """Scorecard that can be redrawn when the intervals are known.
 
-    Until it is drawn, its place shows what it did in the last run: a run that ends early leaves
+    Until it is drawn, its place shows the content of the last run. A run that ends early leaves
     the page as it is.
     """
 
@@ -44,7 +44,7 @@ class Scorecard:
                 _draw_classes(result)
 
     def draw(self, evidence: pd.DataFrame | None) -> None:
-        """The table; with evidence, without the decimals that the intervals do not leave."""
+        """Draw the table. With evidence, leave out decimals that the intervals do not support."""
         leading = pick_rows(self._result, self._rows, LEADING)
         self._place = self._place.html(self._table(evidence, leading, "scorecard"))
         if self._whole is not None:
@@ -65,7 +65,7 @@ class Scorecard:
 
 
 def _widths(evidence: pd.DataFrame) -> dict[str, float]:
-    """Width of each difference's 95 % interval, by the measure's key."""
+    """Return the width of each difference's 95 % interval, by measure key."""
     widths = evidence["high"] - evidence["low"]
     return dict(zip(evidence["figure"], widths, strict=True))
 
@@ -88,7 +88,7 @@ def _help(result: Result) -> str:
 
 
 def _draw_classes(result: Result) -> None:
-    """How the near encounters went, by miss class."""
+    """Draw the outcomes of the near encounters, by miss class."""
     st.markdown(f"How the {result.venn.n_near:,} encounters went")
     rows = [
         score_row(row, is_short=result.is_short)
@@ -98,7 +98,7 @@ def _draw_classes(result: Result) -> None:
 
 
 def _rule(result: Result) -> str:
-    """When a detection matches, and what it is when it does not."""
+    """Return the rule for matching a detection, and the result if it does not match."""
     params = result.params
     how = (
         state.say("{whom} it overlaps by an IoU of {iou:g} or more", iou=params.iou)
@@ -116,10 +116,7 @@ def _rule(result: Result) -> str:
 
 
 def by_recording(result: Result) -> None:
-    """Mean similarity of each recording as paired points; a click opens it.
-
-    Below, whether one of them decides who is ahead.
-    """
+    """Draw the mean similarity of each recording as paired points. A click opens it."""
     names = (result.x.name, result.y.name)
     if count_recordings(result) == 1:
         x, y = (f"{system.summary.mean:.3f}" for _, system in result.sides)

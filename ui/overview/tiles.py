@@ -12,11 +12,11 @@ from nvcore.report.tiles import Tile
 from ui.widgets.html import stamp_html, value_hooks
 
 MAX_NAME: Final = 5
-"""Characters of a name that fit beside a value; X and Y stand for longer ones."""
+"""Maximum length of a name beside a value, in characters. X and Y replace longer names."""
 
 
 def tiles_html(tiles: Sequence[Tile], objects: Objects, names: Mapping[str, str]) -> str:
-    """Return tiles in a row; each is as high with an interval as without.
+    """Return tiles in a row. Their height is the same with and without an interval.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def _tile(tile: Tile, objects: Objects, names: Mapping[str, str]) -> str:
 
 
 def _bar(tile: Tile) -> str:
-    """The interval; right of the middle X is better, whichever way the measure goes."""
+    """Return the interval as a bar. Right of the middle X is better, for every measure."""
     if tile.bar is None:
         return '<div class="bar"></div>'
     low, middle, high = (100 * end for end in tile.bar)

@@ -1,4 +1,4 @@
-"""Overview page: the Venn diagram and the worst encounters; clicks open regions and frames."""
+"""Overview page: Venn diagram and worst encounters. Clicks open regions and frames."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ OF_VERSIONS: Final = {
     "x_only": "If Y is the next version of X, it newly misses these.",
     "y_only": "If Y is the next version of X, it mends the misses of these.",
 }
-"""What a region means where two versions of one system are compared, as in `nvcore gate`."""
+"""Meaning of a region when two versions of one system are compared, as in `nvcore gate`."""
 N_WORST: Final = 5
 WORST_COLUMNS: Final = ("recording", "track", "severity_s_x", "severity_s_y")
 SEVERITIES: Final = {"severity_s_x": "X (s)", "severity_s_y": "Y (s)"}
-"""Headings where the table's title says what is listed."""
+"""Short headings for a table whose title names the measure."""
 
 
 def draw(result: Result) -> None:
-    """The diagram, and the same by buttons for those who do not click in pictures."""
+    """Draw the diagram, and buttons for people who do not click in pictures."""
     names, theme = (result.x.name, result.y.name), state.theme()
     encounters, key = _weighed(result)
     figure = kept_figure(
@@ -81,13 +81,13 @@ def draw(result: Result) -> None:
 
 
 def _weighed(result: Result) -> tuple[pd.DataFrame, tuple[Hashable, ...]]:
-    """Encounters with what their failures weigh, and on what that depends."""
+    """Return encounters with the weight of their failures, and the cache key."""
     key = (result.params.only_for(ENCOUNTERS, SEVERITY, SALIENT), result.x.name, result.y.name)
     return state.cached("weighed_encounters", key, lambda: weighed_encounters(result)), key
 
 
 def draw_worst(result: Result) -> None:
-    """The encounters whose failures weigh most; a click opens the frame."""
+    """Draw the encounters whose failures weigh most. A click opens the frame."""
     row = store.WORST_ROW.pop()
     if row is not None:
         open_row(row)

@@ -1,4 +1,4 @@
-"""Overview page: the verdict, in room that is kept for it from the start."""
+"""Overview page: the verdict, in space that is reserved from the start."""
 
 from __future__ import annotations
 
@@ -25,28 +25,28 @@ from ui.widgets.text import docs_link, plain, short_names
 
 
 class VerdictBox:
-    """The box of the verdict: what is known at once, the rest later; nothing moves then."""
+    """Box of the verdict. It shows known results first, and later ones without moving."""
 
     def __init__(self, result: Result) -> None:
         self._result = result
         with st.container(border=True, key="verdict"):
             self.headline: DeltaGenerator = st.container(key="verdict_headline")
-            # until they are drawn they show what they did in the last run
+            # until they are drawn, they show the content of the last run
             self._words = self.headline.container()
             self._tiles = st.container(key="verdict_tiles")
             self._basis = st.container(key="verdict_basis")
             self._rest = st.expander("What this rests on")
 
     def _opening(self) -> tuple[object, ...]:
-        """What the last headline was about; it stays, greyed, until the next one is known."""
+        """Return the data and systems of a headline, which stays greyed until the next one."""
         return state.opened().dataset.fingerprint, self._result.x.name, self._result.y.name
 
     def holds_last(self) -> bool:
-        """Whether it shows a verdict about these systems, of other settings perhaps."""
+        """Return whether the box shows a verdict on these systems, perhaps of other settings."""
         return store.LAST_VERDICT.get() == self._opening()
 
     def draw_known(self, evidence: pd.DataFrame | None) -> None:
-        """The tiles with what is known so far."""
+        """Draw the tiles with what is known so far."""
         self._words = self._words.markdown("## :gray[The differences are being tested.]")
         self._basis = self._basis.caption(_short_extent(self._result))
         four = tiles(self._result, evidence, None, is_being_tested=True)
@@ -61,7 +61,7 @@ class VerdictBox:
         companions: Companions | None,
         plan: tuple[Note, ...],
     ) -> None:
-        """What the measures support, how much more it would take, and what it depends on."""
+        """Draw the supported conclusion, what it depends on, and how much more it would take."""
         result = self._result
         conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
         reasons = " ".join([conclusion.reason, *map(state.say, leads(result))])

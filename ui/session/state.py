@@ -1,4 +1,4 @@
-"""What is open in this browser session, its settings and results."""
+"""State of this browser session: the open comparison, its settings and results."""
 
 from __future__ import annotations
 
@@ -46,16 +46,16 @@ SIGNS: Final = SAMPLE.parent / "speed_signs" / "session.toml"
 SIGNS_LABEL: Final = "Sample drives past speed signs"
 T = TypeVar("T")
 Cached = Callable[..., Any]
-"""`Caching.cached`, of this session or of all visitors."""
+"""`Caching.cached` of this session or of all visitors."""
 
 
 def workspace() -> Workspace:
-    """The workspace of this browser session; the first call opens the start comparison."""
+    """Return this session's workspace. The first call opens the start comparison."""
     return _workspace_and_opened()[0]
 
 
 def opened() -> Opened:
-    """What is open; the first call opens the start comparison."""
+    """Return what is open. The first call opens the start comparison."""
     return _workspace_and_opened()[1]
 
 
@@ -76,19 +76,19 @@ def open_session(session: Session, *, label: str) -> None:
     Raises
     ------
     NvcoreError
-        If an input cannot be used; what was open stays open.
+        If an input cannot be used. What was open stays open.
     """
     space = workspace()
     with st.spinner("Reading the files"):
         shared = shared_opening(session, label)
         shown_in(space, shared or Opened.of(session, load_for(space, session.of_all), label))
-    st.rerun()  # the widgets of this run are drawn: they take their new values in the next one
+    st.rerun()  # widgets that are already drawn take their new values in the next run
 
 
 def read_again(session: Session, *, then: Callable[[], None]) -> None:
     """Read the same recordings again as `session` says, and rerun the page.
 
-    Frame, settings and choices stay, unless a file has changed so that there are other frames.
+    Frame, settings and choices stay unless a changed file has other frames.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def read_again(session: Session, *, then: Callable[[], None]) -> None:
     Raises
     ------
     NvcoreError
-        If an input cannot be used; what was open stays open.
+        If an input cannot be used. What was open stays open.
     """
     space, before = workspace(), opened()
     with st.spinner("Reading the files"):
@@ -112,12 +112,12 @@ def read_again(session: Session, *, then: Callable[[], None]) -> None:
 
 
 def sample_session(path: Path = SAMPLE, label: str = SAMPLE_LABEL) -> Session:
-    """The session of the sample recordings, or of another sample; cheap to open."""
+    """Return the session of the sample recordings or of another sample (cheap to open)."""
     return shared_sample(path, label=label).opened.session
 
 
 def shared_start() -> SharedSample:
-    """What every visitor starts with: the session given to the app, else the sample.
+    """Return what every visitor starts with: the session given to the app, else the sample.
 
     Raises
     ------
@@ -131,9 +131,9 @@ def shared_start() -> SharedSample:
 
 
 def restore(token: str) -> bool:
-    """Take over the workspace with that token; False if another page still uses it.
+    """Take over the workspace with this token. Return False if another page still uses it.
 
-    What cannot be had at all is left alone, and so is a page on which something was opened since.
+    Nothing changes if the workspace is not available, or if the page has opened something since.
     """
     space, own = workspace_of(token), workspace()
     if space is None or space.opened is None or not is_same(space.owner, own.owner):
@@ -144,7 +144,7 @@ def restore(token: str) -> bool:
         return False
     store.WORKSPACE.set(space)
     end_with_session(space)
-    # until the page is drawn anew it asks for pictures and boxes of what it has left
+    # until redrawn, the page requests pictures and boxes of the workspace it has left
     own.forget_values()
     store.LEFT_WORKSPACE.set(own)
     store.SEEN_OPENING.pop()
@@ -155,18 +155,18 @@ def restore(token: str) -> bool:
 
 
 def set_params(**values: Any) -> None:
-    """Set parameters for the next run; the caller reruns the page."""
+    """Set parameters for the next run. The caller reruns the page."""
     store.NEW_PARAMS.set({**store.NEW_PARAMS.get(), **values})
 
 
 def threshold_of(letter: str) -> float | None:
-    """Score threshold of X or Y; None: every detection counts."""
+    """Return the score threshold of X or Y (None: every detection counts)."""
     threshold: float | None = getattr(params(), f"threshold_{letter}")
     return threshold
 
 
 def set_threshold(letter: str, threshold: float | None) -> None:
-    """Move the threshold slider of X or Y; None moves it to its left end: every score counts."""
+    """Move the threshold slider of X or Y (None: to its left end, where every score counts)."""
     name = systems()["xy".index(letter)]
     span = None if name is None else score_span(name)
     if span is not None:
@@ -175,9 +175,9 @@ def set_threshold(letter: str, threshold: float | None) -> None:
 
 
 def cached(kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
-    """As `Workspace.cached`; for a shared comparison, computed once for all visitors.
+    """Return a value as `Workspace.cached` does, computed once if the comparison is shared.
 
-    For values that follow from what is open and the key alone, and that nobody changes.
+    The value must depend only on the key and on what is open, and nobody may change it.
     """
     space, sample = workspace(), sample_of(opened())
     if sample is None:
@@ -187,38 +187,38 @@ def cached(kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) ->
 
 
 def known(kind: str, key: Hashable) -> Any:
-    """The value if it is cached; else None."""
+    """Return the value if it is cached, else None."""
     value, sample = workspace().peek(kind, key), sample_of(opened())
     return sample.known(kind, key) if value is None and sample is not None else value
 
 
 def score_span(system: str) -> tuple[float, float] | None:
-    """Lowest and highest score of a system; None unless there are two different ones."""
+    """Return the lowest and highest score of a system, or None if they do not differ."""
     dataset = opened().dataset
     return cached("score_span", system, lambda: span_of_scores(dataset, system), most=20)
 
 
 def session_params() -> Params:
-    """Initial parameters of the open session."""
+    """Return the initial parameters of the open session."""
     return opened().params
 
 
 def params() -> Params:
-    """The live parameters."""
+    """Return the live parameters."""
     return store.PARAMS.get() or session_params()
 
 
 def systems() -> tuple[str, str | None]:
-    """Names of X and Y; Y is None if there is only one system."""
+    """Return the names of X and Y. Y is None if there is only one system."""
     dataset = opened().dataset
     x, y = dataset.compared()
     return x or dataset.systems[0], y
 
 
 def result() -> Result | None:
-    """The comparison that is shown, with the live parameters; None if there is only one system.
+    """Return the comparison to show, with the live parameters, or None for a single system.
 
-    Where X and Y are set to unequally many false alarms, at the operating point that was chosen.
+    If X and Y are set to unequal numbers of false alarms, the chosen operating point applies.
     """
     space, as_set = workspace(), result_as_set()
     if as_set is None:
@@ -227,14 +227,14 @@ def result() -> Result | None:
     newest = at_operating_point(as_set, operating_point(), space.result)
     if newest is not space.result:
         names = f"{newest.x.name}\0{newest.y.name}"
-        # what moves boxes, matches or most salient misses: those drawn hold for all else
+        # settings that move boxes, matches or most salient misses: others keep the drawing valid
         key = f"{opened().dataset.fingerprint}{newest.params.only_for(THRESHOLD, SALIENT)!r}{names}"
         space.compared = Compared(newest, hashlib.sha256(key.encode()).hexdigest()[:12])
     return newest
 
 
 def result_as_set() -> Result | None:
-    """The comparison at the thresholds as set; None if there is only one system."""
+    """Return the comparison at the thresholds as set, or None for a single system."""
     space, dataset, settings = workspace(), opened().dataset, params()
     x, y = systems()
     if y is None:
@@ -247,18 +247,18 @@ def result_as_set() -> Result | None:
 def kept_result(
     cached: Cached, params: Params, x: str, y: str, make: Callable[[], Result]
 ) -> Result:
-    """The comparison, computed by `make` unless `cached` has it."""
+    """Return the comparison, computed by `make` unless `cached` has it."""
     result: Result = cached("result", (params, x, y), make)
     return result
 
 
 def operating_point() -> OperatingPoint:
-    """Which comparison is shown where X and Y are set to unequally many false alarms."""
+    """Return the comparison to show if X and Y are set to unequal numbers of false alarms."""
     return opened().session.operating_point or "equal-alarms"
 
 
 def set_operating_point(point: OperatingPoint) -> None:
-    """Choose it."""
+    """Choose the operating point."""
     if point != operating_point():
         changed = replace(opened().session, operating_point=point)
         workspace().opened = replace(opened(), session=changed)
@@ -272,7 +272,7 @@ def _compare(dataset: Dataset, settings: Params, x: str, y: str, previous: Resul
 
 
 def protocol() -> Protocol:
-    """Which pedestrians count in the detection measures."""
+    """Return the protocol: the pedestrians that count in the detection measures."""
     return opened().session.protocol
 
 
@@ -287,12 +287,12 @@ def compare_as(session: Session, whole: Dataset | None = None) -> None:
     space, before = workspace(), opened()
     compared = space.compared
     space.look_at(as_shared(Opened.of(session, whole or before.whole, before.label)))
-    if opened().dataset.boxes is before.dataset.boxes:  # `compare` takes from it what still holds
+    if opened().dataset.boxes is before.dataset.boxes:  # `compare` reuses what is still valid
         space.compared = compared
 
 
 def theme() -> Scheme:
-    """The colour scheme: light or dark, with the systems' colours."""
+    """Return the colour scheme: light or dark, with the systems' colours."""
     shade: Shade = "dark" if st.context.theme.type == "dark" else "light"
     return scheme_for(shade, opened().dataset.systems, *systems())
 
@@ -304,23 +304,23 @@ def say(text: str | Note, /, **values: object) -> str:
 
 
 def recording_names() -> list[str]:
-    """Names of the recordings, in their order."""
+    """Return the names of the recordings, in their order."""
     names: list[str] = opened().dataset.recordings["name"].tolist()
     return names
 
 
 def recording() -> int:
-    """Index of the current recording."""
+    """Return the index of the current recording."""
     return _place()[0]
 
 
 def row() -> int:
-    """Row of the current frame within the current recording."""
+    """Return the row of the current frame within the current recording."""
     return _place()[1]
 
 
 def _place() -> tuple[int, int]:
-    """Current recording and row, clipped to what is open."""
+    """Return the current recording and row, clipped to what is open."""
     recording_index, row_in_recording = store.PLACE.get()
     if not 0 <= recording_index < len(recording_names()):
         return 0, 0
@@ -329,7 +329,7 @@ def _place() -> tuple[int, int]:
 
 
 def go_to(recording_index: int, row_in_recording: int, *, writes: bool = True) -> None:
-    """Make this the current frame, also in the page's address unless that is written later."""
+    """Make this the current frame, also in the page's address if `writes`."""
     settle(recording_index, row_in_recording, writes=writes)
     store.SEEK.set(store.SEEK.get() + 1)
 
@@ -345,7 +345,7 @@ def settle(recording_index: int, row_in_recording: int, *, writes: bool = True) 
 def write_address(own: Mapping[str, str] | None = None, names: Sequence[str] = ()) -> None:
     """Write systems, frame and changed parameters into the page's address.
 
-    With a page's `own` entries, in place of those of `names`, which belong to it.
+    A page's `own` entries replace the entries in `names`, which belong to that page.
     """
     now = st.query_params.to_dict()
     others = {name: text for name, text in now.items() if name not in (*SETTINGS, *PLACE, *names)}
@@ -355,19 +355,19 @@ def write_address(own: Mapping[str, str] | None = None, names: Sequence[str] = (
 
 
 def place_of(row_in_all: int) -> tuple[int, int]:
-    """Recording, and row within it, of a row of the frames table."""
+    """Return the recording, and the row within it, of a row of the frames table."""
     frames = opened().dataset.frame_columns
     recording_index = int(frames.recording[row_in_all])
     return recording_index, row_in_all - int(frames.first[recording_index])
 
 
 def row_in_all() -> int:
-    """Row of the current frame in the frames table."""
+    """Return the row of the current frame in the frames table."""
     return int(opened().dataset.frame_columns.first[recording()]) + row()
 
 
 def link_to(recording_index: int, row_in_recording: int) -> dict[str, str]:
-    """Query parameters that open a page at this frame with the live parameters."""
+    """Return query parameters that open a page at this frame with the live parameters."""
     numbers = frame_numbers(recording_index)
     place = {"recording": recording_names()[recording_index]}
     if len(numbers):
@@ -379,12 +379,12 @@ def link_to(recording_index: int, row_in_recording: int) -> dict[str, str]:
     if (tags := opened().session.only_tags) != start.session.only_tags:
         named["tags"] = address.tags_text(tags)
     starts = [session_params()]
-    if start.whole.fingerprint == opened().whole.fingerprint:  # who follows it begins with these
+    if start.whole.fingerprint == opened().whole.fingerprint:  # a link starts from these
         starts.append(start.dataset.params_of(x, y))
     return place | named | address.changed_parameters(params(), *starts)
 
 
 def frame_numbers(recording_index: int) -> np.ndarray:
-    """Numbers of the evaluated frames of a recording."""
+    """Return the numbers of the evaluated frames of a recording."""
     frames = opened().dataset.frame_columns
     return frames.frame[frames.rows_of(recording_index)]

@@ -1,8 +1,8 @@
-"""All that the app remembers of a browser session from one run to the next, entry by entry.
+"""Entries that the app remembers of a browser session between runs.
 
-Streamlit holds it in ``st.session_state``, which is read and written here only. An entry that is a
-widget's value has the widget's key. What has to outlast a reload of the page is in the notes of the
-workspace instead (`ui.session.workspace.Workspace`).
+Streamlit holds them in ``st.session_state``, which only this module reads and writes. An entry for
+a widget's value has the widget's key. Data that must survive a reload of the page is in the notes
+of the workspace instead (`ui.session.workspace.Workspace`).
 """
 
 from __future__ import annotations
@@ -37,18 +37,18 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Entry(Generic[T]):
-    """A value of the session; while there is none, `default`, which all sessions share: a copy."""
+    """Value of the session. Until it is set, it is a copy of the shared `default`."""
 
     key: str
     default: T
 
     @property
     def is_set(self) -> bool:
-        """Whether there is a value."""
+        """True if there is a value."""
         return self.key in st.session_state
 
     def get(self) -> T:
-        """The value."""
+        """Return the value."""
         value: T = st.session_state.get(self.key, copy(self.default))
         return value
 
@@ -57,42 +57,42 @@ class Entry(Generic[T]):
         st.session_state[self.key] = value
 
     def setdefault(self, value: T) -> T:
-        """The value, which is this one if there was none."""
+        """Return the value, after setting it to this one if there was none."""
         current: T = st.session_state.setdefault(self.key, value)
         return current
 
     def pop(self) -> T:
-        """The value, which is forgotten."""
+        """Return the value and forget it."""
         value: T = st.session_state.pop(self.key, copy(self.default))
         return value
 
 
 @dataclass(frozen=True)
 class Family(Generic[T]):
-    """Entries of one kind, told apart by the end of their keys: a page, a field, a name."""
+    """Entries of one kind, distinguished by the end of their keys: a page, a field, a name."""
 
     name: str
     default: T
 
     def of(self, member: object) -> Entry[T]:
-        """The entry of one of them."""
+        """Return the entry of one member."""
         return Entry(f"{self.name}_{member}", self.default)
 
     def known(self) -> list[Entry[T]]:
-        """Those that have a value."""
+        """Return the entries that have a value."""
         keys = [str(key) for key in st.session_state]
         return [Entry(key, self.default) for key in keys if key.startswith(f"{self.name}_")]
 
 
 @dataclass(frozen=True)
 class Collection(Generic[T]):
-    """A value that is changed in place; made when it is first asked for."""
+    """Value that is changed in place, and made on first access."""
 
     key: str
     make: Callable[[], T]
 
     def get(self) -> T:
-        """The value."""
+        """Return the value."""
         if self.key not in st.session_state:
             st.session_state[self.key] = self.make()
         value: T = st.session_state[self.key]
@@ -100,17 +100,17 @@ class Collection(Generic[T]):
 
 
 def widget(key: str, default: Any = None) -> Entry[Any]:
-    """The value of the widget with this key."""
+    """Return the entry for the value of the widget with this key."""
     return Entry(key, default)
 
 
 def set_widgets(**values: object) -> None:
-    """Give the widgets with these keys these values; before they are drawn."""
+    """Set the values of widgets by key, before they are drawn."""
     st.session_state.update(values)
 
 
 def sent(key: str, *names: str) -> Any:
-    """What the browser's part of a component has sent under this name, and below it; else None."""
+    """Return what the browser part of a component sent under these nested names, else None."""
     value = st.session_state.get(key)
     for name in names:
         value = value.get(name) if isinstance(value, Mapping) else None
@@ -122,47 +122,47 @@ def clear() -> None:
     st.session_state.clear()
 
 
-# What is open, and the settings. An opening is a number of `Workspace.n_opened`.
+# The open comparison and the settings. An opening is a number of `Workspace.n_opened`.
 
 WORKSPACE: Entry[Workspace | None] = Entry("workspace", None)
 LEFT_WORKSPACE: Entry[Workspace | None] = Entry("left_workspace", None)
-"""The one from before a reload gave back another: the page still shows its pictures for a while."""
+"""Workspace before a reload restored another. The page still shows its pictures for a while."""
 FIRST_QUERY: Entry[dict[str, str]] = Entry("first_query", {})
 """Address that the session began with."""
 PAGE_LINK: Entry[dict[str, str] | None] = Entry("page_link", None)
-"""Address that led to the page, or what another page asks it for; until the page has read it."""
+"""Address that led to the page, or a request by another page, until the page has read it."""
 BAD_LINK = Entry("bad_link", "")
-"""What in the address could not be followed, until it was said."""
+"""Parts of the address that could not be applied, until they are reported."""
 SEEN_OPENING: Entry[int | None] = Entry("seen_opening", None)
 """Opening of the last run."""
 PLACE = Entry("place", (0, 0))
 """Current recording, and row in it."""
 SEEK = Entry("seek", 0)
-"""How often the frame was changed by anything but the viewer."""
+"""Number of changes of the frame by anything but the viewer."""
 PARAMS: Entry[Params | None] = Entry("params", None)
-"""The live parameters; None: those of the open session."""
+"""Live parameters (None: those of the open session)."""
 NEW_PARAMS: Entry[dict[str, Any]] = Entry("new_params", {})
 """Settings for the next run."""
 WANTS_RESET = Entry("wants_reset", False)
-"""Whether the next run begins with the parameters of the open session."""
+"""True if the next run begins with the parameters of the open session."""
 SETTINGS: Entry[dict[str, Any]] = Entry("settings", {})
 """Settings that the visitor has made."""
 SETTINGS_SHOWN: Entry[dict[str, Any]] = Entry("settings_shown", {})
-"""Values that the widgets of this run were given."""
+"""Values given to the widgets of this run."""
 SETTINGS_RELEASED: Entry[frozenset[str]] = Entry("settings_let_go", frozenset())
-"""Settings whose widgets told of a change before this run."""
+"""Settings whose widgets reported a change before this run."""
 SETTING_MOVING: Entry[tuple[str, Any] | None] = Entry("settings_moving", None)
-"""Setting whose slider is in motion, and the value that Streamlit has of it meanwhile."""
+"""Setting whose slider is being dragged, and the value that Streamlit has meanwhile."""
 WIDGETS_SHOWN: Family[dict[str, Any]] = Family("shown", {})
-"""Value by key of the widgets that have shown a value, the newest last."""
+"""Values of widgets by key, for widgets that have shown a value, newest last."""
 SLIDER_ENDS: Family[tuple[tuple[float, float, float] | None, tuple[float, float]]] = Family(
     "ends", (None, (0.0, 0.0))
 )
-"""Of a setting's slider: ends and step without what was set, and the ends that reach to it."""
+"""Ends and step of a setting's slider without the set value, and ends extended to it."""
 ENCOUNTER: Entry[tuple[int | None, str]] = Entry("encounters_chosen", (None, ""))
 """Encounter that all pages show: the opening, and its name in an address."""
 LOOK: Entry[Look | None] = Entry("look", None)
-"""How pictures are seen."""
+"""Look of the pictures."""
 STRETCH: Entry[tuple[float, float] | None] = Entry("stretch", None)
 """Percentiles of the display stretch."""
 SHOWN_VERDICT: Entry[str | None] = Entry("verdict_shown_on", None)
@@ -173,9 +173,9 @@ SHOWN_VERDICT: Entry[str | None] = Entry("verdict_shown_on", None)
 NEXT_PAGE: Entry[str | None] = Entry("wanted_page", None)
 TITLE: Entry[str | None] = Entry("document_title", None)
 TAB_IS_SETTLED = Entry("tab_is_settled", False)
-"""Whether it is known what the tab has open: nothing is claimed any more."""
+"""True once it is known what the tab has open. It then claims nothing more."""
 TAB_CLAIMS = Entry("tab_claims", 0)
-"""How often the tab has claimed what it had open."""
+"""Number of times that the tab has claimed what it had open."""
 SIDEBAR_SHOWN: Entry[tuple[Stage, ...]] = Entry("sidebar_shown", ())
 """Stages that the page shows."""
 SIDEBAR_OWN: Entry[tuple[Stage, ...]] = Entry("sidebar_own", ())
@@ -185,57 +185,57 @@ SIDEBAR_CONTROLS: Entry[tuple[str, ...]] = Entry("sidebar_controls", ())
 SIDEBAR_IDLE: Entry[frozenset[str]] = Entry("sidebar_idle", frozenset())
 """Settings without effect on the page as it is now."""
 SIDEBAR_CHANGED: Entry[dict[str, Any]] = Entry("sidebar_changed", {})
-"""Settings that were moved, and the values that they had."""
+"""Settings that were changed, and their values before."""
 PRESET: Entry[tuple[int | None, str]] = Entry("preset_chosen", (None, ""))
-"""Preset that was chosen last, after the opening for which it was."""
+"""Opening, and the preset chosen last for it."""
 OPERATING_POINT: Entry[OperatingPoint] = Entry("operating_point", "equal-alarms")
 THRESHOLD_MOVE: Entry[Move | None] = Entry("point_moved", None)
-"""The last move to equal false alarms."""
+"""Last move to equal false alarms."""
 TAGS_REFUSED = Entry("tags_refused", "")
-"""Why recordings of these tags cannot be compared, until it was said."""
+"""Reason why recordings with these tags cannot be compared, until it is reported."""
 LIVE_ANSWERED = Entry("live_answered", 0)
-"""Number of the last message of a slider in motion."""
+"""Number of the last message of a slider being dragged."""
 REVIEW: Entry[Review | None] = Entry("review", None)
-"""List that is walked through."""
+"""List that is viewed entry by entry."""
 ENTRIES_SEEN: Collection[dict[ListKey, frozenset[int]]] = Collection("entries_seen", dict)
-"""Entries that were looked at, by their list."""
+"""Entries that were viewed, by list."""
 CLICKED: Entry[tuple[str, Any] | None] = Entry("clicked", None)
-"""Widget that was clicked last, and what in it, until its page has asked or is drawn."""
+"""Widget clicked last, and the part clicked, until its page has asked or is drawn."""
 JOB_SEEN: Family[Hashable] = Family("job_seen", None)
-"""Key of the job whose choices the widgets have, by kind."""
+"""Key of the job whose choices the widgets show, by kind."""
 MODEL_FILE_SEEN: Family[str | None] = Family("model_seen", None)
-"""The file that was taken from a field, by its key."""
+"""File that was taken from a field, by the field's key."""
 MODEL_TROUBLE: Family[str] = Family("model_trouble", "")
-"""Why that file cannot be used."""
+"""Reason why that file cannot be used."""
 OWN_STUDIES: Family[frozenset[str]] = Family("studies", frozenset())
-"""Tokens of the studies that are conducted in this session, by kind."""
+"""Tokens of the studies conducted in this session, by kind."""
 CONDUCTED: Family[str | None] = Family("conducted", None)
-"""Secret of the study that is open, by kind."""
+"""Secret of the open study, by kind."""
 
 # Data
 
 WAYS_OPEN = Entry("data_ways", False)
-"""Whether the box with all ways to open something is unfolded."""
+"""True if the box with all ways to open something is unfolded."""
 TROUBLES: Family[Trouble | None] = Family("data_trouble", None)
-"""Why something could not be opened, by part of the page."""
+"""Reason why something could not be opened, by part of the page."""
 LAST_OPENED = Entry("data_opened", ("", "", 0))
-"""Part of the page in which something was opened, its label, and the opening before."""
+"""Part of the page that opened something, its label, and the opening before."""
 OPENING_SHOWN: Entry[int | None] = Entry("data_opened_shown", None)
-"""Opening of which the page has told."""
+"""Opening that the page has reported."""
 OPENING_DRAWN: Family[int | None] = Family("data_drawn", None)
 """Opening that a part of the page has drawn."""
 FILE_CHECKS = Collection("file_checks", Caching)
 PICTURE_CHECKS: Collection[dict[Hashable, PictureCheck]] = Collection("picture_checks", dict)
 PROPOSED_NAMES: Family[str] = Family("told", "")
-"""Name that the files propose, by its field."""
+"""Name that the files propose, by field."""
 ASKED_NAMES: Family[tuple[str, ...]] = Family("asked_names", ())
-"""Systems for whose names a form has asked."""
+"""Systems whose names a form has asked for."""
 ASKED_FACTS: Family[frozenset[str]] = Family("asked", frozenset())
-"""Facts for which a form asks, since the files turned out to lack them."""
+"""Facts that a form asks for because the files lack them."""
 UPLOAD_SYSTEMS = Entry("upload_systems", 2)
-"""Systems that the form has fields for."""
+"""Number of systems that the form has fields for."""
 UPLOAD_CHOSEN = Entry("upload_chosen", False)
-"""Whether files were chosen in the form."""
+"""True if files were chosen in the form."""
 UPLOAD_STORED: Entry[StoredForm | None] = Entry("upload_stored", None)
 LOCAL_FOLDER = Entry("local_folder", "")
 LOCAL_NEXT: Entry[str | None] = Entry("local_next", None)
@@ -243,28 +243,28 @@ LOCAL_NEXT: Entry[str | None] = Entry("local_next", None)
 CHOICE: Family[str] = Family("choice", "")
 """System ``x`` and ``y``, and the ``primary`` measure."""
 EXACT_THRESHOLD: Family[float | None] = Family("data_threshold", None)
-"""Threshold that is typed for X or Y."""
+"""Threshold typed for X or Y."""
 LOWEST_THRESHOLD = Entry("threshold_at_lowest", ("", 0.0))
-"""Letter and threshold of who was just given one that leaves nothing out."""
+"""Letter of a system and its threshold that was just typed, if it leaves nothing out."""
 NAMES_CHANGED = Entry("names_changed", False)
-"""Whether names were changed just now."""
+"""True if names were just changed."""
 N_NAME_CHANGES = Entry("names_n_changes", 0)
 OPEN_ENTRIES: Entry[tuple[str, str, str] | None] = Entry("entries_open", None)
 """Finding whose list is open."""
 NO_FRAME = Entry("entries_no_frame", False)
-"""Whether the entry that was clicked has no frame."""
+"""True if the entry that was clicked has no frame."""
 
 # Overview
 
 OVERVIEW_PART: Entry[str | None] = Entry("overview_more", None)
 LAST_VERDICT: Entry[tuple[object, ...] | None] = Entry("last_verdict", None)
-"""What the headline that is still in sight was about."""
+"""Data and systems of the headline that is still visible."""
 WORST_ROW: Entry[int | None] = Entry("overview_open", None)
 """Frame row of the failure that was clicked."""
 WINDOW_ROW: Entry[int | None] = Entry("clicked_window", None)
 """Frame row of the window that was clicked."""
 PLAN_ASKED = Entry("plan_asked", False)
-"""Whoever opens this part asks its first question; later ones, of settings moved, cost a click."""
+"""True if the plan was just opened. It is then computed at once, later plans on a click."""
 PLAN_MEASURE: Entry[str | None] = Entry("plan_measure", None)
 
 # Encounters, timeline, saliency, detection, stability, time left, export
@@ -272,22 +272,22 @@ PLAN_MEASURE: Entry[str | None] = Entry("plan_measure", None)
 ENCOUNTERS_PART: Entry[str | None] = Entry("encounters_more", None)
 TIME_LEFT_PART: Entry[str | None] = Entry("time_left_more", None)
 ENCOUNTER_IS_NEW = Entry("encounters_just_chosen", False)
-"""Whether the encounter was chosen on the page just now."""
+"""True if the encounter was just chosen on the page."""
 HAS_STEPPED = Entry("encounters_stepped", False)
-"""Whether a button chose it in this run."""
+"""True if a button chose the encounter in this run."""
 ENCOUNTER_FILTER: Family[Any] = Family("encounters", None)
 FILTER_WISH: Family[Any] = Family("encounters_set", None)
-"""What a filter was set to, which may be outside of what is listed."""
+"""Value set for a filter, which may lie outside of what is listed."""
 ENCOUNTER_ORDER: Entry[str | None] = Entry("encounters_order", None)
 IS_DESCENDING = Entry("encounters_descending", True)
 ALL_COLUMNS = Entry("encounters_columns", False)
 ENCOUNTER_IS_VISIBLE = Entry("encounters_visible", False)
-"""Whether the encounter is shown in visible light."""
+"""True if the encounter is shown in visible light."""
 FIRST_LANE = Entry("lanes_first", 0)
 LANE_SEEN: Entry[int | None] = Entry("lanes_seen", None)
 """Encounter for which the page of lanes was turned."""
 N_CODE_CHANGES = Entry("codes_n_changes", 0)
-"""How often coded stretches were changed: fields for the next one begin anew."""
+"""Number of changes of coded stretches. Each change resets the fields for the next one."""
 SALIENCY_ROW: Entry[int | None] = Entry("saliency_open", None)
 """Frame row of the event that was clicked."""
 SALIENCY_RECORDING: Entry[int | None] = Entry("saliency_wanted", None)
@@ -298,11 +298,11 @@ PROTOCOL_SHOWN_OF: Entry[tuple[str, int] | None] = Entry("protocol_shown_of", No
 PROTOCOL_RECORDINGS: Entry[list[str]] = Entry("protocol_recordings", [])
 """Recordings that count in the detection measures."""
 HAS_SIDES = Entry("own_has_sides", False)
-"""Whether each side of the picture has a margin of its own."""
+"""True if each side of the picture has its own margin."""
 STABILITY_PLANE: Entry[str] = Entry("stability_plane", "")
 STABILITY_CRITERION: Entry[str] = Entry("stability_criterion", "")
 ALERT_AT = Family("alert_at", -1)
-"""Which row of a list of alerts is looked at, counted from 0; -1: none."""
+"""Viewed row of a list of alerts, counted from 0 (-1: none)."""
 URGENT_ENCOUNTER: Entry[tuple[int, int] | None] = Entry("time_left_open", None)
 """Encounter and frame row that were clicked."""
 HTML_DATE = Entry("html_date", "")
@@ -311,35 +311,35 @@ HTML_DATE = Entry("html_date", "")
 
 DRIVER_REGION: Entry[DriverRegion | None] = Entry("driver_region", None)
 DRIVER_SHOWN: Entry[tuple[tuple[int, str] | None, int | None]] = Entry("driver_shown", (None, None))
-"""Whom the page showed last, as opening and name, and who was chosen then."""
+"""Encounter that the page showed last (opening and name), and the one chosen then."""
 TUNNEL = Entry("driver_tunnel", False)
-"""Whether a change of light is simulated."""
+"""True if a change of light is simulated."""
 TUNNEL_S = Entry("driver_tunnel_s", 0.0)
 N_PRACTICE = Entry("study_n_practice", 1)
 PRACTISED: Family[int] = Family("study_practised", 0)
 """Practice runs that a participant has seen."""
 DETECTOR: Entry[str | None] = Entry("detector", None)
 USUAL_DETECTOR: Entry[str | None] = Entry("detector_usual", None)
-"""What was chosen at first with what was open."""
+"""Detector that was chosen by default for what was open."""
 DETECTOR_BOX: Entry[tuple[object, int]] = Entry("detector_box", (None, 0))
-"""Box that was clicked: detector and frame, and its row."""
+"""Clicked box: detector and frame, and the box's row."""
 DETECTOR_LEVELS: Collection[dict[str, Levels]] = Collection("detector_levels", dict)
 """Threshold and overlap by detector."""
 RATINGS_PART: Entry[Literal["results", "session", "groups"] | None] = Entry("ratings_part", None)
 RATING_ALERTS: Entry[Literal["no", "these", "file"]] = Entry("rating_alerts_from", "no")
-"""Which alerts a rating session asks of: none, those of the comparison, those of a file."""
+"""Source of the alerts in a rating session: none, the comparison, or a file."""
 RATINGS_EDITOR: Family[Any] = Family("ratings_typed", None)
-"""Table in which ratings are typed, by how often it was drawn anew."""
+"""Table for typing ratings, by the number of times it was redrawn."""
 N_RATINGS_EDITORS = Entry("ratings_typed_drawn", 0)
 RATINGS_EDITOR_OF: Entry[str | None] = Entry("ratings_typed_drawn_of", None)
-"""Token of the workspace whose ratings it shows."""
+"""Token of the workspace whose ratings the table shows."""
 RATINGS_START: Entry[pd.DataFrame | None] = Entry("ratings_typed_start", None)
-"""What the table began with."""
+"""Initial content of the table."""
 RATING_WAITING: Entry[tuple[str, str | None] | None] = Entry("rating_waiting", None)
-"""Link of a participant that was opened with another comparison: study and name."""
+"""Participant's link that was opened with another comparison: study and name."""
 RATING_NAME = Entry("rating_known_name", "")
-"""Name that somebody has entered who has rated before."""
+"""Name entered by somebody who has rated before."""
 RATING_CHANGES = Entry("rating_changing", False)
-"""Whether the last rating is being changed."""
+"""True while the last rating is being changed."""
 RATING_THRESHOLDS: Entry[dict[str, Any]] = Entry("rating_thresholds_before", {})
-"""Thresholds of who conducts, while somebody rates on that screen."""
+"""Thresholds of the study's conductor, while somebody rates on the conductor's screen."""

@@ -1,4 +1,4 @@
-"""What a visitor sees when a part of a page cannot be drawn: a sentence, no traceback."""
+"""Warnings and errors of pages, as a sentence without traceback."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ POINTS: Final[dict[OperatingPoint, str]] = {
 
 
 def draw_notices(result: Result) -> None:
-    """Draw what the audit warns of, then the operating points of all numbers on the page."""
+    """Draw the audit's warnings, then the operating points of all numbers on the page."""
     draw_warnings(result, has_point=True)
     draw_operating_point(result)
 
@@ -43,7 +43,7 @@ def draw_notices(result: Result) -> None:
 def draw_warnings(
     result: Result, *, is_of_encounters: bool = True, has_point: bool = False
 ) -> None:
-    """Warn of what the audit found and, where the page is about encounters, of single frames.
+    """Draw the audit's warnings and, on a page about encounters, a warning of single frames.
 
     Unequal operating points are left out at equal false alarms, and on a page that names the
     operating points itself (`has_point`).
@@ -70,7 +70,7 @@ def draw_warnings(
 
 
 def draw_operating_point(result: Result) -> None:
-    """Above all numbers: at which operating points they are, and the choice, where there is one."""
+    """Draw the operating points of all numbers on the page, and the choice if there is one."""
     note = point_note(result)
     if note is None:
         return
@@ -104,7 +104,7 @@ def _choose_point() -> None:
 
 
 def needs_comparison(draw: Callable[[Result], None]) -> Callable[[], None]:
-    """Let a part of a page draw the result; with one system only, say what is missing."""
+    """Let a part of a page draw the result, or say what is missing with only one system."""
 
     @wraps(draw)
     def draw_if_compared() -> None:
@@ -124,17 +124,17 @@ def _one_system_only() -> None:
 
 
 def without_paths(text: object) -> str:
-    """The text without the paths of the machine; not yet plain."""
+    """Return the text without the paths of the machine, not yet `plain`."""
     return path_remover()(text)
 
 
 def path_remover() -> Callable[[object], str]:
-    """`without_paths` for many texts, and for later, outside the run of a page."""
+    """Return `without_paths` for many texts, also for use outside the run of a page."""
     return partial(public_text, folders=_folders())
 
 
 def error_text(error: BaseException) -> str:
-    """The error with its ways on, without the paths of the machine; not yet plain."""
+    """Return the error with suggested fixes, without the machine's paths, not yet `plain`."""
     text = str(error)
     if isinstance(error, NvcoreError) and error.steps:
         ways = ways_text(error.steps, are_all_needed=error.needs_all_steps)
@@ -143,15 +143,15 @@ def error_text(error: BaseException) -> str:
 
 
 def shown_error(error: BaseException) -> str:
-    """`error_text` as Markdown that shows it as it is.
+    """Return `error_text` as Markdown that shows it literally.
 
-    Opens nothing, so that it also works where the workspace itself could not be opened.
+    This opens nothing, so it also works if the workspace could not be opened.
     """
     return plain(error_text(error))
 
 
 def shown_root() -> Path | None:
-    """The folder that visitors may look into; None: there is none, or it is not there."""
+    """Return the folder that visitors may look into, or None if it is unset or missing."""
     try:
         root = files.local_root()
     except NvcoreError:  # reported where files are chosen
@@ -182,10 +182,10 @@ _LOG = logging.getLogger("nvcore.ui")
 
 
 def error_banner(error: Exception) -> bool:
-    """Say what is wrong with the data, or that the program is at fault; True: handled.
+    """Draw an error in the data or a fault of the program. Return True: it is handled.
 
-    Parts of a page that run again by themselves, and what buttons call, end here; the page as a
-    whole has its own place for errors in the data.
+    Errors of fragments and of button callbacks end here. The page as a whole has its own place
+    for errors in the data.
     """
     if isinstance(error, NvcoreError):
         st.error(shown_error(error), icon=":material/error:")

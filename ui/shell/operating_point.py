@@ -1,4 +1,4 @@
-"""Equal false alarms of X and Y: which threshold moves, what that changed, and the way back."""
+"""Equal false alarms of X and Y: move thresholds, show the change, and undo it."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ RATE: Final = "point_rate"
 
 @dataclass(frozen=True)
 class Move:
-    """Thresholds that were moved, and what of them was so before.
+    """Thresholds that were moved, and their state before.
 
     Attributes
     ----------
     systems, matching
-        X and Y, and the settings that say when a detection matches.
+        X and Y, and the settings for matching detections.
     letters
-        Whose threshold was moved.
+        Letters of the systems whose threshold was moved.
     before, after
-        Operating points of X and Y; `after` is None until they are in use.
+        Operating points of X and Y. `after` is None until they are in use.
     """
 
     systems: tuple[str, str | None]
@@ -46,7 +46,7 @@ class Move:
 
 
 def points(result: Result) -> tuple[OperatingPoint, OperatingPoint]:
-    """What the thresholds in use leave of X and of Y."""
+    """Return the operating points of X and of Y at the thresholds in use."""
 
     def make() -> tuple[OperatingPoint, OperatingPoint]:
         x, y = (
@@ -60,7 +60,7 @@ def points(result: Result) -> tuple[OperatingPoint, OperatingPoint]:
 
 
 def why_fixed(letter: str) -> str:
-    """Why the threshold of X or Y cannot be moved; empty: it can."""
+    """Return why the threshold of X or Y cannot be moved (empty if it can)."""
     name = state.systems()["xy".index(letter)]
     if name is None:
         return "There is no second system."
@@ -70,7 +70,7 @@ def why_fixed(letter: str) -> str:
 
 
 def move(letter: str) -> None:
-    """Give X or Y the threshold with as many false alarms as the other has. For callbacks."""
+    """Set the threshold of X or Y to as many false alarms as the other has. For callbacks."""
     result = state.result_as_set()
     if result is not None and not why_fixed(letter):
         target = points(result)["yx".index(letter)].n_false_alarms
@@ -78,7 +78,7 @@ def move(letter: str) -> None:
 
 
 def move_both(field: str) -> None:
-    """Give both as many false alarms as the field of this key says. For callbacks."""
+    """Set both thresholds to the false alarms in the field with this key. For callbacks."""
     result = state.result_as_set()
     rate: float | None = store.widget(field).get()
     if result is not None and rate is not None and not (why_fixed("x") or why_fixed("y")):
@@ -95,7 +95,7 @@ def _move_to(result: Result, letters: str, n_alarms: int) -> None:
 
 
 def undo() -> None:
-    """Take the last move back. For callbacks."""
+    """Undo the last move. For callbacks."""
     moved = store.THRESHOLD_MOVE.pop()
     if moved is not None and moved.systems == state.systems():
         for letter in moved.letters:
@@ -103,7 +103,7 @@ def undo() -> None:
 
 
 def draw() -> None:
-    """False alarms of both, the buttons that make them equal, and what was changed last."""
+    """Draw the false alarms of both, the buttons that make them equal, and the last change."""
     result = state.result_as_set()
     if result is None:
         return
@@ -137,14 +137,14 @@ def draw() -> None:
 
 
 def _draw_both(lower: float) -> None:
-    """The field for a rate, which begins with the lower of both."""
+    """Draw the field for a rate, which begins with the lower of both."""
     why = why_fixed("x") or why_fixed("y")
     if not why and math.isnan(lower):
         why = "There are no frames."
     with st.popover("Both to", disabled=bool(why), help=why or None, key="point_both"):
         if not why:
             start = round(lower, 3)
-            key = f"{RATE}_{start}"  # of another comparison it begins anew
+            key = f"{RATE}_{start}"  # another comparison resets the field
             st.number_input(
                 "False boxes per frame, of X and of Y",
                 min_value=0.0,
@@ -163,7 +163,7 @@ def _draw_both(lower: float) -> None:
 
 
 def draw_change(place: str) -> None:
-    """What the last move changed, while its thresholds are in use, and the way back."""
+    """Draw the change by the last move, while its thresholds are in use, and an undo button."""
     result = state.result_as_set()
     moved = store.THRESHOLD_MOVE.get()
     if moved is None or result is None:
@@ -186,7 +186,7 @@ def draw_change(place: str) -> None:
 
 
 def change_text(moved: Move) -> str:
-    """Threshold and false alarms of what was moved, before and after."""
+    """Return threshold and false alarms of the moved systems, before and after."""
     assert moved.after is not None
     parts = []
     for letter in moved.letters:

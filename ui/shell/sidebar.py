@@ -1,4 +1,4 @@
-"""The sidebar of every page: who is compared, and the live parameters."""
+"""Sidebar of every page: the compared recordings and the live parameters."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from ui.widgets.drawing import cost_map_of
 from ui.widgets.text import plain
 
 SLIDER_OF_HEIGHT: Final = {"midpoint": (0.0, 0.5, 0.1), "spread": (1.0, 0.15, 0.1)}
-"""Least value in px, largest as a share of the picture's height, step in px."""
+"""Lowest value (px), highest value as a share of the picture's height, and step (px)."""
 SHORT_GROUPS: Final = {MATCH.group: "Matching"}
-"""Headings of the advanced settings where not all of the group is among them."""
+"""Headings of advanced settings that are only a part of their group."""
 FOLDED: Final = "show_settings"
 GREY: Final = "Settings in grey have no effect on this page."
 
@@ -38,12 +38,12 @@ def draw(
     idle: frozenset[str] = frozenset(),
     is_folded: bool = False,
 ) -> None:
-    """Draw the sidebar with what is wrong, after the page: its values are in use before.
+    """Draw the sidebar with what is `wrong`, after the page that uses its values.
 
-    Settings of the stages that are the page's `own` stand first, without those for which the page
-    has `controls`. Those on which nothing of what it has `shown` depends are quiet, and so are
-    those that are `idle`. Folded, they are drawn only where they are asked for. X and Y are drawn
-    before the page, by `ui.shell.systems`.
+    Settings of the page's `own` stages come first, except settings for which the page has
+    `controls`. Settings are quiet (grey) if nothing that the page has `shown` depends on them, or
+    if they are `idle`. Folded settings are drawn only on request. `ui.shell.systems` draws X and Y
+    before the page.
     """
     store.SIDEBAR_SHOWN.set(tuple(shown))
     store.SIDEBAR_OWN.set(tuple(own))
@@ -65,9 +65,9 @@ def _is_unfolded(n_moved: int) -> bool:
 
 
 def _draw_settings(moved: dict[str, Any]) -> None:
-    """Thresholds first, which every new comparison needs; then what a miss weighs.
+    """Draw the page's own settings, then thresholds, then the weight of a miss.
 
-    Before all of them stands what the page is about.
+    Every new comparison needs thresholds.
     """
     has_told = _own_settings()
     for name in settings_for(THRESHOLD):
@@ -86,7 +86,7 @@ def _draw_settings(moved: dict[str, Any]) -> None:
 
 
 def _own_settings() -> bool:
-    """Draw the settings that the page is about, stage by stage; whether some of them are grey."""
+    """Draw the page's own settings, stage by stage, and return whether some of them are grey."""
     stages = store.SIDEBAR_OWN.get()
     if not stages:
         return False
@@ -107,30 +107,30 @@ def _own_settings() -> bool:
 
 
 def _reset() -> None:
-    store.PRESET.pop()  # compare with what was opened again
+    store.PRESET.pop()  # changes are again relative to what was opened
     store.WANTS_RESET.set(True)
 
 
 def _label(name: str) -> str:
-    """What a widget calls its setting, with a mark where it was moved away from the preset."""
+    """Return the label of a setting's widget, with a mark if it differs from the preset."""
     label = state.say(SETTINGS[name].label_with_unit)
     return f"{label} {presets.MARK}" if name in store.SIDEBAR_CHANGED.get() else label
 
 
 def _quiet_settings() -> list[Setting]:
-    """Settings in use that have no effect on this page."""
+    """Return the settings in use that have no effect on this page."""
     used = (setting for setting in SETTINGS.values() if live_params.is_used(setting))
     return [setting for setting in used if _is_quiet(setting)]
 
 
 def _is_quiet(setting: Setting) -> bool:
-    """Whether a setting has no effect on this page."""
+    """Return whether a setting has no effect on this page."""
     idle = [SETTINGS[name] for name in store.SIDEBAR_IDLE.get()]
     return setting in idle or not setting.moves(store.SIDEBAR_SHOWN.get())
 
 
 def _quietness(setting: Setting, text: str = "") -> dict[str, Any]:
-    """Help of a widget, and whether it is grey: its setting has no effect on this page."""
+    """Return a widget's help, and `disabled` if its setting has no effect on this page."""
     is_quiet = _is_quiet(setting)
     start = "Grey: no effect on this page. " if is_quiet else ""
     return {
@@ -178,7 +178,7 @@ def _horizon() -> None:
 
 
 def _proximity_plot() -> None:
-    """The weight over the pedestrians' heights."""
+    """Draw the weight over the pedestrians' heights."""
     dataset, theme = state.opened().dataset, state.theme()
     names = state.params().only_for(PROXIMITY)
     figure = kept_figure(  # it stays while other sliders move
@@ -191,7 +191,7 @@ def _proximity_plot() -> None:
 
 
 def _threshold(name: str) -> None:
-    """Slider over the scores of X or Y; at the lowest score every detection counts."""
+    """Draw a slider over the scores of X or Y. At the lowest score every detection counts."""
     letter = name[-1]
     if state.systems()["xy".index(letter)] is None:
         return
@@ -220,7 +220,7 @@ def _threshold(name: str) -> None:
 
 
 def _advanced() -> None:
-    """The parameters that are rarely moved; folded, they cost neither server nor browser time."""
+    """Draw rarely moved parameters. Folded, they cost neither server nor browser time."""
     place = st.expander("Advanced", key="advanced", on_change="rerun")
     names_of: dict[str, list[str]] = {}
     for name, setting in SETTINGS.items():
@@ -239,7 +239,7 @@ def _advanced() -> None:
 
 
 def _widget(name: str) -> Any:
-    """The widget of a parameter, made from what `Params` says of it; its value."""
+    """Draw the widget of a parameter as `Params` describes it, and return its value."""
     setting = SETTINGS[name]
     if setting.unset and not _is_set(name, setting):
         return None
@@ -260,7 +260,7 @@ def _widget(name: str) -> Any:
 
 
 def _is_set(name: str, setting: Setting) -> bool:
-    """The switch above the slider of a parameter that may have no value: whether it has one."""
+    """Draw the switch of a parameter that may be unset, and return whether it has a value."""
     value = live_params.value_of(name) is None
     key = settings.key_of(f"{name}_unset", value)
     is_unset = st.checkbox(
@@ -309,8 +309,8 @@ def _number_slider(
     **more: Any,
 ) -> None:
     setting = SETTINGS[name]
-    # a session or a link may give any possible value: the slider then reaches to it, and stays so,
-    # since one with other ends would be another slider and lose its value
+    # a session or a link may set any valid value: the slider then reaches to it, and stays so,
+    # since a slider with other ends is a new widget and loses its value
     made = live_params.value_of(name)
     given = float(value if made is None else made)
     reached = store.SLIDER_ENDS.of(name)
@@ -324,7 +324,7 @@ def _number_slider(
         _label(name),
         min_value=ends[0],
         max_value=ends[1],
-        # where it starts: what one run sets is lost to a browser that the next run overtakes
+        # start value: a browser misses the value that one run sets if the next run overtakes it
         value=given,
         step=float(step),
         key=name,
@@ -336,14 +336,14 @@ def _number_slider(
 
 
 def _cost_map() -> None:
-    """What missing a pedestrian would cost over the picture of the current recording."""
+    """Draw the cost of missing a pedestrian over the picture of the current recording."""
     place = st.expander("What a miss costs, by place", key="cost_map", on_change="rerun")
     if not place.open:  # folded, it costs neither server nor browser time
         return
     recording = state.recording()
     try:
         cost = cost_map_of(recording)
-    except ParameterError:  # the sidebar says it below
+    except ParameterError:  # reported below in the sidebar
         return
     with place:
         draw_chart(

@@ -1,4 +1,4 @@
-"""Stability page: the map, what it says in words, and its computation in the background."""
+"""Stability page: the map, its description in words, and its computation in the background."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import plain
 
 AT_ONCE: Final = 20_000
-"""Frames up to which a map is there within a second: it is drawn without asking."""
+"""Number of frames up to which a map takes at most a second and is drawn without asking."""
 JOB: Final = "stability"
 THREADS: Final = 2
 MOST_MAPS: Final = 8
@@ -42,7 +42,7 @@ MOST_MAPS: Final = 8
 
 @dataclass(frozen=True)
 class MapKey:
-    """What a map is made from."""
+    """Inputs of a map."""
 
     version: str
     params: Params
@@ -51,7 +51,7 @@ class MapKey:
 
 
 def draw(result: Result) -> None:
-    """Choice of the map, the map, and its sentences."""
+    """Draw the choice of the map, the map, and its sentences."""
     key = _choose(result)
     try:
         stability = _stability_map(result, key)
@@ -79,7 +79,7 @@ def _choose(result: Result) -> MapKey:
 
 
 def _stability_map(result: Result, key: MapKey) -> StabilityMap | None:
-    """The map if it is known or quickly made; else its button or its progress."""
+    """Return the map if it is known or quickly made, else draw its button or its progress."""
 
     def compute(progress: Progress) -> StabilityMap:
         with ThreadPoolExecutor(THREADS) as pool:

@@ -19,7 +19,7 @@ from ui.widgets.text import docs_link
 
 
 def urgent_of(result: Result) -> pd.DataFrame:
-    """`urgent_encounters`, computed anew only for settings that move them."""
+    """Return `urgent_encounters`, recomputed only for settings that affect them."""
     urgent: pd.DataFrame = state.cached(
         "urgent_encounters", key_of(result), lambda: urgent_encounters(result), most=8
     )
@@ -27,7 +27,7 @@ def urgent_of(result: Result) -> pd.DataFrame:
 
 
 def draw(result: Result, urgent: pd.DataFrame) -> None:
-    """A line for each urgent encounter; a click opens the moment."""
+    """Draw a line for each urgent encounter. A click opens the moment."""
     label = "Urgent encounters, the fastest impact first"
     first = choose_first(label, len(urgent), MOST_ROWS, "time_left_first", width=320)
     theme = state.theme()
@@ -52,7 +52,7 @@ def draw(result: Result, urgent: pd.DataFrame) -> None:
 
 
 def draw_margins(result: Result, urgent: pd.DataFrame) -> None:
-    """Draw each urgent encounter: how long before the last chance X and Y confirm it."""
+    """Draw how long before the last chance X and Y confirm each urgent encounter."""
     theme = state.theme()
     figure = kept_figure(
         "time_left_margins",

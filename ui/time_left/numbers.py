@@ -1,4 +1,4 @@
-"""Time left page: who was told in time, in words and numbers, and how sure that is."""
+"""Time left page: encounters confirmed in time, in words and numbers, with their uncertainty."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def _urgency(result: Result) -> str:
 
 
 def _draw_nobody(result: Result) -> None:
-    """Why there is nothing to judge, and what could be moved."""
+    """Draw why there is nothing to judge, and which settings could change that."""
     link = docs_link("Time left", "time-left")
     if not len(result.encounters):
         st.info(
@@ -103,21 +103,21 @@ def _draw_measures(result: Result) -> None:
 
 
 def _evidence(result: Result) -> dict[str, Evidence]:
-    """Evidence of the measures that have an interval over recordings or blocks, by key."""
+    """Return evidence of measures that have an interval over recordings or blocks, by key."""
     keys, key = (SHARE, IMPACT), comparison_key(result)
     evidence = state.cached("time_left_evidence", key, lambda: judge_keys(result, keys), most=8)
     return {row.figure: row for row in evidence}
 
 
 def _share(row: Evidence) -> MeasureRow:
-    """The share in time, below its count."""
+    """Return the row of the share in time, for the place below its count."""
     form = evidence_form(row.figure)
     cells = (number(row.x, form), number(row.y, form), minus(difference(row.x, row.y, form)))
     return MeasureRow("as a share", cells, level=1)
 
 
 def with_interval(row: MeasureRow, of: Evidence | None, notes: Footnotes) -> MeasureRow:
-    """The row with the interval of its difference, and footnotes on what that does not say."""
+    """Return the row with the interval of its difference, and footnotes on its limits."""
     if of is None or not row.cells:
         return replace(row, cells=(*row.cells, ""))
     form = evidence_form(of.figure)
@@ -131,7 +131,7 @@ def with_interval(row: MeasureRow, of: Evidence | None, notes: Footnotes) -> Mea
 
 
 def _draw_needed(result: Result) -> None:
-    """Say how early a warning has to come."""
+    """Draw how early a warning has to come."""
     view = time_left_in(result)
     if view.has_assumed_speed.any():
         if view.assumed_speed_kmh is None:
@@ -142,7 +142,7 @@ def _draw_needed(result: Result) -> None:
 
 
 def _meaning(result: Result) -> str:
-    """Say what *in time* means, and what it does not."""
+    """Return what *in time* means, and what it does not."""
     return state.say(
         MEANING,
         n=result.params.confirm_n,
@@ -153,7 +153,7 @@ def _meaning(result: Result) -> str:
 
 
 def _source(result: Result) -> str:
-    """From what of the truth the time to contact comes."""
+    """Return the source of the time to contact within the truth."""
     has_distance = np.isfinite(result.dataset.truth.distance_m[~result.dataset.truth.ignore])
     if has_distance.all():
         return "the truth's distances"
@@ -165,7 +165,7 @@ def _source(result: Result) -> str:
 
 
 def key_of(result: Result) -> tuple[object, ...]:
-    """What urgent encounters depend on, while the same data are open."""
+    """Return the key of urgent encounters, valid while the same data are open."""
     settings = result.params.only_for(THRESHOLD, TIME_LEFT)
     return settings, result.x.name, result.y.name
 

@@ -1,4 +1,4 @@
-"""Timeline page: the list of a finding that is walked through, with its entry's box marked."""
+"""Timeline page: entries of a finding's list, one by one, with the entry's box marked."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ BOX: Final = ["x", "y", "w", "h"]
 
 
 def box_in(recording: int) -> ListedBox | None:
-    """The entry's box for the viewer of a recording; None: no list is walked through."""
+    """Return the entry's box for the viewer of a recording, or None without a list."""
     walk = review.current()
     if walk is None:
         return None
@@ -34,7 +34,7 @@ def box_in(recording: int) -> ListedBox | None:
 
 
 def draw() -> None:
-    """Which entry of which list this is, and the way to the others; nothing without a list."""
+    """Draw the list, the current entry and buttons to the others, if there is a list."""
     walk = review.current()
     if walk is None:
         return
@@ -68,7 +68,7 @@ def draw() -> None:
 
 
 def _words(walk: review.Review) -> str:
-    """Where the entry is, and its box in numbers."""
+    """Return the place of the entry, and its box in numbers."""
     entry = walk.entry
     parts = [f"{entry['recording']}, frame {entry['frame']}"]
     if walk.frame_row == NO_ROW:

@@ -29,16 +29,16 @@ from ui.widgets.text import docs_link
 VIEWER: Final = "viewer"
 VIEWER_PX: Final = 700
 PANEL_PX: Final = 640
-"""Height of what stands beside the picture; what is longer scrolls by itself."""
+"""Height of the panel beside the picture. Longer content scrolls by itself."""
 LANES: Final = 20
-"""Lanes at a time: a screen full."""
+"""Number of lanes at a time, which fill a screen."""
 PLOTS: Final[dict[TimeLayout | Literal["losses"], str]] = {
     "time": "Similarity",
     "losses": "Lost to misses and false alarms",
     "upright": "Upright, mirrored",
     "side_by_side": "Upright, side by side",
 }
-"""What the plot over time can show; the upright ones are the paper's figure 8."""
+"""Choices for the plot over time. The upright ones are the paper's figure 8."""
 SIMILARITY_TEXT: Final = (
     "Thin: similarity of each frame, 1 is best. Thick: moving mean. Filled: low intervals. "
     "Marks above or between: saliency events."
@@ -51,11 +51,11 @@ LOSSES_TEXT: Final = (
 
 @st.fragment
 def draw_all(result: Result, recording: int) -> None:
-    """Everything that shows the current frame; a click in one part moves all.
+    """Draw all parts that show the current frame. A click in one part moves all.
 
     The rest of the page is drawn for this recording.
     """
-    if state.recording() != recording:  # an entry of a list is in another one
+    if state.recording() != recording:  # a list's entry is in another recording
         st.rerun()
     settled = compared_viewer.settled(VIEWER)
     if settled != state.row():
@@ -63,7 +63,7 @@ def draw_all(result: Result, recording: int) -> None:
     title.follow_frame()
     listed.draw()
     left, right = st.columns([5, 2], gap="medium")
-    with st.container():  # first: while a slider moves, the plot is what people wait for
+    with st.container():  # first: people who drag a slider wait for the plot
         _draw_plot(result)
     with left:
         box = listed.box_in(state.recording())
@@ -76,7 +76,7 @@ def draw_all(result: Result, recording: int) -> None:
 
 
 def _draw_lanes(result: Result) -> None:
-    """The lanes, so many at a time that their axis stays in sight."""
+    """Draw the lanes, as many at a time as keep their axis visible."""
     recording, space = state.recording(), state.workspace()
     left, right = st.columns([2, 3], vertical_alignment="bottom")
     only_missed = left.toggle(
@@ -88,7 +88,7 @@ def _draw_lanes(result: Result) -> None:
     )
     chosen = chosen_encounter(result)
     first = _first_lane(right, order, chosen)
-    lanes = kept_figure(  # they stay while alpha and the like move
+    lanes = kept_figure(  # kept while alpha and similar settings move
         "lanes",
         (*key, first, LANES, chosen, state.theme(), result.dataset.settings.codes),
         lambda: lanes_figure(
@@ -109,7 +109,7 @@ def _draw_lanes(result: Result) -> None:
 
 
 def _draw_added(result: Result) -> None:
-    """What subjects show of the recording over time."""
+    """Draw the figures over time that subjects add."""
     recording, theme = state.recording(), state.theme()
     for plot in chain(*contributed("TIMELINE_PLOTS")):
         if not plot.applies(result):
@@ -128,7 +128,7 @@ def _draw_added(result: Result) -> None:
 
 
 def _first_lane(place: DeltaGenerator, order: np.ndarray, chosen: int | None) -> int:
-    """Which lane is on top; where somebody else was chosen, the page with that lane comes."""
+    """Return the lane on top. A new choice of encounter turns to the page with its lane."""
     if len(order) > LANES:
         if chosen != store.LANE_SEEN.get() and chosen in order:
             lane = int(np.flatnonzero(order == chosen)[0])

@@ -1,4 +1,4 @@
-"""Controls and tables that several pages draw alike."""
+"""Controls and tables that several pages share."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ Option = TypeVar("Option")
 def choose_side_by_side(
     label: str, options: Mapping[Option, str] | Sequence[Option], key: str, **more: Any
 ) -> Option:
-    """One of a few options, all of them in sight; kept while other pages are shown.
+    """Draw a few options side by side and return the chosen one.
 
-    A mapping gives the words of each.
+    The choice is kept while other pages are shown. A mapping gives the words of each option.
     """
     words = options.__getitem__ if isinstance(options, Mapping) else str
     option: Option = st.segmented_control(
@@ -35,7 +35,7 @@ def choose_side_by_side(
 
 
 def look_closer(parts: Mapping[str, str], chosen: Entry[str | None], **more: Any) -> str | None:
-    """Choose which section of a page is unfolded, by its title; none at first.
+    """Draw the titles of a page's sections and return the chosen one (None at first).
 
     A section that is not chosen costs nothing.
     """
@@ -53,7 +53,7 @@ def look_closer(parts: Mapping[str, str], chosen: Entry[str | None], **more: Any
 
 
 def choose_first(label: str, n: int, most: int, key: str, **more: Any) -> int:
-    """Which row is on top of a figure that has so many at a time; 0 where all of them fit."""
+    """Draw the choice of a figure's first row, and return it (0 without a choice if all fit)."""
     pages = range(0, n, most)
     if len(pages) < 2:
         return 0
@@ -71,7 +71,7 @@ def choose_first(label: str, n: int, most: int, key: str, **more: Any) -> int:
 
 
 def download_csv(label: str, make: Callable[[], pd.DataFrame], file_name: str, key: str) -> None:
-    """A button that downloads a table, which is made only then."""
+    """Draw a button that downloads a table, which is made only on a click."""
     st.download_button(
         label,
         data=lambda: to_csv_bytes(make()),
@@ -91,20 +91,20 @@ def draw_steps(
     key: str,
     width: Literal["stretch", "content"] = "stretch",
 ) -> None:
-    """Buttons to the neighbours of an entry, with the keys p and n, and which entry it is.
+    """Draw the number of an entry, and buttons to its neighbours with the keys p and n.
 
     Parameters
     ----------
     at
         Number of the entry, counted from 0.
     n
-        How many there are.
+        Number of entries.
     step
         Called with the number of the entry to go to, before the page is drawn again.
     key
-        Begins the names of the widgets.
+        Prefix of the widgets' keys.
     width
-        Whether they take the whole line.
+        Width of the line: all of it ("stretch") or only the content.
     """
     with st.container(
         horizontal=True,

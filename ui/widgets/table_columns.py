@@ -1,4 +1,4 @@
-"""Columns of the report's tables as pages show them: headings, formats, help texts."""
+"""Columns of the report's tables on pages: headings, formats, help texts."""
 
 from __future__ import annotations
 
@@ -47,28 +47,28 @@ LOOKS: Final[dict[str, ColumnLook]] = {
     "saliency_s": ColumnLook("Saliency (s)"),
     **{name: look for looks in contributed("COLUMN_LOOKS") for name, look in looks.items()},
 }
-"""Of columns that do not look as their name and kind say; X and Y alike."""
+"""Looks of columns that differ from the default for name and kind, without the system's letter."""
 MOST_ROWS: Final = 5000
-"""Rows of a table that are sent to the browser; more would slow down every change."""
+"""Most rows of a table that are sent to the browser. More would slow down every change."""
 
 
 def heading(name: str) -> str:
-    """Heading of a column, "X lag (s)" for ``lag_s_x``."""
+    """Return the heading of a column, "X lag (s)" for ``lag_s_x``."""
     base, letter = _split(name)
     words = state.say(LOOKS.get(base, ColumnLook()).heading or base.replace("_", " "))
     return f"{letter.upper()} {words}" if letter else words[0].upper() + words[1:]
 
 
 def columns_of(file: str, *names: str) -> dict[str, TableColumn]:
-    """How columns of a report's file look; all of them if none is named."""
+    """Return the named columns of a report's file (all if none is named) for `draw_table`."""
     columns = {column.name: column for column in report_columns()[file]}
     return {name: _column(columns[name]) for name in names or columns}
 
 
 def as_shown(table: pd.DataFrame) -> pd.DataFrame:
-    """Rows of a report's table for `columns_of`: what is named in words.
+    """Return rows of a report's table for `columns_of`, with values in words.
 
-    Truth values are "yes" and "no".
+    Booleans are "yes" and "no".
     """
     worded = {}
     for name in table:
@@ -82,19 +82,19 @@ def as_shown(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def rows_told(n_rows: int, which: str) -> str:
-    """A note for a table that lists only some rows, the "first" or the like; else empty."""
+    """Return a note if a table lists only some rows, such as the "first", else an empty text."""
     if n_rows <= MOST_ROWS:
         return ""
     return f"The {which} {MOST_ROWS:,} of {n_rows:,} are listed; Export has them all."
 
 
 def category_words(value: str) -> str:
-    """A Venn category in words."""
+    """Return a Venn category in words."""
     return CATEGORY_WORDS[value]
 
 
 def class_words(value: object) -> str | None:
-    """A miss class in words; None where there is none."""
+    """Return a miss class in words, or None if there is none."""
     return MISS_WORDS[value] if isinstance(value, str) else None
 
 

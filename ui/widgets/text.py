@@ -1,4 +1,4 @@
-"""Names from files as plain text, and the few phrases that several pages share."""
+"""Names from files as plain text, and phrases that several pages share."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from nvcore.wording import UNDEFINED, markdown_text, number, one_line, shortened
 __all__ = ["UNDEFINED", "docs_link", "number", "plain", "short_names"]
 
 MAX_NAME: Final = 10
-"""Characters of a system's name where there is little room."""
+"""Maximum length of a system's name in little space, in characters."""
 
 _ADDRESS: Final = re.compile(r"(?:https?(?=\\:)|www(?=\\\.)|(?=\\@))", re.IGNORECASE)
-"""Where Streamlit would see the start of a web or e-mail address, in text without markup."""
+"""Starts of web and e-mail addresses that Streamlit would detect in text without markup."""
 _NOTHING: Final = ":small[]"
-"""Streamlit's Markdown for small text, of no characters: nothing to see and nothing to copy."""
+"""Empty small text in Streamlit's Markdown: nothing to see and nothing to copy."""
 
 
 def plain(text: object) -> str:
-    r"""The text as Streamlit's Markdown that shows it as it is, addresses too: no links.
+    r"""Return Markdown that Streamlit shows as the literal text, without links.
 
-    Streamlit makes links of what looks like an address even where its signs are escaped; it looks
-    at one stretch of text at a time, so an empty piece of another kind within it is enough.
+    Streamlit links apparent addresses even if their characters are escaped. It looks at one
+    stretch of text at a time, so an empty piece of another kind within it prevents the link.
 
     Examples
     --------
@@ -36,9 +36,9 @@ def plain(text: object) -> str:
 
 
 def short_names(result: Result) -> dict[str, str]:
-    """Names of both systems by letter, shortened; not escaped.
+    """Return the shortened names of both systems by letter, not escaped.
 
-    They are X and Y if the short names are alike, or could be taken for these letters.
+    They are X and Y if the short names are alike or could be taken for these letters.
     """
     names = {letter: shortened(one_line(system.name), MAX_NAME) for letter, system in result.sides}
     short = {name.casefold() for name in names.values()}
@@ -47,10 +47,10 @@ def short_names(result: Result) -> dict[str, str]:
 
 
 def docs_link(text: str, anchor: str, *, doc: str = "metrics") -> str:
-    """Markdown of a link to a section of the documentation inside the app, from any page.
+    """Return Markdown of a link from any page to a section of the documentation in the app.
 
-    It is relative, so that it also works where the app is served below a path: all pages lie
-    beside each other.
+    The link is relative, so it also works if the app is served below a path: all pages are
+    siblings.
 
     Examples
     --------

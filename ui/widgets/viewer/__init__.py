@@ -1,12 +1,12 @@
-"""The frame viewer: picture, boxes of truth, X and Y, trace strip and transport.
+"""Frame viewer: picture, boxes of truth, X and Y, trace strip and playback controls.
 
-A Streamlit component. It fetches pictures and boxes
-from the routes itself; Python sends traces and marks, and receives the row that it settles on.
+This Streamlit component fetches pictures and boxes from the routes itself. Python sends traces and
+marks, and receives the row that the viewer settles on.
 
-    data/       what the viewer shows: boxes, pictures, the recording
-    drawing/    what is painted on the canvas
-    controls/   the elements around the canvas, keys, mouse and touch
-    player/     which row is shown when; `show.js` is what Streamlit calls
+    data/       content of the viewer: boxes, pictures, the recording
+    drawing/    painting on the canvas
+    controls/   elements around the canvas, keys, mouse and touch
+    player/     order and timing of rows (Streamlit calls `show.js`)
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ FOLDER = Path(__file__).parent
 
 
 WORDS = ("a_one", "one", "Nobody", "feet_are")
-"""The words of the objects in the viewer's texts, which `worded` in elements.js fills in."""
+"""Words for the objects in the viewer's texts, filled in by `worded` in elements.js."""
 
 
 class ListedBox(NamedTuple):
-    """An entry of a list: row within the recording, -1 elsewhere; x, y, w, h (px), None: no box."""
+    """List entry: row within the recording (-1 elsewhere), box x, y, w, h in px (None: no box)."""
 
     row: int
     box: tuple[float, float, float, float] | None
@@ -93,7 +93,7 @@ def viewer(
     look: Look = OWN_PICTURES,
     on_look: Callable[[Look], None] | None = None,
 ) -> int | None:
-    """Draw the viewer and say which row it has settled on.
+    """Draw the viewer and return the row it has settled on.
 
     Parameters
     ----------
@@ -102,72 +102,72 @@ def viewer(
     recording, n_rows : int
         Index of the recording and the number of its rows (listed frames).
     width, height : float
-        Size of the recording, px; pictures of another size are scaled to it.
+        Size of the recording, px. Pictures of another size are scaled to it.
     fps : float
         Frames per second.
     frames, times_s : array, shape (n_rows,)
         Frame number and time of every row.
     has_picture : array of bool, shape (n_rows,)
-        Whether a row has a picture; without any, boxes are drawn on a blank frame.
+        True if a row has a picture. Without pictures, boxes are drawn on a blank frame.
     version : str
-        Changes with every analysis: the boxes are then fetched again.
+        Changes with every analysis. The boxes are then fetched again.
     traces : mapping of "x" and "y" to array of float, shape (n_rows,)
-        Similarity, NaN where undefined; decimated here to the lowest value of each bucket.
+        Similarity, NaN where undefined, decimated here to the lowest value of each bucket.
     low : float
-        The limit of low similarity.
+        Limit of low similarity.
     intervals : pair of array-like of int, shape (n, 2)
         Low-similarity intervals of X and of Y, as rows (first, one past the last).
     misses : array of int
         Rows where a miss begins, in rising order (`nvcore.tables.moments.next_misses`).
     names : pair of str
-        Names of X and Y; shown as text.
+        Names of X and Y, shown as text.
     seek : (int, int)
         Row to go to, and a number that changes with every request to go there and with the
-        recording. The viewer starts at the row; later it goes there only when the number is new,
+        recording. The viewer starts at the row. Later it goes there only when the number is new,
         so the row may follow what this function returned.
     lo, hi : float
         Percentiles of the display stretch.
     theme : {"light", "dark"} or Scheme
-        Theme of the page, and how X and Y are drawn; the picture's ground is always dark.
+        Theme of the page, and style of X and Y. The picture's ground is always dark.
     height_px : int
         Largest height of the picture.
     key : str
         Streamlit's key of the component.
     fits_window : bool
-        Whether the picture is made so low that the controls below it end within the window.
+        True if the picture must be low enough for the controls below it to fit in the window.
     picture_version : str
-        Changes when the recording gets other pictures: they are then fetched again.
+        Changes when the recording gets other pictures. They are then fetched again.
     only : {"x", "y"} or None
-        A clip for somebody who rates it: the picture and the boxes of this system alone, in a
-        style that does not tell which it is, played from the first row to the last by one button,
-        without seeking. The browser then never gets `names`; `traces` and `misses` are not shown,
-        and in the first of `intervals` a warning sign stands in the picture.
+        System of a clip for raters. They see the picture and the boxes of this system alone, in a
+        style that does not reveal the system. One button plays the clip from the first row to the
+        last, without seeking. The browser never gets `names`, and does not show `traces` and
+        `misses`. In the first of `intervals` the picture has a warning sign.
     rows : range or None
-        The rows that can be shown, one at least, where these are not all.
+        Rows that can be shown, at least one. None: all rows.
     cost : CostMap or None
-        What missing a pedestrian would cost in this recording, to be laid over the picture on
-        request; it is never sent with `only`.
+        Cost of missing a pedestrian in this recording, laid over the picture on request. It is
+        never sent with `only`.
     chosen : int or None
-        Track of the pedestrian who is marked and followed; None: nobody in this recording.
+        Track of the pedestrian who is marked and followed. None: nobody in this recording.
     on_choose
         Called with a row of ``result.encounters`` when its pedestrian is chosen in the picture.
     listed : ListedBox or None
-        While a list is walked through, its entry: the box is marked, and the keys n and p, which
-        otherwise lead to misses, are left to the page. None: there is no list.
+        Current entry of a list. Its box is marked, and the page gets the keys n and p, which
+        otherwise lead to misses. None: there is no list.
     objects : Objects
-        What the boxes are of: what the viewer's texts call them.
+        Objects in the boxes, which determine the words in the viewer's texts.
     visible : VisiblePictures or None
-        Pictures of visible light beside the recording's own; None: there are none.
+        Pictures of visible light beside the recording's own. None: there are none.
     look : Look
-        Which of the two pictures are seen when the viewer is first drawn.
+        Look of the pictures when the viewer is first drawn.
     on_look
-        Called with what was chosen of it in the browser.
+        Called with the look that was chosen in the browser.
 
     Returns
     -------
     int or None
-        The row within the recording that the user has settled on since the last new `seek`; the
-        row of `seek` where there is none. None for a recording without rows.
+        Row within the recording that the user has settled on since the last new `seek`, else the
+        row of `seek`. None for a recording without rows.
     """
     minima = {system: decimate_minima(traces[system], n_rows) for system in ("x", "y")}
     row, nonce = int(seek[0]), int(seek[1])
@@ -234,13 +234,13 @@ def _pack_visible(visible: VisiblePictures) -> dict[str, Any]:
 
 
 def settled_in(key: str, *, recording: int, n_rows: int, seek: tuple[int, int]) -> int:
-    """What `viewer` of this key is going to return, known before it is drawn."""
+    """Return the row that `viewer` of this key is going to return, before it is drawn."""
     settled = store.sent(key, "settled")
     return settled_row(settled, recording=recording, n_rows=n_rows, seek=seek)
 
 
 def _tell_choice(key: str, on_choose: Callable[[int], None] | None) -> None:
-    """Pass on which encounter was chosen; what a browser sends is checked by who asked for it."""
+    """Pass on the chosen encounter. The receiver checks what the browser sent."""
     encounter = store.sent(key, "chosen", "encounter")
     if on_choose is not None and isinstance(encounter, int) and not isinstance(encounter, bool):
         on_choose(encounter)
@@ -253,16 +253,16 @@ def _tell_look(key: str, on_look: Callable[[Look], None] | None) -> None:
 
 
 def n_plays_in(key: str) -> int | None:
-    """How often the clip in the `viewer` of this key was played to its end; None: not known."""
+    """Return how often the clip in this `viewer` was played to its end (None: not known)."""
     n_plays = store.sent(key, "settled", "n_plays")
     return n_plays if isinstance(n_plays, int) and n_plays >= 0 else None
 
 
 def settled_row(settled: Any, *, recording: int, n_rows: int, seek: tuple[int, int]) -> int:
-    """The row that the browser reports, if it belongs to this recording and this `seek`.
+    """Return the row that the browser reports, if it belongs to this recording and this `seek`.
 
-    What it settled on before Python's newest `seek`, or in another recording, is out of date: then
-    `seek` holds.
+    A row from before Python's newest `seek`, or from another recording, is out of date. The row of
+    `seek` then applies.
     """
     if isinstance(settled, Mapping):
         row = settled.get("row")
@@ -273,7 +273,7 @@ def settled_row(settled: Any, *, recording: int, n_rows: int, seek: tuple[int, i
 
 
 def colours_of(theme: Theme) -> dict[str, dict[str, Any]]:
-    """Colours and lines of X, Y and the truth, on the picture and on the page around it."""
+    """Return colours and lines of X, Y and the truth, on the picture and on the page around it."""
     scheme = scheme_of(theme)
     styles = {letter: scheme.style(letter) for letter in "xy"}
     return {
@@ -291,4 +291,4 @@ def colours_of(theme: Theme) -> dict[str, dict[str, Any]]:
 
 
 def _nothing() -> None:
-    """Streamlit wants a callback for every value with a default."""
+    """Do nothing. Streamlit requires a callback for every value with a default."""
