@@ -193,7 +193,7 @@ def test_of_ignored_people_alone_there_is_nothing_to_tell_apart():
     truth = [at(f, 50, ignore=True) for f in range(5)]
     x = [at(f, 50, score=1.0) for f in range(3)]
     text = flat(result_of(make_dataset(truth, x, x[:1])))
-    assert "3 detections of X and 1 detections of Y lie on people or regions" in text
+    assert "3 detections of X and 1 detection of Y lie on people or regions" in text
     assert "no lead time" in text
 
 

@@ -101,7 +101,7 @@ def test_in_short_it_is_the_verdict_and_its_share() -> None:
     [
         ("no frames", EDGE, SIMILARITY, "the verdict is undefined: there are no frames."),
         ("distant", ALPHA, ENCOUNTERS, "undefined: no encounter is near enough to count."),
-        ("x ahead", BOTH, ENCOUNTERS, "X detects more encounters, by 1 encounter. Traffic context"),
+        ("x ahead", BOTH, ENCOUNTERS, "X detects 1 encounter more. Traffic context"),
         ("x ahead", BOTH, ENCOUNTERS, "Traffic context and alpha have no effect on"),
         ("x ahead", BOTH, SALIENCY, "Alpha has no effect on the verdict. The verdict holds"),
         ("x ahead", EDGE, SIMILARITY, "the whole map. Y does not reach a tie anywhere on"),

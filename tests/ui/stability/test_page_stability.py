@@ -94,7 +94,7 @@ def test_single_frames_are_not_tested_as_if_they_were_persons(tmp_path, monkeypa
     begin_with(frames, monkeypatch)
     page = opened()
     checked(page.button_group(key="stability_criterion").set_value("encounters").run())
-    assert "As analysed, X detects more encounters, by 19 encounters." in words(page)
+    assert "As analysed, X detects 19 encounters more." in words(page)
     assert "It cannot be tested here whether this difference is more than chance" in words(page)
 
 
