@@ -1,4 +1,4 @@
-"""The call that everything else is built on: ``compare(dataset, params) -> Result``."""
+"""The central function of the library: ``compare(dataset, params) -> Result``."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ from nvcore.subjects import resolve, subjects
 
 T = TypeVar("T")
 LEAST_FOR_THREADS: Final = 5_000
-"""With fewer boxes, starting threads takes longer than scoring the systems one after the other."""
+"""Minimum number of boxes for scoring in threads. Below it, starting threads takes longer."""
 
 
 TRUTH_STEPS: Final[tuple[ScoringStep, ...]] = (
@@ -111,7 +111,7 @@ BOTH_STEPS: Final[tuple[ScoringStep, ...]] = (
         of="both",
     ),
 )
-"""The core's own steps; those of subjects and of each system are in `nvcore.scoring`."""
+"""Steps of the core. `nvcore.scoring` has those of subjects and of each system."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,34 +121,34 @@ class Result:
     Attributes
     ----------
     dataset, params
-        What was compared, and how.
+        Data and settings of the comparison.
     x, y
         The two systems.
     tracks
-        Tracks of the truth, and where linking made them.
+        Tracks of the truth, and which ones were linked.
     encounters
         The encounters of the ground truth.
     k_truth
         Proximity weight of every truth box.
     k_miss
-        What missing each truth box weighs: its proximity weight, and what subjects make of it
+        Weight of missing each truth box: its proximity weight, adjusted by subjects
         (`nvcore.scoring.weigh_misses`).
     cost
-        What missing each truth box would cost (`nvcore.metrics.severity.cost_of_miss`).
+        Cost of missing each truth box (`nvcore.metrics.severity.cost_of_miss`).
     category
         Venn category of every encounter; object, shape (n_encounters,).
     venn, exclusivity, boxes
-        Counts of encounters, how exclusive the misses are, counts of boxes.
+        Counts of encounters, exclusivity of the misses, counts of boxes.
     duration_s
         Recording time of all recordings.
     made
-        What the steps about the truth and about both systems made, those of subjects too, by the
-        step's name; those about a system are its own (`SystemResult.made`).
+        Results of the steps on the truth and on both systems, including those of subjects, by the
+        step's name. Results of the steps on one system are in `SystemResult.made`.
     stages
-        What `compare` can reuse when only some settings change.
+        Stages that `compare` can reuse if only some settings change.
     as_set
-        The comparison as X and Y are set, where this is the one at equal false alarms that takes
-        its place (`nvcore.evidence.operating_points.find_equal_alarms`); else None.
+        The comparison as X and Y are set if this is its replacement at equal false alarms
+        (`nvcore.evidence.operating_points.find_equal_alarms`), else None.
     """
 
     dataset: Dataset
@@ -172,22 +172,22 @@ class Result:
     _kept: dict[str, Any] = field(init=False, repr=False, default_factory=dict)
 
     def of(self, subject: str) -> Any:
-        """What a subject makes of the comparison, such as ``result.of("time_left")``.
+        """Return a subject's view of the comparison, such as ``result.of("time_left")``.
 
-        Its type is the subject's `view`; each subject has a function that says so to type checkers.
+        Its type is the subject's `view`. Each subject has a typed function for this call.
         """
         package, known = subjects()[subject]
         return self.keep(subject, lambda: resolve(package, known.view)(self))
 
     def keep(self, name: str, make: Callable[[], T]) -> T:
-        """What is made of this comparison alone, made once."""
+        """Return a value that depends on this comparison alone, computing it once."""
         if name not in self._kept:
             self._kept[name] = make()
         value: T = self._kept[name]
         return value
 
     def forget(self) -> None:
-        """Drop what `keep` has, which may hold this comparison: then it is freed with its owner."""
+        """Drop the values that `keep` stores, which may keep this comparison alive."""
         self._kept.clear()
 
     @property
@@ -201,35 +201,35 @@ class Result:
         return self.x.name, self.y.name
 
     def system(self, letter: str) -> SystemResult:
-        """System ``x`` or ``y``."""
+        """Return system ``x`` or ``y``."""
         return dict(self.sides)[letter]
 
     @property
     def objects(self) -> Objects:
-        """What the boxes are of."""
+        """Kind of objects in the boxes."""
         return self.dataset.objects
 
     def scheme(self, shade: Shade) -> Scheme:
-        """Colours and lines for a light or dark page: each system of the session has its own."""
+        """Return colours and line styles of the session's systems for a light or dark page."""
         return scheme_for(shade, self.dataset.systems, self.x.name, self.y.name)
 
     @property
     def is_near(self) -> np.ndarray:
-        """Encounters that count, as they are not distant; bool, shape (n_encounters,)."""
+        """Encounters that count because they are not distant, bool, shape (n_encounters,)."""
         is_near: np.ndarray = self.category != Category.DISTANT.value
         return is_near
 
     @property
     def is_short(self) -> bool:
-        """Whether most encounters that count are a single frame long."""
+        """True if most encounters that count are a single frame long."""
         return mostly_one_frame(self.encounters.n_frames[self.is_near])
 
     @property
     def mcnemar_p(self) -> float:
         """Exact McNemar p of the encounters that one system detects, within these drives.
 
-        NaN where it is withheld: most encounters are one frame long, or fewer than
-        `nvcore.metrics.venn.MIN_DISCORDANT` tell the systems apart.
+        NaN if it is withheld: most encounters are one frame long, or fewer than
+        `nvcore.metrics.venn.MIN_DISCORDANT` are discordant.
         """
         n_split = self.venn.x_only + self.venn.y_only
         is_withheld = self.is_short or n_split < MIN_DISCORDANT
@@ -237,16 +237,16 @@ class Result:
 
     @property
     def borrowed(self) -> Borrowed | None:
-        """Distances that pedestrians borrowed from their matches; None: not set so."""
+        """Distances that pedestrians borrowed from their matches, or None if disabled."""
         return borrowed_distances(self.dataset) if borrows(self.params) else None
 
     @property
     def weighed_truth(self) -> BoxColumns:
-        """The truth, with the distances that its weights are of (borrowed ones, if set so)."""
+        """The truth with the distances behind its weights, including borrowed ones."""
         return weighing_truth(self.dataset, self.params)
 
     def saliency_of_recordings(self, system: SystemResult) -> np.ndarray:
-        """Saliency of every recording by itself, s, 0 is best; float64, shape (n_recordings,)."""
+        """Return the saliency of every recording, s, 0 is best, float64, shape (n_recordings,)."""
         return saliency_by_recording(
             system.events,
             len(self.dataset.recordings),
@@ -255,12 +255,12 @@ class Result:
 
     @property
     def lead_time_s(self) -> np.ndarray:
-        """Lead of X over Y per encounter, lag(Y) - lag(X), seconds; NaN unless both match."""
+        """Lead of X over Y per encounter, lag(Y) - lag(X), seconds. NaN unless both match."""
         lead: np.ndarray = (self.y.encounters["lag_s"] - self.x.encounters["lag_s"]).to_numpy()
         return lead
 
     def severity_of(self, system: SystemResult) -> dict[Category, float]:
-        """What a system's failures weigh in the encounters of each category, seconds, 0 is best."""
+        """Return the weight of a system's failures by category, seconds, 0 is best."""
         severity_s = system.failures["severity_s"].to_numpy()
         return {kind: float(severity_s[self.category == kind.value].sum()) for kind in Category}
 
@@ -294,16 +294,15 @@ def compare(
     dataset
         Recordings, ground truth, systems.
     params
-        Settings; None: those that the dataset carries, with the thresholds of its systems.
+        Settings. None: those of the dataset, with the thresholds of its systems.
     x, y
-        Names of the systems; None: those that the dataset carries, else its first that is not the
+        Names of the systems. None: those of the dataset, else its first system that is not the
         other one.
     previous
-        A result of the same dataset, or of it with other names: stages whose settings are the same
-        are taken from it, so that changing alpha or the sigmoid costs little. No number depends on
-        it.
+        A result of the same dataset, possibly with other names. Stages with the same settings are
+        reused, so that changing alpha or the sigmoid costs little. No number depends on it.
     stages
-        What steps made of these data elsewhere, by key as `Result.stages` has it.
+        Results of steps computed elsewhere on these data, by the key in `Result.stages`.
 
     Raises
     ------
@@ -325,8 +324,8 @@ def compare(
     tracks, encounters = encounters_of(dataset)
     at = Inputs(dataset, params, tracks, encounters)
     truth = Made(steps_of("truth", TRUTH_STEPS), at, memo)
-    made = dict(truth)  # by now: X and Y need it at the same time
-    # by number: a system that is called otherwise is still the same
+    made = dict(truth)  # compute it now, as X and Y need it at the same time
+    # by number, since a renamed system is still the same
     owners = [
         (dataset.systems.index(name), threshold)
         for name, threshold in zip(names, (params.threshold_x, params.threshold_y), strict=True)
@@ -364,7 +363,7 @@ def compare(
 
 
 def _same_numbers(a: Dataset, b: Dataset) -> bool:
-    """Whether two datasets differ in names, tags or settings at most."""
+    """Return whether two datasets differ at most in names, tags or settings."""
     if a is b:
         return True
     columns = ["width", "height", "fps", "horizon", "context", "speed_kmh"]

@@ -1,4 +1,4 @@
-"""What is wrong or suspicious in the inputs, as `Finding` objects.
+"""Errors and doubts about the inputs, as `Finding` objects.
 
 Readers, the dataset builder and the audit report through the same type, so that the command line
 and the dashboard show a single list, worst first.
@@ -20,11 +20,11 @@ TRUTH_NAME: Final = "truth"
 """`Finding.subject` of the ground truth."""
 
 OF_PICTURES: Final = "pictures-"
-"""How the codes of findings begin that concern pictures alone: no measure depends on these."""
+"""Prefix of image-related finding codes. They do not affect any measure."""
 
 
 class Severity(StrEnum):
-    """How bad a finding is: an error makes measures wrong, a warning may, a note does not."""
+    """Severity of a finding: an error makes measures wrong, a warning may, a note does not."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -36,16 +36,16 @@ _ORDER = {Severity.ERROR: 0, Severity.WARNING: 1, Severity.NOTE: 2}
 
 @dataclass(frozen=True, eq=False)
 class Cases:
-    """Every place that a finding concerns, as rows of a table of the audited dataset.
+    """Places that a finding concerns, as rows of a table of the audited dataset.
 
-    `nvcore.tables.finding_entries` says recording, frame and box of each.
+    `nvcore.tables.finding_entries` returns recording, frame and box of each.
 
     Attributes
     ----------
     table
-        Which table: ``boxes``, ``frames`` or ``left_out``.
+        Name of the table: ``boxes``, ``frames`` or ``left_out``.
     rows
-        Rows of it; int, shape (n,).
+        Rows of the table; int, shape (n,).
     """
 
     table: Literal["boxes", "frames", "left_out"]
@@ -57,14 +57,14 @@ class Cases:
 
 @dataclass(frozen=True)
 class Caveats:
-    """What findings mean for the verdict, by their codes.
+    """Effects of findings on the verdict, by code.
 
     Attributes
     ----------
     warned
-        Of findings that every page warns of.
+        Caveats of findings that every page warns about.
     lesser
-        Of those that only Overview and Data tell.
+        Caveats of findings that only Overview and Data show.
     """
 
     warned: Mapping[str, str]
@@ -72,60 +72,60 @@ class Caveats:
 
 
 class Remedy(StrEnum):
-    """What a person can do about a finding or an error.
+    """Fix for a finding or an error.
 
-    The command line and the dashboard say it each with its own flag or field, in one table of
-    theirs; the library names neither.
+    The command line and the dashboard have tables that word it with their flags or fields. The
+    library names neither.
     """
 
     CLASSES = "classes"
-    """Say which classes count; value: names or numbers, with commas."""
+    """Specify the classes that count. Value: names or numbers, with commas."""
     SIZE = "size"
-    """Give the size of the pictures, px; value: such as ``640x480``."""
+    """Specify the size of the pictures, px. Value: such as ``640x480``."""
     RATE = "rate"
-    """Give the frame rate; value: frames per second."""
+    """Specify the frame rate. Value: frames per second."""
     FRAMES = "frames"
-    """Say which frames are evaluated; value: ``first:last:step``."""
+    """Specify the evaluated frames. Value: ``first:last:step``."""
     FRAME_LIST = "frame list"
-    """Give this file as the list of evaluated frames, not as boxes."""
+    """Use this file as the list of evaluated frames, not as boxes."""
     FRAME_NAMES = "frame names"
-    """Say how names of pictures and large frame numbers are meant; value: such as ``times``."""
+    """Specify the meaning of picture names and large frame numbers. Value: such as ``times``."""
     FRAME_STEP = "frame step"
-    """Multiply the frame numbers of a system; value: the factor."""
+    """Multiply the frame numbers of a system. Value: the factor."""
     FORMAT = "format"
-    """Say in which format the files are; value: its name."""
+    """Specify the format of the files. Value: its name."""
     THRESHOLD = "threshold"
-    """Set the threshold of a system; value: a score."""
+    """Set the threshold of a system. Value: a score."""
     BOX_BASE = "box base"
-    """Say which number the first pixel has; value: 0 or 1."""
+    """Specify the number of the first pixel. Value: 0 or 1."""
     BOXES = "boxes"
-    """Say what the four numbers of a box are; value: such as ``corners``."""
+    """Specify the meaning of a box's four numbers. Value: such as ``corners``."""
     ACCEPT = "accept"
-    """Say that an error is meant; value: the code of the finding."""
+    """Accept an error as intended. Value: the code of the finding."""
     TABLE = "table"
     """Convert the files to plain CSV with a header line."""
     PICTURES = "pictures"
-    """Say where a recording's pictures are; value: a path; subject: the recording's name."""
+    """Specify a recording's pictures. Value: a path. Subject: the recording's name."""
     FIRST_PICTURE = "first picture"
-    """Say which frame a recording's first picture shows; value: its number; subject: as above."""
+    """Specify the frame of a recording's first picture. Value: its number. Subject: as above."""
     OPTION = "option"
-    """Give an option; value: such as ``height``; subject: its name, a field of `Params` or a
-    keyword of the Python functions."""
+    """Set an option. Value: such as ``height``. Subject: its name, a field of `Params` or a keyword
+    of the Python functions."""
 
 
 @dataclass(frozen=True)
 class Step:
-    """One way on: what to do, and with what.
+    """Suggested fix: an action and its value.
 
     Attributes
     ----------
     remedy
-        What to do.
+        Kind of action.
     value
-        What to give, as it is typed; empty: only the user knows it.
+        Value as the user types it. Empty: only the user knows it.
     subject
-        Whose files it is about: `TRUTH_NAME` or the name of a system; empty: all. Of pictures, the
-        name of the recording; of an option, its name.
+        Source of the files: `TRUTH_NAME` or the name of a system. Empty: all. For pictures: name of
+        the recording. For an option: its name.
     """
 
     remedy: Remedy
@@ -135,35 +135,34 @@ class Step:
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that is wrong or suspicious in the inputs.
+    """Error, doubt or note about the inputs.
 
     Attributes
     ----------
     severity
-        `error`: the measures are wrong until it is fixed; `warning`: they may be; `note`: good to
-        know.
+        `error`: the measures are wrong until it is fixed. `warning`: they may be wrong. `note`:
+        good to know.
     code
         Short stable name in kebab case, such as ``duplicate-track``.
     subject
-        What it is about: ``truth``, the name of a system, or "pictures of" a recording.
+        Source: ``truth``, the name of a system, or "pictures of" a recording.
     count
-        How many rows, frames or recordings it concerns.
+        Number of affected rows, frames or recordings.
     message
-        What was found, in a sentence.
+        Description in one sentence.
     advice
-        What to do about it, in a sentence.
+        Suggested fix in one sentence.
     steps
-        The same as data, for a medium that has a flag, a field or a button for it.
+        Suggested fixes as data, for a medium with a flag, a field or a button for them.
     file
-        File in which it was first seen; empty where no single file is to blame.
+        File of the first occurrence. Empty if no single file is to blame.
     example
-        The first case: line, recording, frame.
+        First occurrence: line, recording, frame.
     suggestion
-        Corrections, each with its key in the session file and the value that belongs there, such
-        as ``(("offset_frames", -2.0),)``, for a medium that has flags for them or offers to apply
-        them; empty: none.
+        Corrections as pairs of session file key and value, such as ``(("offset_frames", -2.0),)``,
+        for a medium that has flags for them or offers to apply them.
     cases
-        All places that it concerns; None: an input as a whole, or not known.
+        All affected places. None: an input as a whole, or not known.
     """
 
     severity: Severity
@@ -180,17 +179,17 @@ class Finding:
 
     @property
     def place(self) -> str:
-        """File and first place, empty if neither is known."""
+        """File and first place, or empty if neither is known."""
         return ", ".join(part for part in (self.file, self.example) if part)
 
     @property
     def is_of_pictures(self) -> bool:
-        """Whether it is about pictures, on which no measure depends."""
+        """True if it is about pictures, which do not affect any measure."""
         return self.code.startswith(OF_PICTURES)
 
 
 def accepted(findings: Iterable[Finding], codes: Collection[str]) -> list[Finding]:
-    """The findings, errors of these codes as warnings: the user says that they are meant."""
+    """Downgrade errors with these codes to warnings, as the user accepts them."""
     return [
         replace(finding, severity=Severity.WARNING, steps=(), advice="This is meant, as given.")
         if finding.severity is Severity.ERROR and finding.code in codes
@@ -200,14 +199,14 @@ def accepted(findings: Iterable[Finding], codes: Collection[str]) -> list[Findin
 
 
 def worst_first(findings: Iterable[Finding]) -> tuple[Finding, ...]:
-    """Findings sorted by severity, the order within one severity kept."""
+    """Return findings sorted by severity, keeping the order within one severity."""
     return tuple(sorted(findings, key=lambda finding: _ORDER[finding.severity]))
 
 
 RemedyTexts = Mapping[Remedy, tuple[str, str]]
-"""How a medium words each remedy, and what stands there for a value that only the user knows.
+"""Templates of each remedy in a medium, with a placeholder for values only the user knows.
 
-``{value}`` becomes the value, ``{of}`` how the medium marks what is about one source.
+``{value}`` becomes the value. ``{of}`` becomes the medium's text for a single source.
 """
 
 
@@ -218,14 +217,14 @@ def steps_text(
     *,
     are_all_needed: bool = False,
 ) -> str:
-    """Ways on as a sentence; empty: there is none.
+    """Return suggested fixes as a sentence, or an empty text if there are none.
 
     Parameters
     ----------
     mark
-        What ``{of}`` becomes.
+        Returns the replacement of ``{of}``.
     are_all_needed
-        Whether all of them have to be taken; else one will do.
+        True if all fixes are needed, False if one is enough.
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """Names, types and units of the tables, and the categories with one sentence each.
 
-Every table of the program consists of these columns; column names and categories are defined here
-and nowhere else.
+Every table of the program consists of these columns. Column names and categories are only defined
+here.
 """
 
 from __future__ import annotations
@@ -17,27 +17,27 @@ NO_TRACK: Final = -1
 """Value of `track` for a box that belongs to no track (shown as empty)."""
 
 UNKNOWN_OCCLUSION: Final = -1
-"""Value of `occlusion` where the data do not say (shown as empty)."""
+"""Value of `occlusion` if unknown (shown as empty)."""
 
 NO_LABEL: Final = -1
-"""Value of `label` for a box of which nobody says of what class it is."""
+"""Value of `label` for a box of unknown class."""
 
 CLASS_SEPARATOR: Final = ";"
-"""Between several classes of one pedestrian."""
+"""Separator of several classes of one pedestrian."""
 
 TABLE_ENDING: Final = " (table)"
-"""End of the name of an input that is a table in memory; its rows are counted from 0."""
+"""Suffix of the name of an input that is a table in memory. Its rows are counted from 0."""
 
 SAME_S: Final = 1e-6
-"""Times closer than this are the same: they differ by rounding alone."""
+"""Tolerance for equal times, seconds: smaller differences are rounding errors."""
 KMH: Final = 3.6
 """Kilometres per hour in one metre per second."""
 
 EDGE_PX: Final = 1.0
-"""A box that is no farther than this from the picture's edge is cut off there."""
+"""Maximum distance from the picture's edge at which a box counts as cut off there."""
 
 TRUTH: Final = 0
-"""Value of `source` for ground truth; system number i (0-based) has source i + 1."""
+"""Value of `source` for ground truth. System number i (0-based) has source i + 1."""
 
 BOX_DTYPES: Final[dict[str, str]] = {
     "x": "float64",  # left edge, px, 0-based, continuous
@@ -45,7 +45,7 @@ BOX_DTYPES: Final[dict[str, str]] = {
     "w": "float64",  # width, px
     "h": "float64",  # height, px
     "score": "float64",  # detector's confidence, any scale; NaN: none given
-    "track": "int64",  # NO_TRACK: none given
+    "track": "int64",  # NO_TRACK if none
     "ignore": "bool",  # truth only: detecting it is neither right nor wrong
     "distance_m": "float64",  # metres from the camera; NaN: unknown
     "occlusion": "int8",  # 0 none, 1 partial, 2 heavy; UNKNOWN_OCCLUSION
@@ -64,21 +64,21 @@ DATASET_BOX_DTYPES: Final[dict[str, str]] = {
     "source": "int16",  # TRUTH or system number + 1
     **BOX_DTYPES,
     "detectability_sd": "float64",  # standard deviation of the estimate; NaN: unknown
-    "is_outside": "bool",  # whether it was estimated outside the range of the training
-    "is_adapted": "bool",  # whether for adapted eyes: no change of light is known before
+    "is_outside": "bool",  # True if estimated outside the range of the training
+    "is_adapted": "bool",  # True if for adapted eyes, without a known change of light before
 }
 """Boxes of a `Dataset`, sorted by source, then frame_index, then file order."""
 
 DETECTABILITY_COLUMNS: Final = ("detectability", "detectability_sd", "is_outside", "is_adapted")
-"""What is known of the driver's view of each box. Where it is unknown throughout, these columns
-take no memory: no kernel reads them then."""
+"""Columns on the driver's view of each box. If they are unknown throughout, these columns take no
+memory, as no kernel reads them then."""
 
 FRAME_DTYPES: Final[dict[str, str]] = {
     "recording": "int32",  # row of the recordings table
     "frame": "int64",  # the recording's own frame number
     "time_s": "float64",  # seconds since the recording's first listed frame
     "step_s": "float64",  # seconds to the next listed frame (last one: the median gap)
-    "speed_kmh": "float64",  # speed of the car by a series of it; NaN: none, or not there
+    "speed_kmh": "float64",  # speed of the car from a series; NaN: none, or no value here
 }
 
 RECORDING_DTYPES: Final[dict[str, str]] = {
@@ -88,17 +88,17 @@ RECORDING_DTYPES: Final[dict[str, str]] = {
     "fps": "float64",  # frames per second
     "horizon": "float64",  # row of the horizon, px; NaN: unknown
     "context": "float64",  # traffic: 0 urban to 1 rural; NaN: not stated
-    "speed_kmh": "float64",  # speed of the car where no series states it; NaN: not stated
-    "tags": "object",  # words for choosing recordings, tuple of str
-    "unit": "object",  # what it is part of: a drive, a route, a car; empty: by itself
+    "speed_kmh": "float64",  # speed of the car if no series states it; NaN: not stated
+    "tags": "object",  # words for selecting recordings, tuple of str
+    "unit": "object",  # group: a drive, a route, a car; empty: none
 }
 
 ATTRIBUTE_DTYPES: Final[dict[str, str]] = {
-    "file": "int32",  # as of the box
-    "line": "int32",  # as of the box
-    "attributes": "category",  # what the truth says of the pedestrian in this frame; not empty
+    "file": "int32",  # as in the table of boxes
+    "line": "int32",  # as in the table of boxes
+    "attributes": "category",  # statements of the truth on the pedestrian in this frame; not empty
 }
-"""Texts of the truth's boxes, where it has any: found again by file and line."""
+"""Texts of the truth's boxes, if any, identified by file and line."""
 
 LEFT_OUT_DTYPES: Final[dict[str, str]] = {
     "subject": "object",  # truth or the name of a system
@@ -112,11 +112,11 @@ LEFT_OUT_DTYPES: Final[dict[str, str]] = {
     "w": "float64",
     "h": "float64",
 }
-"""Rows of the inputs that could not be placed."""
+"""Rows of the inputs that could not be assigned."""
 
 
 class Category(StrEnum):
-    """Venn category of an encounter: which of the two systems detected it."""
+    """Venn category of an encounter: the systems that detected it."""
 
     BOTH = "both"
     X_ONLY = "x_only"
@@ -142,7 +142,7 @@ CATEGORY_TEXT: Final[dict[Category, str]] = {
 
 
 class MissClass(StrEnum):
-    """What kind of failure a system shows in one encounter."""
+    """Kind of failure of a system in one encounter."""
 
     NEVER = "never"
     LATE = "late"
@@ -163,7 +163,7 @@ MISS_CLASS_TEXT: Final[dict[MissClass, str]] = {
 
 
 class TruthState(IntEnum):
-    """How a system did with a truth box."""
+    """Result of a system for a truth box."""
 
     NOT_JUDGED = 0
     """The truth ignores it: detecting it is neither right nor wrong."""
@@ -174,7 +174,7 @@ class TruthState(IntEnum):
 
 
 class DetectionState(IntEnum):
-    """What became of a detection."""
+    """Result of a detection."""
 
     BELOW = 0
     """Its score is below the threshold."""
@@ -187,24 +187,24 @@ class DetectionState(IntEnum):
 
 
 def categories_of(codes: np.ndarray, names: Any) -> pd.Categorical[Any]:
-    """Names by their places in a list without doubles; -1: missing."""
+    """Return names by their indices in a list of unique names. -1: missing."""
     column: pd.Categorical[Any] = pd.Categorical.from_codes(codes, categories=names)
     return column
 
 
 def integers_of(values: np.ndarray, is_known: np.ndarray) -> Any:
-    """A column of whole numbers, missing where not known."""
-    # not via floats, which cannot hold ids such as timestamps
+    """Return a column of integers, missing if unknown."""
+    # floats cannot represent large ids such as timestamps
     return pd.arrays.IntegerArray(values.astype(np.int64), ~is_known)
 
 
 def names_as_categories(names: Any, n_rows: int) -> pd.Categorical[Any]:
-    """A column of names that repeat, each held once: no text is looked at row by row.
+    """Return a column of repeated names, each stored once, without comparing rows as text.
 
     Parameters
     ----------
     names
-        One for all rows, or one for each, as text or already as categories.
+        One name for all rows, or one for each, as text or already as categories.
     n_rows
         Number of rows.
     """
@@ -223,7 +223,7 @@ def conform(
     n_rows: int,
     repeat: Callable[[Any, int], np.ndarray] | None = None,
 ) -> pd.DataFrame:
-    """Table with exactly the columns of `dtypes`; columns that are not given hold "unknown".
+    """Return a table with exactly the columns of `dtypes`. Missing columns are "unknown".
 
     Parameters
     ----------
@@ -232,9 +232,9 @@ def conform(
     dtypes
         Column names and dtypes of the table, such as `READING_DTYPES`.
     n_rows
-        Number of rows; an empty table keeps its columns and dtypes.
+        Number of rows. An empty table keeps its columns and dtypes.
     repeat
-        Makes a column of a scalar; None: one that has memory for each row, as kernels need it.
+        Function that makes a column of a scalar. None: with memory for each row, as kernels need.
 
     Raises
     ------

@@ -1,14 +1,14 @@
-"""The subjects: further questions about the same comparison. The core names them here alone.
+"""Registry of the subjects: further questions about the same comparison.
 
-The core compares two systems. A subject asks more of that comparison (was there time left, would
-the driver have seen the pedestrian) and lives in one package, ``nvcore/<name>/``, whose
-``SUBJECT`` says what it adds to each list of the core: settings, steps of `nvcore.comparison`,
+The core compares two systems. A subject adds a question about that comparison (was there time left,
+would the driver have seen the pedestrian). It lives in one package, ``nvcore/<name>/``. Its
+``SUBJECT`` names its additions to the lists of the core: settings, steps of `nvcore.comparison`,
 measures, columns, findings, figures, points of the verdict, sections of the reports, commands and
-public names; its pages are in ``ui/<name>/``. Wherever the core lists such things it lists its own
-and then what is `contributed`. CONTRIBUTING has the recipe.
+public names. Its pages are in ``ui/<name>/``. Each list of the core has its own entries, then the
+`contributed` ones. The core names subjects only here. CONTRIBUTING has the recipe.
 
-What a subject adds is named by strings and loaded when it is first asked for, so that
-``import nvcore`` and ``nvcore --help`` need not wait for it.
+Additions are named by strings and loaded at first use, so that ``import nvcore`` and
+``nvcore --help`` need not wait for them.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ SUBJECTS: Final[tuple[str, ...]] = (
     "nvcore.ratings",
     "nvcore.fleet",
 )
-"""The packages of the subjects, in the order in which what they add is listed."""
+"""Packages of the subjects, in the order in which their additions are listed."""
 
 
 @dataclass(frozen=True)
 class Subject:
-    """What a subject adds, each by a reference: ``"module:name"`` within its package.
+    """Additions of a subject, each by a reference: ``"module:name"`` within its package.
 
     Attributes
     ----------
     name
-        Of its package; `nvcore.comparison.Result.of` knows it by this name.
+        Name of its package, as used by `nvcore.comparison.Result.of`.
     needs
-        Names of the subjects that it builds on, all listed before it; it imports no other.
+        Names of the subjects that it builds on, all listed before it. It imports no other subject.
     settings
         Class whose fields become those of `nvcore.params.Params`.
     results
@@ -47,56 +47,56 @@ class Subject:
     steps
         Steps of the comparison (`nvcore.scoring.step.ScoringStep`).
     view
-        Class (or function) of what `Result.of` returns; it is made of the result.
+        Class (or function) that makes the return value of `Result.of` from the result.
     miss_weights
-        By what the weight of missing each pedestrian is multiplied (`nvcore.scoring.MissWeights`).
+        Factors of the weight of missing each pedestrian (`nvcore.scoring.MissWeights`).
     restrict
-        Function that makes only some encounters count: from what the steps made and which
-        encounters these are (bool, shape (n_encounters,)) to what is made otherwise.
+        Function that makes only some encounters count. It takes the results of the steps and the
+        encounters (bool, shape (n_encounters,)), and returns the changed results.
     measures
         Entries of `nvcore.measures.table.MEASURES`.
     counts
-        Kinds of encounters that measures are shares of, by name (`nvcore.measures.table.counted`).
+        Kinds of encounters used as denominators, by name (`nvcore.measures.table.counted`).
     doubts
-        Function that says why no claim can rest on a measure of a result
+        Function that returns why no claim can rest on a measure of a result
         (`nvcore.measures.table.doubt_of`).
     columns, entries
         Columns of the CSV files (`nvcore.tables.added.Columns`) and keys of ``summary.json``
         (`nvcore.tables.summary_entry.SummaryEntry`).
     findings, caveats
-        Checks of the audit (`nvcore.auditing.Checks`), and what their findings mean for the verdict
-        (`nvcore.findings.Caveats`).
+        Checks of the audit (`nvcore.auditing.Checks`), and the effects of their findings on the
+        verdict (`nvcore.findings.Caveats`).
     figures
         Figures of `nvcore.api.figures.Figures`, by name.
     lanes
-        What stands in and above the lanes of the timeline (`nvcore.figures.over_time.lanes.Lanes`).
+        Content in and above the lanes of the timeline (`nvcore.figures.over_time.lanes.Lanes`).
     points
         Points of the verdict (`nvcore.report.verdict.PointOf`).
     sections
         Sections of the report (`nvcore.report.section.SectionOf`).
     remarks
-        What is said beside the numbers in both (`nvcore.report.remarks.Remarks`).
+        Remarks beside the numbers in the verdict and the report (`nvcore.report.remarks.Remarks`).
     rules
-        What is known of rules of the gate (`nvcore.report.gate.added.RulesOf`).
+        Contribution to rules of the gate (`nvcore.report.gate.added.RulesOf`).
     recording_keys, system_keys, session_tables
         Classes whose fields become keys of a ``[[recording]]`` and of a ``[[system]]`` of a session
         file (`nvcore.inputs.session.RecordingEntry`, `nvcore.inputs.session.SystemSource`), and
         class whose fields become its tables.
     inputs
-        Files that it reads beside those of truth and systems (`nvcore.inputs.added.Input`).
+        Input files besides those of truth and systems (`nvcore.inputs.added.Input`).
     commands
         Commands of ``nvcore``.
     models
-        What ``nvcore models`` lists and describes (`nvcore.cli.models.Models`).
+        Entries of ``nvcore models`` (`nvcore.cli.models.Models`).
     formats
-        What each kind of its model files is, by the format that it names (`nvcore.output.arrays`).
+        Kinds of its model files, by the format named in them (`nvcore.output.arrays`).
     names
         Public names of ``nvcore``, by reference.
     extras
-        Extras of pyproject.toml that it needs, and how the packages of each are imported. The extra
-        that is named as the subject comes with the dashboard if the subject has pages.
+        Required extras of pyproject.toml, with the import names of each one's packages. The
+        dashboard includes the extra with the subject's name if the subject has pages.
     ui
-        Module of the dashboard with its ``PAGES`` and what else `ui.subjects.contributed` lists.
+        Module of the dashboard with its ``PAGES`` and other lists of `ui.subjects.contributed`.
     """
 
     name: str
@@ -134,20 +134,20 @@ class Subject:
 
 @cache
 def subjects() -> dict[str, tuple[str, Subject]]:
-    """Package and `Subject` of every subject, by its name."""
+    """Return package and `Subject` of every subject, by its name."""
     known = {package: import_module(package).SUBJECT for package in SUBJECTS}
     return {subject.name: (package, subject) for package, subject in known.items()}
 
 
 def resolve(package: str, reference: str) -> Any:
-    """What a reference such as ``"measures:MEASURES"`` names in a package."""
+    """Return the object of a reference such as ``"measures:MEASURES"`` in a package."""
     module, _, name = reference.partition(":")
     return getattr(import_module(f"{package}.{module}"), name)
 
 
 @cache
 def contributed(kind: str) -> tuple[Any, ...]:
-    """What each subject adds to a list of the core, of those that add to it.
+    """Return the additions of each subject to a list of the core, skipping subjects without any.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def contributed(kind: str) -> tuple[Any, ...]:
 
 @cache
 def public_names() -> dict[str, tuple[str, str]]:
-    """Package and reference of every public name of ``nvcore`` that is a subject's."""
+    """Return package and reference of the subjects' public names in ``nvcore``."""
     return {
         name: (package, reference)
         for package, subject in subjects().values()
@@ -172,26 +172,26 @@ def public_names() -> dict[str, tuple[str, str]]:
 
 
 class Placed(Protocol):
-    """Something that has its place in a list."""
+    """List entry with a position relative to another entry."""
 
     @property
     def key(self) -> str:
-        """By which others find it."""
+        """Key of the entry."""
 
     @property
     def after(self) -> str:
-        """Key of what it follows; empty: it stands where the list puts it, a subject's last."""
+        """Key of the preceding entry. Empty: the default position, the last one for a subject."""
 
 
 P = TypeVar("P", bound=Placed)
 
 
 def in_place(own: Sequence[P], added: Iterable[P]) -> tuple[P, ...]:
-    """The core's own entries of a list with those that subjects add, each after what it follows."""
+    """Return the core's entries of a list with those of subjects, each after its `after`."""
     entries, waiting = list(own), list(added)
     while waiting:
         keys = [known.key for known in entries]
-        # first those that follow what is there; others may follow one of these
+        # entries that follow the core's first, as others may follow these
         entry = next((entry for entry in waiting if entry.after in keys), waiting[0])
         waiting.remove(entry)
         place = keys.index(entry.after) + 1 if entry.after in keys else len(entries)

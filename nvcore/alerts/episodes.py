@@ -1,8 +1,8 @@
-"""From what a system reports to alerts, and from the truth to what each alert was worth.
+"""Turn the output of a system into alerts, and judge each alert by the truth.
 
-A policy sees only what the system has at run time: boxes, scores, its tracks if it reports them
-(else its boxes are linked over frames), distances that it reports, the weight k of a box. Kinds of
-alerts are judged by the truth afterwards. The oracle alone looks at the truth before.
+A policy sees only what the system has at run time: boxes, scores, tracks (boxes are linked over
+frames if it reports none), reported distances, the weight k of a box. The truth decides the kind of
+an alert afterwards. Only the oracle uses the truth beforehand.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from nvcore.time_left.kinds import Urgency
 
 
 class AlertKind(StrEnum):
-    """Worth of an alert. The first kind that holds counts, in this order."""
+    """Worth of an alert. The first kind that applies counts, in this order."""
 
     IGNORED = "ignored"
     FALSE = "false"
@@ -51,9 +51,9 @@ ALERT_TEXT: Final[dict[AlertKind, str]] = {
     "not known.",
 }
 UNWANTED: Final = (AlertKind.FALSE, AlertKind.NUISANCE, AlertKind.REDUNDANT)
-"""Alerts that the driver would rather not have had."""
+"""Kinds of alerts that the driver would rather not have had."""
 RESTS_ON_DRIVER: Final = (AlertKind.REDUNDANT, AlertKind.NEEDED)
-"""Kinds whose number is undefined unless detectability is known of somebody."""
+"""Kinds whose number is undefined if no pedestrian's detectability is known."""
 
 NO_ALERTS: Final = pd.DataFrame(
     {
@@ -66,25 +66,25 @@ NO_ALERTS: Final = pd.DataFrame(
         "log_kind": np.empty(0, object),
     }
 )
-"""Alerts of one system: recording, first_row and last_row (of the frames), track (of the system,
-or the number of its linked boxes within the recording; `NO_TRACK`: none), encounter (-1: none),
-kind (`AlertKind`), log_kind (the log's own word; empty)."""
+"""Alerts of one system: recording, first_row and last_row (of the frames), track (of the system, or
+the number of its linked boxes within the recording, or `NO_TRACK`), encounter (-1: none), kind
+(`AlertKind`), log_kind (the log's own word, or empty)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Everything that alerts are judged by.
+    """Inputs by which alerts are judged.
 
     Attributes
     ----------
     k_truth
         Proximity weight of each truth box; float64, shape (n_truth,).
     urgency
-        Of `nvcore.time_left.judging.find_urgent`.
+        Result of `nvcore.time_left.judging.find_urgent`.
     seen
-        Of `nvcore.driver.comparison.judging.judge_driver`.
+        Result of `nvcore.driver.comparison.judging.judge_driver`.
     corridor
-        Who is farther from the middle is outside, as share of half the width.
+        Limit of the corridor: distance from the middle as a share of half the width.
     """
 
     dataset: Dataset
@@ -95,10 +95,10 @@ class Scene:
     corridor: float
 
     def is_before(self, name: str, encounter: np.ndarray, row: np.ndarray) -> np.ndarray:
-        """Whether a row of `seen` stands before frame rows, as bool, shape (n,).
+        """Return True where a row of `seen` is before the given frame rows, as bool, shape (n,).
 
-        ``confirmed_row``: the driver has seen the encounters by then; ``known_row``: it is known
-        by then whether the driver sees them.
+        ``confirmed_row``: the driver has seen the encounters by then. ``known_row``: by then it is
+        known whether the driver sees them.
         """
         first = self.seen[name].to_numpy()[encounter]
         is_before: np.ndarray = (first >= 0) & (first < row)
@@ -112,9 +112,9 @@ class Reported:
     Attributes
     ----------
     boxes, k
-        Its boxes, and the proximity weight of each.
+        Boxes of the system, and the proximity weight of each.
     matches
-        Of these; those below a threshold may be marked so.
+        Matches of the boxes. Boxes below a threshold may be marked so.
     """
 
     boxes: BoxColumns
@@ -125,12 +125,12 @@ class Reported:
 def alerts_by_policy(
     scene: Scene, system: Reported, policy: Params, *, threshold: float
 ) -> pd.DataFrame:
-    """Return the alerts that a policy makes of a system's output, with columns of `NO_ALERTS`.
+    """Return the alerts that a policy derives from a system's output, with columns of `NO_ALERTS`.
 
     Parameters
     ----------
     threshold
-        Boxes with a lower score are not reported; those without a score are.
+        Boxes with a lower score are not reported. Boxes without a score are.
     """
     boxes, frames = system.boxes, scene.dataset.frame_columns
     is_in = ~(boxes.score < threshold) & (system.matches.state != DetectionState.BELOW)
@@ -154,9 +154,9 @@ def alerts_by_policy(
 def alerts_by_log(scene: Scene, system: Reported, log: AlertLog) -> pd.DataFrame:
     """Return the alerts in a system's own log, with columns of `NO_ALERTS`.
 
-    The boxes with a flag of one track are an alert, as long as it is missing in no more listed
-    frames than a linked track may be. In a table an alert begins in the first listed frame at or
-    after its start, and its boxes are those of its track, or all boxes of the system meanwhile.
+    The flagged boxes of one track form an alert. A gap in the flags may be as long as a gap in a
+    linked track. In a table an alert begins in the first listed frame at or after its start. Its
+    boxes are those of its track, or all boxes of the system during the alert.
     """
     boxes, frames = system.boxes, scene.dataset.frame_columns
     tracks = _Tracks(np.arange(len(boxes)), track_truth(boxes, frames).track)
@@ -166,7 +166,7 @@ def alerts_by_log(scene: Scene, system: Reported, log: AlertLog) -> pd.DataFrame
         return _judged(scene, system, tracks, is_alerted, [0.0] * 4, step=LINK_GAP + 1)
     table = _of_dataset(log, scene.dataset)
     first, stop = frames.first[table["recording"]], frames.first[table["recording"] + 1]
-    # one axis for all recordings, with their longest duration between them
+    # a single time axis for all recordings, separated by their longest duration
     time_s = scene.dataset.frames["time_s"].to_numpy()
     length_s = time_s.max(initial=0.0) + 1.0
     axis = time_s + frames.recording * length_s
@@ -178,7 +178,7 @@ def alerts_by_log(scene: Scene, system: Reported, log: AlertLog) -> pd.DataFrame
     alerts = table[["recording", "track", "log_kind"]].assign(
         first_row=begin, last_row=np.clip(end, begin, stop - 1)
     )
-    # an alert without a track has all boxes of the system meanwhile
+    # an alert without a track has all boxes of the system during the alert
     of_all = np.full(len(boxes), NO_TRACK)
     both = _Tracks(np.tile(tracks.rows, 2), np.concatenate([tracks.track, of_all]))
     return _with_kinds(scene, system, both, alerts)
@@ -188,7 +188,7 @@ def alerts_by_log(scene: Scene, system: Reported, log: AlertLog) -> pd.DataFrame
 class _Tracks:
     """Boxes of a system, and the track of each within its recording as int64, shape (n,).
 
-    Tracks are those that the system reports; other boxes are linked over frames.
+    Tracks that the system reports are kept. Other boxes are linked over frames.
     """
 
     rows: np.ndarray
@@ -204,7 +204,7 @@ def _judged(
     *,
     step: int,
 ) -> pd.DataFrame:
-    """The alerts of boxes that alert, with what they were worth."""
+    """Return the alerts of the alerting boxes, with the worth of each."""
     frames = scene.dataset.frame_columns
     frame_index = system.boxes.frame_index[tracks.rows]
     recording = frames.recording[frame_index].astype(np.int64)
@@ -234,10 +234,10 @@ def _judged(
 def _first_decided(
     scene: Scene, system: Reported, tracks: _Tracks, alerts: pd.DataFrame
 ) -> np.ndarray:
-    """Return the row of the box of each alert that decides what it is about, -1 if there is none.
+    """Return the row of each alert's deciding box, -1 if there is none.
 
-    The first that matches a pedestrian, else the first that is absorbed: people are often ignored
-    from afar, and annotated when they are near. Of several in one frame the nearest.
+    This is the first box that matches a pedestrian, else the first absorbed box: people are often
+    ignored from afar, and annotated when they are near. The nearest box wins within a frame.
     """
     boxes, frames = system.boxes, scene.dataset.frame_columns
     decided = np.full(len(alerts), -1)
@@ -260,7 +260,7 @@ def _first_decided(
 
 
 def _codes(recording: np.ndarray, track: np.ndarray) -> np.ndarray:
-    """Number each track of each recording as int64, shape (n,)."""
+    """Return the number of each box's track within all recordings as int64, shape (n,)."""
     known, code = np.unique(track, return_inverse=True)
     codes: np.ndarray = recording * max(len(known), 1) + code
     return codes
@@ -269,7 +269,7 @@ def _codes(recording: np.ndarray, track: np.ndarray) -> np.ndarray:
 def _with_kinds(
     scene: Scene, system: Reported, tracks: _Tracks, alerts: pd.DataFrame
 ) -> pd.DataFrame:
-    """The alerts by first frame, each with its encounter and what it was worth."""
+    """Return the alerts by first frame, each with its encounter and its worth."""
     decided = _first_decided(scene, system, tracks, alerts)
     truth, encounters, frames = scene.dataset.truth, scene.encounters, scene.dataset.frame_columns
     encounter = np.full(len(alerts), -1)
@@ -321,5 +321,5 @@ def inputs_of(dataset: Dataset) -> AlertInputs:
 
 
 def policy_of(params: Params, dataset: Dataset, system: int) -> Params:
-    """The settings with the policy of a system: its own, if its session names one."""
+    """Return the settings with the policy of a system: its own if its session names one."""
     return replace(params, **inputs_of(dataset).policies.get(system, {}))

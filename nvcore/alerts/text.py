@@ -1,4 +1,4 @@
-"""Additions of alerts to the verdict, and their own report in the terminal."""
+"""Alerts in the verdict, and the report on alerts in the terminal."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from nvcore.time_left.notes import urgent
 from nvcore.wording import aligned, number, one_line
 
 MOST_SHOWN: Final = 8
-"""Points of each curve that are printed."""
+"""Maximum number of printed points of each curve."""
 
 POINTS: Final = (PointOf("Alerts", alert_notes, after="The driver"),)
 
 
 def render_alerts(view: AlertsView) -> str:
-    """What there is to say, the measures, and the curves in some of their points."""
+    """Return remarks, measures, and the curves at some of their points."""
     result, own = view.result, {measure.key for measure in MEASURES}
     sentences = [say(fact, result.objects) for fact in alert_notes(result)]
-    if (of_urgent := urgent(result)) is not None:  # at which speed, as all else rests on it
+    if (of_urgent := urgent(result)) is not None:  # the speed: all else depends on it
         sentences.append(say(of_urgent, result.objects))
     sentences += [say(fact, result.objects) for fact in in_time_by_kind(result)]
     rows = [
@@ -58,7 +58,7 @@ def render_alerts(view: AlertsView) -> str:
 
 
 def _speeding(view: AlertsView) -> Iterator[str]:
-    """The speed alerts of both systems, where there are any."""
+    """Yield the speed alerts of both systems, if there are any."""
     if view.speeding is None:
         return
     yield ""

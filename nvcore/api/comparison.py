@@ -66,9 +66,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Comparison:
-    """Two systems compared; made by `nvcore.compare`.
+    """Comparison of two systems, as returned by `nvcore.compare`.
 
-    ``print`` shows the scorecard, a notebook a table. Tables have the columns of the report's
+    ``print`` shows the scorecard. A notebook shows a table. Tables have the columns of the report's
     files (docs/report.md).
 
     Attributes
@@ -81,7 +81,7 @@ class Comparison:
 
     @property
     def dataset(self) -> Dataset:
-        """Recordings, frames and boxes; its settings are those of this comparison."""
+        """Recordings, frames and boxes, with the settings of this comparison."""
         return self.result.dataset
 
     @property
@@ -91,7 +91,7 @@ class Comparison:
 
     @property
     def protocol(self) -> Protocol:
-        """Which pedestrians count in the detection measures."""
+        """Selection of the pedestrians that count in the detection measures."""
         return self.dataset.settings.protocol
 
     @property
@@ -101,26 +101,26 @@ class Comparison:
 
     @property
     def y(self) -> SystemResult:
-        """System Y, likewise."""
+        """System Y, with its summaries."""
         return self.result.y
 
     @property
     def venn(self) -> Venn:
-        """Encounters by who detects them."""
+        """Counts of encounters by the systems that detect them."""
         return self.result.venn
 
     @property
     def exclusivity(self) -> Exclusivity:
-        """Whether both miss the same encounters."""
+        """Degree to which both systems miss different encounters."""
         return self.result.exclusivity
 
     @property
     def boxes(self) -> BoxVenn:
-        """Boxes of the truth by who matches them."""
+        """Counts of the truth's boxes by the systems that match them."""
         return self.result.boxes
 
     def of(self, subject: str) -> Any:
-        """What a subject makes of it: ``comparison.of("time_left").over_speed``."""
+        """Return a subject's view of the comparison: ``comparison.of("time_left").over_speed``."""
         return self.result.of(subject)
 
     @property
@@ -130,7 +130,7 @@ class Comparison:
 
     @property
     def lead_time_s(self) -> np.ndarray:
-        """Lead of X over Y per encounter, seconds; NaN unless both match."""
+        """Lead of X over Y per encounter, seconds. NaN unless both match."""
         return self.result.lead_time_s
 
     @property
@@ -145,7 +145,7 @@ class Comparison:
 
     @cached_property
     def encounters(self) -> pd.DataFrame:
-        """One row per encounter: category, and how each system did."""
+        """One row per encounter: category, and the result of each system."""
         return encounters_table(self.result)
 
     @cached_property
@@ -165,45 +165,45 @@ class Comparison:
 
     @cached_property
     def matches(self) -> pd.DataFrame:
-        """Every box of truth, X and Y: whom it matches, whether it counts (docs/report.md)."""
+        """Every box of truth, X and Y: its match, and whether it counts (docs/report.md)."""
         return matches_table(self.result)
 
     @cached_property
     def summary(self) -> dict[str, Any]:
-        """All aggregates, as in ``summary.json``; None is undefined."""
+        """All aggregates, as in ``summary.json``. None is undefined."""
         return summary(self.result)
 
     @cached_property
     def findings(self) -> tuple[Finding, ...]:
-        """What the audit found in the inputs and the session's pictures, worst first."""
+        """Findings of the audit in the inputs and the session's pictures, worst first."""
         return worst_first([*self.input_findings, *picture_findings(self.dataset)])
 
     @cached_property
     def figures(self) -> Figures:
-        """Plotly figures, such as ``figures.venn()``; they need the extra ``report``."""
+        """Plotly figures, such as ``figures.venn()``. They need the extra ``report``."""
         with needs("report", "figures need"):
             from nvcore.api.figures import Figures
 
         return Figures(self.result)
 
     def evidence(self) -> pd.DataFrame:
-        """One row per measure of the verdict: difference, 95 % interval, p, effect."""
+        """Return one row per measure of the verdict: difference, 95 % interval, p, effect."""
         return self._evidence.copy()
 
     def verdict(self) -> tuple[str, ...]:
-        """What the comparison supports, in sentences; the first says what is claimed."""
+        """Return the conclusions of the comparison as sentences, starting with the claim."""
         return self._verdict.sentences
 
     @property
     def claims(self) -> tuple[Claim, ...]:
-        """The differences that the verdict calls more than chance: measure, winner, p."""
+        """Differences that the verdict calls more than chance: measure, winner, p."""
         return self._verdict.claims
 
     @method_with(PlanArguments)
     def plan(self, asked: PlanArguments) -> Plan:
-        """How many recordings like these would show a difference, or non-inferiority.
+        """Plan how many recordings like these would show a difference, or non-inferiority.
 
-        Where X and Y are set to unequally many false alarms, at equally many.
+        If X and Y have unequal false alarms, the plan is for equal false alarms.
 
         Raises
         ------
@@ -223,12 +223,12 @@ class Comparison:
         tables
             Format of the tables: ``"csv"`` or ``"parquet"``.
         matches
-            Whether ``matches.parquet`` is written, too: `matches`, a row for each box.
+            True to also write ``matches.parquet``: `matches`, a row for each box.
 
         Raises
         ------
         InputError
-            If the folder cannot be written to, or an input or a session file of yours would be
+            If the folder cannot be written to, or an input or the user's session file would be
             replaced.
         """
         folder = Path(folder)
@@ -241,7 +241,7 @@ class Comparison:
 
     @method_with(HtmlArguments)
     def write_html(self, arguments: HtmlArguments) -> None:
-        """Write the comparison as one HTML file that explains itself; needs the extra ``report``.
+        """Write the comparison as one self-contained HTML file, using the extra ``report``.
 
         Parameters
         ----------
@@ -271,7 +271,7 @@ class Comparison:
 
     @cached_property
     def input_findings(self) -> tuple[Finding, ...]:
-        """Those of `findings` on which numbers may depend: all but those on pictures."""
+        """Findings that can affect numbers: all `findings` except those on pictures."""
         return audit(self.dataset, self.params, x=self.x.name, y=self.y.name)
 
     @cached_property
@@ -336,7 +336,7 @@ class Comparison:
 
 
 def _protect_session(path: Path) -> None:
-    """Refuse to replace a session file unless the program wrote it."""
+    """Raise an error if a session file would be replaced that the program did not write."""
     if not path.is_file():
         return
     try:

@@ -42,11 +42,11 @@ if TYPE_CHECKING:
 
 AT_EQUAL_ALARMS = "all numbers at equal false alarms: --operating-point equal-alarms"
 KEEPING = {"session_file", "out", "tables", "matches", "full", "as_json", "strict"}
-"""Options on which no number depends."""
+"""Options that do not affect any number."""
 LONGEST_NAME = 70
-"""Letters of a session file's path, up to which it is written in a command."""
+"""Maximum length of a session file's path in a suggested command, in characters."""
 MAX_CONVERSION = 160
-"""Letters of a conversion's text that `compare --full` shows: some two lines with the path."""
+"""Maximum length of a conversion's text in `compare --full`: about two lines with the path."""
 
 
 @click.command(
@@ -161,7 +161,7 @@ def compare(
 
 
 def _next_steps(session_file: Path | None, out: Path | None) -> list[str]:
-    """Return commands that show more, by a session file that says all that this command does."""
+    """Return commands that show more, using a session file equivalent to this command."""
     from nvcore.report.files import SESSION_FILE
     from nvcore.report.terminal import WIDTH
 
@@ -189,9 +189,9 @@ def _next_steps(session_file: Path | None, out: Path | None) -> list[str]:
 def _protect_inputs(
     session: Session, file: Path | None, out: Path | None, names: Iterable[str]
 ) -> None:
-    """Refuse to write files into a folder of inputs or over one of them.
+    """Raise an error if an output would replace an input or be written into a folder of inputs.
 
-    A session.toml that the program wrote itself may be written again.
+    A session.toml that the program wrote may be replaced.
     """
     if out is None:
         return
@@ -275,7 +275,7 @@ def check(out: Path | None, strict: bool, **options: Any) -> None:
 
 
 def _for_terminal(dataset: Dataset, path: ShownPath, *, longest: int | None = None) -> Dataset:
-    """The dataset with its files' paths and conversions as the terminal shows them."""
+    """Return the dataset with its files' paths and conversions as the terminal shows them."""
     inputs = dataset.inputs
     changed = inputs.assign(
         file=[path(*names) for names in zip(inputs["subject"], inputs["file"], strict=True)],
@@ -285,7 +285,7 @@ def _for_terminal(dataset: Dataset, path: ShownPath, *, longest: int | None = No
 
 
 def _shortened(text: str, longest: int | None) -> str:
-    """The first facts of a conversion, as many as fit; at least one."""
+    """Return as many of the first facts of a conversion as fit, at least one."""
     if longest is None or len(text) <= longest:
         return text
     end = text.rfind("; ", 0, longest)

@@ -1,10 +1,10 @@
-"""Where the driver looks: from a gaze file, else a fixed point, which is an assumption.
+"""Fixation point of the driver: from a gaze file, else an assumed fixed point.
 
     frame,x,y
     212,960.5,540
 
-Pixels are those of the picture of visible light, or of the recording where there is none. A frame
-without a row (a blink, a gap of the tracker) has no fixation, and what depends on it is undefined.
+Pixels refer to the picture of visible light, or to the recording if there is none. A frame without
+a row (a blink, a gap of the tracker) has no fixation, and values that depend on it are undefined.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ GAZE_COLUMNS: Final = ("frame", "x", "y")
 
 @dataclass(frozen=True)
 class Gaze:
-    """Where the driver looked in each frame.
+    """Gaze points of the driver, one per frame.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Gaze:
     point: NDArray[np.float64]
 
     def at(self, frames: NDArray[np.int64]) -> NDArray[np.float64]:
-        """X and y in these frames, px, float64, shape (n, 2); NaN where there is no row."""
+        """Return x and y in these frames, px, float64, shape (n, 2). NaN without a row."""
         frames = np.asarray(frames, np.int64)
         points = np.full((len(frames), 2), np.nan)
         if not len(self.frame):
@@ -53,15 +53,15 @@ class Gaze:
 
 
 def read_gaze(path: Path) -> Gaze:
-    """Where the driver looked, from a CSV file with the columns frame, x and y.
+    """Read gaze points from a CSV file with the columns frame, x and y.
 
-    Points may lie outside the picture: there is no pedestrian then near the fixation.
+    Points may lie outside the picture. No pedestrian is near the fixation then.
 
     Raises
     ------
     InputError
-        If it cannot be opened, all points lie in 0 to 1, as shares of the picture do, or, with the
-        line, a field is no number or too large, or a frame stands there twice.
+        If the file cannot be opened, or all points are in 0 to 1 like shares of the picture. With
+        the line: if a field is no number or too large, or a frame occurs twice.
     """
     table = read_table(path, what="fixations", required=GAZE_COLUMNS)
     frame = table.whole_numbers("frame", low=-int(MAX_INTEGER))
@@ -83,7 +83,7 @@ def read_gaze(path: Path) -> Gaze:
 
 @dataclass(frozen=True)
 class FixedPoint:
-    """A point at which the driver is assumed to look all the time.
+    """Assumed constant fixation point of the driver.
 
     Attributes
     ----------
@@ -103,5 +103,5 @@ class FixedPoint:
                 )
 
     def in_picture(self, width: int, height: int) -> tuple[float, float]:
-        """The point in a picture of this size, px."""
+        """Return the point in a picture of this size, px."""
         return self.x * width, self.y * height

@@ -3,7 +3,7 @@
     image,pedestrian,x,y,w,h,fixation_x,fixation_y
     park.jpg,1,612,388,31,74,480,270
 
-The fixation may be missing, as columns or as empty cells: a point is assumed then.
+The columns or cells of the fixation may be missing: a point is assumed then.
 """
 
 from __future__ import annotations
@@ -42,13 +42,13 @@ from nvcore.wording import did_you_mean, listed
 
 FIXATION_COLUMNS: Final = ("fixation_x", "fixation_y")
 _ALIKE: Final = 0.8
-"""From this similarity (`difflib`) on a column is taken for a misspelt one."""
+"""Minimum similarity (`difflib`) at which a column is taken for a misspelt one."""
 IMAGE_FEATURE_COLUMNS: Final = (*PEDESTRIAN, *BOX, *FEATURE_KEYS)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ImageFeatures:
-    """Features of the pedestrians of pictures; ``print`` says how many.
+    """Features of the pedestrians of pictures. ``print`` shows the counts.
 
     Attributes
     ----------
@@ -59,9 +59,9 @@ class ImageFeatures:
     n_assumed
         Pedestrians whose fixation is assumed.
     settings
-        What the run was told.
+        Settings of the run.
     sizes
-        Width and height of the pictures, px, those that differ, ascending.
+        Distinct widths and heights of the pictures, px, ascending.
     """
 
     table: pd.DataFrame
@@ -86,11 +86,11 @@ class ImageFeatures:
 
     @property
     def picture_px(self) -> tuple[int, int] | None:
-        """Width and height of all pictures; None: they differ."""
+        """Width and height of all pictures, or None if they differ."""
         return self.sizes[0] if len(self.sizes) == 1 else None
 
     def record(self, contents: Mapping[str, bytes]) -> bytes:
-        """How they were made, with the hashes of the files that hold them, as JSON."""
+        """Return settings and hashes of the input files, as JSON."""
         values = self.settings.as_json()
         return record_bytes(
             contents,
@@ -113,22 +113,22 @@ def image_features(
     n_threads: int | None = None,
     progress: Progress = no_progress,
 ) -> ImageFeatures:
-    """Features of the pedestrians that a file lists, in the pictures of a folder.
+    """Compute features of the pedestrians listed in a file, in the pictures of a folder.
 
     Parameters
     ----------
     folder
-        Holds the pictures.
+        Folder of the pictures.
     boxes
-        CSV with the columns image (path in the folder), pedestrian, x, y, w, h (px), and where
-        known fixation_x and fixation_y (px).
+        CSV with the columns image (path in the folder), pedestrian, x, y, w, h (px), and optionally
+        fixation_x and fixation_y (px).
     settings, n_threads, progress
-        As of `nvcore.driver.run.run_features`.
+        See `nvcore.driver.run.run_features`.
 
     Raises
     ------
     InputError
-        If a file cannot be used; with the line of the row that names it.
+        If a file cannot be used, with the line of the row that names it.
     """
     settings = settings or DriverViewSettings()
     table = read_picture_boxes(boxes)
@@ -162,7 +162,7 @@ def image_features(
 
 
 def _fixations(table: TextTable) -> NDArray[np.float64]:
-    """Where the driver looked, x and y, px, shape (n, 2); NaN: not known."""
+    """Return the fixations, x and y, px, shape (n, 2). NaN is unknown."""
     if lost := [name for name in FIXATION_COLUMNS if name not in table]:
         _refuse_misspelt(table, lost)
         return np.full((len(table), 2), np.nan)
@@ -179,7 +179,7 @@ def _fixations(table: TextTable) -> NDArray[np.float64]:
 
 
 def _refuse_misspelt(table: TextTable, lost: list[str]) -> None:
-    """Refuse one column of the fixation without the other, and names that are nearly theirs."""
+    """Raise an error if a column of the fixation is missing or probably misspelt."""
     present = [name for name in FIXATION_COLUMNS if name not in lost]
     others = [name for name in table.fields if name not in IMAGE_FEATURE_COLUMNS]
     similar = [
@@ -216,6 +216,6 @@ def _read(
         path, row = folder / name, int(rows[number][0])
         if not is_below(path, folder):
             raise table.fault(row, f"image: {name!r} lies outside the folder of the pictures")
-        if not os.path.isfile(path):  # noqa: PTH113 - Path.is_file raises where a name is too long
+        if not os.path.isfile(path):  # noqa: PTH113 - Path.is_file raises if a name is too long
             raise table.fault(row, f"image: there is no {name!r} in {folder.name}")
         yield number, decode_image(file_bytes(path), name)

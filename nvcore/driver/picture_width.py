@@ -1,4 +1,4 @@
-"""Whether pictures are as wide as those of the training: sizes mean something else otherwise."""
+"""Warn about pictures of another width than in training: features of size differ there."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from nvcore.notes import Note
 from nvcore.wording import MOST_NAMED, listed, one_line
 
 WIDTH_FACTOR: Final = 1.1
-"""By more than that the width of pictures differs from that of the training; ours."""
+"""Factor above which the widths of pictures count as different. (Our choice.)"""
 
 
 def other_widths(recordings: Sequence[RecordingFeatures], estimator: Estimator) -> dict[str, int]:
-    """Width of the pictures of each recording, by name, where the training's is another.
+    """Return picture widths that differ from those of the training, by recording name.
 
-    Grey pictures that nobody calls visible are left out: nothing is estimated from them. Empty
-    where it is not known how wide those of the training were, or no feature depends on it.
+    Grey pictures that are not declared as visible light are left out: nothing is estimated from
+    them. Empty if the width in the training is unknown, or no feature depends on it.
     """
     if estimator.origin.picture_px is None or not _labels_of_scale(estimator):
         return {}
@@ -34,7 +34,7 @@ def other_widths(recordings: Sequence[RecordingFeatures], estimator: Estimator) 
 
 
 def other_width_notes(recordings: Sequence[RecordingFeatures], estimator: Estimator) -> list[Note]:
-    """Return a note on these pictures for each width."""
+    """Return a note on the affected pictures for each width."""
     names: dict[int, list[str]] = {}
     for name, width in other_widths(recordings, estimator).items():
         names.setdefault(width, []).append(one_line(name))
@@ -53,6 +53,6 @@ def other_width_notes(recordings: Sequence[RecordingFeatures], estimator: Estima
 
 
 def _labels_of_scale(estimator: Estimator) -> list[str]:
-    """Which features that it takes depend on the number of pixels of a picture."""
+    """Return the labels of the estimator's features that depend on the picture size in pixels."""
     taken = estimator.features
     return [feature.label for feature in FEATURES if feature.is_of_scale and feature.key in taken]

@@ -1,4 +1,4 @@
-"""One recording as the driver saw it: its pictures, gaze and light, opened."""
+"""Pictures, gaze and light of one recording, as the driver saw it."""
 
 from __future__ import annotations
 
@@ -23,41 +23,41 @@ from nvcore.wording import one_line
 
 _HOW_TO_NAME: Final = 'visible = "drive.mp4", or pictures = "drive.mp4",'
 _LOOKED_AT: Final = (0.5, 0.1, 0.9)
-"""Where in a recording pictures are looked at to tell whether they have colour."""
+"""Relative positions of the pictures that are checked for colour."""
 
 
 @dataclass(frozen=True, eq=False)
 class DriverRecording:
-    """A recording with what is known of the driver's view.
+    """Recording with the data on the driver's view.
 
     Attributes
     ----------
     number
         Row of the dataset's recordings.
     name
-        As the dataset calls it.
+        Name in the dataset.
     name_in_data
-        As the data call it.
+        Name in the data.
     pictures
-        Of visible light where there are some, else the recording's own; None: there are none.
+        Pictures of visible light if there are any, else the recording's own. None: no pictures.
     index
         Picture of each evaluated frame, -1 none, int64.
     picture_note
-        Which picture shows which frame, or why there is none.
+        Assignment of pictures to frames, or the reason for having none.
     is_visible
-        Whether the session calls the pictures those of visible light.
+        True if the session declares the pictures as visible light.
     has_colour
-        Whether they have colour.
+        True if the pictures have colour.
     to_picture
         (sx, sy, dx, dy): x of the picture is sx x + dx of the recording.
     gaze
-        None: a point is assumed.
+        Gaze of the driver. None: a point is assumed.
     light
-        Of a light meter; None: there is none.
+        Readings of a light meter, or None.
     has_map
-        Whether `to_picture` is a ``visible_map`` of the session, not the two sizes.
+        True if `to_picture` is a ``visible_map`` of the session, False if it is from the sizes.
     doubts
-        What speaks against the pictures being this recording's, in sentences.
+        Signs that the pictures belong to another recording, in sentences.
     """
 
     number: int
@@ -76,26 +76,26 @@ class DriverRecording:
 
     @property
     def kind(self) -> str:
-        """Which pictures: ``visible``, those that the session names so, or its ``own``."""
+        """Kind of the pictures: ``visible`` if the session declares them so, else ``own``."""
         return "visible" if self.is_visible else "own"
 
     @property
     def picture_px(self) -> tuple[int, int] | None:
-        """Width and height of its pictures (of the first); None: there are none."""
+        """Width and height of the first picture, or None without pictures."""
         return None if self.pictures is None else (self.pictures.width, self.pictures.height)
 
     @property
     def may_be_of_heat(self) -> bool:
-        """Whether the pictures are grey and nobody says that they are of visible light."""
+        """True if the pictures are grey and not declared as visible light."""
         return self.pictures is not None and not (self.is_visible or self.has_colour)
 
     @property
     def needs_light(self) -> bool:
-        """Whether the pictures are to stand in for a light meter."""
+        """True if the pictures have to replace a light meter."""
         return self.light is None and self.pictures is not None and not self.may_be_of_heat
 
     def boxes_in_picture(self, boxes: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Boxes (n, 4) x, y, w, h of the recording in px of the picture."""
+        """Return boxes (n, 4) x, y, w, h of the recording in px of the picture."""
         across, down, right, lower = self.to_picture
         scaled: NDArray[np.float64] = boxes * [across, down, across, down] + [right, lower, 0, 0]
         return scaled
@@ -103,7 +103,7 @@ class DriverRecording:
     def fixations(
         self, frames: NDArray[np.int64], assumed: FixedPoint, size: tuple[int, int]
     ) -> NDArray[np.float64]:
-        """Where the driver looks in these frames, px of the picture, float64, shape (n, 2).
+        """Return fixations in these frames, px of the picture, float64, shape (n, 2).
 
         Parameters
         ----------
@@ -120,24 +120,24 @@ class DriverRecording:
 
 
 def open_recordings(session: Session, dataset: Dataset) -> list[DriverRecording]:
-    """The recordings of a dataset; their pictures are to be closed.
+    """Open the recordings of a dataset. The caller closes their pictures.
 
     Parameters
     ----------
     session
-        Names the pictures, light and gaze of each recording, in files below its folder.
+        Session with pictures, light and gaze of each recording, in files below its folder.
     dataset
-        What was loaded of it.
+        Dataset loaded from the session.
 
     Returns
     -------
-    One for each recording of the dataset, in its order; one that the session does not name, or of
-    which it names no pictures, has none.
+    One entry per recording of the dataset, in its order. It has no pictures if the session does not
+    name the recording or its pictures.
 
     Raises
     ------
     InputError
-        If a gaze or light file cannot be used, with file and line; or no evaluated frame has a
+        If a gaze or light file cannot be used, with file and line, or no evaluated frame has a
         picture.
     """
     names = [str(name) for name in dataset.recordings["name"]]
@@ -206,7 +206,7 @@ def _recording(
 def _doubts(
     source: Pictures, dataset: Dataset, number: int, entry: RecordingEntry, has_map: bool
 ) -> tuple[Note, ...]:
-    """Where pictures are of another shape than the recording, or not as many as its frames."""
+    """Return notes if shape or number of the pictures differ from those of the frames."""
     columns, name, doubts = dataset.frame_columns, one_line(source.name), list[Note]()
     of_px = float(columns.width[number]), float(columns.height[number])
     if not has_map and is_of_other_shape(source, *of_px):
@@ -230,10 +230,10 @@ def _is_as_long(
     *,
     others: NDArray[np.int64],
 ) -> bool:
-    """Whether there are as many pictures as frames, listed or from the first picture's on.
+    """Return whether the pictures are as many as the frames, listed or from the first picture's on.
 
-    Frames may count from 1, and be some of many at equal steps. Where `others` are not listed,
-    some were chosen: nobody knows how many there are, but that they are no fewer.
+    Frames may count from 1, and be a sample at equal steps. If `others` are not listed, frames were
+    selected: only their minimum number is known.
     """
     frames = np.union1d(listed, others)
     if not len(frames) or n_pictures == len(frames):
@@ -245,7 +245,7 @@ def _is_as_long(
 
 
 def _note(notes: Mapping[int, str], number: int, index: NDArray[np.int64]) -> str:
-    """What is to be said of pictures that are missing; empty: none is."""
+    """Return a note on missing pictures, or an empty text if none is missing."""
     if (index >= 0).all():
         return ""
     return notes.get(number, "No pictures are named for it.")
@@ -257,6 +257,6 @@ def _has_colour(source: Pictures, index: NDArray[np.int64]) -> bool:
         try:
             if has_colour(source.read(int(shown[int(share * len(shown))]))):
                 return True
-        except MediaError:  # said when it is its turn
+        except MediaError:  # reported when the recording is processed
             continue
     return False

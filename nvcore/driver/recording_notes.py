@@ -1,6 +1,6 @@
-"""Notes on a recording's pictures, gaze and light: assumptions made, and what is doubtful.
+"""Notes on a recording's pictures, gaze and light: assumptions and doubts.
 
-They are worded by `nvcore.notes.phrase`: some begin with the name of a file, which stays as it is.
+`nvcore.notes.phrase` renders them. A file name at the beginning of a note keeps its case.
 """
 
 from __future__ import annotations
@@ -18,22 +18,22 @@ from nvcore.driver.recording import DriverRecording
 from nvcore.notes import Note
 
 MANY_DARK: Final = 0.1
-"""From this share of readings below `least_lux` on it is said how many are: a wrong unit; ours."""
+"""Minimum share of readings below `least_lux` for a warning about the unit. (Our choice.)"""
 LEAST_COVERED: Final = 0.9
-"""Readings of a smaller part of a recording may be of another clock; ours."""
+"""Minimum share of a recording that readings should cover on the same clock. (Our choice.)"""
 MOST_LUX: Final = 200_000.0
-"""Direct sun has about 130,000 lx: readings above this are of another unit; ours."""
+"""Largest plausible reading: direct sun has about 130,000 lx. (Our choice.)"""
 MOST_OUTSIDE: Final = 0.5
-"""From this share of its points outside of the pictures on, gaze may be of other ones; ours."""
+"""Share of gaze points outside the pictures that suggests other pictures. (Our choice.)"""
 
 
 def picture_notes(recording: DriverRecording, faults: list[str], n_unseen: int) -> list[Note]:
-    """Return which pictures were used, and what is wrong with them.
+    """Return notes on the pictures that were used, and on their faults.
 
     Parameters
     ----------
     faults
-        Of pictures that cannot be read.
+        Faults of pictures that cannot be read.
     n_unseen
         Pedestrian boxes in frames without a picture.
     """
@@ -51,14 +51,14 @@ def picture_notes(recording: DriverRecording, faults: list[str], n_unseen: int) 
 
 
 def boxes_outside(recording: DriverRecording, n_outside: int, n_seen: int) -> Note | None:
-    """Return how many boxes lie outside the picture of their frame, as a clause; None: none."""
+    """Return the number of boxes outside the picture of their frame, as a clause, or None."""
     if not n_outside:
         return None
     return Note("driver.boxes_outside", has_map=recording.has_map, n_outside=n_outside, n=n_seen)
 
 
 def other_frames(gaze: Gaze, frames: NDArray[np.int64]) -> Note | None:
-    """Return why no gaze point belongs to a frame (n,), as a clause; None if some do."""
+    """Return the reason if no gaze point belongs to a frame (n,), as a clause, or None."""
     if not len(gaze.frame):
         return Note("driver.no_gaze")
     if not len(frames) or not np.isnan(gaze.at(frames)).all():
@@ -73,12 +73,12 @@ def fixation(
     frames: NDArray[np.int64],
     with_boxes: NDArray[np.int64],
 ) -> Note:
-    """Return where the driver is assumed to look.
+    """Return a note on the assumed fixation of the driver.
 
     Parameters
     ----------
     frames, with_boxes
-        Numbers of the recording's frames, and of those of them with pedestrians, ascending.
+        Numbers of the recording's frames, and of its frames with pedestrians, ascending.
     """
     if recording.gaze is None:
         return Note("driver.fixation_assumed", x=assumed.x, y=assumed.y)
@@ -113,7 +113,7 @@ def picture_doubts(
 def _count_gaze(
     recording: DriverRecording, assumed: FixedPoint, with_boxes: NDArray[np.int64]
 ) -> tuple[int, int]:
-    """Number of these frames in which the gaze is known, and in which it is off the picture."""
+    """Return how many frames have a known gaze, and how many have it off the picture."""
     if recording.gaze is None:
         return 0, 0
     known = with_boxes[~np.isnan(recording.gaze.at(with_boxes)[:, 0])]
@@ -136,7 +136,7 @@ def light_note(
     Parameters
     ----------
     light, clock
-        None: nothing is known.
+        None: the light is unknown.
     frames
         Numbers of the recording's frames, ascending.
     """
@@ -170,12 +170,12 @@ def light_note(
 def light_doubt(
     light: Light | None, frames: NDArray[np.int64], fps: float, settings: LightSettings
 ) -> Note | None:
-    """Return signs of another unit or clock of the light meter, as a clause; None if none.
+    """Return signs of another unit or clock of the light meter, as a clause, or None.
 
     Parameters
     ----------
     light
-        None: nothing is known.
+        None: the light is unknown.
     frames
         Numbers of the recording's frames, ascending.
     """
@@ -199,17 +199,17 @@ def light_doubt(
 
 
 def _sparse(light: Light, settings: LightSettings) -> str | None:
-    """Return the seconds between readings if a change could fall between two; else None."""
+    """Return the seconds between readings if a change could fall between two, else None."""
     return _amount(light.step_s) if light.step_s > settings.bright_for_s / 2 else None
 
 
 def _gaps(light: Light, begin_s: float, end_s: float, settings: LightSettings) -> Note | None:
-    """Return gaps in the readings in which the light is unknown; None if there are none.
+    """Return gaps in the readings in which the light is unknown, or None.
 
     Parameters
     ----------
     begin_s, end_s
-        Of the recording, on the axis of the light.
+        Times of the recording, on the clock of the light meter.
     """
     gaps_s = light.gaps_s
     unknown_until_s = gaps_s[:, 1] + settings.bright_for_s
@@ -231,5 +231,5 @@ def _gaps(light: Light, begin_s: float, end_s: float, settings: LightSettings) -
 
 
 def _amount(value: float) -> str:
-    """A number with three figures, or all before the point."""
+    """Return a number with three significant digits, or all digits before the point."""
     return f"{value:,.0f}" if abs(value) >= 100 else f"{value:.3g}"

@@ -1,4 +1,4 @@
-"""Features of every pedestrian of recordings, in one pass over the pictures."""
+"""Compute features of every pedestrian of recordings in one pass over the pictures."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ FEATURE_COLUMNS: Final = (
     *FEATURE_KEYS,
     *("period_s", "illumination", "illumination_by", "picture"),
 )
-"""Columns of a features file: one row for each truth box that is not ignored."""
+"""Columns of a features file, one row per truth box that is not ignored."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -52,29 +52,29 @@ class RecordingFeatures:
     Attributes
     ----------
     name
-        As the dataset calls it.
+        Name in the dataset.
     table
-        `FEATURE_COLUMNS`; features are NaN where the frame has no picture.
+        `FEATURE_COLUMNS`. Features are NaN if the frame has no picture.
     is_light_known
-        Whether a change of light would be known in the frame of each row, bool, shape (n,).
+        True if a change of light would be known in the row's frame, bool, shape (n,).
     n_unseen
         Pedestrians (boxes) in frames without a picture.
     notes
-        What was taken for what, in sentences.
+        Assumptions and sources, in sentences.
     may_be_of_heat
-        Whether its pictures are grey and nobody says that they are of visible light.
+        True if its pictures are grey and not declared as visible light.
     clock
-        Light and adaptation in each of its frames; None: nothing is known of the light.
+        Light and adaptation in each of its frames. None: the light is unknown.
     name_in_data
-        As the data call it; the table does, too.
+        Name in the data, as in the table.
     picture_px
-        Width and height of its pictures; None: it has none.
+        Width and height of its pictures, or None without pictures.
     why_missing
-        Why none of its boxes has a feature, by its key, as a clause, where it is known.
+        Known reasons why no box has a feature, by the feature's key, as clauses.
     light_doubt
-        What looks like a light meter of another unit or clock, as a clause; empty: nothing.
+        Signs of another unit or clock of the light meter, as a clause, or empty.
     picture_doubt
-        What looks like pictures or gaze of something else, in sentences; empty: nothing.
+        Signs that pictures or gaze belong to another recording, in sentences, or empty.
     """
 
     name: str
@@ -93,18 +93,18 @@ class RecordingFeatures:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FeatureRun:
-    """Features of the pedestrians of recordings; ``print`` says what was taken for what.
+    """Features of the pedestrians of recordings. ``print`` shows the assumptions.
 
     Attributes
     ----------
     recordings
         In the order of the dataset.
     settings
-        What the run was told.
+        Settings of the run.
     n_pictures
-        Pictures that were looked at.
+        Number of processed pictures.
     seconds
-        How long it took.
+        Duration of the run.
     """
 
     recordings: tuple[RecordingFeatures, ...]
@@ -146,20 +146,20 @@ def run_features(
     n_threads: int | None = None,
     progress: Progress = no_progress,
 ) -> FeatureRun:
-    """Features of every pedestrian that is not ignored, in every frame that has a picture.
+    """Compute features of every pedestrian that is not ignored, in every frame with a picture.
 
-    The same pictures give the same table, however many threads there are.
+    The table does not depend on the number of threads.
 
     Parameters
     ----------
     dataset
-        With the session that it was loaded from as its settings: it names pictures, gaze and light.
+        Dataset whose settings are its session, which names pictures, gaze and light.
     settings
-        None: our defaults.
+        None: the defaults.
     n_threads
-        Pictures at a time; None: as many as there are cores.
+        Pictures processed in parallel. None: one per core.
     progress
-        Called for every picture and now and then between, with the time left in words.
+        Called at least once per picture, with the time left in words.
 
     Raises
     ------
@@ -185,7 +185,7 @@ def run_features(
 
 
 class _Pass:
-    """The pass over one recording; frames are counted from its first evaluated one."""
+    """Pass over one recording. Frames are counted from its first evaluated one."""
 
     def __init__(self, recording: DriverRecording, dataset: Dataset, settings: DriverViewSettings):
         self.recording, self.settings, self.objects = recording, settings, dataset.objects
@@ -209,7 +209,7 @@ class _Pass:
         self.is_seen = np.zeros(len(self.frame), bool)
 
     def run(self, clock: PictureClock, n_threads: int | None) -> RecordingFeatures:
-        """Look at the pictures, then at the course of the light."""
+        """Process the pictures, then the course of the light."""
         recording, faults = self.recording, list[str]()
         tell = partial(clock.count, name=recording.name)
         if recording.pictures is not None:
@@ -245,7 +245,7 @@ class _Pass:
         )
 
     def _look(self, row: int, picture: Picture) -> int:
-        """Features and light of one picture; rows of different pictures are never the same."""
+        """Compute features and light of one picture. Different pictures never share rows."""
         if picture.dtype != np.uint8:
             picture = stretch(picture, *STRETCH)
         recording, boxes = self.recording, slice(*self.first[row : row + 2].tolist())
@@ -263,7 +263,7 @@ class _Pass:
         return row
 
     def _light(self) -> Light | None:
-        """Readings of the light meter, or of the pictures; None: nothing is known."""
+        """Return readings of the light meter or of the pictures, or None."""
         if self.recording.light is not None:
             return self.recording.light
         is_known = ~np.isnan(self.level)
@@ -291,7 +291,7 @@ class _Pass:
         return pd.DataFrame(values, index=pd.RangeIndex(len(frame)))
 
     def _why_missing(self) -> dict[str, str]:
-        """Why no box of it has a feature, by its key, as a clause."""
+        """Return why no box of the recording has a feature, by the feature's key, as clauses."""
         n_seen, n_outside = self._n_outside()
         if n_seen and n_outside == n_seen:
             outside = boxes_outside(self.recording, n_outside, n_seen)
@@ -301,7 +301,7 @@ class _Pass:
         return {"fixation_distance_px": self._say(fault)} if fault else {}
 
     def _n_outside(self) -> tuple[int, int]:
-        """Boxes in frames with a picture, and those of them that lie outside of it."""
+        """Return the number of boxes in frames with a picture, and of those outside of it."""
         is_seen = self.is_seen[self.frame_of_box]
         is_outside = np.isnan(self.features[is_seen, FEATURE_KEYS.index("width_px")])
         return int(np.count_nonzero(is_seen)), int(np.count_nonzero(is_outside))

@@ -1,4 +1,4 @@
-"""Which differences may be claimed: those beyond chance that no choice of settings explains."""
+"""Differences that may be claimed: beyond chance, and not explained by a choice of settings."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ FALSE_ALERTS: Final = "false_alert_episodes_per_hour"
 
 
 class Basis(StrEnum):
-    """The comparison that the verdict is about."""
+    """Comparison that the verdict is about."""
 
     AS_SET = "as set"
     EQUAL_ALARMS = "equal false alarms"
@@ -57,16 +57,16 @@ class Claim:
 
 @dataclass(frozen=True)
 class Support:
-    """What the evidence supports.
+    """Conclusions that the evidence supports.
 
     Attributes
     ----------
     basis
-        The comparison that the claims are about; ``none``: nothing can be claimed.
+        Comparison that the claims are about. ``none``: nothing can be claimed.
     claims
         In the order of the table.
     withheld
-        Why a difference is not claimed although p is small enough, by the measure's key.
+        Reasons for not claiming a difference with a small enough p, by the measure's key.
     """
 
     basis: Basis
@@ -77,12 +77,12 @@ class Support:
 def find_claims(
     result: Result, evidence: pd.DataFrame | None, companions: Companions | None
 ) -> Support:
-    """Which differences between X and Y may be claimed.
+    """Return the differences between X and Y that may be claimed.
 
-    A claim needs a small `p_corrected` (of the primary measure that is p itself) over at least six
-    recordings or units, and it must not hinge on the operating points: if X and Y have unequally
-    many false alarms, it is about the comparison at equal false alarms; if not, it must hold there,
-    too. Strict pairing must not reverse it. Until the companions are known, nothing is claimed.
+    A claim needs a small `p_corrected` (p itself for the primary measure) over at least six
+    recordings or units. It must not depend on the operating points: if X and Y have unequal false
+    alarms, the claim is about the comparison at equal false alarms. Otherwise it must hold there,
+    too. Strict pairing must not reverse it. Nothing is claimed until the companions are known.
 
     Parameters
     ----------
@@ -114,9 +114,9 @@ def find_claims(
 def decided_on(
     result: Result, evidence: pd.DataFrame | None, companions: Companions | None
 ) -> tuple[Result, pd.DataFrame | None]:
-    """The comparison that claims are about, and its evidence; None: it supports nothing.
+    """Return the comparison that claims are about, and its evidence or None.
 
-    Where X and Y are at unequal operating points that is the one at equal false alarms.
+    At unequal operating points this is the comparison at equal false alarms.
     """
     if not are_unequal(result):
         return result, evidence
@@ -128,11 +128,11 @@ def decided_on(
 def find_within(
     result: Result, evidence: pd.DataFrame, companions: Companions | None
 ) -> tuple[Claim, ...]:
-    """Differences that are clear within a few recordings, the clearest first.
+    """Return differences that are clear within a few recordings, the clearest first.
 
     Their intervals exclude 0 even after Bonferroni's correction for the number of intervals. Like
-    all claims, they need the companions and must survive equal false alarms and strict pairing;
-    if nothing gives equal false alarms, the better system must not be the one with more of them.
+    all claims, they need the companions and must survive equal false alarms and strict pairing. If
+    no threshold gives equal false alarms, the better system must not have more of them.
     """
     if companions is None or result.as_set is not None or are_unequal(result):
         return ()
@@ -161,7 +161,7 @@ def find_within(
 
 
 def _widening(n: int, n_intervals: int) -> float:
-    """Factor by which Bonferroni's correction widens each of so many intervals."""
+    """Return the factor by which Bonferroni's correction widens each of `n_intervals` intervals."""
     alpha = (1 - CONFIDENCE) / 2
     return float(
         scipy.special.stdtrit(n - 1, alpha / n_intervals) / scipy.special.stdtrit(n - 1, alpha)
@@ -169,7 +169,7 @@ def _widening(n: int, n_intervals: int) -> float:
 
 
 def _candidates(result: Result, rows: Sequence[Mapping[Hashable, Any]]) -> dict[str, Claim]:
-    """Differences over recordings that are more than chance and not in doubt, by key."""
+    """Return differences over recordings that are more than chance and not in doubt, by key."""
     claims = {}
     for row in rows:
         key = str(row["figure"])
@@ -181,7 +181,7 @@ def _candidates(result: Result, rows: Sequence[Mapping[Hashable, Any]]) -> dict[
 
 
 def _doubts(rows: Sequence[Mapping[Hashable, Any]]) -> dict[str, Note]:
-    """Why differences that seem more than chance are in doubt, by key."""
+    """Return why differences that seem more than chance are in doubt, by key."""
     return {
         str(row["figure"]): Note("verdict.doubted", doubt=str(row["doubt"]))
         for row in rows
@@ -190,21 +190,21 @@ def _doubts(rows: Sequence[Mapping[Hashable, Any]]) -> dict[str, Note]:
 
 
 def _significant_rows(evidence: pd.DataFrame) -> list[dict[Hashable, Any]]:
-    """Rows of the measures that may be claimed, with a small enough p over recordings."""
+    """Return rows of the measures that may be claimed, with a small enough p over recordings."""
     small = evidence[evidence["p_corrected"] <= SIGNIFICANT]
-    rows = [] if small.empty else small.to_dict("records")  # slow even for none
+    rows = [] if small.empty else small.to_dict("records")  # slow even if empty
     return [row for row in rows if row["unit"] in WHOLE and row["figure"] in CLAIMED]
 
 
 def winner_of(difference: float, better: str) -> str:
-    """The system, ``x`` or ``y``, that a difference X - Y favours."""
+    """Return the system, ``x`` or ``y``, that a difference X - Y favours."""
     return "x" if (difference > 0) == (better == "higher") else "y"
 
 
 def _not_confirmed(
     result: Result, candidates: Mapping[str, Claim], companions: Companions
 ) -> dict[str, Note]:
-    """Why differences as set do not hold at equal false alarms, by key."""
+    """Return why differences as set do not hold at equal false alarms, by key."""
     if companions.evidence is None:
         return _not_dominant(result, candidates)
     confirmed = _candidates(result, _significant_rows(companions.evidence))
@@ -216,7 +216,7 @@ def _not_confirmed(
 
 
 def _not_dominant(result: Result, candidates: Mapping[str, Claim]) -> dict[str, Note]:
-    """What a winner may owe to its operating point, by key, if nothing sets the systems alike."""
+    """Return advantages that may only come from an unequal operating point, by key."""
     reasons = {}
     n_alarms = {letter: count_alarms(system) for letter, system in result.sides}
     n_matched = {letter: int(system.matched.sum()) for letter, system in result.sides}
@@ -233,23 +233,23 @@ def _not_dominant(result: Result, candidates: Mapping[str, Claim]) -> dict[str, 
 
 
 def is_turned(key: str, result: Result, other: Result) -> bool:
-    """Whether a measure favours opposite systems in two comparisons."""
+    """Return whether a measure favours opposite systems in two comparisons."""
     differences = (np.subtract(*values_of(key, each)) for each in (result, other))
     return bool(np.prod(np.sign([*differences])) < 0)
 
 
 def is_turned_strictly(key: str, result: Result, strict: Result) -> bool:
-    """Whether strict pairing makes a measure favour the other system."""
+    """Return whether strict pairing makes a measure favour the other system."""
     return measure_of(key).depends_on("pairing") and is_turned(key, result, strict)
 
 
 def values_of(key: str, result: Result) -> tuple[float, float]:
-    """A measure of `nvcore.measures.table.MEASURES` of X and Y; NaN undefined."""
+    """Return a measure of `nvcore.measures.table.MEASURES` for X and Y. NaN is undefined."""
     value_of = measure_of(key).of
     assert value_of is not None, key
     return float(value_of(result, result.x)), float(value_of(result, result.y))
 
 
 def has_primary(evidence: pd.DataFrame, key: str) -> bool:
-    """Whether the table has a p of the primary measure."""
+    """Return whether the table has a p of the primary measure."""
     return bool((np.isfinite(evidence["p_corrected"]) & (evidence["figure"] == key)).any())

@@ -1,7 +1,7 @@
 """Operating points of X and Y, and the comparison at equal false alarms.
 
 A lower threshold gives more detections and more false alarms. So nothing is claimed from a
-comparison at unequal operating points; the one at equal false alarms takes its place.
+comparison at unequal operating points. The comparison at equal false alarms replaces it.
 """
 
 from __future__ import annotations
@@ -24,24 +24,24 @@ from nvcore.scoring import SystemResult
 from nvcore.settings import OperatingPoint
 
 AS_SET: Final = "as set: at unequal operating points"
-"""Marks numbers of X and Y from which nothing is claimed."""
+"""Label of numbers of X and Y from which nothing is claimed."""
 SETTLED: Final = "score-floors"
-"""Code of the finding that a comparison at equal false alarms settles."""
+"""Code of the finding that a comparison at equal false alarms resolves."""
 
 
 def count_alarms(system: SystemResult) -> int:
-    """False alarms of a system, 0 is best."""
+    """Return the number of false alarms of a system, 0 is best."""
     return int(system.false_alarms.sum())
 
 
 def are_unequal(result: Result) -> bool:
-    """Whether X and Y are set to different operating points, so that neither can be preferred."""
+    """Return whether X and Y have different operating points, so that neither is preferable."""
     n_x, n_y = (count_alarms(system) for _, system in result.sides)
     return are_unequal_alarms(n_x, n_y)
 
 
 def alarms_as_set(result: Result) -> Note:
-    """Return the false alarms per frame of X and Y, which other notes name where they differ."""
+    """Return the false alarms per frame of X and Y, for other notes on unequal operating points."""
     n_frames = max(len(result.dataset.frames), 1)
     x, y = (count_alarms(system) / n_frames for _, system in result.sides)
     return Note("verdict.unequal_alarms", x=x, y=y)
@@ -57,7 +57,7 @@ def point_note(result: Result) -> Note | None:
 
 
 def is_undecided(result: Result, key: str) -> bool:
-    """Whether unequal operating points forbid conclusions from a measure of `EVIDENCE_KEYS`.
+    """Return whether unequal operating points forbid conclusions from a measure of `EVIDENCE_KEYS`.
 
     Detection curves run over all thresholds, so their measures do not depend on those in use.
     """
@@ -65,21 +65,21 @@ def is_undecided(result: Result, key: str) -> bool:
 
 
 def has_scores(result: Result, letter: str) -> bool:
-    """Whether a threshold could move this system: its scores differ."""
+    """Return whether a threshold can move this system because its scores differ."""
     return span_of_scores(result.dataset, result.system(letter).name) is not None
 
 
 def find_equal_alarms(result: Result, previous: Result | None = None) -> Result | None:
-    """The comparison with one threshold moved; None: no threshold gives equal false alarms.
+    """Return the comparison with one threshold moved to equal false alarms, or None.
 
-    It is the lowest round threshold that gives them; `Result.as_set` is the comparison given.
+    The threshold is the lowest round one. `Result.as_set` is the original comparison.
 
     Parameters
     ----------
     previous
-        What this gave for other settings, to take stages from.
+        Earlier result for other settings, to reuse its stages.
     """
-    # not kept itself: as it holds the result, neither would end before the other
+    # not cached itself: it holds the result, so neither would ever be freed
     cache: dict[str, weakref.ref[Result] | None] = result.keep("equal_alarms", dict)
     if "found" in cache and cache["found"] is None:
         return None
@@ -92,7 +92,7 @@ def find_equal_alarms(result: Result, previous: Result | None = None) -> Result 
 
 
 def can_be_equal(result: Result) -> bool:
-    """Whether `find_equal_alarms` finds a comparison."""
+    """Return whether `find_equal_alarms` finds a comparison."""
     cache: dict[str, weakref.ref[Result] | None] = result.keep("equal_alarms", dict)
     if "found" not in cache:
         find_equal_alarms(result)
@@ -125,14 +125,14 @@ def _find_equal_alarms(result: Result, previous: Result | None) -> Result | None
 def at_operating_point(
     result: Result, point: OperatingPoint, previous: Result | None = None
 ) -> Result:
-    """The comparison as set, or at equal false alarms.
+    """Return the comparison as set, or at equal false alarms.
 
-    As set where X and Y are set alike, and where no threshold sets them alike.
+    It is as set if X and Y have equal operating points, or no threshold gives them equal ones.
 
     Parameters
     ----------
     previous
-        As of `find_equal_alarms`.
+        See `find_equal_alarms`.
     """
     if point == "as-set" or not are_unequal(result):
         return result
@@ -140,13 +140,13 @@ def at_operating_point(
 
 
 def moved_of(equal: Result) -> str:
-    """The system, ``x`` or ``y``, whose threshold `find_equal_alarms` moved."""
+    """Return the system, ``x`` or ``y``, whose threshold `find_equal_alarms` moved."""
     assert equal.as_set is not None
     return which_moves(equal.as_set)
 
 
 def equal_setting(equal: Result) -> Note:
-    """Return how `find_equal_alarms` set X and Y alike."""
+    """Return how `find_equal_alarms` equalised X and Y."""
     moved = moved_of(equal)
     per_frame = count_alarms(equal.x) / max(len(equal.dataset.frames), 1)
     threshold = equal.system(moved).threshold
@@ -154,7 +154,7 @@ def equal_setting(equal: Result) -> Note:
 
 
 def which_moves(result: Result) -> str:
-    """The system whose threshold is moved; empty: none can be."""
+    """Return the system whose threshold is moved, or an empty text if neither can be."""
     systems = [system for _, system in result.sides]
     index = choose_moved(
         [has_scores(result, letter) for letter, _ in result.sides],
@@ -165,7 +165,7 @@ def which_moves(result: Result) -> str:
 
 
 def why_not_equal(result: Result) -> str:
-    """Why `find_equal_alarms` finds no comparison."""
+    """Return why `find_equal_alarms` finds no comparison."""
     if not which_moves(result):
         return "neither has scores that differ, so that no threshold sets the two alike"
     return "no threshold gives the two equally many false alarms"
@@ -174,13 +174,13 @@ def why_not_equal(result: Result) -> str:
 def threshold_for(
     result: Result, letter: str, n_alarms: int, end: Literal["round", "lowest", "highest"]
 ) -> float | None:
-    """Threshold that gives a system so many false alarms; see `threshold_with_alarms`."""
+    """Return a threshold that gives `n_alarms` false alarms, see `threshold_with_alarms`."""
     name = result.system(letter).name
     return threshold_with_alarms(result.dataset, name, result.params, n_alarms, end=end)
 
 
 def with_thresholds(result: Result, thresholds: Mapping[str, float | None]) -> Result:
-    """The comparison with these thresholds, reusing its stages."""
+    """Return the comparison with these thresholds, reusing its stages."""
     changed: dict[str, Any] = dict(thresholds)
     params = replace(result.params, **changed)
     return compare(result.dataset, params, x=result.x.name, y=result.y.name, previous=result)

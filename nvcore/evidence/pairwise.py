@@ -1,4 +1,4 @@
-"""Every two systems of a dataset against each other."""
+"""Comparison of every pair of systems of a dataset."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ CLAIMED: Final = {
     "encounters_detected_by_unit": "detects_more",
     "mean_similarity": "higher_similarity",
 }
-"""Columns for the better system of a pair, by the measure."""
+"""Columns for the better system of a pair, by measure."""
 
 
 SYSTEM_COLUMNS: Final = (
@@ -83,7 +83,7 @@ SYSTEM_COLUMNS: Final = (
 
 
 def thresholds_in_use(dataset: Dataset, params: Params) -> dict[str, float | None]:
-    """Score threshold of each system: of X and Y that of the parameters, of others their own.
+    """Return the score threshold of each system: the parameters' for X and Y, else its own.
 
     Parameters
     ----------
@@ -103,33 +103,32 @@ def pairwise_table(
     thresholds: Mapping[str, float | None] | None = None,
     progress: Progress = no_progress,
 ) -> pd.DataFrame:
-    """Who detects more, and who has the higher similarity, for every two systems.
+    """Compare detections and similarity of every two systems.
 
     Parameters
     ----------
     params
         Settings; the thresholds of X and Y are not used.
     systems
-        Names; the earlier of a pair is X; None: all of the dataset.
+        Names. The earlier system of a pair is X. None: all systems of the dataset.
     thresholds
-        Score threshold of each system; without one every detection counts.
+        Score threshold of each system. Every detection counts for a system without one.
 
     Returns
     -------
     Columns `COLUMNS`, one row per pair: shares of encounters detected with interval and exact
     McNemar p, both within these recordings; interval and p of the same difference by units
-    (recordings; blocks of time have no p); mean similarity, 1 is best, with interval and p. Holm
-    corrects the p by units of both measures together over the pairs.
-    All differences are X - Y. NaN: undefined; `mcnemar_note`, `detected_by_unit_note` and
-    `similarity_note` say why.
+    (recordings; blocks of time have no p); mean similarity, 1 is best, with interval and p. Holm's
+    method corrects the p by units of both measures together over the pairs. Differences are X - Y.
+    NaN is undefined, and `mcnemar_note`, `detected_by_unit_note` and `similarity_note` give the
+    reason.
 
-    Where `is_unequal`, at unequal operating points, p and its note are those of the pair at equal
-    false alarms; all other numbers are as set.
+    At unequal operating points (`is_unequal`), p and its note refer to the pair at equal false
+    alarms. All other numbers are as set.
 
-    `detects_more` and `higher_similarity` name the system of which that may be claimed, by the
-    rules of `nvcore.evidence.claims.find_claims` with p corrected over the pairs, as set and at
-    equal false alarms; empty: neither.
-    `withheld` says why a p that is small enough is no claim.
+    `detects_more` and `higher_similarity` name the system that may be claimed to be better, or are
+    empty. The rules are those of `nvcore.evidence.claims.find_claims`, with p corrected over the
+    pairs, as set and at equal false alarms. `withheld` says why a small enough p is no claim.
 
     Raises
     ------
@@ -162,7 +161,7 @@ def pairwise_table(
         table[f"{column}_holm"] = of_column
     is_small = corrected <= SIGNIFICANT
     tried: dict[int, tuple[Result, Companions]] = {}
-    # p of the same difference at equal false alarms, too: it has to hold there
+    # a claim has to hold at equal false alarms, too: p of the same difference there
     largest = np.where(is_small | np.isnan(p), p, 1.0)
     for number in map(int, np.flatnonzero(is_small.any(axis=0))):
         progress(0.6 + 0.4 * number / len(pairs), "comparing at equal false alarms")
@@ -183,7 +182,7 @@ def pairwise_table(
 
 
 def systems_of(table: pd.DataFrame) -> pd.DataFrame:
-    """Each system of `pairwise_table` by itself: columns `SYSTEM_COLUMNS`, in the table's order."""
+    """Return one row per system of `pairwise_table`, in its order: columns `SYSTEM_COLUMNS`."""
     sides = [
         table[[letter, *(f"{name}_{letter}" for name in SYSTEM_COLUMNS[1:])]].set_axis(
             list(SYSTEM_COLUMNS), axis=1
@@ -194,7 +193,7 @@ def systems_of(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _row(result: Result) -> tuple[dict[str, Any], tuple[Evidence, Evidence]]:
-    """The row without what is corrected over all, and the evidence of the measures in `CLAIMED`."""
+    """Return the row without corrected values, and the evidence of the measures in `CLAIMED`."""
     units = find_units(result)
     split = judge_encounters(result)
     split = split.values_only() if result.is_short else split
@@ -247,19 +246,19 @@ def _row(result: Result) -> tuple[dict[str, Any], tuple[Evidence, Evidence]]:
 
 
 def _holm_over_pairs(p: np.ndarray) -> np.ndarray:
-    """Corrected over measures and pairs; shape (n_measures, n_pairs)."""
+    """Correct p over measures and pairs by Holm's method, shape (n_measures, n_pairs)."""
     return holm(p.ravel()).reshape(p.shape)
 
 
 def _claims(
     result: Result, evidence: pd.DataFrame, companions: Companions, p_at_equal: np.ndarray
 ) -> dict[str, str]:
-    """Who is better in what, and why a difference is no claim; the columns of a pair's row.
+    """Return the better systems, and why a difference is no claim, as columns of a pair's row.
 
     Parameters
     ----------
     evidence
-        As set, with p corrected over the pairs.
+        Evidence as set, with p corrected over the pairs.
     p_at_equal
         P of the measures at equal false alarms, corrected over the pairs.
     """
@@ -294,5 +293,5 @@ def _number(threshold: float | None) -> float:
 
 
 def _note(text: str) -> str:
-    """Why a measure has no interval or p, of a pair of systems that are not called X and Y."""
+    """Return a reason for a missing interval or p, without the names X and Y."""
     return text.replace("X and Y", "the two")

@@ -1,4 +1,4 @@
-"""Power of a planned study over its number of recordings."""
+"""Chart of a planned study's power over its number of recordings."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from nvcore.wording import count_text, percent
 DASHES: Final = ("solid", "dash")
 SYMBOLS: Final = ("circle", "diamond")
 LOG_FACTOR: Final = 8
-"""The axis is logarithmic where the numbers of recordings differ by more than this factor."""
+"""Ratio of the numbers of recordings above which the axis is logarithmic."""
 
 
 def power_plot(plan: Plan, *, theme: Theme) -> go.Figure:
-    """Share of simulated studies that show what they look for; a line for each assumption.
+    """Plot the share of simulated studies that show the effect, a line for each assumption.
 
-    Bars are 95 % Monte Carlo intervals; the level line is the power that is wanted.
+    Bars are 95 % Monte Carlo intervals. The level line is the desired power.
     """
     sizes = [size for size in plan.sizes if size.points]
     if not sizes:
@@ -91,7 +91,7 @@ def power_plot(plan: Plan, *, theme: Theme) -> go.Figure:
 
 
 def _log_ticks(numbers: list[int]) -> dict[str, Any]:
-    """A logarithmic axis with ticks at 1, 2, 5, 10, 20 and so on."""
+    """Return a logarithmic axis with ticks at 1, 2, 5, 10, 20 and so on."""
     ticks = [
         digit * 10**power
         for power in range(len(str(max(numbers))))

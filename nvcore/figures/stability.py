@@ -1,4 +1,4 @@
-"""Stability maps: where X is better, where Y, and where it turns."""
+"""Stability maps: regions where X or Y is better, and the line between them."""
 
 from __future__ import annotations
 
@@ -39,27 +39,27 @@ from nvcore.wording import count_text
 MAP_PX: Final = 460
 LINE_PX: Final = 320
 LEAST_SHARE: Final = 0.02
-"""Share of the cells that a region must have to be named in the map."""
+"""Minimum share of the cells for naming a region in the map."""
 DEEP: Final = 0.7
-"""Share of a region's greatest depth that a place for its name needs."""
+"""Minimum depth of a name's position, as a share of the region's greatest depth."""
 INSIDE_PX: Final = (620, 300)
-"""About the width and height of the map itself."""
+"""Approximate width and height of the map itself."""
 NAME_PX: Final = (74, 26)
-"""About the width and height of a region's name."""
+"""Approximate width and height of a region's name."""
 ROOMY_PX: Final = 3 * NAME_PX[1]
-"""Height of a cell in which a name has room above a mark."""
+"""Minimum height of a cell that can hold a name above a mark."""
 EQUAL_ALARMS: Final = "equal false alarms per frame"
 SYMBOLS: Final = {"as analysed": "circle", "nearest that overturns it": "x"}
 ROOM: Final = 0.08
-"""Room above and below a line, as a share of its largest difference."""
+"""Space above and below a line, as a share of its largest difference."""
 
 
 def stability_map(stability: StabilityMap, *, theme: Theme) -> go.Figure:
-    """The difference between X and Y over the settings, in X's colour where X is better.
+    """Plot the difference between X and Y over the settings, in X's colour where X is better.
 
-    Two settings: a heat map with the line at which the verdict turns; one: a curve. The dotted
-    frame is the plausible range. A click gives a setting: `customdata` is the cell's flat index
-    for `StabilityMap.settings`.
+    Two settings give a heat map with the line at which the verdict changes. One setting gives a
+    curve. The dotted frame is the plausible range. A click selects a setting: `customdata` is the
+    cell's flat index for `StabilityMap.settings`.
     """
     if not np.isfinite(stability.difference).any():
         return empty_figure(
@@ -87,7 +87,7 @@ def _axis_title(setting: Axis) -> str:
 
 
 def _texts(stability: StabilityMap) -> list[str]:
-    """What stands at each cell, in flat order."""
+    """Return the text of each cell, in flat order."""
     places = product(*(setting.values.tolist() for setting in stability.axes))
     parts = zip(places, stability.winner.ravel(), stability.difference.ravel(), strict=True)
     return [
@@ -100,7 +100,7 @@ def _texts(stability: StabilityMap) -> list[str]:
 def _heat(stability: StabilityMap, theme: Theme) -> go.Figure:
     look = LOOK[theme]
     across, up = stability.axes
-    values = stability.difference.T  # rows upwards
+    values = stability.difference.T  # transposed: rows are drawn upwards
     most = float(np.nanmax(np.abs(values))) or 1.0
     scale = [[0.0, look.y], [0.5, look.grid], [1.0, look.x]]
     font = {"size": 12, "color": look.muted}
@@ -144,14 +144,14 @@ def _heat(stability: StabilityMap, theme: Theme) -> go.Figure:
 
 
 def _clicks(stability: StabilityMap, x: np.ndarray, y: np.ndarray) -> go.Scatter:
-    """An invisible marker for every setting, in flat order."""
+    """Return an invisible marker for every setting, in flat order."""
     return click_markers(
         x, y, _texts(stability), name="settings", customdata=np.arange(stability.difference.size)
     )
 
 
 def _equal_alarms(stability: StabilityMap) -> np.ndarray:
-    """Pairs of thresholds within the map; float64, shape (n, 2), n 0 if there are none."""
+    """Return pairs of thresholds within the map, float64, shape (n, 2), n 0 if there are none."""
     line = stability.equal_alarms
     if line is None:
         return np.empty((0, 2))
@@ -162,7 +162,7 @@ def _equal_alarms(stability: StabilityMap) -> np.ndarray:
 
 
 def _map_axis(setting: Axis, theme: Theme) -> dict[str, Any]:
-    # ticks that cannot be seen keep the numbers of the two axes apart in the corner
+    # invisible ticks keep the numbers of the two axes apart in the corner
     more: dict[str, Any] = {
         "showgrid": False,
         "fixedrange": True,
@@ -179,7 +179,7 @@ def _map_axis(setting: Axis, theme: Theme) -> dict[str, Any]:
 
 
 def _turning_line(stability: StabilityMap, colour: str) -> go.Contour:
-    """Where the difference is 0; around the ties, where there are any."""
+    """Return the line where the difference is 0, around any ties."""
     across, up = stability.axes
     has_ties = bool((stability.winner == "even").any())
     code = np.select([stability.winner == "x", stability.winner == "y"], [1.0, -1.0], default=0.0)
@@ -198,9 +198,9 @@ def _turning_line(stability: StabilityMap, colour: str) -> go.Contour:
 
 
 def _places(stability: StabilityMap, theme: Theme) -> list[go.Scatter]:
-    """The analysed setting, and the nearest one that overturns the verdict.
+    """Return markers of the analysed setting and the nearest one that overturns the verdict.
 
-    Where each recording has its own, the analysed ones are a line from the least to the greatest.
+    If recordings have their own settings, a line joins the least and the greatest of them.
     """
     look = LOOK[theme]
     rim = {"width": 2, "color": look.surface}
@@ -223,7 +223,7 @@ def _places(stability: StabilityMap, theme: Theme) -> list[go.Scatter]:
 
 
 def _marked(stability: StabilityMap) -> dict[str, list[tuple[float, float]]]:
-    """Points in the figure that are marked, by what they are called."""
+    """Return the marked points of the figure by label."""
     marked = {}
     ends = list(dict.fromkeys(zip(*(setting.present for setting in stability.axes), strict=True)))
     if np.isfinite(stability.present_difference):
@@ -234,7 +234,7 @@ def _marked(stability: StabilityMap) -> dict[str, list[tuple[float, float]]]:
 
 
 def _point(at: tuple[float, ...], difference: float) -> tuple[float, float]:
-    """On a map both settings; on a curve the setting and its difference."""
+    """Return both settings on a map, or the setting and its difference on a curve."""
     return (at[0], at[1] if len(at) > 1 else difference)
 
 
@@ -250,13 +250,13 @@ def _plausible_frame(figure: go.Figure, stability: StabilityMap, theme: Theme) -
 
 
 def _name_regions(figure: go.Figure, stability: StabilityMap, theme: Theme) -> None:
-    """Who is better, written where each region is widest: readable without colour."""
+    """Write the better system's name where each region is widest, readable without colour."""
     look = LOOK[theme]
     across, up = stability.axes
     shape = stability.winner.shape
     place = np.stack(np.meshgrid(*(np.linspace(-1, 1, n) for n in shape), indexing="ij"), axis=-1)
     awkward = np.hypot(place[..., 0], place[..., 1])
-    # odd: a name stands around the middle of a cell
+    # odd, so that a name is centred on a cell
     size = [
         2 * round(name * n / inside / 2) + 1
         for name, inside, n in zip(NAME_PX, INSIDE_PX, shape, strict=True)
@@ -283,9 +283,9 @@ def _name_regions(figure: go.Figure, stability: StabilityMap, theme: Theme) -> N
 
 
 def _obstacles(stability: StabilityMap) -> list[tuple[np.ndarray, float]]:
-    """Cells that a name should not hide, bool of the map's shape, with how much it should not.
+    """Return cells that a name should not hide, bool of the map's shape, with weights.
 
-    Markers and the line of equal false alarms; the frame of the plausible range.
+    These are markers, the line of equal false alarms, and the frame of the plausible range.
     """
     is_drawn = np.zeros(stability.winner.shape, dtype=bool)
     for point in chain(*_marked(stability).values(), _equal_alarms(stability).tolist()):
@@ -297,7 +297,7 @@ def _obstacles(stability: StabilityMap) -> list[tuple[np.ndarray, float]]:
 
 
 def _cell_at(stability: StabilityMap, point: Sequence[float]) -> tuple[int, ...]:
-    """The cell nearest to a place in the figure."""
+    """Return the cell nearest to a point of the figure."""
     return tuple(
         int(np.argmin(np.abs(setting.values - value)))
         for setting, value in zip(stability.axes, point, strict=True)

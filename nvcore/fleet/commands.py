@@ -1,4 +1,4 @@
-"""Commands of the fleet: ``nvcore ingest``, ``scan``, ``top`` and ``open``."""
+"""Fleet commands: ``nvcore ingest``, ``scan``, ``top`` and ``open``."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ from nvcore.wording import count_text, one_line
 if TYPE_CHECKING:
     from nvcore.dataset import Dataset
 
-# As in nvcore/cli/__init__.py, numpy and what stores need are imported by the commands only.
+# As in nvcore/cli/__init__.py, only the commands import numpy and the packages that stores need.
 
 STORE: Final = "Store"
 
@@ -111,7 +111,7 @@ def ingest(
         except click.UsageError as error:
             if file is None:
                 raise
-            raise InputError(error.message) from error  # the next file may be one
+            raise InputError(error.message) from error  # the next file may be usable
         with errors_of(session):
             return load(session)
 
@@ -153,7 +153,7 @@ def ingest(
 
 
 def _show_status(context: click.Context, _: click.Parameter, out: str | None) -> None:
-    """Callback of the flag that asks how far a scan is, and for no scan."""
+    """Print the progress of a scan instead of running one."""
     if out is not None:
         from nvcore.fleet.calls import scan_status
 
@@ -241,7 +241,7 @@ def top(out: Path | None, **options: Any) -> None:
     commands = [""]
     for name, frame in zip(found.table["recording"], found.frames, strict=True):
         place = [] if frame is None else ["--at", str(frame)]
-        # a name that begins as a flag does stands last
+        # a name that looks like a flag goes last
         words = (
             [*place, "--", found.results, name] if name.startswith("-") else [found.results, name]
         )
@@ -298,7 +298,7 @@ def open_(at: int | None, port: int | None, no_browser: bool, **options: Any) ->
 
 
 def _free_port() -> int:
-    """The first port from Streamlit's own on at which nothing listens."""
+    """Return the first free port, starting with Streamlit's default."""
     for port in range(8501, 8601):
         with suppress(OSError), socket.socket() as there:
             there.bind(("localhost", port))
@@ -307,7 +307,7 @@ def _free_port() -> int:
 
 
 def _open_when_served(port: int, link: str) -> None:
-    """Open a link in the browser as soon as something listens."""
+    """Open a link in the browser as soon as a server is listening."""
     for _ in range(600):
         with suppress(OSError), socket.create_connection(("localhost", port), timeout=1):
             webbrowser.open(link)

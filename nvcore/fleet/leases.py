@@ -1,4 +1,4 @@
-"""Leases: which worker has the right to a batch, and how earlier attempts ended."""
+"""Leases: exclusive rights of workers to batches, and the fate of earlier attempts."""
 
 from __future__ import annotations
 
@@ -19,11 +19,10 @@ from nvcore.fleet.location import Location
 from nvcore.wording import one_line
 
 LEASE_S: Final = 120.0
-"""Seconds after which another worker may take a batch whose lease is no longer renewed. Clocks of
-machines should differ by less."""
+"""Seconds until an unrenewed lease expires. Clocks of machines should differ by less."""
 ATTEMPTS: Final = 2
-"""Workers that a recording may kill before its batch has to wait for all others. One more, and the
-recording goes into quarantine."""
+"""Number of workers that a recording may kill before its batch waits for all others. After one
+more, the recording goes into quarantine."""
 
 
 def seal(content: Mapping[str, Any]) -> bytes:
@@ -33,7 +32,7 @@ def seal(content: Mapping[str, Any]) -> bytes:
 
 
 def unseal(text: bytes) -> dict[str, Any] | None:
-    """Read JSON that `seal` wrote, or return None if it is damaged."""
+    """Read JSON that `seal` wrote, or return None if it is corrupt."""
     with suppress(ValueError, TypeError, KeyError):
         content: dict[str, Any] = json.loads(text)["content"]
         return content if seal(content) == text else None
@@ -45,7 +44,7 @@ class HeldError(Exception):
 
 
 class Lease:
-    """The right to work on a batch: a context manager whose thread renews it until exit.
+    """Right to work on a batch: a context manager whose thread renews it until exit.
 
     Entry raises HeldError if another worker has the lease.
 
@@ -55,7 +54,7 @@ class Lease:
         Recording that each lost attempt was comparing, or None if it compared the whole batch. An
         attempt is lost if its worker was killed.
     is_late
-        Whether the batch is free, but has killed so many workers that it waits for all others.
+        True if the batch is free, but has killed so many workers that it waits for all others.
     """
 
     def __init__(self, out: Location, key: str, *, clock: Callable[[], float]):
@@ -66,7 +65,7 @@ class Lease:
         self.is_late = most >= ATTEMPTS and not self._is_held
         self._out, self._path = out, f"leases/{key}/{len(earlier) + 1:04}.json"
         self._state = attempt_of(b"") | {"host": _host(), "pid": os.getpid()}
-        self._state["token"] = secrets.token_hex(8)  # no two leases have the same content
+        self._state["token"] = secrets.token_hex(8)  # makes the content of each lease unique
         self._clock, self._lock, self._is_over = clock, threading.Lock(), threading.Event()
 
     def _content(self, **changes: str) -> bytes:
@@ -92,13 +91,13 @@ class Lease:
 
     def _renew(self) -> None:
         while not self._is_over.wait(LEASE_S / 4):
-            with suppress(StoreError), self._lock:  # at worst, two workers do the same
+            with suppress(StoreError), self._lock:  # at worst, two workers do the same work
                 if not self._is_over.is_set():
                     self._out.write(self._path, self._content())
 
 
 def attempt_of(content: bytes) -> dict[str, Any]:
-    """Parse the file of a lease; a damaged one counts as a lost attempt."""
+    """Parse the file of a lease. A corrupt file counts as a lost attempt."""
     return unseal(content) or {"host": "", "pid": 0, "at": None, "ended": None, "expires": 0.0}
 
 
@@ -113,12 +112,12 @@ def _host() -> str:
 
 
 def is_held(attempt: Mapping[str, Any], now: float) -> bool:
-    """Whether the worker of a lease may still be running; on this host, look up its process."""
+    """Return whether a lease's worker may still run, looking up processes of this host."""
     if attempt["ended"] is not None or attempt["expires"] <= now:
         return False
     try:
         if os.name == "posix" and attempt["host"] == _host():
             os.kill(attempt["pid"], 0)
     except OSError as error:
-        return isinstance(error, PermissionError)  # it is another user's
+        return isinstance(error, PermissionError)  # the process belongs to another user
     return True

@@ -37,7 +37,7 @@ from nvcore.metrics.kernels import thread_count
 from nvcore.wording import one_line, shortened
 
 WHOLE_ATTEMPTS: Final = 2
-"""Attempts at a whole batch; afterwards its recordings are compared one at a time."""
+"""Attempts at a whole batch. Afterwards its recordings are compared one at a time."""
 
 
 @dataclass(frozen=True)
@@ -47,13 +47,13 @@ class Options:
     Attributes
     ----------
     storage
-        Keys and values for the storage of the store and of the results, as object_store has them.
+        Keys and values for the storage of the store and of the results, as in object_store.
     clock
-        Returns seconds since 1970, for leases.
+        Function that returns seconds since 1970, for leases.
     run
-        Compares the tables of whole recordings.
+        Function that compares the tables of whole recordings.
     is_checked
-        Whether the process that started this one has checked the programs.
+        True if the parent process has checked the programs.
     """
 
     storage: tuple[tuple[str, str], ...] = ()
@@ -64,7 +64,7 @@ class Options:
 
 @dataclass(frozen=True)
 class Job:
-    """A scan that a worker can take part in: where it is, and how to run it."""
+    """Scan that a worker can take part in: its location and options."""
 
     store: str
     out: str
@@ -97,7 +97,7 @@ class Job:
             results = _compared(self, batch, lease)
             out.create(done, write_batch(out, batch, results))
             del results
-            pa.default_memory_pool().release_unused()  # it keeps as much as the largest batch took
+            pa.default_memory_pool().release_unused()  # it keeps the peak usage
             _glibc("malloc_trim", 0)
             return "done"
         return "busy"
@@ -130,7 +130,7 @@ def _compared(job: Job, batch: str, lease: Lease) -> dict[str, pa.Table]:
     if len(lease.killed_at) < WHOLE_ATTEMPTS:
         try:
             tables = store.read(recordings, params.sources)
-            pa.default_memory_pool().release_unused()  # the pieces that tables were joined from
+            pa.default_memory_pool().release_unused()  # the pieces of joined tables
             return run(tables, params)
         except Exception as error:  # noqa: BLE001  # find out which recording causes it
             lease.tell(failed=_reason(error))
@@ -145,7 +145,7 @@ def _compared(job: Job, batch: str, lease: Lease) -> dict[str, pa.Table]:
         except Exception as error:
             reasons[name] = _reason(error)
             faults += not isinstance(error, NvcoreError)
-            if faults == len(recordings) > 1:  # then no recording is to blame
+            if faults == len(recordings) > 1:  # no single recording is to blame
                 raise
     for part in parts:
         reasons |= dict(zip(*part["quarantine"].to_pydict().values(), strict=True))
@@ -153,14 +153,14 @@ def _compared(job: Job, batch: str, lease: Lease) -> dict[str, pa.Table]:
 
 
 def _glibc(name: str, *values: int) -> None:
-    """Call a function of glibc; do nothing with another C library."""
+    """Call a function of glibc, or do nothing with another C library."""
     with suppress(AttributeError, OSError, TypeError):
         getattr(ctypes.CDLL(None), name)(*values)
 
 
 def _reason(error: Exception) -> str:
     """Describe in one line why a recording fails, or raise the error if storage caused it."""
-    is_of_system = isinstance(error, OSError) and error.errno is not None  # no damaged file
+    is_of_system = isinstance(error, OSError) and error.errno is not None  # the file is not corrupt
     is_of_storage = is_of_system and not isinstance(error, FileNotFoundError)
     if is_of_storage or isinstance(error, StoreError | BaseError):
         raise error
@@ -174,8 +174,8 @@ def end_on_request() -> None:
 
 
 Engine = Callable[[Job], Iterable[str]]
-"""Runs missing batches by `Job.run`, and yields the keys of those that are done. It may skip some,
-and is called again until none is missing."""
+"""Runs missing batches by `Job.run`, and yields the keys of finished batches. It may skip some, and
+is called again until none is missing."""
 
 
 def drive(job: Job, engine: Engine) -> Iterator[str]:
@@ -185,7 +185,7 @@ def drive(job: Job, engine: Engine) -> Iterator[str]:
         time.sleep(wait_s)
         wait_s = min(2 * wait_s, LEASE_S / 4) or 0.2
         for batch in engine(job):
-            wait_s = 0.0  # it keeps growing while other scans have all missing batches
+            wait_s = 0.0  # grows while other scans hold all missing batches
             yield batch
 
 
@@ -205,9 +205,9 @@ def in_pool(job: Job, n_workers: int) -> Iterator[str]:
     Raises
     ------
     NvcoreError
-        If a worker raises it, or workers die before they begin; finished batches stay.
+        If a worker raises it, or workers die before they begin. Finished batches stay.
     RuntimeError
-        If a worker raises another exception; the text is its traceback.
+        If a worker raises another exception. The text is its traceback.
     """
     missing = {*job.missing()}
     n_workers = min(n_workers, len(missing))
@@ -234,7 +234,7 @@ def in_pool(job: Job, n_workers: int) -> Iterator[str]:
     def listen(worker: Any, content: bytes) -> None:
         """Send a worker its job, and queue its messages, then an empty one when it ends."""
         with worker:
-            with suppress(BrokenPipeError):  # it has died
+            with suppress(BrokenPipeError):  # the worker has died
                 os.write(worker.stdin.fileno(), content)
             for line in worker.stdout:
                 messages.put((worker, line))
@@ -262,7 +262,7 @@ def in_pool(job: Job, n_workers: int) -> Iterator[str]:
                     f"workers die before they begin (exit code {worker.returncode}); is there "
                     "memory for so many workers?"
                 )
-            if worker.returncode != 0:  # it was killed: another one takes its place
+            if worker.returncode != 0:  # it was killed: another worker replaces it
                 start(part)
     finally:
         for worker in workers:

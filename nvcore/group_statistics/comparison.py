@@ -1,4 +1,4 @@
-"""The comparison of groups: every test that the table allows, and which of them fits."""
+"""Comparison of groups: all applicable tests, and the most suitable one."""
 
 from __future__ import annotations
 
@@ -45,27 +45,27 @@ from nvcore.objects import PEDESTRIAN
 
 Design = Literal["same", "different", "mixed", "unknown"]
 LARGE_RATIO: Final = 3.0
-"""Above this ratio of the largest variance to the smallest they are taken to differ (Dean and Voss
-1999, Design and analysis of experiments, section 5.6)."""
+"""Ratio of the largest to the smallest variance above which variances count as unequal (Dean and
+Voss 1999, Design and analysis of experiments, section 5.6)."""
 CHECKED: Final = ["check", "value", "p", "holds"]
 SIZED: Final = ["test", "effect", "level", "n"]
 MOST_SHAPIRO: Final = 5_000
-"""Values up to which SciPy knows the distribution of W."""
+"""Maximum number of values for which SciPy knows the distribution of W."""
 
 
 @dataclass(frozen=True, repr=False)
 class GroupComparison:
-    """Groups compared; in its tables undefined is NaN.
+    """Comparison of groups. NaN is undefined in its tables.
 
     Attributes
     ----------
     measure, scale
-        The column that is compared (empty: means and SD were given), and what its numbers are.
+        The compared column (empty: means and SD were given), and the kind of its numbers.
     design
-        Whether the ``same`` persons stand in all conditions, ``different`` ones, some in several
-        (``mixed``), or this is ``unknown``.
+        ``same`` persons in all conditions, ``different`` ones, ``mixed`` (some in several), or
+        ``unknown``.
     fits, fits_pairs
-        The test that fits, in `tests`, and the comparison of pairs, in `pairs`; empty: none.
+        Suitable test in `tests`, and suitable comparison in `pairs`. Empty: none.
     groups
         ``condition``, ``n``, ``mean``, ``sd``, ``low`` and ``high`` (95 % interval of the mean),
         ``median``, ``geometric_mean`` (of times).
@@ -73,17 +73,17 @@ class GroupComparison:
         Fields of `nvcore.group_statistics.summaries.Test`, and ``fits``.
     pairs
         ``test``, ``first``, ``second``, ``difference`` (first less second) or in the same persons'
-        times ``ratio`` (of geometric means), each with its 95 % interval (``low``, ``high``);
-        q or t as ``value``, ``df``, ``p`` by itself, ``p_corrected`` for all pairs, Cohen's ``d``,
+        times ``ratio`` (of geometric means), each with its 95 % interval (``low``, ``high``); q or
+        t as ``value``, ``df``, uncorrected ``p``, ``p_corrected`` for all pairs, Cohen's ``d``,
         ``fits``. The intervals of Tukey and of Games and Howell hold for all pairs together.
     assumptions
-        ``check``, ``value``, ``p``, and whether it ``holds`` (1 or 0; NaN: not known).
+        ``check``, ``value``, ``p``, and ``holds`` (1 or 0; NaN: not known).
     sizes
-        Of a further study: ``test`` (all conditions by ``anova``, or two of them by ``t``),
-        ``effect`` (Cohen's f or d) that it shows at p of ``level``, and ``n`` (persons in each
-        group, of the same persons in all).
+        Sizes of a further study: ``test`` (all conditions by ``anova``, or two of them by ``t``),
+        ``effect`` (Cohen's f or d) shown at p of ``level``, and ``n`` (persons in each group, or in
+        all if they are the same).
     notes
-        What it comes to, which `sentences` words.
+        Conclusions, which `sentences` renders.
     """
 
     measure: str
@@ -100,7 +100,7 @@ class GroupComparison:
 
     @property
     def sentences(self) -> list[str]:
-        """What it comes to, in words."""
+        """Conclusions in words."""
         return [say(note, PEDESTRIAN) for note in self.notes]
 
     def __str__(self) -> str:
@@ -111,10 +111,10 @@ class GroupComparison:
 
 
 class _Data(NamedTuple):
-    """What is compared: values of each condition, one for each person or drive; None: of summaries.
+    """Compared values of each condition, one per person or drive, or None for summaries.
 
-    Those of the same persons stand in one order, and `wide` has them as persons by conditions,
-    times as logarithms; else it is empty.
+    Values of the same persons have one order. `wide` has them as persons by conditions, times as
+    logarithms, and is empty otherwise.
     """
 
     design: Design
@@ -126,7 +126,7 @@ class _Data(NamedTuple):
 
 
 class _Analysis(NamedTuple):
-    """Tests that can be made; none in a mixed design."""
+    """Applicable tests. A mixed design has none."""
 
     tests: list[Test]
     pairs: pd.DataFrame
@@ -134,19 +134,19 @@ class _Analysis(NamedTuple):
 
 
 def compare_groups(asked: GroupArguments, text: TextTable | None = None) -> GroupComparison:
-    """Groups compared by every test that their table allows.
+    """Compare groups by every test that their table allows.
 
     Parameters
     ----------
     text
-        As of `read_groups`.
+        See `read_groups`.
 
     Raises
     ------
     InputError
         If the table cannot be used.
     ParameterError
-        If a choice is impossible, or does not go with the table.
+        If a choice is impossible, or does not fit the table.
     """
     _check(asked)
     read = read_groups(asked, text)
@@ -197,7 +197,7 @@ def _check(asked: GroupArguments) -> None:
 
 
 def _data_of(read: GroupTable) -> _Data:
-    """Persons or drives, and whether the same persons stand in all conditions."""
+    """Return persons or drives, and whether the same persons are in all conditions."""
     names, none = read.conditions, np.empty((0, 0))
     has_several = len(names) > 1
     if read.summaries is not None:
@@ -251,7 +251,7 @@ def _summarised(of_groups: list[np.ndarray]) -> Groups:
 
 
 def _of_same(data: _Data) -> _Analysis:
-    """Analyses of the same persons in all conditions."""
+    """Return analyses of the same persons in all conditions."""
     wide, k = data.wide, data.wide.shape[1]
     of_ranks = scipy.stats.rankdata(wide, axis=1)
     repeated, by_rank = repeated_measures(wide), friedman(wide)
@@ -271,7 +271,7 @@ def _of_same(data: _Data) -> _Analysis:
 
 
 def _of_independent(data: _Data) -> _Analysis:
-    """Analyses of groups that are independent, or taken to be."""
+    """Return analyses of groups that are, or are assumed to be, independent."""
     groups, own = data.groups, data.of_groups
     tests, pairs = [anova(groups), welch(groups)], [tukey(groups), games_howell(groups)]
     variances = groups.variances[groups.n > 1]
@@ -307,7 +307,7 @@ def _of_independent(data: _Data) -> _Analysis:
 
 
 def _by_permutation(key: str, by_formula: Test, test: Permuted) -> Test:
-    """The statistic of a test, with p by permutation."""
+    """Return the statistic of a test, with p by permutation."""
     reason = "" if test.n_ways else "there is nothing to exchange"
     known = by_formula._replace(test=key, df_between=np.nan, df_within=np.nan, reason=reason)
     return known._replace(**test._asdict())
@@ -321,12 +321,12 @@ def _normal(left: np.ndarray) -> tuple[str, float, float, float]:
 
 
 def _truth(holds: bool, value: float) -> float:
-    """1 or 0; NaN where the value is."""
+    """Return `holds` as 1 or 0, or NaN if the value is NaN."""
     return np.nan if np.isnan(value) else float(holds)
 
 
 def _fitting(scale: Scale, data: _Data, assumptions: pd.DataFrame) -> tuple[str, str, Note]:
-    """The tests that fit, of all conditions and of pairs, and why."""
+    """Return the suitable tests of all conditions and of pairs, and the reason."""
     n = int(data.groups.n.min())
     if data.design == "same":
         if scale == "counts" or n < SMALL:
@@ -343,11 +343,11 @@ def _fitting(scale: Scale, data: _Data, assumptions: pd.DataFrame) -> tuple[str,
 
 
 def _sizes(asked: GroupArguments, data: _Data) -> pd.DataFrame:
-    """Sizes of a study that shows the smallest difference that would matter, or the largest found.
+    """Return sizes of a study that shows the smallest relevant difference, or the largest found.
 
-    Of the groups between the two that differ, f supposes that they are in the middle, which is the
-    hardest to show (Cohen 1988, section 8.2.1). The difference of a pair is shown at 0.05 over the
-    number of pairs.
+    f assumes that all groups but the two that differ are in the middle, which is the hardest case
+    to show (Cohen 1988, section 8.2.1). The difference of a pair is shown at 0.05 over the number
+    of pairs.
     """
     k, (first, second) = len(data.groups.n), pairs_of(len(data.groups.n))
     level, is_paired = SIGNIFICANT / len(first), data.design == "same"

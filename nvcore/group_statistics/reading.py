@@ -1,4 +1,4 @@
-"""Tables of groups: values of persons or drives by condition, or means, SD and n typed in."""
+"""Read tables of groups: values of persons or drives by condition, or means, SD and n."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from nvcore.people.participants import fold_name
 from nvcore.wording import did_you_mean, listed
 
 SUMMARY: Final = ("n", "mean", "sd")
-"""Columns beside ``condition`` by which a table is one of means and SD."""
+"""Columns beside ``condition`` that identify a table of means and SD."""
 LABELS: Final = ("participant", "condition", "kind", "run", "trial", "order")
 """Columns that are never the measure."""
 TIME_UNITS: Final = ("_s", "_ms", "_min")
 MOST_COUNT: Final = 99
-"""Whole numbers up to this one are taken for counts, larger ones for measurements."""
+"""Largest whole number that is taken for a count. Larger ones are measurements."""
 MOST_CONDITIONS: Final = 10
-"""More have 55 pairs and more, which nobody reads."""
+"""Maximum number of conditions. More have 55 or more pairs, too many to read."""
 MOST_ROWS: Final = 10_000
 LARGEST: Final = 1e12
-"""Squares of larger numbers leave nothing of small ones."""
+"""Largest number. Squares of larger ones leave no precision for small ones."""
 
 
 class GroupTable(NamedTuple):
@@ -39,14 +39,14 @@ class GroupTable(NamedTuple):
     Attributes
     ----------
     summaries
-        ``condition``, ``n``, ``mean``, ``sd`` (NaN for n = 1) as typed in; None: there are values.
+        ``condition``, ``n``, ``mean``, ``sd`` (NaN for n = 1) as typed in. None: a table of values.
     rows
-        ``participant`` ("" where there is no such column), ``condition`` and ``value``, in the
-        order of the file; empty with summaries.
+        ``participant`` ("" if missing), ``condition`` and ``value``, in file order; empty with
+        summaries.
     measure, scale
-        The column that is compared (empty: summaries), and what its numbers are.
+        The compared column (empty: summaries), and the kind of its numbers.
     notes
-        What was read, and what was done to it.
+        Notes on the input and its conversion.
     """
 
     summaries: pd.DataFrame | None
@@ -57,27 +57,27 @@ class GroupTable(NamedTuple):
 
     @property
     def conditions(self) -> list[str]:
-        """In the order of the file."""
+        """Conditions in the order of the file."""
         return [*(self.rows if self.summaries is None else self.summaries)["condition"].unique()]
 
 
 def read_groups(asked: GroupArguments, text: TextTable | None = None) -> GroupTable:
-    """Values, or means and SD, whichever the columns of the table are.
+    """Read values, or means and SD, depending on the columns of the table.
 
     Values: ``condition``, the measure, and if known ``participant``. A drive may have a row for
-    each ``kind`` of what is counted: counts of one participant, condition and, where there is that
-    column, ``run`` are added. An empty value is a missing one. Participants whose names differ in
-    capitals or spaces only are one. Summaries: ``condition,n,mean,sd``.
+    each ``kind`` of counted objects: counts of one participant, condition and ``run`` (if the
+    column exists) are added. An empty value is missing. Participant names that differ in capitals
+    or spaces only are the same. Summaries: ``condition,n,mean,sd``.
 
     Parameters
     ----------
     text
-        The table, where it was read already; None: it is that of `asked`.
+        The table if already read. None: read that of `asked`.
 
     Raises
     ------
     InputError
-        If the table cannot be used; with file and line.
+        If the table cannot be used, with file and line.
     ParameterError
         If there is no such column, condition, participant or kind.
     """
@@ -91,7 +91,7 @@ def read_groups(asked: GroupArguments, text: TextTable | None = None) -> GroupTa
     try:
         text = parse_table(content.getvalue(), name="table", what="groups", required=["condition"])
         return _read(replace(text, lines=np.arange(len(text)) + 2), asked)
-    except InputError as error:  # rows of a table count from 0; the header is line 1
+    except InputError as error:  # rows of a table count from 0, but the header is line 1
         where = f", row {error.line - 2}" if error.line is not None and error.line > 1 else ""
         raise InputError(error.message, file=f"table{where}") from error
 
@@ -168,7 +168,7 @@ def _values(text: TextTable, asked: GroupArguments) -> GroupTable:
 
 
 def _measure(text: TextTable, wanted: str | None) -> tuple[str, tuple[str, ...]]:
-    """The column that is compared, and others that hold numbers."""
+    """Return the compared column, and other columns of numbers."""
     columns = [column for column in text.fields if column not in LABELS]
     if wanted is not None:
         return _known([wanted.strip().lower()], columns, "measure")[0], ()
@@ -186,7 +186,7 @@ def _measure(text: TextTable, wanted: str | None) -> tuple[str, tuple[str, ...]]
 
 
 def _scale_of(measure: str, value: np.ndarray) -> Scale:
-    """What numbers are, by the name of their column and by themselves."""
+    """Return the kind of numbers, judged by the name of their column and their values."""
     if measure.endswith(TIME_UNITS):
         return "times"
     known = value[~np.isnan(value)]
@@ -195,15 +195,15 @@ def _scale_of(measure: str, value: np.ndarray) -> Scale:
 
 
 def _drives(text: TextTable, rows: pd.DataFrame, kind: str | None) -> pd.DataFrame:
-    """A row for each drive, whose counts are added over the kinds, or of one kind alone."""
+    """Return a row for each drive, with counts added over the kinds, or of one kind alone."""
     kinds = pd.Series(text.fields["kind"])
-    if kind is not None:  # who drove without any of this kind has a count of 0
+    if kind is not None:  # a person who drove without any of this kind has a count of 0
         is_meant = kinds == _known([kind], kinds, "kind")[0]
         rows = rows.assign(value=rows["value"].where(is_meant, 0.0))
     run = text.fields["run"] if "run" in text else np.full(len(text), "")
     key = ["participant", "condition", "run"]
     if "participant" not in text and "run" not in text:
-        return rows  # nothing says which rows belong together
+        return rows  # nothing tells the rows of one drive
     rows = rows.assign(run=run, kind=kinds)
     if (twice := rows.duplicated([*key, "kind"]).to_numpy()).any():
         message = "this drive has a row of this kind already; number drives in a column run"
@@ -213,7 +213,7 @@ def _drives(text: TextTable, rows: pd.DataFrame, kind: str | None) -> pd.DataFra
 
 
 def _chosen(rows: pd.DataFrame, asked: GroupArguments) -> tuple[pd.DataFrame, list[Note]]:
-    """Rows without what is left out, conditions by their new names; and what was done."""
+    """Return selected rows with the conditions' new names, and notes on the changes."""
     notes = []
     rename: Mapping[str, str] = asked.rename or {}
     _known(rename, rows["condition"], "rename")
@@ -230,7 +230,7 @@ def _chosen(rows: pd.DataFrame, asked: GroupArguments) -> tuple[pd.DataFrame, li
 
 
 def _known(names: Iterable[str], known: Iterable[str], argument: str) -> Sequence[str]:
-    """The names, all of which are known.
+    """Return the names if all of them are known.
 
     Raises
     ------

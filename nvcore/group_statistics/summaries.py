@@ -1,7 +1,7 @@
-"""Analyses of independent groups that need no more than n, mean and SD of each.
+"""Analyses of independent groups that only need n, mean and SD of each.
 
-Of values, too, they are computed from these: one way for both. SciPy's own, which take values
-alone, are the independent reading in the tests.
+Tables of values are reduced to these, so there is one implementation for both. The tests compare it
+with SciPy's functions, which take values only.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from nvcore.evidence.bootstrap import CONFIDENCE, ROUNDING
 from nvcore.evidence.paired_tests import holm
 
 SMALLEST_SD: Final = 1e-60
-"""Fourth powers of smaller ones vanish."""
+"""Smallest SD. Fourth powers of smaller ones underflow."""
 TAIL: Final = (1 + CONFIDENCE) / 2
 PAIR_COLUMNS: Final = (
     *("test", "first", "second", "difference", "low", "high", "ratio", "ratio_low", "ratio_high"),
@@ -26,7 +26,7 @@ PAIR_COLUMNS: Final = (
 
 
 class Groups(NamedTuple):
-    """n, mean and SD of k groups, each float64, shape (k,); the SD with n - 1, NaN for n = 1."""
+    """n, mean and SD of k groups, each float64, shape (k,). The SD is with n - 1, NaN for n = 1."""
 
     n: np.ndarray
     mean: np.ndarray
@@ -34,7 +34,7 @@ class Groups(NamedTuple):
 
     @property
     def variances(self) -> np.ndarray:
-        """Squares of the SD; 0 where it is rounding or too small, NaN for n = 1."""
+        """Squares of the SD. 0 if it is rounding or too small, NaN for n = 1."""
         is_rounding = self.sd <= max(ROUNDING * np.abs(self.mean).max(initial=0.0), SMALLEST_SD)
         return np.where(is_rounding, 0.0, self.sd) ** 2
 
@@ -45,20 +45,20 @@ class Groups(NamedTuple):
 
 
 class Test(NamedTuple):
-    """An overall test of k groups; what is undefined is NaN, and `reason` says why.
+    """Overall test of k groups. NaN is undefined, and `reason` explains it.
 
     Attributes
     ----------
     test
         Key of `nvcore.group_statistics.text.TESTS`.
     statistic, value, df_between, df_within, p
-        F, H or chi2, and what comes of it.
+        F, H or chi2, with its value, degrees of freedom and p.
     eta2, omega2, f
-        Share of the variance that is between the groups, without what chance adds to it, and
-        Cohen's ``sqrt(eta2 / (1 - eta2))``; in the same persons eta² is partial.
+        Share of the variance between the groups, the share corrected for chance, and Cohen's
+        ``sqrt(eta2 / (1 - eta2))``. In the same persons eta² is partial.
     n_reached, n_ways, is_exact
-        Of a permutation: ways that part the groups at least as far, of how many, and whether these
-        are all.
+        For permutations: number of permutations with at least that separation, their total number,
+        and True if these are all.
     """
 
     test: str
@@ -77,27 +77,27 @@ class Test(NamedTuple):
 
 
 def pairs_of(k: int) -> tuple[np.ndarray, np.ndarray]:
-    """Places of the first and the second group of each pair, int64, shape (k (k - 1) / 2,)."""
+    """Return the first and second group of each pair, int64, shape (k (k - 1) / 2,)."""
     first, second = np.array([*combinations(range(k), 2)], dtype=np.int64).reshape(-1, 2).T
     return first, second
 
 
 def pair_table(test: str, k: int, **columns: Any) -> pd.DataFrame:
-    """A row for each pair of k groups with `PAIR_COLUMNS`; NaN where there is no such column."""
+    """Return a row for each pair of k groups with `PAIR_COLUMNS`. Missing columns are NaN."""
     first, second = pairs_of(k)
     table = pd.DataFrame({"test": test, "first": first, "second": second, **columns})
     return table.reindex(columns=[*PAIR_COLUMNS])
 
 
 def mean_interval(groups: Groups) -> tuple[np.ndarray, np.ndarray]:
-    """Ends of the 95 % interval of each mean, ``mean ± t sd / sqrt(n)``; NaN for one person."""
+    """Return the 95 % interval of each mean, ``mean ± t sd / sqrt(n)``, NaN for one person."""
     many = np.where(groups.n > 1, groups.n, np.nan)
     half = scipy.stats.t.ppf(TAIL, many - 1) * groups.sd / np.sqrt(many)
     return groups.mean - half, groups.mean + half
 
 
 def anova(groups: Groups) -> Test:
-    """One-way analysis of variance with effect sizes: equal variances are assumed.
+    """Compute a one-way analysis of variance with effect sizes, assuming equal variances.
 
     References
     ----------
@@ -127,7 +127,7 @@ def anova(groups: Groups) -> Test:
 
 
 def welch(groups: Groups) -> Test:
-    """Welch's analysis of variance, for groups of different variances.
+    """Compute Welch's analysis of variance, for groups of different variances.
 
     References
     ----------
@@ -147,7 +147,7 @@ def welch(groups: Groups) -> Test:
 
 
 def tukey(groups: Groups) -> pd.DataFrame:
-    """Tukey's comparisons of all pairs (Kramer's, for unequal n): equal variances are assumed.
+    """Compare all pairs by Tukey's test (Kramer's for unequal n), assuming equal variances.
 
     References
     ----------
@@ -160,7 +160,7 @@ def tukey(groups: Groups) -> pd.DataFrame:
 
 
 def games_howell(groups: Groups) -> pd.DataFrame:
-    """Games' and Howell's comparisons of all pairs, for groups of different variances.
+    """Compare all pairs by Games and Howell's test, for groups of different variances.
 
     References
     ----------
@@ -176,7 +176,7 @@ def games_howell(groups: Groups) -> pd.DataFrame:
 
 
 def _by_range(test: str, groups: Groups, variance: np.ndarray, df: np.ndarray) -> pd.DataFrame:
-    """Pairs by the studentised range; a variance of each group (k,), df of each pair."""
+    """Return pairs by the studentised range, with variances of groups (k,) and df of pairs."""
     k, (first, second) = len(groups.n), pairs_of(len(groups.n))
     difference = groups.mean[first] - groups.mean[second]
     part = variance / groups.n
@@ -193,7 +193,7 @@ def _by_range(test: str, groups: Groups, variance: np.ndarray, df: np.ndarray) -
 
 
 def cohens_d(groups: Groups) -> np.ndarray:
-    """Difference of each pair over its pooled SD, shape (k (k - 1) / 2,); NaN without spread."""
+    """Return Cohen's d of each pair, shape (k (k - 1) / 2,), NaN if the pooled SD is 0."""
     first, second = pairs_of(len(groups.n))
     squares, df = (groups.n - 1) * np.nan_to_num(groups.variances), groups.n - 1
     pooled, n = squares[first] + squares[second], df[first] + df[second]
@@ -205,16 +205,16 @@ def cohens_d(groups: Groups) -> np.ndarray:
 def paired_t(
     test: str, k: int, n: int, difference: np.ndarray, sd: np.ndarray, *, are_logs: bool = False
 ) -> pd.DataFrame:
-    """Paired t tests of all pairs of k conditions, corrected by Holm.
+    """Compute paired t tests of all pairs of k conditions, corrected by Holm's method.
 
     Parameters
     ----------
     n
-        Persons.
+        Number of persons.
     difference, sd
         Mean and SD of the persons' differences, shape (k (k - 1) / 2,).
     are_logs
-        Whether these are of logarithms: the effects are then ratios of geometric means.
+        True if these are of logarithms. The effects are then ratios of geometric means.
     """
     spread = np.where(sd > 0, sd, np.nan)
     error = spread / np.sqrt(n)
@@ -230,16 +230,16 @@ def paired_t(
 
 
 def assumed_pairs(groups: Groups, correlation: float) -> pd.DataFrame:
-    """Paired t tests as they would be in the same persons: a what-if, not a result.
+    """Compute paired t tests as if the persons were the same: a what-if, not a result.
 
     The SD of the differences is ``sqrt(s1² + s2² - 2 r s1 s2)``.
 
     Parameters
     ----------
     groups
-        Of one n.
+        Groups of the same n.
     correlation
-        Of the values in any two conditions, -1 to 1.
+        Correlation of the values in any two conditions, -1 to 1.
     """
     first, second = pairs_of(len(groups.n))
     s, t = groups.sd[first], groups.sd[second]

@@ -1,4 +1,4 @@
-"""A comparison of groups as text for a terminal, as JSON, and as files."""
+"""Render a comparison of groups as terminal text, as JSON, and as files."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 TABLES: Final = ("groups", "tests", "pairs", "assumptions", "sizes")
 FILES: Final = (*(f"{name}.csv" for name in TABLES), "groups.json")
-"""What `write_groups` writes."""
+"""Names of the files that `write_groups` writes."""
 FITS: Final = ("*", " ")
-"""Marks of what fits, and of what is shown beside it."""
+"""Marks of suitable tests and of other ones."""
 TESTS: Final = {
     "anova": "one-way ANOVA",
     "welch": "Welch's ANOVA",
@@ -62,20 +62,20 @@ DESIGNS: Final = {
 
 
 def amount_form(values: np.ndarray) -> str:
-    """A format that shows means, SD and differences of such values to about four digits."""
+    """Return a format that shows means, SD and differences of such values to about four digits."""
     largest = float(np.nanmax(np.abs(values), initial=0.0))
     return f".{min(max(0, 3 - math.floor(math.log10(largest))), 9) if largest else 0}f"
 
 
 def render_groups(comparison: GroupComparison) -> str:
-    """The sentences and every table; what fits has a star."""
+    """Return the sentences and every table, with a star for suitable tests."""
     tables = [aligned(rows) for rows in cells_of(comparison).values()]
     parts = [comparison.sentences, *tables]
     return "\n\n".join("\n".join(map(one_line, lines)) for lines in parts if lines)
 
 
 def cells_of(comparison: GroupComparison) -> dict[str, list[tuple[str, ...]]]:
-    """Every table of `TABLES` that has rows as text, its headings first; what fits has a star."""
+    """Return `TABLES` that have rows as text, headings first, with a star for suitable tests."""
     rows = (_group_rows, _test_rows, _pair_rows, _check_rows, _size_rows)
     return {
         name: [*rows_of(comparison)]
@@ -156,7 +156,7 @@ def _p(p: float) -> str:
 
 
 def groups_json(comparison: GroupComparison) -> str:
-    """Sentences and tables as JSON text; null is undefined."""
+    """Return sentences and tables as JSON text. null is undefined."""
     content: dict[str, Any] = {
         "version": __version__,
         "measure": comparison.measure,
@@ -175,12 +175,12 @@ def groups_json(comparison: GroupComparison) -> str:
 
 
 def write_groups(folder: Path, comparison: GroupComparison) -> None:
-    """Write `FILES` into a folder, which then holds all of them and no older ones.
+    """Write `FILES` into a folder, replacing all older ones.
 
     Raises
     ------
     InputError
-        If it cannot be written to.
+        If the folder cannot be written to.
     """
     files = [(f"{name}.csv", to_csv_bytes(getattr(comparison, name))) for name in TABLES]
     files.append(("groups.json", groups_json(comparison).encode()))

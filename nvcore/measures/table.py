@@ -1,10 +1,10 @@
 """Every measure of a comparison, defined once in `MEASURES`.
 
-A measure is a number that describes a system (a figure is a chart). From its entry come the row of
+A measure is a number that describes a system (a figure is a chart). Its entry defines the row of
 the scorecard, the key of ``summary.json``, the columns of ``recordings.csv``, the name in rules of
 the gate, the rows of the table of evidence and of its groups, the axes of forest plots and of the
 report's intervals, and the tables of ``docs/report.md``. `nvcore.evidence` resamples and tests its
-difference; the entry only says which sums over frames make the measure.
+difference. The entry only specifies the sums over frames that make up the measure.
 """
 
 from __future__ import annotations
@@ -55,11 +55,11 @@ EVIDENCE_KEYS: Final = tuple(sorted(_INFERENCE, key=lambda key: not key.startswi
 CLAIMABLE: Final = {
     key.removesuffix("_by_unit"): key for key, inference in _INFERENCE.items() if inference.noun
 }
-"""Keys of the measures whose differences the verdict may claim, by the names that users give."""
+"""Keys of the measures whose differences the verdict may claim, by the users' names."""
 
 
 def claimable_key(name: str) -> str:
-    """The key of a measure of `CLAIMABLE` that a user names, by its name or its key.
+    """Return the key of a measure of `CLAIMABLE` by its name or key.
 
     Raises
     ------
@@ -75,7 +75,7 @@ def claimable_key(name: str) -> str:
 
 
 def choose_primary(primary: Primary, name: str | None) -> Primary:
-    """The primary measure by its key: of that name, chosen now; None: as it is.
+    """Return the primary measure with this name, or the given one if the name is None.
 
     Raises
     ------
@@ -87,12 +87,12 @@ def choose_primary(primary: Primary, name: str | None) -> Primary:
 
 
 def label_words(result: Result, units: str = "") -> dict[str, Any]:
-    """Settings and counts of a result that labels contain, beside the words of its objects.
+    """Return settings and counts of a result for labels, besides the words of its objects.
 
     Parameters
     ----------
     units
-        What is resampled: ``recordings`` or ``blocks``.
+        Resampled units: ``recordings`` or ``blocks``.
     """
     counts = {name: int(members(result).sum()) for name, members in counted().items()}
     counts |= {"n_near": result.venn.n_near, "n_boxes": int(result.n_truth.sum())}
@@ -107,93 +107,93 @@ def words_of(params: Params, counts: Mapping[str, int], units: str) -> dict[str,
 
 
 def counted() -> dict[str, Callable[[Result], np.ndarray]]:
-    """Kinds of encounters that subjects count, by the name that labels and `per` know.
+    """Return kinds of encounters that subjects count, by the name in labels and `per`.
 
-    bool, shape (n_encounters,).
+    Each is bool, shape (n_encounters,).
     """
     return {name: of for known in contributed("counts") for name, of in known.items()}
 
 
 def count_recordings(result: Result) -> int:
-    """Recordings that have frames."""
+    """Return the number of recordings that have frames."""
     return int(np.count_nonzero(np.diff(result.dataset.frame_columns.first)))
 
 
 def has_several_recordings(result: Result) -> bool:
-    """Whether two recordings or more have frames."""
+    """Return whether at least two recordings have frames."""
     return count_recordings(result) > 1
 
 
 def measures_in(table: MeasureTable) -> tuple[Measure, ...]:
-    """The measures of a table."""
+    """Return the measures of a table."""
     return tuple(measure for measure in MEASURES if table in measure.tables)
 
 
 def measure_of(key: str) -> Measure:
-    """The measure with this key."""
+    """Return the measure with this key."""
     return _BY_KEY[key]
 
 
 def applies_to(result: Result, measure: Measure) -> bool:
-    """Whether a comparison has what it measures, such as urgent encounters."""
+    """Return whether a comparison has the objects of a measure, such as urgent encounters."""
     return measure.applies is None or measure.applies(result)
 
 
 def doubt_of(result: Result, measure: Measure) -> str:
-    """Why no claim can rest on a measure, nor a value be the better one; empty: no reason."""
+    """Return why neither claims nor a better value can rest on a measure, or an empty text."""
     return next(filter(None, (doubt(result, measure) for doubt in contributed("doubts"))), "")
 
 
 def hides_rate(measure: Measure, duration_s: float | np.ndarray) -> Any:
-    """Whether a measure is a rate per hour, and that of less than ten minutes.
+    """Return True for a rate per hour from less than ten minutes of recording.
 
-    It has no value then, in tables, files and rules.
+    Such a rate has no value in tables, files and rules.
     """
     return measure.unit == PER_HOUR and (duration_s > 0) & (duration_s < LEAST_HOURLY_S)
 
 
 def is_usable(result: Result, measure: Measure) -> bool:
-    """Whether a rule can rest on a measure: it has a value, and nothing speaks against a claim."""
+    """Return whether a rule can rest on a measure: it has a value, and no doubts."""
     has_value = applies_to(result, measure) and not hides_rate(measure, result.duration_s)
     return has_value and not doubt_of(result, measure)
 
 
 def evidence_keys(result: Result) -> tuple[str, ...]:
-    """Those of `EVIDENCE_KEYS` that a comparison has."""
+    """Return the `EVIDENCE_KEYS` that apply to a comparison."""
     return tuple(key for key in EVIDENCE_KEYS if applies_to(result, _BY_KEY[key]))
 
 
 def inference_of(key: str) -> Inference:
-    """How the difference of a measure of `EVIDENCE_KEYS` is judged."""
+    """Return the method for testing the difference of a measure of `EVIDENCE_KEYS`."""
     return _INFERENCE[key]
 
 
 def repeated_by(key: str) -> str:
-    """Key of the measure whose hypothesis this one tests again; empty: it has its own."""
+    """Return the measure whose hypothesis this one repeats, or an empty text."""
     return _INFERENCE[key].repeats if key in _INFERENCE else ""
 
 
 def evidence_form(key: str) -> str:
-    """Format specification of a measure of `EVIDENCE_KEYS` beside its evidence."""
+    """Return the format specification of a measure of `EVIDENCE_KEYS` beside its evidence."""
     return inference_of(key).form or _BY_KEY[key].form
 
 
 def evidence_label(key: str, result: Result, units: str) -> str:
-    """What a measure of `EVIDENCE_KEYS` is called beside its evidence.
+    """Return the label of a measure of `EVIDENCE_KEYS` beside its evidence.
 
     Parameters
     ----------
     units
-        What is resampled: ``recordings`` or ``blocks``.
+        Resampled units: ``recordings`` or ``blocks``.
     """
     template = inference_of(key).label or _BY_KEY[key].label
     return result.objects.say(template, **label_words(result, units))
 
 
 def shown_as(key: str, result: Result) -> tuple[float, str]:
-    """By what a measure is multiplied where it is shown, and what then follows a value.
+    """Return the factor for showing a measure, and the suffix of its values.
 
-    Where recordings last seconds no rate an hour is shown, but the number "in 7.2 s".
+    If recordings last seconds, the number "in 7.2 s" is shown instead of a rate per hour.
     """
     if not hides_rate(measure_of(key), result.duration_s):
         return 1.0, inference_of(key).noun_unit
@@ -201,7 +201,7 @@ def shown_as(key: str, result: Result) -> tuple[float, str]:
 
 
 def as_shown(result: Result, evidence: pd.DataFrame) -> pd.DataFrame:
-    """A table of evidence with rates `shown_as` people read them."""
+    """Return a table of evidence with rates in the units of `shown_as`."""
     figures = evidence["figure"].tolist()
     shown = [shown_as(key, result) if key in _BY_KEY else (1.0, "") for key in figures]
     factors = np.array([factor for factor, _ in shown])
@@ -217,10 +217,10 @@ def as_shown(result: Result, evidence: pd.DataFrame) -> pd.DataFrame:
 
 
 def difference_text(value: float, key: str) -> str:
-    """A difference in a measure of `EVIDENCE_KEYS`, with sign and unit; shares in points."""
+    """Return a difference in a measure of `EVIDENCE_KEYS`, with sign and unit, shares in points."""
     return difference(value, 0, evidence_form(key)) + inference_of(key).noun_unit
 
 
 def size_text(value: float, key: str) -> str:
-    """The size of such a difference, without sign."""
+    """Return the size of a difference in a measure of `EVIDENCE_KEYS`, without sign."""
     return difference_text(abs(value), key).removeprefix("+")

@@ -1,4 +1,4 @@
-"""What findings of the audit mean for a verdict, in words by their codes."""
+"""Effects of audit findings on a verdict, in words by code."""
 
 from __future__ import annotations
 
@@ -59,12 +59,12 @@ CAVEATS: Final = Caveats(
         "frame-not-listed": "rows of frames that are not evaluated are left out",
     },
 )
-"""Of the core's own findings."""
+"""Caveats of the core's own findings."""
 
 
 @cache
 def caveats() -> Caveats:
-    """What findings mean for the verdict, those of subjects included."""
+    """Return the caveats of all findings, including those of subjects."""
     every = (CAVEATS, *contributed("caveats"))
     return Caveats(
         warned=dict(chain(*(known.warned.items() for known in every))),

@@ -1,4 +1,4 @@
-"""The comparison on one screen of a terminal: what matters first."""
+"""The comparison on one screen of a terminal, with the most important facts first."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from nvcore.wording import one_line, shortened
 
 MOST_LINES: Final = 35
 MOST_FINDINGS: Final = 3
-"""Errors and warnings of the audit that are shown, others are counted."""
+"""Maximum number of shown errors and warnings of the audit. Others are counted."""
 RECORDING_WIDTH: Final = 24
-"""Longest name of a recording, and of what a finding is about."""
+"""Maximum length of a recording's name, and of a finding's subject."""
 FULL_ONLY: Final = ("Operating points", "Question", "Other measures")
-"""Topics of the verdict that are left out: heading and scorecard say most of it."""
+"""Topics of the verdict that are omitted, as heading and scorecard cover most of them."""
 
 
 def render_brief(
@@ -97,7 +97,7 @@ def render_brief(
 
 
 def _audit(findings: Sequence[Finding]) -> list[list[str]]:
-    """How many findings there are, and the first errors and warnings, the worst with its fix."""
+    """Return counts of findings, and the first errors and warnings, the worst with its fix."""
     serious = [finding for finding in findings if finding.severity is not Severity.NOTE]
     parts = [[findings_count(findings)]]
     for finding in serious[:MOST_FINDINGS]:
@@ -112,7 +112,7 @@ def _audit(findings: Sequence[Finding]) -> list[list[str]]:
 
 
 def _moment(result: Result, moment: Moment) -> list[str]:
-    """Where a moment is, whom which system misses there, and what that costs."""
+    """Return the place of a moment, the missed pedestrian and system, and the cost."""
     dataset, encounter = result.dataset, moment.encounter
     frame = dataset.frames.iloc[moment.row]
     recording = str(dataset.recordings["name"].iloc[int(frame["recording"])])

@@ -1,4 +1,4 @@
-"""The moments that decide a comparison, each scene once."""
+"""Moments that decide a comparison, each scene once."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from nvcore.schema import Category, MissClass
 from nvcore.tables.moments import worst_moments
 
 MOST: Final = 12
-"""Most frames of a report."""
+"""Maximum number of frames of a report."""
 EXCLUSIVE: Final = 4
-"""Most encounters that only X detects, and most that only Y detects."""
+"""Maximum number of encounters that only X detects, and that only Y detects."""
 APART_S: Final = 2.0
-"""Frames of one recording in which the same system does badly are one scene if closer than this."""
+"""Time in seconds below which frames where the same system does badly are one scene."""
 LEAST_LEAD: Final = 0.05
-"""Least difference in similarity for a moment in which one system is better."""
+"""Minimum difference in similarity for a moment in which one system is better."""
 KINDS: Final = {
     "x": "A worst moment of X",
     "y": "A worst moment of Y",
@@ -29,22 +29,22 @@ KINDS: Final = {
     "y_better": "Y better than X",
 }
 MOST_OF: Final = dict.fromkeys(KINDS.values(), 2)
-"""Most moments of each of these kinds."""
+"""Maximum number of moments of each of these kinds."""
 LOSER: Final = {"x": "x", "y": "y", "x_better": "y", "y_better": "x"}
-"""The system that does badly in each kind of moment."""
+"""System that does badly in each kind of moment."""
 
 
 class Moment(NamedTuple):
-    """A frame of the report.
+    """Frame of the report.
 
     Attributes
     ----------
     row
         Row of the frames table.
     title, text
-        Why it is shown, and what happens there.
+        Reason for showing the frame, and description of the event.
     encounter
-        The encounter that it is about; -1: it is about the detections of `loser`.
+        Encounter concerned. -1: the moment is about the detections of `loser`.
     loser
         The system that does badly, "x" or "y".
     """
@@ -57,14 +57,14 @@ class Moment(NamedTuple):
 
 
 def decisive_moments(result: Result) -> list[Moment]:
-    """The frames of the report, at most `MOST`, each scene once.
+    """Return the frames of the report, at most `MOST`, each scene once.
 
-    First encounters that only one system detects, those whose failure weighs most (severity), each
-    at the frame in which similarity differs most; then the worst moments of each system and those
-    in which they differ most. Of the frames of a recording in which the same system does badly
+    Encounters that only one system detects come first, by the severity of the failure, each at the
+    frame with the largest difference in similarity. The worst moments of each system and those with
+    the largest difference follow. If the same system does badly in several frames of a recording
     within `APART_S`, the first in this order is taken.
     """
-    # the worst of each kind before the second worst of any
+    # the worst of each kind before the second worst of any kind
     ranked = worst_moments(result, n=MOST)
     ranked = ranked.assign(rank=ranked.groupby("kind").cumcount())
     worst = [
@@ -87,14 +87,14 @@ def decisive_moments(result: Result) -> list[Moment]:
 
 
 def main_moments(result: Result, n: int = 3) -> list[Moment]:
-    """The first `n` of `decisive_moments`, one of each kind before the second of any."""
+    """Return the first `n` of `decisive_moments`, one of each kind before the second of any."""
     moments = decisive_moments(result)
     first = {moment.title.partition(" (")[0]: moment for moment in reversed(moments)}
     return sorted(moments, key=lambda moment: moment not in first.values())[:n]
 
 
 def _worst(result: Result, moment: Mapping[Any, Any]) -> Moment | None:
-    """A worst moment, in a frame that shows its subject; None: too small a difference."""
+    """Return a worst moment at a frame that shows its subject, or None if differences are small."""
     kind, encounter = moment["kind"], _about(result, moment)
     loser = LOSER[kind]
     row = _clearest_row(result, moment, encounter, loser)
@@ -109,7 +109,7 @@ def _worst(result: Result, moment: Mapping[Any, Any]) -> Moment | None:
 
 
 def _clearest_row(result: Result, moment: Mapping[Any, Any], encounter: int, loser: str) -> int:
-    """The frame of a moment that misses its pedestrian and has the worst similarity."""
+    """Return the frame of a moment that misses its pedestrian and has the worst similarity."""
     if encounter < 0:
         return int(moment["row"])
     encounters, frames = result.encounters, result.dataset.frame_columns
@@ -130,7 +130,7 @@ def _clearest_row(result: Result, moment: Mapping[Any, Any], encounter: int, los
 
 
 def _is_shown(result: Result, moment: Moment, moments: Sequence[Moment]) -> bool:
-    """Whether the frame, or its scene, is among the moments already."""
+    """Return whether the frame, or its scene, is among the moments already."""
     recording = result.dataset.frame_columns.recording
     time_s = result.dataset.frames["time_s"].to_numpy()
     return any(
@@ -145,7 +145,7 @@ def _is_shown(result: Result, moment: Moment, moments: Sequence[Moment]) -> bool
 
 
 def _about(result: Result, moment: Mapping[Any, Any]) -> int:
-    """The encounter that a moment names, -1 none."""
+    """Return the encounter that a moment names, or -1."""
     if pd.isna(moment["track"]):
         return -1
     encounters = result.encounters
@@ -167,7 +167,7 @@ def _exclusive(result: Result, category: Category, winner: str, loser: str) -> l
     order = np.argsort(-lead, kind="stable")
     _, first = np.unique(of[order], return_index=True)
     order = order[np.sort(first)]  # the clearest frame of each encounter
-    # an encounter that the other nearly detects, too, says little, whatever a single frame shows
+    # an encounter that the other system nearly detects says little, even with a clear frame
     missed_s, detected_s = (
         system.failures["severity_s"].to_numpy() for system in (missed_by, detected_by)
     )

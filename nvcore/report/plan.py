@@ -1,4 +1,4 @@
-"""A plan for the verdict, for the terminal and as JSON."""
+"""Study plan for the verdict, for the terminal and as JSON."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ def verdict_plan(
     *,
     plans: Mapping[str, Plan] | None = None,
 ) -> tuple[Note, ...]:
-    """How many recordings would show a difference in the primary measure, where none is shown.
+    """Plan how many recordings would show a difference in the primary measure.
 
-    Empty where a difference is shown, or nothing can be planned. Of systems that are set to
-    different operating points, the comparison at equal false alarms is planned for.
+    Empty if a difference is shown already, or nothing can be planned. For unequal operating points,
+    the plan is for the comparison at equal false alarms.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def planned_verdict(
     Parameters
     ----------
     findings
-        Findings of the audit; the verdict says on which of them it depends.
+        Findings of the audit. The verdict names those that affect it.
     protocol
         Selection of the pedestrians for the detection measures.
     """
@@ -81,7 +81,7 @@ def planned_verdict(
 
 
 def render_plan(plan: Plan) -> str:
-    """The plan in sentences, and the power of every size that was simulated."""
+    """Return the plan in sentences, and the power of every simulated size."""
     lines = [QUESTION, *(f"  {sentence}" for sentence in plan.sentences)]
     for size in plan.sizes:
         if not size.points:
@@ -102,7 +102,7 @@ def render_plan(plan: Plan) -> str:
 
 
 def plan_values(plan: Plan) -> dict[str, Any]:
-    """The plan as numbers and texts for JSON; None is undefined."""
+    """Return the plan as numbers and texts for JSON. None is undefined."""
     row = plan.evidence
     content = {
         "measure": row.figure,
@@ -129,5 +129,5 @@ def plan_values(plan: Plan) -> dict[str, Any]:
 
 
 def plan_json(plan: Plan) -> str:
-    """The plan as JSON text."""
+    """Return the plan as JSON text."""
     return json.dumps(plan_values(plan), indent=2, ensure_ascii=False, allow_nan=False) + "\n"

@@ -1,4 +1,4 @@
-"""What subjects say beside the numbers of a comparison."""
+"""Remarks of subjects beside the numbers of a comparison."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from nvcore.notes import Note
 
 @dataclass(frozen=True)
 class Remarks:
-    """What a subject says beside the numbers of a comparison; nothing where it has nothing to say.
+    """Remarks of a subject beside the numbers of a comparison, empty if it has none.
 
     Attributes
     ----------
     note
-        Below the scorecard.
+        Text below the scorecard.
     limits
-        What the data do not show, for the first page of the HTML report.
+        Limits of the data, for the first page of the HTML report.
     of_claims
-        What to know of claims about these measures, to follow them.
+        Explanations that follow claims about these measures.
     recordings
         Title of a column of the HTML report's table of recordings, and a text for each recording.
     """

@@ -27,7 +27,7 @@ MAX_ROWS: Final = 200
 MAX_PRINTED: Final = 12
 """Default maximum number of rows on paper."""
 IN_THE_FILE: Final = "in the HTML file"
-"""Where a reader of the paper finds the other rows."""
+"""Location of the other rows for a reader of the paper."""
 MAX_CELL: Final = 400
 MAX_NOTE: Final = 3000
 """Maximum number of characters of a cell, and of the note below a table."""
@@ -80,7 +80,7 @@ class Table:
     printed
         Maximum number of rows on paper.
     rest
-        Where the other rows are, after "12 more:".
+        Location of the other rows, after "12 more:".
     marks
         Footnote marks of the rows, such as "a c", which follow the first cell. Empty: no marks.
     hints
@@ -106,7 +106,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Chart:
-    """A figure and its description for people who cannot see it.
+    """Figure with a description for people who cannot see it.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ class Chart:
         Return the figure in the light theme. The light core has no Plotly, so nothing is drawn or
         imported before.
     words
-        What the figure shows, in one sentence.
+        Content of the figure, in one sentence.
     """
 
     kind: ClassVar[str] = "chart"
@@ -142,7 +142,7 @@ class Photo:
     jpeg
         The picture.
     is_wide
-        Whether the picture fills a row of its own.
+        True if the picture fills a row of its own.
     why_blank
         Reason for an empty background. Empty if the boxes are drawn on a picture.
     boxes
@@ -177,7 +177,7 @@ class Fold:
     title
         Label; a template with words for the objects.
     where
-        Where a reader of the paper finds the blocks.
+        Location of the blocks for a reader of the paper.
     """
 
     kind: ClassVar[str] = "fold"
@@ -200,8 +200,8 @@ class Section:
     title
         Heading; a template with words for the objects.
     about
-        Introduction. The form ``text`` says what the section is about, ``best`` which values are
-        good, ``how`` how the numbers come about and ``limits`` what they do not show.
+        Introduction. The form ``text`` describes the topic, ``best`` the good values, ``how`` the
+        computation, and ``limits`` the limits of the numbers.
     """
 
     anchor: str
@@ -218,7 +218,7 @@ class Section:
 
 @dataclass(frozen=True)
 class WordedSection:
-    """A section whose texts are plain strings; `about` has the parts of the introduction."""
+    """Section whose texts are plain strings. `about` has the parts of the introduction."""
 
     anchor: str
     title: str
@@ -227,7 +227,7 @@ class WordedSection:
 
     @property
     def in_short(self) -> str:
-        """What the section is about and which values are good."""
+        """Topic of the section and its good values."""
         return " ".join(self.about[part] for part in ("text", "best") if part in self.about)
 
     @property
@@ -274,7 +274,7 @@ class SectionOf:
     make
         Return the section of a comparison.
     applies
-        Whether a comparison has the section.
+        Return whether a comparison has the section.
     """
 
     anchor: str

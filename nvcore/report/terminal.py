@@ -1,4 +1,4 @@
-"""The comparison as text for a terminal."""
+"""Render the comparison as text for a terminal."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ from nvcore.tables.inputs import inputs_table
 from nvcore.wording import count_text, one_line, shortened
 
 MOST_RECORDINGS = 40
-"""Recordings whose pictures or estimated horizons are printed."""
+"""Maximum number of recordings for printing pictures or estimated horizons."""
 WIDTH = 100
 """Maximum length of lines of text, in characters."""
 NAME_WIDTH = 16
-"""Longest name of a system in the head of a column; the full name is above the table."""
+"""Maximum length of a system's name in a column heading. The full name is above the table."""
 
 
 def render_scorecard(result: Result, conclusion: Verdict | None = None) -> str:
@@ -46,7 +46,7 @@ def render_scorecard(result: Result, conclusion: Verdict | None = None) -> str:
     """
     conclusion = conclusion or planned_verdict(result)
     cells = scorecard_cells(result, indent="  ", mark=" *" if result.is_short else "")
-    _, *sections = result_sections(result)  # the scorecard has the names of X and Y above it
+    _, *sections = result_sections(result)  # the names of X and Y are above the scorecard
     parts = [
         "\n".join(heading_lines(result)),
         "\n".join([*table_lines(result, cells), *measure_notes(result)]),
@@ -95,12 +95,12 @@ def _rows(block: Table) -> list[str]:
 
 
 def fold(text: str, most: int | None = None) -> list[str]:
-    """Return lines of at most `WIDTH` characters; all but the first are indented further.
+    """Return lines of at most `WIDTH` characters, all but the first with a deeper indent.
 
     Parameters
     ----------
     most
-        Maximum number of lines; an ellipsis replaces the rest.
+        Maximum number of lines. An ellipsis replaces the rest.
     """
     indent = " " * (len(text) - len(text.lstrip()) + 2)
     return textwrap.wrap(
@@ -121,7 +121,7 @@ def render_verdict(conclusion: Verdict) -> str:
 
 
 def findings_count(findings: Sequence[Finding]) -> str:
-    """How many findings of each severity there are."""
+    """Return the number of findings of each severity."""
     counts = [
         count_text(n, kind.value)
         for kind in Severity
@@ -131,7 +131,7 @@ def findings_count(findings: Sequence[Finding]) -> str:
 
 
 def render_findings(findings: Sequence[Finding]) -> str:
-    """The audit's findings, one paragraph each, in the order given."""
+    """Return the audit's findings, one paragraph each, in the order given."""
     lines = [findings_count(findings)]
     for finding in findings:
         lines.append(f"  {finding.severity.value:<8}{finding.subject}: {finding.message}")
@@ -142,7 +142,7 @@ def render_findings(findings: Sequence[Finding]) -> str:
 
 
 def render_dataset(dataset: Dataset) -> str:
-    """What was read, how it was converted, and which frames are evaluated."""
+    """Return the inputs, their conversions, and the evaluated frames."""
     lines = []
     for row in inputs_table(dataset).to_dict("records"):
         first, n_files = row["first_file"], row["n_files"]
@@ -154,7 +154,7 @@ def render_dataset(dataset: Dataset) -> str:
 
 
 def render_pictures(table: pd.DataFrame) -> str:
-    """Which picture shows which frame, a line for each recording; empty: none has pictures."""
+    """Return the assignment of pictures to frames, a line per recording, or an empty text."""
     lines = []
     for row in table.head(MOST_RECORDINGS).to_dict("records"):
         first, *others = (
@@ -173,7 +173,7 @@ def render_pictures(table: pd.DataFrame) -> str:
 
 
 def render_horizons(dataset: Dataset) -> str:
-    """Where the horizon seems to be in recordings that do not state it; empty: nothing to say."""
+    """Return estimated horizons of recordings that do not state them, or an empty text."""
     is_open = dataset.recordings["horizon"].isna()
     horizons = [
         f"{name}: {dataset.objects.say(horizon.text)}"
@@ -196,7 +196,7 @@ def render_horizons(dataset: Dataset) -> str:
 
 
 def render_inputs(result: Result) -> str:
-    """`render_dataset`, and the gaps that the analysis had to fill."""
+    """Return `render_dataset`, and the gaps that the analysis had to fill."""
     lines = [render_dataset(result.dataset)]
     n = len(result.tracks.linked_recordings)
     if n:
@@ -221,7 +221,7 @@ def render_inputs(result: Result) -> str:
 
 
 def heading_lines(result: Result) -> list[str]:
-    """X, Y, how much is compared, and at which operating points where they are unequal."""
+    """Return X, Y, the amount of data, and unequal operating points."""
     one = result.objects.singular
     lines = [
         f"{letter.upper()} = {system.name}"
@@ -241,7 +241,7 @@ def heading_lines(result: Result) -> list[str]:
 
 
 def table_lines(result: Result, cells: Sequence[tuple[str, ...]]) -> list[str]:
-    """Measures below the names of both systems, see `score_cells`."""
+    """Return measures below the names of both systems, see `score_cells`."""
     heads = [_head(letter, system) for letter, system in result.sides]
     rows = [("", *heads, "X - Y", "better"), *cells]
     widths = [max(len(row[i]) for row in rows) for i in range(4)]
@@ -269,5 +269,5 @@ def _head(letter: str, system: SystemResult) -> str:
 
 
 def _text(lines: Sequence[str]) -> str:
-    """The lines as text; names in them cannot start lines of their own."""
+    """Return the lines as text. Names in them cannot start lines of their own."""
     return "\n".join(one_line(line) for line in lines)

@@ -1,4 +1,4 @@
-"""A comparison in four tiles: pedestrians found, time missed, false alerts, and the worst miss."""
+"""Four summary tiles: pedestrians found, time missed, false alerts, and the worst miss."""
 
 from __future__ import annotations
 
@@ -23,34 +23,34 @@ from nvcore.wording import difference, duration_text, minus, number
 REACH: Final = 1.12
 """Half the length of a difference's axis, as a multiple of the largest value on it."""
 MOST_DECIMALS: Final = 3
-"""Most decimals that an interval has beyond those of its measure."""
+"""Maximum number of decimals of an interval beyond those of its measure."""
 
 
 @dataclass(frozen=True)
 class Tile:
-    """One measure of both systems in short.
+    """Short form of one measure of both systems.
 
     Attributes
     ----------
     key, title, unit
-        Key of the measure, what it is in plain words, and its name with unit.
+        Key of the measure, its plain description, and its name with unit.
     x, y, difference
         Values and X - Y as text.
     interval
-        Of the difference; None: its place stays empty.
+        Interval of the difference. None: the place stays empty.
     bar
         Low end, difference, and high end on an axis from 0 (Y is better) to 1 (X is better), 0.5
-        being no difference; None without interval.
+        being no difference. None without interval.
     better
-        Whose value is better here, ``x`` or ``y``; empty: neither.
+        System with the better value here, ``x`` or ``y``. Empty: neither.
     winner
-        For whom the difference is claimed to be more than chance; empty: it is not.
+        System for which the difference is claimed to be more than chance. Empty: no claim.
     chip
-        That, or why it is not.
+        The claim, or the reason for making none.
     form
         Format of the values.
     is_doubtful
-        Whether no value is called better, whatever they are.
+        True if neither value is called better.
     """
 
     key: str
@@ -70,7 +70,7 @@ class Tile:
 
 @dataclass(frozen=True)
 class _Kind:
-    """Which measure a tile shows, and in which row of the evidence it is judged."""
+    """Measure of a tile, and the row of the evidence by which it is judged."""
 
     key: str
     judged: str
@@ -112,14 +112,14 @@ def tiles(
     *,
     is_being_tested: bool = False,
 ) -> tuple[Tile, ...]:
-    """Return the four tiles: what the comparison shows at a glance, what is 0 for both last.
+    """Return the four tiles, with those that are 0 for both systems last.
 
     Parameters
     ----------
     evidence, companions
-        As of `nvcore.report.verdict.verdict`.
+        See `nvcore.report.verdict.verdict`.
     is_being_tested
-        Whether a measure without evidence will have some.
+        True if a measure without evidence is still being tested.
     """
     support, rows = Support(Basis.NONE), {}
     if not are_unequal(result):
@@ -144,7 +144,7 @@ def _tile(
     x, y = values_of(kind.key, shown)
     is_count = kind.form == "d"
     form = ".0f" if is_count else kind.form
-    times = shown.venn.n_near if is_count else 1.0  # a share of encounters as a number of them
+    times = shown.venn.n_near if is_count else 1.0  # a share of encounters as their number
     unit = kind.unit
     if kind.key == kind.judged:
         factor, per = shown_as(kind.key, shown)
@@ -197,7 +197,7 @@ def _no_interval(row: Mapping[Hashable, Any] | None) -> Note:
 
 
 def _interval_text(low: float, high: float, form: str) -> str:
-    """Both ends, with more decimals where they read alike, or one as 0 that is not within."""
+    """Return both ends, with more decimals if they read alike or an end falsely reads 0."""
     decimals = int(form[1:-1])
     if not decimals and high - low < 10:
         decimals = 1
@@ -224,7 +224,7 @@ def _chip(
     *,
     is_being_tested: bool,
 ) -> Note:
-    """Why nothing is claimed."""
+    """Return why nothing is claimed."""
     if support.basis is Basis.NONE:
         return Note("verdict.chip_unequal")
     if not kind.judged:

@@ -1,4 +1,4 @@
-"""All maps in one table: on which settings the verdict depends, and on which not."""
+"""Survey of all stability maps in one table: the settings that affect the verdict."""
 
 from __future__ import annotations
 
@@ -33,16 +33,16 @@ SURVEY_COLUMNS: Final = ("plane", "criterion", "settings", "by", "verdict", "sha
 
 @dataclass(frozen=True, eq=False)
 class SurveyRow:
-    """One map, or why there is none.
+    """Stability map, or the reason for having none.
 
     Attributes
     ----------
     plane, criterion
-        Which map.
+        Identifiers of the map.
     stability
-        The map; None if these data do not have it.
+        The map, or None if these data do not allow it.
     why_not
-        Why there is no map; empty if there is one.
+        Reason for having no map, else empty.
     """
 
     plane: Plane
@@ -52,7 +52,7 @@ class SurveyRow:
 
     @property
     def is_dependent(self) -> bool:
-        """Whether there is a map and the criterion depends on any of its settings."""
+        """True if there is a map and the criterion depends on any of its settings."""
         return self.stability is not None and any(self.stability.is_moved_by)
 
 
@@ -62,7 +62,7 @@ def survey_stability(
     executor: Executor | None = None,
     progress: Progress = no_progress,
 ) -> tuple[SurveyRow, ...]:
-    """The maps of `SURVEY_PLANES` by every criterion; parameters as of `map_stability`."""
+    """Compute the maps of `SURVEY_PLANES` by every criterion, see `map_stability`."""
     maps: list[tuple[Plane, Criterion]] = [(p, c) for p in SURVEY_PLANES for c in CRITERIA]
     rows = []
     for number, (plane, criterion) in enumerate(maps):
@@ -77,12 +77,12 @@ def survey_stability(
 
 
 def survey_table(survey: Sequence[SurveyRow]) -> pd.DataFrame:
-    """The maps in words, one row each.
+    """Return the maps in words, one row each.
 
     Returns
     -------
-    Columns `SURVEY_COLUMNS`, texts: the settings, what is compared, the verdict as analysed, in
-    which share of the plausible range it holds, and the nearest setting that overturns it.
+    Columns `SURVEY_COLUMNS`, texts: the settings, the criterion, the verdict as analysed, the share
+    of the plausible range in which it holds, and the nearest setting that overturns it.
     """
     rows = []
     for row in survey:
@@ -96,7 +96,7 @@ def survey_table(survey: Sequence[SurveyRow]) -> pd.DataFrame:
 
 
 def held_text(row: SurveyRow) -> str:
-    """The share of the plausible range in which the verdict holds, in a few words."""
+    """Return the share of the plausible range in which the verdict holds, in a few words."""
     if row.stability is None:
         return "no such map"
     if row.stability.verdict == "undefined":

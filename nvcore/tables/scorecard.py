@@ -21,7 +21,7 @@ from nvcore.measures.table import (
 LEADING: Final = tuple(
     measure.key for measure in measures_in(MeasureTable.SCORECARD) if measure.leads
 )
-"""Measures that are shown before all are asked for."""
+"""Measures that are shown unless all are requested."""
 
 
 class ScoreRow(NamedTuple):
@@ -32,17 +32,17 @@ class ScoreRow(NamedTuple):
     label
         Name of the measure, with unit and denominator.
     x, y
-        Values; NaN undefined.
+        Values. NaN is undefined.
     form
         Format specification of the values.
     better
-        ``higher`` or ``lower``; empty: neither.
+        ``higher`` or ``lower``. Empty: neither.
     is_doubtful
-        Whether nothing is claimed of it, whatever the values (`nvcore.measures.doubt_of`).
+        True if nothing is claimed of it for any values (`nvcore.measures.doubt_of`).
     level
         0, or 1 for a part of the row above.
     needs_tracks
-        Whether it means little where most encounters are one frame long; so do the parts of a row.
+        True if it and its parts mean little while most encounters are one frame long.
     key
         Key of the measure.
     """
@@ -59,7 +59,7 @@ class ScoreRow(NamedTuple):
 
     @property
     def winner(self) -> str:
-        """Whose value is better as shown, ``x`` or ``y``; empty: neither, or in doubt."""
+        """System with the better value as shown, ``x`` or ``y``. Empty: neither, or in doubt."""
         if not self.better or self.is_doubtful or math.isnan(self.x) or math.isnan(self.y):
             return ""
         if format(self.x, self.form) == format(self.y, self.form):
@@ -68,7 +68,7 @@ class ScoreRow(NamedTuple):
 
 
 def pick_rows(result: Result, rows: Sequence[ScoreRow], keys: Collection[str]) -> list[ScoreRow]:
-    """Some of the `rows` of `score_rows`, each by its full name instead of as a part."""
+    """Return the `rows` of `score_rows` with these keys, each by its full name."""
     words = label_words(result)
     return [
         row._replace(label=result.objects.say(measure_of(row.key).label, **words), level=0)
@@ -78,18 +78,18 @@ def pick_rows(result: Result, rows: Sequence[ScoreRow], keys: Collection[str]) -
 
 
 def score_rows(result: Result, table: MeasureTable = MeasureTable.SCORECARD) -> list[ScoreRow]:
-    """The measures of a table: the scorecard, miss classes of near encounters, false alerts."""
+    """Return the measures of a table: scorecard, miss classes of near encounters, false alerts."""
     words = label_words(result)
     rows: list[ScoreRow] = []
-    tracked: set[int] = set()  # rows that need tracks, by the row that they are a part of
+    tracked: set[int] = set()  # rows that need tracks, by the row that contains them
     whole = 0
     for measure in measures_in(table):
         if measure.of is None or not applies_to(result, measure):
             continue
         if hides_rate(measure, result.duration_s):
             tracked |= {whole} if _needs_tracks(measure) else set()
-            continue  # the number, of which it is a part, says as much
-        # no row is a part of another in the table of false alerts
+            continue  # the number that contains it says as much
+        # the table of false alerts has no rows that are parts of others
         part = "" if table is MeasureTable.FALSE_ALERTS else measure.part
         x, y = (measure.of(result, system) for _, system in result.sides)
         label = result.objects.say(part or measure.label, **words)
@@ -120,7 +120,7 @@ def _needs_tracks(measure: Measure) -> bool:
 
 
 def curve_rows(x: CurveSummary, y: CurveSummary) -> list[ScoreRow]:
-    """The measures of the detection curves of both systems."""
+    """Return the measures of the detection curves of both systems."""
     return [
         ScoreRow(measure.label, of(x), of(y), measure.form, measure.better, key=measure.key)
         for measure in measures_in(MeasureTable.DETECTION)

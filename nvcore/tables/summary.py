@@ -1,4 +1,4 @@
-"""The aggregates of ``summary.json``: every key with unit, type, a sentence and its value."""
+"""Aggregates of ``summary.json``: every key with unit, type, a sentence and its value."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ SYSTEM_KEYS: Final[tuple[Column, ...]] = (
 
 
 def _lead_s(result: Result) -> np.ndarray:
-    """Lead of X over Y, in the encounters that both match."""
+    """Return the lead of X over Y, in the encounters that both match."""
     lead_s = result.lead_time_s
     finite: np.ndarray = lead_s[np.isfinite(lead_s)]
     return finite
@@ -315,20 +315,20 @@ _ENTRIES: Final[tuple[SummaryEntry, ...]] = (
 
 @cache
 def entries() -> tuple[SummaryEntry, ...]:
-    """The keys of ``summary.json`` with their values: the core's own, then those of subjects.
+    """Return the keys of ``summary.json`` with their values, those of subjects last.
 
-    Nested ones with dots; those of a system are `SYSTEM_KEYS`.
+    Nested keys have dots. Keys of a system are in `SYSTEM_KEYS`.
     """
     return (*_ENTRIES, *chain(*contributed("entries")))
 
 
 def summary_keys() -> tuple[Column, ...]:
-    """The columns of `entries`."""
+    """Return the columns of `entries`."""
     return tuple(entry.column for entry in entries())
 
 
 def summary(result: Result) -> dict[str, Any]:
-    """All aggregates for JSON; None is undefined, and keys are left out by `Column.only_if`."""
+    """Return all aggregates for JSON. None is undefined, and `Column.only_if` omits keys."""
     content = _nest(
         {
             entry.column.name: entry.value(result)
@@ -341,7 +341,7 @@ def summary(result: Result) -> dict[str, Any]:
 
 
 def system_summary(result: Result, system: SystemResult) -> dict[str, Any]:
-    """Aggregates of one system over all recordings, without those left out by `Measure.only_if`."""
+    """Return aggregates of one system over all recordings. `Measure.only_if` omits some."""
     measures = {
         key: np.nan if hides_rate(measure, result.duration_s) else measure.of(result, system)
         for key, measure in _OF_SYSTEM.items()
@@ -351,7 +351,7 @@ def system_summary(result: Result, system: SystemResult) -> dict[str, Any]:
 
 
 def _nest(content: Mapping[str, Any]) -> dict[str, Any]:
-    """Moves entries named ``outer.inner`` into a dictionary of their own."""
+    """Move entries named ``outer.inner`` into nested dictionaries."""
     nested: dict[str, Any] = {}
     for name, value in content.items():
         outer, _, inner = name.partition(".")

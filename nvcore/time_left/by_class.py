@@ -25,7 +25,7 @@ CLASS_HEAD: Final = (
 
 
 class OfClass(NamedTuple):
-    """The urgent encounters of a class: how many, confirmed in time by X and Y, and evidence."""
+    """Urgent encounters of a class: number, confirmed in time by X and Y, and evidence."""
 
     name: str
     n_urgent: int
@@ -36,11 +36,11 @@ class OfClass(NamedTuple):
 
     @property
     def label(self) -> str:
-        """The class, and how many of it are urgent."""
+        """Class, with the number of its urgent encounters."""
         return f"{shown_class(self.name)}, {self.n_urgent:,} urgent"
 
     def cells(self, notes: Footnotes) -> tuple[tuple[str, ...], str]:
-        """Texts for the columns of `CLASS_HEAD`, and the marks of their notes."""
+        """Return texts for the columns of `CLASS_HEAD`, and the marks of their notes."""
         share, share_mark = interval_cell(self.share, notes)
         impact, impact_mark = interval_cell(self.impact, notes)
         form = evidence_form(self.impact.figure)
@@ -57,7 +57,7 @@ def _apart(of: Evidence) -> str:
 
 
 def time_left_by_class(result: Result) -> tuple[OfClass, ...]:
-    """Time left for each class that urgent encounters have; distant ones count, too.
+    """Return time left for each class of urgent encounters, including distant ones.
 
     An encounter of several classes is in each of them.
     """

@@ -1,7 +1,7 @@
-"""Time left: whether braking could still have helped when a system had found the pedestrian.
+"""Time left: judge whether braking could still have helped when a system found the pedestrian.
 
-Needs no speed sensor: while a pedestrian is approached at constant speed, one over the height of
-the box (like the distance) falls on a line that reaches 0 at contact.
+No speed sensor is needed. While a pedestrian is approached at constant speed, one over the height
+of the box (like the distance) falls on a line that reaches 0 at contact.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ class Contact:
     Attributes
     ----------
     ttc_s
-        Of each truth box, seconds; inf: not closing; NaN: unknown, or an ignored box. float64,
-        shape (n_truth,).
+        Time to contact of each truth box, seconds. inf: not closing. NaN: unknown, or an ignored
+        box. float64, shape (n_truth,).
     is_sampled, is_linked
-        Why it is unknown for a whole encounter: not every frame of the recording is evaluated; the
-        track was linked by us. bool, shape (n_encounters,).
+        Reasons for an unknown time of a whole encounter: the frames are a sample, or the track was
+        linked by us. bool, shape (n_encounters,).
     """
 
     ttc_s: np.ndarray
@@ -61,17 +61,17 @@ def measure_contact(
 ) -> Contact:
     """Estimate the time to contact of every pedestrian in every frame, from boxes alone.
 
-    The least-squares line through the distances (if every box has one, else one over the heights)
-    over the frames within half a window; boxes that the picture's edge cuts do not count. It is
-    infinite where the line does not fall, or by less than twice the slope's standard error, and
-    unknown with fewer than 5 boxes.
+    A least-squares line is fitted through the distances (if every box has one, else through one
+    over the heights) in the frames within half a window. Boxes cut by the picture's edge do not
+    count. The time is infinite if the line does not fall by at least twice the slope's standard
+    error, and unknown with fewer than 5 boxes.
 
     Parameters
     ----------
     ttc_window
         Width of the window, seconds.
     is_on_road
-        Whether a car could hit the objects; of others the time is unknown.
+        True if a car could hit the objects. Otherwise the time is unknown.
 
     References
     ----------
@@ -103,7 +103,7 @@ def speed_of_frames(frames: FrameColumns, speed_kmh: float) -> np.ndarray:
 
 
 def needed_time(speed_kmh: np.ndarray, params: Params) -> np.ndarray:
-    """Time to contact from which on the car no longer stops, seconds.
+    """Return the time to contact below which the car can no longer stop, seconds.
 
     ``reaction_s + v / (2 * deceleration)``: on braking from v to 0 the car covers what it would
     have covered in half the time.
@@ -115,7 +115,7 @@ def needed_time(speed_kmh: np.ndarray, params: Params) -> np.ndarray:
 def is_outside(
     boxes: BoxColumns, rows: np.ndarray, frames: FrameColumns, corridor: float
 ) -> np.ndarray:
-    """Whether boxes are farther from the middle than a share of half the width, as bool, (n,)."""
+    """Return True for boxes farther from the middle than `corridor` half widths, bool, (n,)."""
     half = frames.half_width[boxes.frame_index[rows]]
     centre = np.clip(boxes.x[rows] + 0.5 * boxes.w[rows], 0, 2 * half)
     outside: np.ndarray = np.abs(centre - half) > corridor * half
@@ -136,7 +136,7 @@ def find_urgent(
     Parameters
     ----------
     speed_kmh
-        Of each frame, shape (n_frames,); None: `speed_of_frames`.
+        Speed in each frame, shape (n_frames,). None: `speed_of_frames`.
 
     Returns
     -------
@@ -207,7 +207,7 @@ def judge_time_left(
     Parameters
     ----------
     urgency, confirmed
-        Of `find_urgent` and `confirm`.
+        Results of `find_urgent` and `confirm`.
 
     Returns
     -------
@@ -217,7 +217,7 @@ def judge_time_left(
 
     Notes
     -----
-    Confirmed late, with the time to contact ttc left, the car brakes over the last
+    If confirmed late, with the time to contact ttc left, the car brakes over the last
     ``v * (ttc - reaction_s)`` metres: ``sqrt(v^2 - 2 * deceleration * v * (ttc - reaction_s))``.
     """
     is_urgent = urgency["urgency"].to_numpy() == Urgency.URGENT.value
@@ -248,12 +248,12 @@ def judge_time_left(
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """Time left of a system, judged when it is first asked for: not every moved slider asks.
+    """Time left of a system, computed at first access, as most slider moves do not need it.
 
     Attributes
     ----------
     urgency, confirmed
-        Of `find_urgent` and `confirm`.
+        Results of `find_urgent` and `confirm`.
     """
 
     urgency: pd.DataFrame
@@ -263,7 +263,7 @@ class Judgement:
 
     @cached_property
     def time_left(self) -> pd.DataFrame:
-        """See `judge_time_left`."""
+        """Table of `judge_time_left`."""
         return judge_time_left(self.urgency, self.confirmed, self.frames, self.params)
 
 
@@ -280,7 +280,7 @@ def curve_over_speed(
     Parameters
     ----------
     confirmed
-        Of `confirm`, for X and Y.
+        Results of `confirm` for X and Y.
 
     Returns
     -------
@@ -305,12 +305,12 @@ def curve_over_speed(
 
 
 def turning_speeds(curve: pd.DataFrame, measure: str) -> list[float]:
-    """Return the speeds of a curve at which the other system gets ahead, if there are any.
+    """Return the speeds of a curve at which the other system takes the lead.
 
     Parameters
     ----------
     curve
-        Of `curve_over_speed`.
+        Result of `curve_over_speed`.
     measure
         ``share_in_time`` or ``mean_impact_kmh``.
     """

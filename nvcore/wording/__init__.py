@@ -1,7 +1,7 @@
-"""Wording that all outputs share: numbers, differences, counts, names from files.
+"""Wording shared by all outputs: numbers, differences, counts, names from files.
 
-Foreign text is made harmless by one function for each target: `one_line` for terminals and text
-files, `markdown_text` for Markdown, `figures.style.plain` for Plotly; HTML is escaped by Jinja.
+One function per target escapes untrusted text: `one_line` for terminals and text files,
+`markdown_text` for Markdown, `figures.style.plain` for Plotly. Jinja escapes HTML.
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ from typing import Final
 
 UNDEFINED: Final = "–"
 MOST_NAMED: Final = 5
-"""Names in an error; of the others it says how many there are."""
+"""Maximum number of names in an error. The others are counted."""
 ARROWS: Final = {"higher": " ↑", "lower": " ↓", "": ""}
-"""Which way is better, as a label's suffix."""
+"""Suffix of a label that shows the better direction."""
 
 _SHORT_WORD: Final = 3
-"""Letters of words of a name, up to which nothing is taken for a misspelling of them."""
+"""Maximum length of words in a name that are not checked for misspellings, in letters."""
 _MARKUP: Final = re.compile(r"([\\`*_{}\[\]<>()#+.!|$~:&^=@-])")
 
 
 def number(value: float | None, form: str) -> str:
-    """The number in this format, with commas between thousands; a dash where it is undefined.
+    """Return the number in this format, with commas between thousands, or a dash if undefined.
 
     Examples
     --------
@@ -43,10 +43,9 @@ def number(value: float | None, form: str) -> str:
 
 
 def difference(x: float, y: float, form: str) -> str:
-    """X - Y with its sign, shares in percentage points, a dash where either is undefined.
+    """Return X - Y with sign, shares in percentage points, or a dash if either is undefined.
 
-    Rounded once, so that it is the same wherever it stands, with however many decimals X and Y are
-    shown.
+    It is rounded once, so that it does not depend on the decimals shown for X and Y.
 
     Examples
     --------
@@ -67,7 +66,7 @@ def difference(x: float, y: float, form: str) -> str:
 
 
 def minus(text: str) -> str:
-    """A number as text, or some, with the sign that is as wide as a plus.
+    """Return the text with hyphens replaced by minus signs, which are as wide as a plus.
 
     Examples
     --------
@@ -78,7 +77,7 @@ def minus(text: str) -> str:
 
 
 def rounded_form(form: str, width: float) -> str:
-    """The format with no more decimals than an interval of this width leaves: two of its half.
+    """Return the format without decimals below the precision of an interval of this width.
 
     Examples
     --------
@@ -96,12 +95,12 @@ def rounded_form(form: str, width: float) -> str:
 
 
 def count_text(n: int, noun: str, plural: str | None = None) -> str:
-    """A count with its noun: "1 frame", "3,000 frames"; `plural`: `noun` + s."""
+    """Return a count with its noun: "1 frame", "3,000 frames". Default `plural`: `noun` + s."""
     return f"{n:,} {noun if n == 1 else plural or noun + 's'}"
 
 
 def aligned(rows: Iterable[Sequence[str]]) -> list[str]:
-    """Rows of cells as lines, the first column to the left, the others to the right."""
+    """Return rows of cells as lines, the first column left-aligned, the others right-aligned."""
     shown = [tuple(one_line(cell) for cell in row) for row in rows]
     first, *others = ([*column] for column in zip(*shown, strict=True))
     columns = [[cell.ljust(max(map(len, first))) for cell in first]]
@@ -116,13 +115,13 @@ class Footnotes:
     Attributes
     ----------
     marks
-        Mark of each note, in the order in which they were first named: a, b, c, ...
+        Mark of each note, in the order of first use: a, b, c, ...
     """
 
     marks: dict[str, str] = field(default_factory=dict)
 
     def mark(self, note: str, mark: str = "") -> str:
-        """The mark of a note; a new one gets `mark`, else the next letter."""
+        """Return the mark of a note. A new note gets `mark`, or the next letter by default."""
         if note not in self.marks:
             n = sum(known.isalpha() for known in self.marks.values())
             n_letters = len(ascii_lowercase)
@@ -134,39 +133,39 @@ class Footnotes:
         return [f"{mark}: {capitalised(note)}." for note, mark in self.marks.items()]
 
     def of_row(self, notes: Iterable[str]) -> str:
-        """The marks of all notes of a row: "a c"."""
+        """Return the marks of all notes of a row: "a c"."""
         return " ".join(dict.fromkeys(self.mark(note) for note in notes))
 
 
 def interval_text(low: float, high: float, form: str) -> str:
-    """Ends of an interval of a difference, as `difference`; a dash where there is none."""
+    """Return the ends of a difference's interval as in `difference`, or a dash without one."""
     if math.isnan(low) or math.isnan(high):
         return UNDEFINED
     return f"{difference(low, 0, form)} to {difference(high, 0, form)}"
 
 
 def p_value(p: float) -> str:
-    """A p in a table: "0.18", "< 0.001"."""
+    """Return a p for a table: "0.18", "< 0.001"."""
     return "< 0.001" if p < 0.001 else f"{p:.2g}"
 
 
 def p_text(p: float, p_corrected: float) -> str:
-    """A p by itself, and corrected where that is another: "p = 0.18; 0.6 after correction"."""
+    """Return p, with the corrected p if it differs: "p = 0.18; 0.6 after correction"."""
     own = f"p {'' if p < 0.001 else '= '}{p_value(p)}"
     return own if p == p_corrected else f"{own}; {p_value(p_corrected)} after correction"
 
 
 def percent(share: float) -> str:
-    """A share in a sentence, such as ``80 %``."""
+    """Return a share for a sentence, such as ``80 %``."""
     return f"{100 * share:.0f} %"
 
 
 LEAST_HOURLY_S: Final = 600.0
-"""Shorter durations are in seconds, and no rate an hour is shown of them."""
+"""Minimum duration for rates per hour, seconds. Shorter durations are shown in seconds."""
 
 
 def duration_text(seconds: float) -> str:
-    """A duration in seconds, minutes or hours: "7.2 s", "90 s", "55 min", "2.4 h"."""
+    """Return a duration in seconds, minutes or hours: "7.2 s", "90 s", "55 min", "2.4 h"."""
     if 1 <= seconds < 10:
         return f"{seconds:.1f}".removesuffix(".0") + " s"
     if seconds < LEAST_HOURLY_S:
@@ -175,18 +174,17 @@ def duration_text(seconds: float) -> str:
 
 
 def capitalised(text: str) -> str:
-    """The text as the beginning of a sentence; abbreviations keep their capitals."""
+    """Return the text as the beginning of a sentence, keeping the capitals of abbreviations."""
     return text[:1].upper() + text[1:]
 
 
 def listed(words: Sequence[str], *, most: int | None = None) -> str:
-    """Words in a row.
+    """Return words as a list in a sentence.
 
     Parameters
     ----------
     most
-        So many are named, of the others how many they are; a single other one is named, too. None:
-        all.
+        Maximum number of named words. The others are counted, but a single one is named. None: all.
 
     Examples
     --------
@@ -195,15 +193,15 @@ def listed(words: Sequence[str], *, most: int | None = None) -> str:
     >>> listed(["alpha", "IoU", "midpoint"], most=1)
     'alpha and 2 more'
     """
-    if most is not None and len(words) > most + 1:  # in place of the last, "1 more" says less
+    if most is not None and len(words) > most + 1:  # "1 more" would say less than the name
         words = [*words[:most], f"{len(words) - most:,} more"]
     return "".join(words) if len(words) < 2 else f"{', '.join(words[:-1])} and {words[-1]}"
 
 
 def did_you_mean(name: str, names: Iterable[str], sentence: str) -> str:
-    """The closest name as a question, if one is close, and the sentence that names them all.
+    """Return the closest name as a question, if one is close, and the sentence with all names.
 
-    Names of several words (``trees_per_round``) are close by one of them, too.
+    A name of several words (``trees_per_round``) is also close if one of its words is.
 
     Examples
     --------
@@ -219,10 +217,10 @@ def did_you_mean(name: str, names: Iterable[str], sentence: str) -> str:
 
 
 def one_line(text: str) -> str:
-    r"""The text as one harmless line: characters that a terminal would act on become escapes.
+    r"""Return the text as one harmless line, with characters that control a terminal escaped.
 
-    Names of files, recordings and systems come from outside; none of them may move the cursor, set
-    a colour or start a line of its own.
+    Names of files, recordings and systems come from outside. They must not move the cursor, set a
+    colour or start a line of their own.
 
     Examples
     --------
@@ -235,7 +233,7 @@ def one_line(text: str) -> str:
 
 
 def markdown_text(text: object) -> str:
-    r"""The text as Markdown that shows it as it is: no markup, HTML, links or mentions, one line.
+    r"""Return Markdown that shows the text as it is, on one line, without markup or mentions.
 
     Examples
     --------
@@ -246,7 +244,7 @@ def markdown_text(text: object) -> str:
 
 
 def shortened(text: str, most: int, *, mark: str = "…") -> str:
-    """The text, its end replaced by the mark where it has more than `most` characters.
+    """Return the text, with its end replaced by the mark if longer than `most` characters.
 
     Examples
     --------

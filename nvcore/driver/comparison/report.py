@@ -1,4 +1,4 @@
-"""Additions of the driver to the verdict and the first page of the report."""
+"""The driver in the verdict and on the first page of the report."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ POINTS: Final = (
 
 
 def _views(dataset: Dataset) -> list[str]:
-    """What is known of the driver's view of each recording, in words; empty: nothing."""
+    """Return the facts known about the driver's view of each recording, in words."""
     views = driver_views(dataset)
     words_of = {
         "pictures of visible light": views["has_visible"],

@@ -1,4 +1,4 @@
-"""What ``nvcore models`` says of estimators."""
+"""Entries on estimators for ``nvcore models``."""
 
 from __future__ import annotations
 

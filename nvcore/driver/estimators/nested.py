@@ -1,4 +1,4 @@
-"""Nested cross-validation: how well choosing and training does on pedestrians left out."""
+"""Nested cross-validation: errors of model selection and training on pedestrians left out."""
 
 from __future__ import annotations
 
@@ -33,35 +33,35 @@ from nvcore.progress import Progress, run_steps
 from nvcore.wording import count_text, percent
 
 LEAST_PEDESTRIANS: Final = 8
-"""Fewest at each period: with fewer there is nothing to choose by."""
+"""Minimum number of pedestrians at each period: with fewer, models cannot be selected."""
 LEAST_TRAINED: Final = 2
-"""Fewest at each period where a fold is left out: one to learn from, one to choose by."""
+"""Minimum number at each period without a fold: one for training, one for selection."""
 MOST_LACKING: Final = 0.1
-"""A feature that is undefined for a larger share of the pedestrians is not used."""
+"""Largest share of pedestrians for which a feature may be undefined."""
 
 
 @dataclass(frozen=True)
 class Samples:
-    """What regressions learn, as arrays.
+    """Training data of regressions, as arrays.
 
     Attributes
     ----------
     features
-        All eight, float64, shape (n, 8); columns that are not used are NaN as a whole.
+        All eight, float64, shape (n, 8). Unused columns are NaN throughout.
     target
         Detectability, float64, shape (n,).
     period
-        Row in `periods_s` of each, int64, shape (n,).
+        Row in `periods_s` of each sample, int64, shape (n,).
     group
-        Number of the pedestrian of each, int64, shape (n,).
+        Number of each sample's pedestrian, int64, shape (n,).
     row
-        Row of each in the training table, int64, shape (n,).
+        Row of each sample in the training table, int64, shape (n,).
     periods_s
         Adaptation periods, ascending, float64, shape (p,).
     notes
-        What was left out.
+        Notes on what was left out.
     trials_file
-        What the table was read from, for errors.
+        File of the table, for error messages.
     """
 
     features: NDArray[np.float64]
@@ -78,10 +78,10 @@ class Samples:
 
 
 def samples_of(table: TrainingTable) -> Samples:
-    """The rows of a training table that can be learned.
+    """Return the rows of a training table that can be used for training.
 
     A feature that is undefined for more than a tenth of the pedestrians is not used (grey pictures
-    have no colour); pedestrians that lack one of the others are left out.
+    have no colour). Pedestrians that lack one of the other features are left out.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def samples_of(table: TrainingTable) -> Samples:
 
 
 def _refuse_equal(rows: pd.DataFrame, trials_file: Path | None) -> None:
-    """Refuse rows that all have the same detectability."""
+    """Raise an error if all rows have the same detectability."""
     share = rows["detectability"]
     if share.min() < share.max():
         return
@@ -149,20 +149,20 @@ def _notes(
 
 @dataclass(frozen=True)
 class OutOfFold:
-    """Estimates of pedestrians by regressions that were chosen and trained without them.
+    """Estimates for pedestrians by regressions that were selected and trained without them.
 
     Attributes
     ----------
     switched, single
-        By the regression of the row's period, and by that for all, float64, shape (n,).
+        Estimates by the period's regression and by the single one, float64, shape (n,).
     constant, constant_of_all
-        Means of the training's targets: of the row's period, and of all; float64, shape (n,).
+        Mean targets of the training in the row's period, and in all; float64, shape (n,).
     pairs
-        By the regression of the row's period on each of the 28 pairs of features
+        Estimates by the regression of the row's period on each of the 28 pairs of features
         (`nvcore.driver.estimators.search.PAIRS`), settings chosen within the fold, float64, shape
-        (n, 28); NaN: a feature is not used.
+        (n, 28). NaN: a feature is not used.
     columns
-        Features that were chosen in each fold, by row of the period, then those of the single one.
+        Features chosen in each fold, by row of the period, then for the single regression.
     """
 
     switched: NDArray[np.float64]
@@ -175,7 +175,7 @@ class OutOfFold:
 
 @dataclass(frozen=True)
 class _Part:
-    """One regression that is to be chosen and trained; tested on rows of one fold, or on none."""
+    """A regression to select and train, tested on the rows of one fold or on none."""
 
     train: NDArray[np.bool_]
     test: NDArray[np.bool_]
@@ -192,7 +192,7 @@ class _Outcome:
 def train_final(
     samples: Samples, search: Search, *, n_threads: int, progress: Progress
 ) -> tuple[Regression, ...]:
-    """The regression of each period, then that of all, chosen and trained on all rows.
+    """Select and train the regression of each period, then that of all, on all rows.
 
     Raises
     ------
@@ -214,14 +214,14 @@ def out_of_fold(
     progress: Progress,
     has_pairs: bool = False,
 ) -> OutOfFold:
-    """Estimates of the rows of each fold, by regressions chosen and trained on the others.
+    """Return estimates of each fold's rows by regressions trained on the other folds.
 
     Parameters
     ----------
     fold
-        Number of the fold of each row, shape (n,); a pedestrian is in one.
+        Number of the fold of each row, shape (n,). All rows of a pedestrian share a fold.
     has_pairs
-        Whether each pair of features is evaluated, too.
+        True to also evaluate each pair of features.
 
     Raises
     ------
@@ -267,7 +267,7 @@ def out_of_fold(
 
 
 def _refuse_too_few(samples: Samples, fold: NDArray[np.int64]) -> None:
-    """Refuse folds without which a period has nothing to learn from."""
+    """Raise an error if leaving out a fold leaves a period without training data."""
     pedestrians = pd.DataFrame(
         {"period": samples.period, "fold": fold, "group": samples.group}
     ).drop_duplicates()
@@ -287,7 +287,7 @@ def _refuse_too_few(samples: Samples, fold: NDArray[np.int64]) -> None:
 def _parts_of(
     samples: Samples, train: NDArray[np.bool_], test: NDArray[np.bool_], *, has_pairs: bool
 ) -> list[_Part]:
-    """A regression for each period, then the one for all."""
+    """Return a regression for each period, then the one for all periods."""
     parts = []
     for number in range(len(samples.periods_s)):
         is_mine = samples.period == number
@@ -315,11 +315,11 @@ def _run(
         try:
             return run_steps(jobs, executor, progress, what)
         finally:
-            is_cancelled.set()  # those that run when `progress` raises learn of it
+            is_cancelled.set()  # stops the other regressions if `progress` raises
 
 
 def _regression(samples: Samples, part: _Part, search: Search, check: Check) -> _Outcome:
-    """Choose and train one regression, and estimate the rows left out."""
+    """Select and train one regression, and estimate the rows left out."""
     features, target = samples.features[part.train], samples.target[part.train]
     choice = choose(features, target, samples.group[part.train], search, check=check)
     best = choice.best

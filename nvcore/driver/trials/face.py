@@ -1,4 +1,4 @@
-"""The calls of Python users that train and evaluate estimators of what the driver sees."""
+"""Python API to train and evaluate estimators of the driver's perception."""
 
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ def train_driver(arguments: TrainArguments) -> Training:
     Parameters
     ----------
     name
-        Of the model; None: the file's.
+        Name of the model. None: the name of the file.
 
     Returns
     -------
     Training
-        ``.estimator``, and its errors on pedestrians left out beside those of a constant.
+        ``.estimator``, with its errors on pedestrians left out and those of a constant.
 
     Raises
     ------
     InputError
-        If an input cannot be used, would be replaced, or there is too little to learn; or `out`
+        If an input cannot be used or would be replaced, the training data are too few, or `out`
         cannot be written to.
     MissingExtraError
         If the extra ``driver`` is not installed.
@@ -66,20 +66,20 @@ def train_driver(arguments: TrainArguments) -> Training:
 
 @called_with(EvaluateArguments)
 def evaluate_driver(arguments: EvaluateArguments) -> Evaluation:
-    """How well estimators do on pedestrians that they have not seen, leaving out one at a time.
+    """Evaluate estimators on unseen pedestrians by leaving out one at a time.
 
     Returns
     -------
     Evaluation
-        `nvcore.driver.evaluation.evaluation_tables` gives its tables.
+        `nvcore.driver.evaluation.evaluation_tables` makes tables of it.
 
     Raises
     ------
     InputError
-        If an input cannot be used, would be replaced, or there is too little to learn; or `out`
-        or `html` cannot be written to, or `out` holds the run of another command.
+        If an input cannot be used or would be replaced, the training data are too few, `out` or
+        `html` cannot be written to, or `out` contains the run of another command.
     MissingExtraError
-        If the extra ``driver`` is not installed, or with `html` ``report``.
+        If the extra ``driver`` is not installed, or ``report`` if `html` is given.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""How much more would it take? Power of studies like the recordings at hand, non-inferiority."""
+"""Study planning: power of studies like the recordings at hand, and non-inferiority."""
 
 from nvcore.evidence.planning.noninferiority import (
     NonInferiority,

@@ -1,4 +1,4 @@
-"""Is the candidate worse by less than a margin? Non-inferiority, by recordings alone."""
+"""Non-inferiority of the candidate within a margin, over recordings only."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from nvcore.measures.entry import Better
 
 @dataclass(frozen=True)
 class NonInferiority:
-    """Whether a system is at most a margin worse than the other.
+    """Result of testing that a system is at most a margin worse than the other.
 
     Attributes
     ----------
     candidate
-        The system that is preferred for other reasons, such as its price: ``x`` or ``y``.
+        System that is preferred for other reasons, such as its price: ``x`` or ``y``.
     margin
-        By how much it may be worse, in the unit of the measure (shares: 0 to 1).
+        Largest acceptable loss, in the unit of the measure (shares: 0 to 1).
     worse
-        By how much it is worse in these recordings; negative: better.
+        Loss in these recordings. Negative: the candidate is better.
     worse_at_most
-        End of the 95 % interval against it: by how much it may be worse with other recordings, at
-        97.5 %; NaN where there is no interval.
+        Unfavourable end of the 95 % interval: largest loss with other recordings, at 97.5 %. NaN
+        without an interval.
     is_shown
-        Whether that is less than the margin; None where it cannot be said.
+        True if `worse_at_most` is less than the margin. None if it cannot be determined.
     reason
-        Why it cannot be said; empty where it can.
+        Reason if it cannot be determined, else empty.
     """
 
     candidate: Side
@@ -41,12 +41,12 @@ class NonInferiority:
 
 
 def favour(candidate: Side, better: Better) -> int:
-    """1 if a positive difference X - Y favours the candidate, else -1."""
+    """Return 1 if a positive difference X - Y favours the candidate, else -1."""
     return 1 if (candidate == "x") == (better == "higher") else -1
 
 
 def worse_at_most(evidence: Evidence, candidate: Side) -> float:
-    """End of the 95 % interval over recordings against the candidate, positive is worse; or NaN."""
+    """Return the unfavourable end of the 95 % interval, positive is worse, or NaN."""
     if evidence.unit not in WHOLE:
         return math.nan
     sign = favour(candidate, evidence.better)
@@ -56,16 +56,16 @@ def worse_at_most(evidence: Evidence, candidate: Side) -> float:
 def judge_noninferiority(
     evidence: Evidence, candidate: Side, margin: float, *, is_undecided: bool = False
 ) -> NonInferiority:
-    """Non-inferiority of the candidate by the interval of the difference over recordings.
+    """Judge non-inferiority by the interval of the difference over recordings.
 
-    It is shown where the whole 95 % interval of the difference is on the better side of the margin:
-    a one-sided test at 2.5 %. Blocks of time say nothing of other recordings and show nothing.
+    It is shown if the whole 95 % interval of the difference is on the better side of the margin: a
+    one-sided test at 2.5 %. Blocks of time show nothing, as they do not represent other recordings.
 
     Parameters
     ----------
     is_undecided
-        `nvcore.evidence.operating_points.is_undecided` of the comparison and the measure: nothing
-        is shown from unequal operating points.
+        Value of `nvcore.evidence.operating_points.is_undecided` for the comparison and measure.
+        Unequal operating points show nothing.
 
     Examples
     --------

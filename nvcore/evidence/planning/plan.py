@@ -1,4 +1,4 @@
-"""How many recordings would show a difference, or that a system is not worse by a margin."""
+"""Plan how many recordings would show a difference, or non-inferiority by a margin."""
 
 from __future__ import annotations
 
@@ -46,33 +46,33 @@ from nvcore.protocols import PROTOCOLS, Protocol
 ONE_SIDED: Final = 0.025
 """Level at which the 95 % interval shows non-inferiority."""
 SPREAD_SHARE: Final = 0.8
-"""Nominal share of pilots whose range of sizes holds the one that is needed."""
+"""Nominal share of pilots whose range of sizes contains the required size."""
 
 Assumption = Literal["as found", "as named", "equal"]
 
 
 @dataclass(frozen=True)
 class PlanSize:
-    """How large a study has to be if the true difference is this one.
+    """Required size of a study for one assumed difference.
 
     Attributes
     ----------
     assumption
-        Where the difference comes from: ``as found`` in these recordings, ``as named`` by the user,
-        or ``equal`` systems.
+        Source of the difference: ``as found`` in these recordings, ``as named`` by the user, or
+        ``equal`` systems.
     difference
-        The difference X - Y that is assumed, in the unit of the measure.
+        Assumed difference X - Y, in the unit of the measure.
     n_recordings, n_encounters, duration_s
-        Size of the study; None and NaN where there is none, `reason` says why.
+        Size of the study. None and NaN without one; see `reason`.
     power, power_low, power_high
-        Share of simulated studies of that size that show it, with its 95 % Monte Carlo interval.
+        Share of simulated studies of that size that succeed, with 95 % Monte Carlo interval.
     least_recordings, most_recordings
-        Range of `n_recordings` that the pilot leaves open, as it knows its own spread from few
-        recordings: 80 %, if these vary normally.
+        Range of `n_recordings` given the pilot's uncertain spread: 80 % if recordings vary
+        normally.
     points
-        Power of the studies that were simulated.
+        Power of the simulated studies.
     reason
-        Why there is no size; empty where there is one.
+        Reason for having no size, else empty.
     """
 
     assumption: Assumption
@@ -91,26 +91,26 @@ class PlanSize:
 
 @dataclass(frozen=True)
 class Plan:
-    """What these recordings show of a measure, and how many would show more.
+    """Evidence of these recordings on a measure, and study sizes that would show more.
 
     Attributes
     ----------
     evidence
-        Difference X - Y in these recordings, with interval and p; p is of this measure by itself.
+        Difference X - Y in these recordings, with interval and uncorrected p.
     n_encounters, duration_s
-        Encounters that count and time of these recordings; with a pilot, of those in it.
+        Encounters that count and duration of these recordings, or of the pilot's if there is one.
     power
-        Share of studies that should show it.
+        Desired share of studies that show it.
     n_tests
-        Measures that the study's p is corrected for.
+        Number of measures that the study's p is corrected for.
     sizes
-        Sizes of studies, one for each difference that is assumed.
+        Sizes of studies, one for each assumed difference.
     n_differing
-        Recordings in which X and Y differ; None without a pilot.
+        Number of recordings in which X and Y differ. None without a pilot.
     is_unequal
-        Whether X and Y are set to different operating points, on which the measure depends.
+        True if X and Y have different operating points and the measure depends on them.
     noninferiority
-        Whether the candidate is shown to be at most the margin worse; None: not asked.
+        Result of the test that the candidate is at most the margin worse. None: not asked.
     """
 
     evidence: Evidence
@@ -128,8 +128,8 @@ class Plan:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """What it says."""
-        return tuple(say(note, PEDESTRIAN) for note in notes_of_plan(self))  # none is about objects
+        """Conclusions of the plan."""
+        return tuple(say(note, PEDESTRIAN) for note in notes_of_plan(self))  # none names objects
 
     @property
     def level(self) -> float:
@@ -179,17 +179,17 @@ def plan_recordings(
     thresholds: Mapping[str, Thresholds] | None = None,
     progress: Progress = no_progress,
 ) -> Plan:
-    """How many recordings like these would show a difference, or non-inferiority.
+    """Plan how many recordings like these would show a difference, or non-inferiority.
 
     Parameters
     ----------
     asked
         Measure and question.
     protocol
-        Which pedestrians count in the log-average miss rate.
+        Selection of the pedestrians that count in the log-average miss rate.
     units, evidence, thresholds
-        ``find_units(result)``, ``judge_key(result, key)``, ``vary_thresholds(result, units)``, if
-        already computed: a difference has to be shown at equal false alarms, too.
+        ``find_units(result)``, ``judge_key(result, key)`` and ``vary_thresholds(result, units)`` if
+        already computed. A difference has to be shown at equal false alarms, too.
 
     Raises
     ------
@@ -281,7 +281,7 @@ def _check(key: str, asked: PlanArguments) -> None:
 def _size(
     pilot: Pilot, size: PlanSize, asked: PlanArguments, plan: Plan, progress: Progress
 ) -> PlanSize:
-    """The size with its study, or with the reason why there is none."""
+    """Return the size with its study, or with the reason for having none."""
     count: CountShown
     difference, reason = size.difference, ""
     if asked.margin is None:
@@ -313,7 +313,7 @@ def _size(
     point = next(point for point in length.points if point.n_recordings == n)
     degrees = len(pilot) - 1
     tail = (1 - SPREAD_SHARE) / 2
-    # the size goes with the variance, which a pilot of few recordings knows badly
+    # the size is proportional to the variance, which few recordings estimate badly
     ends = [n * degrees / scipy.special.chdtri(degrees, q) for q in (tail, 1 - tail)]
     least_n, most_n = (max(least, int(np.ceil(end))) for end in ends)
     return replace(

@@ -1,4 +1,4 @@
-"""The diagram drawn: circles, counts with what failures weigh, a mark for each encounter."""
+"""Draw the Venn diagram: circles, counts, weights of failures, a mark for each encounter."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ from nvcore.schema import CATEGORY_WORDS, Category
 from nvcore.wording import count_text
 
 MOST_MARKS: Final = 150
-"""Encounters up to which each has a mark."""
+"""Maximum number of encounters for drawing a mark for each."""
 HEIGHT_PX: Final = 342
 BELOW_PX: Final = 24
-"""Room below the frame for how many are too far."""
+"""Space below the frame for the number of distant encounters."""
 GRID: Final = (36, 22)
-"""Places that can be clicked, across and down."""
+"""Number of clickable points, across and down."""
 CLICK_PX: Final = 8
-"""Size of such a place."""
+"""Size of a clickable point."""
 AREAS: Final = {
     "circle": 1.0,
     "diamond": 0.96,
@@ -47,14 +47,14 @@ AREAS: Final = {
     "square": 0.886,
     "circle-open": 1.0,
 }
-"""Sizes with which symbols have the same area."""
+"""Sizes that give symbols the same area."""
 FAILING: Final = {
     Category.BOTH: "xy",
     Category.X_ONLY: "yx",
     Category.Y_ONLY: "xy",
     Category.NEITHER: "xy",
 }
-"""Whose failures a region's severity is of, first whose detection fails."""
+"""Systems whose failures a region's severity counts, the system with a failed detection first."""
 
 
 def venn_figure(
@@ -65,18 +65,18 @@ def venn_figure(
     objects: Objects,
     encounters: pd.DataFrame | None = None,
 ) -> go.Figure:
-    """Encounters by which system detects them, with what its failures weigh.
+    """Plot encounters by the systems that detect them, with the weights of failures.
 
-    A click on a region gives its category as `customdata`, one on a mark the row in the frames
-    table that is worth opening.
+    A click on a region gives its category as `customdata`. A click on a mark gives the most
+    informative row of the frames table.
 
     Parameters
     ----------
     names
         Names of X and Y.
     encounters
-        `nvcore.tables.encounters.severity.weighed_encounters`: up to 150 have a mark each, its area
-        by the larger severity; None: counts alone.
+        Table of `nvcore.tables.encounters.severity.weighed_encounters`. Up to 150 encounters get a
+        mark each, with an area by the larger severity. None: counts only.
 
     References
     ----------
@@ -109,7 +109,7 @@ def venn_figure(
         height=HEIGHT_PX,
         hoverdistance=24,
         margin={"r": EDGE_PX, "b": BELOW_PX},
-        # by the domain: ranges that give way once to a narrow window stay so in a wider one
+        # by the domain: ranges shrink for a narrow window and stay so in a wider one
         xaxis={**HIDDEN_AXIS, "range": [frame.left, frame.right], "constrain": "domain"},
         yaxis={
             **HIDDEN_AXIS,
@@ -132,7 +132,7 @@ def venn_figure(
 def _labels(
     venn: Venn, names: tuple[str, str], encounters: pd.DataFrame | None, look: ChartLook
 ) -> Labels:
-    """Counts with words and weights, and the systems with theirs."""
+    """Return counts with words and weights, and the systems with theirs."""
     inside, beside = {}, {}
     for kind in REGIONS:
         count = f"{venn.counts()[kind.value]:,}"
@@ -158,9 +158,9 @@ def _labels(
 
 
 def _weights(encounters: pd.DataFrame | None, kind: Category) -> list[LabelLine]:
-    """What the failures in a region weigh, a line for each system that fails there.
+    """Return the weights of the failures in a region, a line for each system that fails there.
 
-    A system may fail in some frames of an encounter that it detects: over all regions the weights
+    A system may fail in some frames of an encounter that it detects. Over all regions the weights
     add up to its severity.
     """
     if encounters is None:
@@ -197,7 +197,7 @@ def _fill(
 def _marks(
     part: pd.DataFrame, kind: Category, plan: VennPlan, look: ChartLook, noun: str
 ) -> go.Scatter:
-    """A mark for each encounter of a region, in the look of the system whose failure it is."""
+    """Return a mark for each encounter of a region, in the style of the system that fails."""
     x_s, y_s = (part[f"severity_s_{letter}"].to_numpy() for letter in "xy")
     fails = [x_s > y_s, y_s > x_s, x_s > 0]
     if kind is Category.NEITHER:
@@ -232,7 +232,7 @@ def _marks(
 def _label_texts(
     venn: Venn, plan: VennPlan, labels: Labels, look: ChartLook
 ) -> list[dict[str, Any]]:
-    """Count and words in each region, beside it with a line where it is too narrow; the names."""
+    """Return names, and counts with words in each region, or beside a narrow one with a line."""
     circles, frame = plan.circles, plan.frame
     texts = []
     for kind in labels.inside:
@@ -264,13 +264,13 @@ def _text(
 
 
 def _clicks(venn: Venn, plan: VennPlan) -> go.Scatter:
-    """Invisible markers all over the diagram but on marks, each of the category at its place."""
+    """Return invisible markers of categories over the whole diagram except on marks."""
     circles, (left, right, bottom, top) = plan.circles, plan.frame
     across, up = np.linspace(left, right, GRID[0]), np.linspace(bottom, top, GRID[1])
     x, y = (grid.ravel() for grid in np.meshgrid(across, up))
     depth = [circles.depth(kind, x, y) >= 0 for kind in IN_CIRCLES]
     category = np.select(depth, range(3), default=3)
-    # a region may be too small for the grid: one marker in its middle
+    # a region may be too small for the grid, so it gets one marker in its middle
     for code, kind in enumerate(IN_CIRCLES):
         if venn.counts()[kind.value]:
             x, y = np.append(x, sum(circles.region_ends(kind)) / 2), np.append(y, 0.0)

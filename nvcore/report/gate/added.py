@@ -1,4 +1,4 @@
-"""What subjects know of rules about their measures."""
+"""Contributions of subjects to gate rules about their measures."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from nvcore.notes import Note
 
 @dataclass(frozen=True)
 class RulesOf:
-    """What a subject knows of rules about its measures.
+    """Contribution of a subject to rules about its measures.
 
     Attributes
     ----------
     undefined
-        Names of the measures that have a value, but one that no rule can rest on.
+        Names of the measures whose value cannot support a rule.
     facts
-        What is said of a measure in a comparison, whether or not its rule holds.
+        Facts about a measure in a comparison, whether or not its rule holds.
     counted
-        Encounters that a measure counts, by its name; a failed rule lists them. bool, shape
+        Encounters that a measure counts, by its name, listed by a failed rule. bool, shape
         (n_encounters,).
     is_open
-        Encounters that may as well be counted otherwise; likewise.
+        Encounters with an uncertain count, in the same form.
     """
 
     undefined: Callable[[Result], Set[str]]

@@ -1,4 +1,4 @@
-"""What explains the outcome of a rule: the encounters and findings that it counts."""
+"""Details on the outcome of a rule: the encounters and findings that it counts."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ MAX_LISTED: Final = 10
 def explain(
     outcomes: Iterable[RuleOutcome], result: Result, findings: Sequence[Finding]
 ) -> list[RuleOutcome]:
-    """The outcomes with what explains them (`RuleOutcome.details`)."""
+    """Return the outcomes with their details (`RuleOutcome.details`)."""
     return [replace(outcome, details=_details(outcome, result, findings)) for outcome in outcomes]
 
 
@@ -70,12 +70,12 @@ def _details(outcome: RuleOutcome, result: Result, findings: Sequence[Finding]) 
 def encounters_of(
     result: Result, category: Category, is_member: np.ndarray | None = None
 ) -> list[str]:
-    """Recording, track and frames of a category's encounters, the first `MAX_LISTED`.
+    """Return recording, track and frames of a category's encounters, the first `MAX_LISTED`.
 
     Parameters
     ----------
     is_member
-        Encounters that may be listed, bool; None: all.
+        Encounters that may be listed, bool. None: all.
     """
     is_listed = result.category == category.value
     return _listed(result, is_listed if is_member is None else is_listed & is_member)
@@ -84,7 +84,7 @@ def encounters_of(
 def _listed(
     result: Result, is_listed: np.ndarray, *, is_open: np.ndarray | None = None
 ) -> list[str]:
-    """The first `MAX_LISTED` of these encounters; those are marked that are open."""
+    """Return the first `MAX_LISTED` of these encounters, with marks on open ones."""
     rows = np.flatnonzero(is_listed)
     encounters, frame = result.encounters, result.dataset.frames["frame"].to_numpy()
     recordings = result.dataset.recordings["name"].to_numpy()

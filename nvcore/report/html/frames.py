@@ -1,4 +1,4 @@
-"""Evidence frames: pictures with boxes of the moments that decide the comparison."""
+"""Evidence frames: pictures with boxes at the moments that decide the comparison."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ QUALITIES: Final = (72, 60, 45, 30)
 MOST_BYTES: Final = 100_000
 """Size limit of a picture: the first quality that meets it is used, to keep the report small."""
 MOST_PEDESTRIANS: Final = 5
-"""Pedestrians listed below a picture, those with the largest terms."""
+"""Maximum number of pedestrians listed below a picture, those with the largest terms."""
 
 
 def _share(value: float) -> str:
@@ -54,11 +54,11 @@ SHOWN_AS: Final[dict[str, Callable[[Any], str]]] = {
     "nearest_px_x": _px,
     "nearest_px_y": _px,
 }
-"""Columns of the table below a picture, and how their values are written."""
+"""Columns of the table below a picture, with the formatting of their values."""
 
 
 def photo(result: Result, moment: Moment, pictures: RecordingPictures) -> Photo:
-    """The frame of a moment with all boxes, on a light background if there is no picture."""
+    """Return a moment's frame with all boxes, on a light background without a picture."""
     frames, row = result.dataset.frame_columns, moment.row
     recording = int(frames.recording[row])
     source, index = pictures.sources.get(recording), -1
@@ -93,7 +93,7 @@ def photo(result: Result, moment: Moment, pictures: RecordingPictures) -> Photo:
 
 
 def _measures(result: Result, row: int) -> str:
-    """Similarity of both systems in a frame, and what it is lost to."""
+    """Return the similarity of both systems in a frame, and the causes of its loss."""
     texts = [
         f"{letter.upper()} {system.similarity[row]:.2f} (lost to misses "
         f"{system.loss_miss[row]:.3f}, to false alarms {system.loss_false[row]:.3f})"
@@ -103,7 +103,7 @@ def _measures(result: Result, row: int) -> str:
 
 
 def _pedestrians(result: Result, row: int) -> Table | None:
-    """Who costs most in a frame; None: nobody is annotated."""
+    """Return the costliest pedestrians of a frame, or None if nobody is annotated."""
     pedestrians = frame_summary(result, row).pedestrians
     if pedestrians.empty:
         return None
@@ -121,7 +121,7 @@ def _pedestrians(result: Result, row: int) -> Table | None:
 
 
 def _small_jpeg(canvas: Canvas, width: int) -> bytes:
-    """At most `width` wide, `MOST_HEIGHT_PX` high and `MOST_BYTES` large; quality gives way."""
+    """Encode a JPEG within `width`, `MOST_HEIGHT_PX` and `MOST_BYTES` by reducing quality."""
     scale = min(1.0, width / canvas.shape[1], MOST_HEIGHT_PX / canvas.shape[0])
     shrunk = cv2.resize(canvas, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
     content = b""
@@ -133,11 +133,11 @@ def _small_jpeg(canvas: Canvas, width: int) -> bytes:
 
 
 def _box_about(result: Result, moment: Moment) -> np.ndarray | None:
-    """x, y, w, h of the moment's subject: a pedestrian, or the false alarm that counts most."""
+    """Return x, y, w, h of the moment's subject: a pedestrian, or the weightiest false alarm."""
     if moment.encounter >= 0:
         try:
             return encounter_box(result, moment.encounter, moment.row)
-        except ValueError:  # not annotated in just this frame
+        except ValueError:  # not annotated in this frame
             return None
     system = result.system(moment.loser)
     boxes = result.dataset.system(system.name)

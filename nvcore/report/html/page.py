@@ -1,4 +1,4 @@
-"""Sections as one HTML page that needs neither program nor network."""
+"""Render sections as one HTML page that works without program and network."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from nvcore.wording import shortened
 TEMPLATES: Final = Path(__file__).parent / "templates"
 LONG_WORD: Final = 24
 SHORT_NAME: Final = 16
-"""Most characters of a name with hyphens that stays in one line."""
+"""Maximum length of a name with hyphens that is kept on one line, in characters."""
 SHORT_ROWS: Final = 12
 SHORT_SIGNS: Final = 900
 CHART_CONFIG: Final = {**CONFIG, "responsive": True}
@@ -38,7 +38,7 @@ def render_page(
     fingerprint: str,
     **more: Any,
 ) -> str:
-    """Return the page as text; the same content gives the same bytes.
+    """Return the page as text. The same content gives the same bytes.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def render_page(
     objects
         Words for the objects of the boxes.
     sections
-        Sections in order; names of charts are unique among them.
+        Sections in order. Names of charts are unique among them.
     version, fingerprint
         Version of the program and fingerprint of its inputs.
     more
@@ -97,12 +97,12 @@ def _environment() -> Environment:
 
 
 def css_text(text: str, most: int) -> Markup:
-    """A CSS string of the text, cut to `most` characters; no text can end the string or style."""
+    """Return a safe CSS string of the text, cut to `most` characters."""
     signs = (
         sign if sign == " " or (sign.isascii() and sign.isalnum()) else f"\\{ord(sign):x} "
         for sign in shortened(text, most)
     )
-    return Markup(f'"{"".join(signs)}"')  # noqa: S704  # nothing but letters, digits, escapes
+    return Markup(f'"{"".join(signs)}"')  # noqa: S704  # only letters, digits, escapes
 
 
 def _number_cell(text: str) -> str:
@@ -111,13 +111,13 @@ def _number_cell(text: str) -> str:
 
 
 def _is_short(block: Table) -> bool:
-    """Whether a printed table goes to the next page whole: longer ones would leave a page empty."""
+    """Return whether a printed table is kept on one page. Longer ones would leave a page empty."""
     n_signs = sum(len(cell) for row in block.rows for cell in row)
     return len(block.rows) < SHORT_ROWS and n_signs < SHORT_SIGNS
 
 
 def _cell_class(cell: str, *, is_number: bool) -> str:
-    """How the cell is aligned and broken: a hash or a path anywhere, a short name nowhere."""
+    """Return CSS classes for alignment and for breaks in hashes and paths, not in short names."""
     if is_number:
         return "right between" if " to " in cell else "right"
     if max(map(len, cell.split()), default=0) > LONG_WORD:

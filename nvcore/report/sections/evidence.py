@@ -90,7 +90,7 @@ AT_ONCE: Final = 20_000
 
 
 def verdict_section(result: Result, conclusion: Verdict) -> Section:
-    """Return what the headline rests on; the headline itself stands on the first page."""
+    """Return the section on the basis of the headline, which is on the first page."""
     introduction = about("sections.verdict", result)
     blocks = (Topics(conclusion.topics),)
     return Section("verdict", "What the verdict rests on", introduction, blocks)
@@ -154,7 +154,7 @@ def _evidence(corrected: str) -> Columns:
 def plan_measures(
     result: Result, evidence: pd.DataFrame, protocol: Protocol, *, progress: Progress
 ) -> dict[str, Plan]:
-    """Return a plan for each measure without a claimed difference, by key; empty without a pilot.
+    """Return a plan for each measure without a claimed difference, by key, or {} without a pilot.
 
     Parameters
     ----------
@@ -235,7 +235,7 @@ def _plan_row(plan: Plan) -> dict[str, str]:
 
 
 def subgroups_section(result: Result, subgroups: pd.DataFrame) -> Section:
-    """Return every measure for parts of the encounters, and who detects more of which."""
+    """Return every measure for groups of encounters, and the system that detects more of each."""
     is_detected = subgroups["figure"] == DETECTED
     is_shown = subgroups[["low", "p"]].notna().any(axis=1) | (subgroups["factor"] == ALL)
     n_left_out = int((np.isfinite(subgroups["x"]) & ~is_shown).sum())
@@ -389,7 +389,7 @@ def stability_section(
         return Section("stability", title, introduction, (why_not,))
     with ThreadPoolExecutor() as pool:
         rows = survey_stability(result, executor=pool, progress=progress)
-    order = sorted(range(len(rows)), key=lambda number: _holds(rows[number]))  # the others first
+    order = sorted(range(len(rows)), key=lambda number: _holds(rows[number]))  # unstable first
     columns: Columns = {
         "Settings": "settings",
         "Better by": "by",
@@ -428,13 +428,13 @@ def _holds(row: SurveyRow) -> bool:
 
 
 def _at_equal_alarms(rows: Sequence[SurveyRow]) -> tuple[str, ...]:
-    """Return which system is better at thresholds that are fair to both."""
+    """Return the better system at thresholds that are fair to both."""
     maps = [stability.stability for stability in rows if stability.stability is not None]
     return tuple(filter(None, (describe_equal_alarms(stability) for stability in maps)))
 
 
 def _chance_of_each(rows: Sequence[SurveyRow], evidence: pd.DataFrame) -> tuple[str, ...]:
-    """Return for each criterion whether its difference as analysed is more than chance."""
+    """Return the significance of each criterion's difference as analysed."""
     maps = {row.criterion: row.stability for row in rows if row.stability is not None}
     texts = {criterion: describe_chance(a_map, evidence) for criterion, a_map in maps.items()}
     return tuple(
@@ -445,7 +445,7 @@ def _chance_of_each(rows: Sequence[SurveyRow], evidence: pd.DataFrame) -> tuple[
 
 
 def frames_section(result: Result, photos: Sequence[Photo], troubles: Sequence[str]) -> Section:
-    """Return the evidence frames; a reason for blank ones is given once if it is that of all."""
+    """Return the evidence frames. A reason that all blank ones share is given once."""
     blocks: list[Block] = []
     if troubles:
         blocks.append(Paragraphs(("Some pictures cannot be shown.", *troubles)))

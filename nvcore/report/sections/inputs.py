@@ -40,7 +40,7 @@ from nvcore.wording import UNDEFINED, capitalised, count_text
 
 NOT_SET: Final = "not set"
 MOST_FILES: Final = 60
-"""Maximum number of input files that are listed; the hash of all is always shown."""
+"""Maximum number of input files that are listed. The hash of all is always shown."""
 
 
 def audit_section(result: Result, findings: Sequence[Finding]) -> Section:
@@ -186,7 +186,7 @@ def parameters_section(result: Result) -> Section:
 
 
 def _setting(result: Result, name: str) -> Row:
-    """Return a row of the parameters; a setting without a value has the value in use instead."""
+    """Return a row of the parameters. A setting without a value has the value in use instead."""
     setting, value = SETTINGS[name], getattr(result.params, name)
     shown = _value(value)
     if value is None:
