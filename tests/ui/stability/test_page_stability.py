@@ -50,8 +50,8 @@ def test_the_map_of_the_sample_is_told_for_each_choice_and_setting():
     p = "p = 0.47; 0.77 after correction for all measures"
     assert f"not shown to be more than chance (10 recordings, {p})" in words(page)
     for plane, criterion, who in (
-        ("thresholds", "encounters", "X detects more encounters"),
-        ("matching", "encounters", "X detects more encounters"),
+        ("thresholds", "encounters", "X detects 3 encounters more"),
+        ("matching", "encounters", "X detects 3 encounters more"),
         ("edge-weight-alpha", "saliency", "X has the lower saliency"),
         ("pairing-alpha", "similarity", "X has the higher mean similarity"),
         ("saliency-rule", "saliency", "X has the lower saliency"),
