@@ -26,7 +26,7 @@ from nvcore.report.words import (
 from nvcore.scoring import SystemResult
 from nvcore.subjects import contributed
 from nvcore.tables.inputs import inputs_table
-from nvcore.wording import count_text, one_line, shortened
+from nvcore.wording import capitalised, count_text, one_line, shortened
 
 MOST_RECORDINGS = 40
 """Maximum number of recordings for printing pictures or estimated horizons."""
@@ -196,28 +196,21 @@ def render_horizons(dataset: Dataset) -> str:
 
 
 def render_inputs(result: Result) -> str:
-    """Return `render_dataset`, and the gaps that the analysis had to fill."""
-    lines = [render_dataset(result.dataset)]
-    n = len(result.tracks.linked_recordings)
-    if n:
-        lines.append(
-            f"the truth of {n} recording{'s' if n > 1 else ''} has {result.objects.plural} without "
-            "track ids: they were linked to encounters by overlap from frame to frame"
-        )
-    borrowed = result.borrowed
+    """Return `render_dataset` and remarks on linked tracks and missing distances."""
+    n_linked, borrowed = len(result.tracks.linked_recordings), result.borrowed
+    texts = [say(Note("sections.linked", n=n_linked), result.objects)] if n_linked else []
     if borrowed is not None and borrowed.n_borrowed + borrowed.n_unknown:
-        lines.append(borrowed.text)
-    for of_source, without in (
-        ("of the truth", result.k_truth.n_without_distance),
-        ("of X", result.x.weights.n_without_distance),
-        ("of Y", result.y.weights.n_without_distance),
-    ):
-        if without:
-            boxes = count_text(without, f"box {of_source} has", f"boxes {of_source} have")
-            lines.append(
-                f"{boxes} no distance and {'weighs' if without == 1 else 'weigh'} by height"
-            )
-    return "\n".join(lines)
+        texts.append(f"{capitalised(borrowed.text)}.")
+    texts += [
+        say(Note("sections.no_distance", source=source, n=n), result.objects)
+        for source, n in (
+            ("the truth", result.k_truth.n_without_distance),
+            ("X", result.x.weights.n_without_distance),
+            ("Y", result.y.weights.n_without_distance),
+        )
+        if n
+    ]
+    return "\n".join([render_dataset(result.dataset), *map(one_line, texts)])
 
 
 def heading_lines(result: Result) -> list[str]:

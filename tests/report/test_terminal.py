@@ -240,7 +240,7 @@ def test_linked_truth_and_missing_distances_are_told():
     truth = [at(f, 50) for f in range(3)]
     result = result_of(make_dataset(truth, truth[:1], truth[:2]), proximity="distance")
     text = render_inputs(result)
-    assert "the truth of 1 recording has pedestrians without track ids: they were linked" in text
+    assert "The truth of 1 recording has pedestrians without track ids: they were linked" in text
     assert "3 boxes of the truth have no distance and weigh by height" in text
     assert "1 box of X has no distance and weighs by height" in text
     assert "2 boxes of Y have no distance" in text
@@ -255,7 +255,7 @@ def test_borrowed_distances_are_told_with_their_lenders_and_only_where_somebody_
     assert "of the truth have no distance" not in text
     own = [box._replace(distance_m=20.0) for box in truth]
     assert "borrow" not in render_inputs(result_of(make_dataset(own, x), **settings))
-    assert "no match reports" in render_inputs(result_of(make_dataset(truth), **settings))
+    assert "No match reports" in render_inputs(result_of(make_dataset(truth), **settings))
 
 
 EVIL = "V\x1b[2J\nX = forged\u202e<b>"
