@@ -137,13 +137,7 @@ def _two_kinds(photos: Sequence[Photo]) -> tuple[Photo, ...]:
 
 def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
     n = count_recordings(result)
-    few = (
-        f"{count_text(n, 'recording')}: what others would show is open "
-        f"({MIN_RECORDINGS} are needed)."
-        if n < MIN_RECORDINGS
-        else "The numbers are about recordings like these; of other kinds of traffic, weather or "
-        "cameras they say nothing."
-    )
+    scope = Note("sections.scope", n=n, n_needed=MIN_RECORDINGS)
     points = [
         conclusion.say(*point.notes)
         for point in conclusion.points
@@ -160,7 +154,7 @@ def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
                 conclusion.say(as_set),
                 conclusion.say(Note("sections.short_encounters")) if result.is_short else "",
                 *(conclusion.say(*remarks.limits(result)) for remarks in contributed("remarks")),
-                few,
+                conclusion.say(scope),
                 *points,
                 sampling_note(result.dataset.frame_columns),
             ),

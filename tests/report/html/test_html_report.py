@@ -121,7 +121,7 @@ def test_the_first_page_has_verdict_tiles_frames_and_limits(content, result):
     assert "too few" in first.lower()
     assert first.count('class="tile"') == 4
     assert 1 <= first.count("<img src=") <= 2
-    assert "2 recordings: what others would show is open (6 are needed)." in first
+    assert "2 recordings: the result for others is open (6 are needed)." in first
     assert "Bars: " not in first  # so few recordings have no intervals
     assert 'class="dot"' not in first
 
