@@ -1,4 +1,4 @@
-"""Detectors in words, for a terminal."""
+"""Render detectors, their settings and their training as text for a terminal."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _ICF: Final = "icf"
 
 
 def render_detectors() -> str:
-    """Render all kinds of detectors, and the models that are built in."""
+    """Render the kinds of detectors and their built-in models as text."""
     lines = []
     for kind in DETECTORS.values():
         lines.append(f"{kind.key}: {kind.title}")
@@ -33,7 +33,7 @@ def render_detectors() -> str:
 
 
 def render_training_settings() -> str:
-    """Render the settings of a trained model, with the values of each preset."""
+    """Render the settings of ``nvcore train`` with their values in each preset."""
     values = {name: preset.in_words() for name, preset in PRESETS.items()}
     first, *others = PRESETS
     lines = [
@@ -52,7 +52,7 @@ def render_training_settings() -> str:
 
 
 def render_about(detector: Detector, name: str) -> str:
-    """Render a detector: labels, training, and its settings with their range and meaning.
+    """Render a detector's labels, training and settings as text.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def render_about(detector: Detector, name: str) -> str:
 
 
 def _of_model(model: IcfModel) -> list[str]:
-    """Return the parts of a model and the course of its training."""
+    """Return lines about an ICF model: picture type, object sizes, window, trees and training."""
     s, channels = model.settings, listed(model.channels)
     object_size = f"{s.object_width:g}x{s.object_height:g} px"
     heights = [s.object_height * scale for scale in (s.scales[0], s.scales[-1])]
@@ -88,7 +88,7 @@ def _of_model(model: IcfModel) -> list[str]:
 
 
 def _settings(about: About, values: Mapping[str, Any]) -> list[str]:
-    """Return the settings of a run with meaning and range, then those fixed by the training."""
+    """Return lines about the settings of a run, then about those fixed by the training."""
     of_run = run_settings(about)
     lines = ["settings:", *_explained(of_run, values)]
     others = {name: value for name, value in values.items() if name not in of_run}
@@ -100,7 +100,7 @@ def _settings(about: About, values: Mapping[str, Any]) -> list[str]:
 
 
 def _explained(facts: Mapping[str, SettingFacts], values: Mapping[str, Any]) -> list[str]:
-    """Return settings with their values, meaning, range and choices."""
+    """Return lines about settings: value, meaning, range and choices of each."""
     lines = []
     for name, known in facts.items():
         lines.append(f"  {name} = {_value(values.get(name))}")
@@ -123,7 +123,7 @@ def _range(facts: SettingFacts) -> str:
 
 
 def _described(model: str, settings: Mapping[str, str]) -> str:
-    """Describe a detector, or the settings of a training."""
+    """Describe the detector `model`, or the settings of a training if `model` is ``icf``."""
     if model != _ICF:
         return render_about(open_detector(model, settings), model)
     if settings:

@@ -1,4 +1,4 @@
-"""Estimate what drivers see unaided: features of the picture, estimators, trials."""
+"""Estimates of what drivers see unaided: picture features, estimators, and trials with people."""
 
 from nvcore.subjects import Subject
 

@@ -1,4 +1,4 @@
-"""Detectability of every pedestrian of recordings: the estimator at the end of the pass."""
+"""Estimate the detectability of every pedestrian in recordings from picture features."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ SEPARATOR: Final = ";"
 
 @dataclass(frozen=True, eq=False, repr=False)
 class EstimateRun:
-    """Detectability of the pedestrians of recordings. ``print`` shows a summary.
+    """Estimated detectability of the pedestrians in recordings. ``print`` shows a summary.
 
     Attributes
     ----------
@@ -57,12 +57,12 @@ class EstimateRun:
 
     @property
     def n_estimated(self) -> int:
-        """Pedestrian boxes with an estimate."""
+        """Number of pedestrian boxes with an estimate."""
         return int(self.table["detectability"].notna().sum())
 
     @property
     def outside_by_feature(self) -> dict[str, int]:
-        """Estimates outside the range of the training by feature label, most frequent first."""
+        """Number of estimates outside the training range by feature label, most frequent first."""
         chosen = self.table.loc[self.table["is_outside"], "outside_features"].value_counts()
         counts = Counter[str]()
         for keys, n in chosen.items():  # a few combinations
@@ -71,7 +71,7 @@ class EstimateRun:
 
     @property
     def n_light_unknown(self) -> int:
-        """Estimates in frames of which it is not known when the light last changed."""
+        """Number of estimates in frames where the last change of light is unknown."""
         is_known = np.concatenate([part.is_light_known for part in self.features.recordings])
         return int((self.table["detectability"].notna() & ~is_known).sum())
 
@@ -109,12 +109,12 @@ class EstimateRun:
         )
 
     def _of_heat(self) -> list[Note]:
-        """Return that pictures may be far infrared, if some may."""
+        """Return a note on recordings whose pictures may be far infrared, if there are any."""
         names = [one_line(part.name) for part in self.features.recordings if part.may_be_of_heat]
         return [Note("driver.of_heat", names=listed(names, most=MOST_NAMED))] if names else []
 
     def _lacking(self) -> list[Note]:
-        """Return how many boxes in pictures have no estimate, for which features and periods."""
+        """Return a note on boxes with a picture but no estimate, and the features they lack."""
         table, features = self.table, self.features.table
         seen = (features["picture"] != "").to_numpy()
         is_lacking = seen & table["detectability"].isna().to_numpy()
@@ -139,7 +139,7 @@ class EstimateRun:
         ]
 
     def _missing(self) -> Note | None:
-        """Return the features that the estimator needs and no box has, or None."""
+        """Return a note on features that the estimator needs but no box has, or None."""
         tables = [part.table for part in self.features.recordings if not part.may_be_of_heat]
         tables = [table for table in tables if len(table)]
         if not tables:
@@ -158,7 +158,7 @@ class EstimateRun:
         return Note("driver.missing", features=keys, reasons=reasons)
 
     def refuse_empty(self) -> None:
-        """Refuse a run without any estimate, though there are pedestrians.
+        """Raise an error if there are pedestrians, but none has an estimate.
 
         Raises
         ------
@@ -177,7 +177,7 @@ class EstimateRun:
         raise InputError(phrase(note, PEDESTRIAN))
 
     def counts_json(self) -> dict[str, Any]:
-        """Return how many estimates there are, and how many need care, for a record."""
+        """Return counts of estimates, and doubts about them, as JSON values for a record."""
         counts = {
             "n": self.n_estimated,
             "n_light_unknown": self.n_light_unknown,
@@ -197,7 +197,7 @@ class EstimateRun:
         return counts | {name: entries for name, entries in more.items() if entries}
 
     def as_json(self) -> dict[str, Any]:
-        """The estimator, for a record."""
+        """Return the estimator's name, features and training as JSON values for a record."""
         origin = self.estimator.origin.as_json()
         return {
             "name": self.estimator.name,
@@ -212,7 +212,7 @@ class EstimateRun:
 
 
 def check_settings(settings: FeatureSettings, estimator: Estimator) -> None:
-    """Refuse features that mean something else than those that an estimator was trained on.
+    """Refuse feature settings that differ from those that an estimator was trained on.
 
     Raises
     ------
@@ -236,7 +236,7 @@ def run_estimate(
     *,
     interpolate: bool = False,
 ) -> EstimateRun:
-    """Detectability of every pedestrian of a run.
+    """Estimate the detectability of every pedestrian box from its features.
 
     Parameters
     ----------
@@ -285,7 +285,10 @@ def run_estimate(
 
 
 def _names(outside: NDArray[np.bool_]) -> NDArray[np.object_]:
-    """Return the keys of the features that are outside in each row, "" if none is."""
+    """Join for each row the keys of the features outside the training range to one text.
+
+    Empty if no feature of the row is outside.
+    """
     bits = 1 << np.arange(len(FEATURE_KEYS))
     choices, place = np.unique(outside @ bits, return_inverse=True)
     keys = np.array(FEATURE_KEYS)

@@ -1,4 +1,4 @@
-"""Reports on trials, trainings, estimators and evaluations, and the files of an evaluation."""
+"""Text reports on trials, trainings, estimators and evaluations, and an evaluation's files."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ ERROR: Final = ".4f"
 
 
 def render_table(table: TrainingTable) -> list[str]:
-    """Render the training data, and the subjects whose responses are odd."""
+    """Render training data and subjects with odd responses as lines of text."""
     fewest, most = table.responses
     n_periods = len(table.periods_s)
     notes = [
@@ -51,13 +51,13 @@ def render_table(table: TrainingTable) -> list[str]:
 
 
 def _trials(of: TrainingTable | Origin, n_periods: int | None = None) -> Note:
-    """Return how many trials, subjects and pedestrians there are."""
+    """Return a note on the number of trials, subjects and pedestrians."""
     counts = {"n": of.n_trials, "n_subjects": of.n_subjects, "n_pedestrians": of.n_pedestrians}
     return Note("driver.trials", **counts, simulated=of.simulated, n_periods=n_periods)
 
 
 def _subjects(table: TrainingTable) -> list[Note]:
-    """Return notes on subjects who are left out or odd, headed by a note if most are odd."""
+    """Return notes on odd subjects and on those left out, led by a note if most are odd."""
     notes = [
         Note(
             "driver.subject",
@@ -80,7 +80,7 @@ def _lines(notes: Iterable[Note]) -> list[str]:
 
 
 def render_training(training: Training) -> str:
-    """Render the training data, and the error on pedestrians left out."""
+    """Render a training: its data, errors on pedestrians left out, and chosen features."""
     estimator = training.estimator
     errors = pd.DataFrame(
         {
@@ -141,7 +141,7 @@ def render_estimator(estimator: Estimator) -> str:
 
 
 def render_estimators() -> str:
-    """The estimators that ship."""
+    """Render the list of built-in estimators."""
     return (
         "driver: estimators of what the driver sees (.npz), as nvcore driver estimate takes them\n"
         f"  {SAMPLE_NAME:14} of a simulated observer, on the sample's drawings: not of people"
@@ -155,7 +155,10 @@ def _feature_settings(estimator: Estimator) -> list[Note]:
 
 
 def _errors(errors: pd.DataFrame, last: str = "mean") -> list[str]:
-    """Return a line per period, the one without a period last, and drop empty columns."""
+    """Render a table of errors with a row per period, without empty columns.
+
+    `last` labels the row that has no period.
+    """
     titles = {
         "own": "estimator",
         "own_constant": "constant",
@@ -176,7 +179,7 @@ def _errors(errors: pd.DataFrame, last: str = "mean") -> list[str]:
 
 
 def _choices(estimator: Estimator) -> list[str]:
-    """Features and settings of each regression."""
+    """Return lines with the chosen features and settings of each regression."""
     lines = ["chosen:"]
     names = [*(f"{period:g} s" for period in estimator.periods_s), "single"]
     for name, regression in zip(names, estimator.regressions, strict=True):
@@ -190,7 +193,7 @@ def _choices(estimator: Estimator) -> list[str]:
 
 
 def learning(errors: pd.DataFrame) -> list[Note]:
-    """Return where nothing was learned: the constant does as well, or better.
+    """Return notes on periods at which an estimator is no better than a constant.
 
     Parameters
     ----------
@@ -209,7 +212,7 @@ def learning(errors: pd.DataFrame) -> list[Note]:
 
 
 def describe_evaluated(evaluation: Evaluation) -> list[str]:
-    """Return the data of an evaluation, odd subjects, and how features and settings were chosen."""
+    """Describe an evaluation's data and odd subjects, and note a quick search for settings."""
     search = evaluation.search
     quick = [Note("driver.searched", n=search.n_settings)] if search.is_quick else []
     return [
@@ -220,7 +223,7 @@ def describe_evaluated(evaluation: Evaluation) -> list[str]:
 
 
 def render_evaluation(evaluation: Evaluation) -> str:
-    """Errors at each period beside those of the paper, and what differs."""
+    """Render an evaluation: its data, and errors at each period beside those of the paper."""
     errors = errors_table(evaluation)
     lines = [
         *describe_evaluated(evaluation),
@@ -234,14 +237,14 @@ def render_evaluation(evaluation: Evaluation) -> str:
 
 
 def basis_of_errors(errors: pd.DataFrame) -> list[str]:
-    """Return what the errors of few subjects and of the paper are, as sentences."""
+    """Return sentences that explain the error due to few subjects and the errors of the paper."""
     has_sampling = errors["sampling"].notna().any()
     notes = [Note("driver.few_subjects")] if has_sampling else []
     return [*(say(note, PEDESTRIAN) for note in notes), PUBLISHED_NOTE]
 
 
 def evaluation_files(evaluation: Evaluation) -> Iterator[tuple[str, bytes]]:
-    """Names and contents of `EVALUATION_FILES`."""
+    """Yield the name and content of each of `EVALUATION_FILES`."""
     for name, table in evaluation_tables(evaluation).items():
         yield f"{name}.csv", to_csv_bytes(table)
     # without the duration, so that equal data give equal files

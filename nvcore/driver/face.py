@@ -1,4 +1,4 @@
-"""The calls of Python users for the driver's view: features of pictures, and estimates of them."""
+"""Python API for the driver's view: features of pictures, and estimates of detectability."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 @called_with(FeatureArguments)
 @pipes_kept()
 def driver_features(arguments: FeatureArguments) -> WrittenFeatures:
-    """Measure how visible each pedestrian is in the pictures (eight features), and the light.
+    """Compute the light and eight features of how visible each pedestrian is in the pictures.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def driver_features(arguments: FeatureArguments) -> WrittenFeatures:
 def features_job(
     arguments: FeatureArguments, *, inputs: Sequence[Path] = (), loading: Progress = no_progress
 ) -> Callable[[Progress], WrittenFeatures]:
-    """Prepare the job of `driver_features`, and refuse what cannot be done before it runs.
+    """Check the arguments of `driver_features`, and return a function that runs it.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def image_features(
     n_threads: int | None = None,
     progress: Progress = no_progress,
 ) -> ImageFeatures:
-    """The eight features of the pedestrians in single pictures, such as those of a study.
+    """Compute the eight features of pedestrians in single pictures, such as those of a study.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def estimate_driver(arguments: EstimateArguments) -> WrittenEstimates:
 def estimate_job(
     arguments: EstimateArguments, *, inputs: Sequence[Path] = (), loading: Progress = no_progress
 ) -> Callable[[Progress], WrittenEstimates]:
-    """Prepare the job of `estimate_driver`, and refuse what cannot be done before it runs.
+    """Check the arguments of `estimate_driver`, and return a function that runs it.
 
     Parameters
     ----------
@@ -199,7 +199,7 @@ def _dataset_to_run(
     inputs: Sequence[Path],
     loading: Progress,
 ) -> Dataset:
-    """The recordings, once it is known that the folder may be written to."""
+    """Load the recordings, and check that the output folder may be written to."""
     source, out = arguments.source, Path(arguments.out)
     dataset, session = load_part(source, arguments, progress=loading)
     check_folder(out, outputs)

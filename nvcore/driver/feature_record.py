@@ -1,4 +1,4 @@
-"""Records beside files of features: settings and pictures that they were computed from."""
+"""Records beside feature files: the settings and pictures behind the features."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ _EXPECTED: Final = (
 
 
 def record_beside(features: Path) -> Path:
-    """The record of features of single pictures: their file's name and ``.json``."""
+    """Return the path of the record of a feature file: its name and ``.json``."""
     return features.with_name(f"{features.name}.json")
 
 
 def record_bytes(contents: Mapping[str, bytes], **entries: object) -> bytes:
-    """A record as JSON, with the hashes of the files that it is about."""
+    """Serialize a record as JSON, with the hashes of the files that it describes."""
     digests = {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()}
     record = {**entries, "files": digests}
     return (json.dumps(record, ensure_ascii=False, indent=1) + "\n").encode()
 
 
 def settings_beside(features: Path) -> FeatureSettings | None:
-    """Return the settings of a file of features, or None without a record of this content.
+    """Return the settings behind a feature file, or None if no record matches its content.
 
     Raises
     ------
@@ -47,7 +47,7 @@ def settings_beside(features: Path) -> FeatureSettings | None:
 
 
 def picture_px_beside(features: Path) -> tuple[int, int] | None:
-    """Width and height of the pictures that a file of features is of.
+    """Return width and height of the pictures behind a feature file, or None if unknown.
 
     None: no record beside it is about this content, or says a size that all of them have.
 
@@ -60,7 +60,7 @@ def picture_px_beside(features: Path) -> tuple[int, int] | None:
 
 
 def _beside(features: Path, entry: Callable[[dict[str, Any]], T | None]) -> T | None:
-    """Return an entry of the record about the content of a file beside it, or None."""
+    """Return an entry of the record that matches a feature file's content, or None."""
     if not features.is_file():
         return None
     digest = hashlib.sha256(features.read_bytes()).hexdigest()
@@ -74,7 +74,7 @@ def _beside(features: Path, entry: Callable[[dict[str, Any]], T | None]) -> T | 
 
 
 def picture_px_from_json(content: object) -> tuple[int, int] | None:
-    """Parse width and height from a list of two whole numbers, or None if not known.
+    """Parse width and height from a list of two whole numbers. None stays None.
 
     Raises
     ------
@@ -91,7 +91,7 @@ def picture_px_from_json(content: object) -> tuple[int, int] | None:
 
 
 def settings_from_json(content: Mapping[str, Any]) -> FeatureSettings:
-    """Settings as `dataclasses.asdict` gives them.
+    """Parse feature settings from values as `dataclasses.asdict` gives them.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def settings_from_json(content: Mapping[str, Any]) -> FeatureSettings:
 def _entry_about(
     content: object, name: str, digest: str, entry: Callable[[dict[str, Any]], T | None]
 ) -> T | None:
-    """An entry of a record, if it is about the file of this name and hash."""
+    """Return an entry of a record if it lists this file name and hash, else None."""
     record = typed(content, dict, "the record")
     if value_of(record, "files", dict).get(name) != digest:
         return None

@@ -1,4 +1,4 @@
-"""A picture of visible light as the driver sees it for some seconds after the light has changed.
+"""Filter a picture to look as drivers see it in the seconds after the light has changed.
 
 Two things are worse at once and recover while the eyes adapt, each as an exponential of the time
 since the change:
@@ -61,7 +61,9 @@ _RANGES: Final = {
 
 @dataclass(frozen=True, kw_only=True)
 class FilterSettings:
-    """Loss of contrast when the light changes, and how soon it returns (all ours).
+    """Settings of the filter: loss of contrast and acuity, and their recovery.
+
+    All values are our choice.
 
     Attributes
     ----------
@@ -98,13 +100,13 @@ class FilterSettings:
 
 
 def contrast_threshold(period_s: float, settings: FilterSettings | None = None) -> float:
-    """Return the contrast that disappears so many seconds after the change, 0 for NaN seconds."""
+    """Return the contrast below which details vanish `period_s` after the change, 0 for NaN."""
     settings = settings or FilterSettings()
     return settings.threshold * _left(period_s, settings.threshold_decay_s)
 
 
 def blur_px(period_s: float, width_px: int, settings: FilterSettings | None = None) -> float:
-    """Return the SD of the blur so many seconds after the change, px, 0 for NaN seconds.
+    """Return the SD of the blur in px `period_s` after the change, 0 for NaN.
 
     Half the angle of the details that blur: of bars that wide 0.3 of the contrast is left. At the
     most `MOST_SIGMA_PX`.
@@ -122,7 +124,7 @@ def blur_px(period_s: float, width_px: int, settings: FilterSettings | None = No
 def as_the_driver_sees(
     picture: NDArray[np.uint8], period_s: float, settings: FilterSettings | None = None
 ) -> NDArray[np.uint8]:
-    """The picture as the driver sees it, `period_s` after a change from bright to dark.
+    """Return the picture as the driver sees it `period_s` after a change from bright to dark.
 
     Parameters
     ----------
@@ -167,7 +169,7 @@ def as_the_driver_sees(
 
 
 def _left(period_s: float, decay_s: float) -> float:
-    """Share of what was lost that is lost still."""
+    """Return the share of the loss that remains after `period_s`, 0 for NaN."""
     if math.isnan(period_s):
         return 0.0
     if period_s < 0:
@@ -178,7 +180,7 @@ def _left(period_s: float, decay_s: float) -> float:
 def _above_threshold(
     levels: NDArray[np.float32], threshold: float, settings: FilterSettings
 ) -> NDArray[np.float32]:
-    """Grey levels, float32, without the contrasts below the threshold.
+    """Remove contrasts below the threshold from grey levels, float32.
 
     Of small contrasts, that of light is `gamma` times that of the grey levels.
     """

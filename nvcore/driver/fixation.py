@@ -41,7 +41,7 @@ class Gaze:
     point: NDArray[np.float64]
 
     def at(self, frames: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return x and y in these frames, px, float64, shape (n, 2). NaN without a row."""
+        """Return gaze points in these frames, px, float64, (n, 2), NaN for frames without one."""
         frames = np.asarray(frames, np.int64)
         points = np.full((len(frames), 2), np.nan)
         if not len(self.frame):
@@ -103,5 +103,5 @@ class FixedPoint:
                 )
 
     def in_picture(self, width: int, height: int) -> tuple[float, float]:
-        """Return the point in a picture of this size, px."""
+        """Return the point in pixels of a picture of this size."""
         return self.x * width, self.y * height

@@ -1,4 +1,4 @@
-"""Features of the pedestrians of single pictures, such as those of a study.
+"""Features of pedestrians in single pictures, such as those of a study.
 
     image,pedestrian,x,y,w,h,fixation_x,fixation_y
     park.jpg,1,612,388,31,74,480,270
@@ -48,7 +48,7 @@ IMAGE_FEATURE_COLUMNS: Final = (*PEDESTRIAN, *BOX, *FEATURE_KEYS)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ImageFeatures:
-    """Features of the pedestrians of pictures. ``print`` shows the counts.
+    """Features of pedestrians in single pictures. ``print`` shows the counts.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ class ImageFeatures:
         return self.sizes[0] if len(self.sizes) == 1 else None
 
     def record(self, contents: Mapping[str, bytes]) -> bytes:
-        """Return settings and hashes of the input files, as JSON."""
+        """Serialize settings, counts and the hashes of these files as JSON."""
         values = self.settings.as_json()
         return record_bytes(
             contents,
@@ -162,7 +162,7 @@ def image_features(
 
 
 def _fixations(table: TextTable) -> NDArray[np.float64]:
-    """Return the fixations, x and y, px, shape (n, 2). NaN is unknown."""
+    """Return the fixation of each pedestrian, px, shape (n, 2), NaN if unknown."""
     if lost := [name for name in FIXATION_COLUMNS if name not in table]:
         _refuse_misspelt(table, lost)
         return np.full((len(table), 2), np.nan)
@@ -179,7 +179,7 @@ def _fixations(table: TextTable) -> NDArray[np.float64]:
 
 
 def _refuse_misspelt(table: TextTable, lost: list[str]) -> None:
-    """Raise an error if a column of the fixation is missing or probably misspelt."""
+    """Raise an error if only one fixation column is present or a column name seems misspelt."""
     present = [name for name in FIXATION_COLUMNS if name not in lost]
     others = [name for name in table.fields if name not in IMAGE_FEATURE_COLUMNS]
     similar = [

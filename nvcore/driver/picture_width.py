@@ -1,4 +1,7 @@
-"""Warn about pictures of another width than in training: features of size differ there."""
+"""Warn about pictures whose width differs from that of the training pictures.
+
+Features that depend on the picture size differ there.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +37,7 @@ def other_widths(recordings: Sequence[RecordingFeatures], estimator: Estimator) 
 
 
 def other_width_notes(recordings: Sequence[RecordingFeatures], estimator: Estimator) -> list[Note]:
-    """Return a note on the affected pictures for each width."""
+    """Return a note for each differing width, with the recordings that have it."""
     names: dict[int, list[str]] = {}
     for name, width in other_widths(recordings, estimator).items():
         names.setdefault(width, []).append(one_line(name))

@@ -95,7 +95,7 @@ class DriverRecording:
         return self.light is None and self.pictures is not None and not self.may_be_of_heat
 
     def boxes_in_picture(self, boxes: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return boxes (n, 4) x, y, w, h of the recording in px of the picture."""
+        """Convert boxes (n, 4) x, y, w, h from pixels of the recording to those of the picture."""
         across, down, right, lower = self.to_picture
         scaled: NDArray[np.float64] = boxes * [across, down, across, down] + [right, lower, 0, 0]
         return scaled
@@ -206,7 +206,7 @@ def _recording(
 def _doubts(
     source: Pictures, dataset: Dataset, number: int, entry: RecordingEntry, has_map: bool
 ) -> tuple[Note, ...]:
-    """Return notes if shape or number of the pictures differ from those of the frames."""
+    """Return notes if shape or number of the pictures do not match the frames."""
     columns, name, doubts = dataset.frame_columns, one_line(source.name), list[Note]()
     of_px = float(columns.width[number]), float(columns.height[number])
     if not has_map and is_of_other_shape(source, *of_px):
@@ -230,7 +230,9 @@ def _is_as_long(
     *,
     others: NDArray[np.int64],
 ) -> bool:
-    """Return whether the pictures are as many as the frames, listed or from the first picture's on.
+    """Return whether the number of pictures matches the frames.
+
+    It may equal the number of listed frames, or of frame numbers from `first_picture` on.
 
     Frames may count from 1, and be a sample at equal steps. If `others` are not listed, frames were
     selected: only their minimum number is known.
@@ -245,7 +247,7 @@ def _is_as_long(
 
 
 def _note(notes: Mapping[int, str], number: int, index: NDArray[np.int64]) -> str:
-    """Return a note on missing pictures, or an empty text if none is missing."""
+    """Return why pictures are missing, or an empty text if none is missing."""
     if (index >= 0).all():
         return ""
     return notes.get(number, "No pictures are named for it.")

@@ -51,14 +51,14 @@ def picture_notes(recording: DriverRecording, faults: list[str], n_unseen: int) 
 
 
 def boxes_outside(recording: DriverRecording, n_outside: int, n_seen: int) -> Note | None:
-    """Return the number of boxes outside the picture of their frame, as a clause, or None."""
+    """Return a clause on how many boxes lie outside the picture of their frame, or None."""
     if not n_outside:
         return None
     return Note("driver.boxes_outside", has_map=recording.has_map, n_outside=n_outside, n=n_seen)
 
 
 def other_frames(gaze: Gaze, frames: NDArray[np.int64]) -> Note | None:
-    """Return the reason if no gaze point belongs to a frame (n,), as a clause, or None."""
+    """Return a clause on why no gaze point belongs to any of these frames (n,), or None."""
     if not len(gaze.frame):
         return Note("driver.no_gaze")
     if not len(frames) or not np.isnan(gaze.at(frames)).all():
@@ -73,7 +73,7 @@ def fixation(
     frames: NDArray[np.int64],
     with_boxes: NDArray[np.int64],
 ) -> Note:
-    """Return a note on the assumed fixation of the driver.
+    """Return a note on the driver's fixation: assumed, unknown, or from a gaze file.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def fixation(
 def picture_doubts(
     recording: DriverRecording, assumed: FixedPoint, with_boxes: NDArray[np.int64]
 ) -> list[Note]:
-    """Return signs that pictures or gaze belong to another recording.
+    """Return notes that suggest that pictures or gaze belong to another recording.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def picture_doubts(
 def _count_gaze(
     recording: DriverRecording, assumed: FixedPoint, with_boxes: NDArray[np.int64]
 ) -> tuple[int, int]:
-    """Return how many frames have a known gaze, and how many have it off the picture."""
+    """Count frames with known gaze, and those among them with gaze outside the picture."""
     if recording.gaze is None:
         return 0, 0
     known = with_boxes[~np.isnan(recording.gaze.at(with_boxes)[:, 0])]
@@ -131,7 +131,7 @@ def light_note(
     fps: float,
     settings: LightSettings,
 ) -> Note:
-    """Return the source of the brightness, and how often it became dark.
+    """Return a note on where the brightness comes from, and how often it became dark.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def light_note(
 def light_doubt(
     light: Light | None, frames: NDArray[np.int64], fps: float, settings: LightSettings
 ) -> Note | None:
-    """Return signs of another unit or clock of the light meter, as a clause, or None.
+    """Return a clause that suggests another unit or clock of the light meter, or None.
 
     Parameters
     ----------
@@ -199,12 +199,12 @@ def light_doubt(
 
 
 def _sparse(light: Light, settings: LightSettings) -> str | None:
-    """Return the seconds between readings if a change could fall between two, else None."""
+    """Return the seconds between readings if they could miss a change of light, else None."""
     return _amount(light.step_s) if light.step_s > settings.bright_for_s / 2 else None
 
 
 def _gaps(light: Light, begin_s: float, end_s: float, settings: LightSettings) -> Note | None:
-    """Return gaps in the readings in which the light is unknown, or None.
+    """Return a note on gaps in the readings that leave the light unknown, or None.
 
     Parameters
     ----------
@@ -231,5 +231,5 @@ def _gaps(light: Light, begin_s: float, end_s: float, settings: LightSettings) -
 
 
 def _amount(value: float) -> str:
-    """Return a number with three significant digits, or all digits before the point."""
+    """Format a number with three significant digits, or as a whole number from 100 on."""
     return f"{value:,.0f}" if abs(value) >= 100 else f"{value:.3g}"

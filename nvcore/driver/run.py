@@ -1,4 +1,4 @@
-"""Compute features of every pedestrian of recordings in one pass over the pictures."""
+"""Compute features of all pedestrians in recordings, in one pass over the pictures."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ class RecordingFeatures:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FeatureRun:
-    """Features of the pedestrians of recordings. ``print`` shows the assumptions.
+    """Features of the pedestrians in recordings. ``print`` shows the assumptions.
 
     Attributes
     ----------
@@ -114,7 +114,7 @@ class FeatureRun:
 
     @property
     def table(self) -> pd.DataFrame:
-        """Rows of all recordings, `FEATURE_COLUMNS`."""
+        """Rows of all recordings, with the columns `FEATURE_COLUMNS`."""
         tables = [recording.table for recording in self.recordings]
         return pd.concat(tables, ignore_index=True)
 
@@ -185,7 +185,10 @@ def run_features(
 
 
 class _Pass:
-    """Pass over one recording. Frames are counted from its first evaluated one."""
+    """Pass over the pictures of one recording.
+
+    Frames are counted from the first evaluated one.
+    """
 
     def __init__(self, recording: DriverRecording, dataset: Dataset, settings: DriverViewSettings):
         self.recording, self.settings, self.objects = recording, settings, dataset.objects
@@ -209,7 +212,7 @@ class _Pass:
         self.is_seen = np.zeros(len(self.frame), bool)
 
     def run(self, clock: PictureClock, n_threads: int | None) -> RecordingFeatures:
-        """Process the pictures, then the course of the light."""
+        """Process all pictures, then the light over time, and return the features."""
         recording, faults = self.recording, list[str]()
         tell = partial(clock.count, name=recording.name)
         if recording.pictures is not None:
@@ -245,7 +248,10 @@ class _Pass:
         )
 
     def _look(self, row: int, picture: Picture) -> int:
-        """Compute features and light of one picture. Different pictures never share rows."""
+        """Compute features and brightness of one picture.
+
+        Threads may do so at once, as different pictures never share rows.
+        """
         if picture.dtype != np.uint8:
             picture = stretch(picture, *STRETCH)
         recording, boxes = self.recording, slice(*self.first[row : row + 2].tolist())
@@ -263,7 +269,7 @@ class _Pass:
         return row
 
     def _light(self) -> Light | None:
-        """Return readings of the light meter or of the pictures, or None."""
+        """Return readings of the light meter, else the brightness of pictures, else None."""
         if self.recording.light is not None:
             return self.recording.light
         is_known = ~np.isnan(self.level)
@@ -291,7 +297,7 @@ class _Pass:
         return pd.DataFrame(values, index=pd.RangeIndex(len(frame)))
 
     def _why_missing(self) -> dict[str, str]:
-        """Return why no box of the recording has a feature, by the feature's key, as clauses."""
+        """Return clauses on why no box of the recording has a feature, by the feature's key."""
         n_seen, n_outside = self._n_outside()
         if n_seen and n_outside == n_seen:
             outside = boxes_outside(self.recording, n_outside, n_seen)
@@ -301,7 +307,7 @@ class _Pass:
         return {"fixation_distance_px": self._say(fault)} if fault else {}
 
     def _n_outside(self) -> tuple[int, int]:
-        """Return the number of boxes in frames with a picture, and of those outside of it."""
+        """Count the boxes in frames with a picture, and those outside that picture."""
         is_seen = self.is_seen[self.frame_of_box]
         is_outside = np.isnan(self.features[is_seen, FEATURE_KEYS.index("width_px")])
         return int(np.count_nonzero(is_seen)), int(np.count_nonzero(is_outside))

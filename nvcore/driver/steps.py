@@ -1,4 +1,4 @@
-"""Steps of the estimates where the nearest adaptation period becomes another."""
+"""Count jumps of estimates when another adaptation period becomes the nearest."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ WHOSE = ["recording", "track"]
 
 
 class Steps(NamedTuple):
-    """Pedestrians who are followed from one estimator to the next.
+    """Numbers of pedestrians whose estimates switch from one period's estimator to the next.
 
     Attributes
     ----------
@@ -35,7 +35,9 @@ def steps_between_periods(
     table: pd.DataFrame,
     taken_s: NDArray[np.float64],
 ) -> Steps:
-    """Count steps while the eyes adapt. A new change of light is no step.
+    """Count pedestrians whose estimates switch to another period's estimator as the eyes adapt.
+
+    A new change of light does not count.
 
     Parameters
     ----------

@@ -169,7 +169,7 @@ def _widening(n: int, n_intervals: int) -> float:
 
 
 def _candidates(result: Result, rows: Sequence[Mapping[Hashable, Any]]) -> dict[str, Claim]:
-    """Return differences over recordings that are more than chance and not in doubt, by key."""
+    """Return claims for significant differences that are not in doubt, by measure key."""
     claims = {}
     for row in rows:
         key = str(row["figure"])
@@ -181,7 +181,7 @@ def _candidates(result: Result, rows: Sequence[Mapping[Hashable, Any]]) -> dict[
 
 
 def _doubts(rows: Sequence[Mapping[Hashable, Any]]) -> dict[str, Note]:
-    """Return why differences that seem more than chance are in doubt, by key."""
+    """Return why significant differences are in doubt, by measure key."""
     return {
         str(row["figure"]): Note("verdict.doubted", doubt=str(row["doubt"]))
         for row in rows
@@ -190,7 +190,7 @@ def _doubts(rows: Sequence[Mapping[Hashable, Any]]) -> dict[str, Note]:
 
 
 def _significant_rows(evidence: pd.DataFrame) -> list[dict[Hashable, Any]]:
-    """Return rows of the measures that may be claimed, with a small enough p over recordings."""
+    """Return rows of measures that may be claimed and are significant over recordings."""
     small = evidence[evidence["p_corrected"] <= SIGNIFICANT]
     rows = [] if small.empty else small.to_dict("records")  # slow even if empty
     return [row for row in rows if row["unit"] in WHOLE and row["figure"] in CLAIMED]
@@ -204,7 +204,7 @@ def winner_of(difference: float, better: str) -> str:
 def _not_confirmed(
     result: Result, candidates: Mapping[str, Claim], companions: Companions
 ) -> dict[str, Note]:
-    """Return why differences as set do not hold at equal false alarms, by key."""
+    """Return why candidate claims fail at equal false alarms, by measure key."""
     if companions.evidence is None:
         return _not_dominant(result, candidates)
     confirmed = _candidates(result, _significant_rows(companions.evidence))
@@ -216,7 +216,7 @@ def _not_confirmed(
 
 
 def _not_dominant(result: Result, candidates: Mapping[str, Claim]) -> dict[str, Note]:
-    """Return advantages that may only come from an unequal operating point, by key."""
+    """Return reasons against claims that an unequal operating point may explain, by measure key."""
     reasons = {}
     n_alarms = {letter: count_alarms(system) for letter, system in result.sides}
     n_matched = {letter: int(system.matched.sum()) for letter, system in result.sides}
@@ -244,12 +244,15 @@ def is_turned_strictly(key: str, result: Result, strict: Result) -> bool:
 
 
 def values_of(key: str, result: Result) -> tuple[float, float]:
-    """Return a measure of `nvcore.measures.table.MEASURES` for X and Y. NaN is undefined."""
+    """Return the values of a measure for X and Y, NaN if undefined.
+
+    `key` is one of `nvcore.measures.table.MEASURES`.
+    """
     value_of = measure_of(key).of
     assert value_of is not None, key
     return float(value_of(result, result.x)), float(value_of(result, result.y))
 
 
 def has_primary(evidence: pd.DataFrame, key: str) -> bool:
-    """Return whether the table has a p of the primary measure."""
+    """Return whether the table has a p-value for the primary measure, `key`."""
     return bool((np.isfinite(evidence["p_corrected"]) & (evidence["figure"] == key)).any())

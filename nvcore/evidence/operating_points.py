@@ -35,20 +35,20 @@ def count_alarms(system: SystemResult) -> int:
 
 
 def are_unequal(result: Result) -> bool:
-    """Return whether X and Y have different operating points, so that neither is preferable."""
+    """Return whether X and Y have different operating points, judged by their false alarms."""
     n_x, n_y = (count_alarms(system) for _, system in result.sides)
     return are_unequal_alarms(n_x, n_y)
 
 
 def alarms_as_set(result: Result) -> Note:
-    """Return the false alarms per frame of X and Y, for other notes on unequal operating points."""
+    """Return a note on the false alarms per frame of X and Y, for use in other notes."""
     n_frames = max(len(result.dataset.frames), 1)
     x, y = (count_alarms(system) / n_frames for _, system in result.sides)
     return Note("verdict.unequal_alarms", x=x, y=y)
 
 
 def point_note(result: Result) -> Note | None:
-    """Return a heading for numbers of systems that are, or were, set unequally, or None."""
+    """Return a heading for numbers at unequal or equalised operating points, or None."""
     if result.as_set is not None:
         return Note("verdict.equal_above", setting=equal_setting(result))
     if not are_unequal(result):
@@ -65,12 +65,12 @@ def is_undecided(result: Result, key: str) -> bool:
 
 
 def has_scores(result: Result, letter: str) -> bool:
-    """Return whether a threshold can move this system because its scores differ."""
+    """Return whether a system's scores differ, so that a threshold can change its detections."""
     return span_of_scores(result.dataset, result.system(letter).name) is not None
 
 
 def find_equal_alarms(result: Result, previous: Result | None = None) -> Result | None:
-    """Return the comparison with one threshold moved to equal false alarms, or None.
+    """Return the comparison with one threshold moved so that false alarms are equal, or None.
 
     The threshold is the lowest round one. `Result.as_set` is the original comparison.
 
@@ -146,7 +146,7 @@ def moved_of(equal: Result) -> str:
 
 
 def equal_setting(equal: Result) -> Note:
-    """Return how `find_equal_alarms` equalised X and Y."""
+    """Return a note on the threshold with which `find_equal_alarms` equalised X and Y."""
     moved = moved_of(equal)
     per_frame = count_alarms(equal.x) / max(len(equal.dataset.frames), 1)
     threshold = equal.system(moved).threshold
@@ -154,7 +154,7 @@ def equal_setting(equal: Result) -> Note:
 
 
 def which_moves(result: Result) -> str:
-    """Return the system whose threshold is moved, or an empty text if neither can be."""
+    """Return the system whose threshold is moved to equalise false alarms, or an empty text."""
     systems = [system for _, system in result.sides]
     index = choose_moved(
         [has_scores(result, letter) for letter, _ in result.sides],
@@ -180,7 +180,7 @@ def threshold_for(
 
 
 def with_thresholds(result: Result, thresholds: Mapping[str, float | None]) -> Result:
-    """Return the comparison with these thresholds, reusing its stages."""
+    """Repeat a comparison with other thresholds, reusing its stages."""
     changed: dict[str, Any] = dict(thresholds)
     params = replace(result.params, **changed)
     return compare(result.dataset, params, x=result.x.name, y=result.y.name, previous=result)

@@ -83,7 +83,7 @@ SYSTEM_COLUMNS: Final = (
 
 
 def thresholds_in_use(dataset: Dataset, params: Params) -> dict[str, float | None]:
-    """Return the score threshold of each system: the parameters' for X and Y, else its own.
+    """Return each system's threshold: that of the parameters for X and Y, else its own.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ def pairwise_table(
 
 
 def systems_of(table: pd.DataFrame) -> pd.DataFrame:
-    """Return one row per system of `pairwise_table`, in its order: columns `SYSTEM_COLUMNS`."""
+    """Return one row per system of a `pairwise_table`, with the columns `SYSTEM_COLUMNS`."""
     sides = [
         table[[letter, *(f"{name}_{letter}" for name in SYSTEM_COLUMNS[1:])]].set_axis(
             list(SYSTEM_COLUMNS), axis=1
@@ -193,7 +193,7 @@ def systems_of(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _row(result: Result) -> tuple[dict[str, Any], tuple[Evidence, Evidence]]:
-    """Return the row without corrected values, and the evidence of the measures in `CLAIMED`."""
+    """Return a pair's row without corrected p-values, and the evidence on `CLAIMED` measures."""
     units = find_units(result)
     split = judge_encounters(result)
     split = split.values_only() if result.is_short else split
@@ -253,7 +253,7 @@ def _holm_over_pairs(p: np.ndarray) -> np.ndarray:
 def _claims(
     result: Result, evidence: pd.DataFrame, companions: Companions, p_at_equal: np.ndarray
 ) -> dict[str, str]:
-    """Return the better systems, and why a difference is no claim, as columns of a pair's row.
+    """Return a pair's `CLAIMED` columns with the better system, and `withheld` with reasons.
 
     Parameters
     ----------
@@ -279,7 +279,7 @@ def _claims(
 
 
 def _by_name(why: Note, names: Mapping[str, str]) -> Note:
-    """Return the reason with the winner's name in place of X or Y."""
+    """Return the reason with the winner's name in its `winner` field, instead of X or Y."""
     winner = names.get(why.fields.get("winner", ""))
     return Note(why.key, **{**why.fields, "winner": winner})
 
@@ -293,5 +293,5 @@ def _number(threshold: float | None) -> float:
 
 
 def _note(text: str) -> str:
-    """Return a reason for a missing interval or p, without the names X and Y."""
+    """Return a reason for a missing interval or p, with "the two" in place of "X and Y"."""
     return text.replace("X and Y", "the two")

@@ -1,4 +1,4 @@
-"""Every measure with its evidence, for the verdict, the dashboard and the reports."""
+"""Table of evidence on every measure, for the verdict, the dashboard and the reports."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ def evidence_table(
     primary: str | None = None,
     has_intervals: bool = True,
 ) -> pd.DataFrame:
-    """`nvcore.evidence.measures.significance_table` with the log-average miss rate as its last row.
+    """Return the evidence on every measure, the log-average miss rate last.
+
+    Columns are those of `nvcore.evidence.measures.significance_table`.
 
     At equal false alarms `nvcore.evidence.companions.judge_equal_alarms`; at unequal operating
     points the note of each measure that depends on them says so.
@@ -54,7 +56,7 @@ def evidence_table(
 def judge_both(
     result: Result, protocol: Protocol = PROTOCOLS["all"], *, has_intervals: bool = True
 ) -> tuple[pd.DataFrame, Companions]:
-    """`evidence_table` and `nvcore.evidence.companions.find_companions` of a comparison."""
+    """Return the `evidence_table` of a comparison, and its companions (`find_companions`)."""
     units = find_units(result)
     miss_rate = judge_miss_rate(result, units, protocol, has_interval=has_intervals)
     evidence = evidence_table(
@@ -64,7 +66,7 @@ def judge_both(
 
 
 def mark_undecided(result: Result, table: pd.DataFrame) -> pd.DataFrame:
-    """The table of evidence, with notes on what is undecided and what is in doubt.
+    """Add notes on undecided and doubtful measures to the table of evidence.
 
     A measure is undecided if it depends on operating points and these are unequal.
 

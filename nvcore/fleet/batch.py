@@ -1,4 +1,4 @@
-"""Comparison of some recordings of a store, by the library's own `compare`.
+"""Compare a batch of a store's recordings by `nvcore.comparison.compare`.
 
 No number of a recording depends on the others (`nvcore.dataset.Dataset.each_alone`), so that the
 results of batches only have to be concatenated.
@@ -107,7 +107,7 @@ class _Batch:
         self._divided: dict[str, dict[tuple[str, ...], list[pa.Table]]] = {}
 
     def alike(self, refused: MutableMapping[str, str]) -> list[list[str]]:
-        """Group recordings by objects and thresholds, and note why others are `refused`."""
+        """Group recordings by objects and thresholds, and note in `refused` why others fail."""
         groups: dict[tuple[Any, ...], list[str]] = {}
         for name in map(str, self._recordings.index):
             try:
@@ -117,7 +117,7 @@ class _Batch:
         return [*groups.values()]
 
     def compare(self, names: Sequence[str]) -> dict[str, pa.Table]:
-        """Compare recordings that are `alike` (`result_tables`)."""
+        """Compare the recordings of a group from `alike`, and return their tables of results."""
         params = self._params
         result = compare(self.dataset(names, each_alone=True))
         sources = [self._sources.get((name, params.truth), {"kind": "absent"}) for name in names]
@@ -127,7 +127,7 @@ class _Batch:
         return tables
 
     def dataset(self, names: Sequence[str], *, each_alone: bool = False) -> Dataset:
-        """Return recordings that are `alike` as a dataset, in this order.
+        """Return the recordings of a group from `alike` as a dataset, in this order.
 
         Raises
         ------
@@ -192,7 +192,7 @@ class _Batch:
     def _boxes(
         self, names: Sequence[str], frames: Sequence[np.ndarray]
     ) -> tuple[pd.DataFrame, dict[str, Any]]:
-        """Return the boxes of recordings for a dataset, and fields of the dataset about them."""
+        """Return the boxes of recordings, and the dataset's fields for labels and attributes."""
         keys = [(name, of) for of in self._params.sources for name in names]
         parts = self._rows_of("boxes", keys)
         table = pa.concat_tables([self._tables["boxes"].slice(0, 0), *parts])
@@ -227,7 +227,10 @@ class _Batch:
         return pd.DataFrame(columns, copy=False), more
 
     def _rows_of(self, name: str, keys: Sequence[tuple[str, ...]]) -> list[pa.Table]:
-        """Return the rows of recordings (and sources) in a table, divided when first asked for."""
+        """Return the rows of a table for each key: recording, or recording and source.
+
+        The table is split when it is first used.
+        """
         if name not in self._divided:
             self._divided[name] = _divided(self._tables[name])
         nothing = self._tables[name].slice(0, 0)
@@ -235,12 +238,12 @@ class _Batch:
 
 
 def _listed(values: Any) -> tuple[str, ...]:
-    """Return a cell of a list column, empty where it is missing."""
+    """Return a cell of a list column as texts, empty if it is missing."""
     return () if values is None else tuple(map(str, values))
 
 
 def _divided(table: pa.Table) -> dict[tuple[str, ...], list[pa.Table]]:
-    """Return the stretches of rows of each recording, and source if the table has sources."""
+    """Split a table into slices by recording, and by source if it has that column."""
     names = [name for name in ("recording", "source") if name in table.column_names]
     texts = [table[name].unify_dictionaries().dictionary_encode() for name in names]
     codes = np.stack([of.combine_chunks().indices for of in texts])
@@ -260,13 +263,13 @@ def _columns(table: pa.Table, names: Sequence[str]) -> dict[str, np.ndarray]:
 
 
 def _texts(column: pa.ChunkedArray) -> pd.Categorical[Any]:
-    """Return a column of texts as categories, those in use in alphabetical order."""
+    """Return a column of texts as a categorical with sorted categories, without unused ones."""
     texts = pd.Categorical(column.unify_dictionaries().to_pandas()).remove_unused_categories()
     return texts.reorder_categories(sorted(texts.categories))
 
 
 def _places(number: np.ndarray, listed: np.ndarray, whose: str) -> np.ndarray:
-    """Return the places of frame numbers among the listed ones of a recording.
+    """Return the positions of frame numbers in a recording's list of frames.
 
     Raises
     ------

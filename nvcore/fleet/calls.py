@@ -1,4 +1,4 @@
-"""The calls of Python users, `nvcore.ingest`, `open_store`, `scan`, `top`, and their arguments.
+"""Python API of stores and scans, such as `nvcore.ingest` and `nvcore.scan`, with arguments.
 
 The commands read the arguments: numpy, and what stores need, are imported within the calls.
 """
@@ -40,7 +40,7 @@ FRAMES_PER_BATCH: Final = 100_000
 
 @arguments
 class ScanArguments:
-    """See `nvcore.scan`."""
+    """Arguments of `nvcore.scan`."""
 
     store: PathLike | Store
     out: PathLike = argument(
@@ -105,7 +105,7 @@ class ScanArguments:
 
 @arguments
 class TopArguments:
-    """See `nvcore.top`."""
+    """Arguments of `nvcore.top`."""
 
     results: PathLike
     _: KW_ONLY
@@ -140,7 +140,7 @@ class TopArguments:
 
 @arguments
 class OpenArguments:
-    """See `nvcore.export_recording`."""
+    """Arguments of `nvcore.export_recording`."""
 
     source: PathLike
     recording: str
@@ -172,7 +172,7 @@ def ingest(
     newest: bool = False,
     storage: Mapping[str, str] | None = None,
 ) -> Ingested:
-    """Append recordings to a store, changed ones as new versions and known ones not at all.
+    """Append new and changed recordings to a store, changed ones as new versions.
 
     Parameters
     ----------
@@ -304,7 +304,7 @@ def scan(*given: Any, params: Params | None = None, **named: Any) -> Scan:
 
 @called_with(ScanArguments)
 def _scan(arguments: ScanArguments) -> Scan:
-    """Compare two systems on all recordings of a store, going on where a scan ended.
+    """Compare two systems on all recordings of a store, or resume a scan that was stopped.
 
     Each run of the same scan goes on where the last one ended, also several at a time; a store that
     has grown, or another setting, is a new scan, which may use the same folder.
@@ -394,7 +394,10 @@ scan.__signature__ = inspect.signature(_scan)  # type: ignore[attr-defined]
 
 
 def _engine(arguments: ScanArguments, largest: int) -> Engine:
-    """Choose what runs the batches, of which the largest has so many frames."""
+    """Choose the engine that runs the batches.
+
+    `largest` is the number of frames of the largest batch.
+    """
     from nvcore.fleet.scan import in_pool, in_process
     from nvcore.memory import free_bytes
 
@@ -416,7 +419,7 @@ def _engine(arguments: ScanArguments, largest: int) -> Engine:
 
 
 def _part(shard: str | None) -> tuple[int, int]:
-    """Return the part's number, from 0, and the number of parts of ``17/300``."""
+    """Parse a shard such as ``17/300`` into its number, from 0, and the number of shards."""
     try:
         part, n_parts = map(int, (shard or "0/1").split("/"))
     except ValueError:
@@ -427,7 +430,7 @@ def _part(shard: str | None) -> tuple[int, int]:
 
 
 def scan_status(out: PathLike, *, storage: dict[str, str] | None = None) -> Status:
-    """Say how far the scan is whose results are written there.
+    """Return the progress of the scan that writes its results to `out`.
 
     Raises
     ------
@@ -442,7 +445,7 @@ def scan_status(out: PathLike, *, storage: dict[str, str] | None = None) -> Stat
 
 @called_with(TopArguments)
 def top(arguments: TopArguments) -> Top:
-    """Find the worst rows of the results of a scan, each with the frame to look at.
+    """Find the worst rows in a scan's results, each with the frame to look at.
 
     Parameters
     ----------
@@ -485,7 +488,7 @@ def top(arguments: TopArguments) -> Top:
 
 @called_with(OpenArguments)
 def export_recording(arguments: OpenArguments) -> Path:
-    """Write a recording of a store as a session, which gives the numbers of the scan.
+    """Write a recording of a store as a session that reproduces the numbers of the scan.
 
     Parameters
     ----------

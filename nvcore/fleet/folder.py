@@ -1,4 +1,4 @@
-"""Folders of results, which hold all that is known of a scan, each file with its checksum.
+"""Folder of a scan's state and results, with a checksum for each file.
 
     plans/<plan>.json              what is compared, by which program, and in which batches
     leases/<batch>/<attempt>.json  who works on a batch, and until when the others wait
@@ -55,7 +55,7 @@ def begin(
     recompute: bool = False,
     **options: Any,
 ) -> Plan:
-    """Plan a scan of a store, and write the plan.
+    """Plan a scan of a store, and write the plan to the folder of results.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def begin(
 
 
 def plan_shown(out: Location) -> Plan | None:
-    """Read the plan of the finished tables, else the one begun last, else return None.
+    """Read the plan of the finished tables, else the plan begun last, or return None.
 
     Raises
     ------
@@ -103,13 +103,13 @@ def plan_shown(out: Location) -> Plan | None:
 
 
 def newest_plan(out: Location) -> Plan | None:
-    """Read the plan that was begun last, or return None."""
+    """Read the plan that was begun last, or return None if it is missing or damaged."""
     newest = _sealed(out, _NEWEST)
     return None if newest is None else plan_in(out, newest["plan"])
 
 
 def plan_in(out: Location, key: str) -> Plan | None:
-    """Read the plan of this key, or return None if it is missing or damaged."""
+    """Read the plan with this key, or return None if it is missing or damaged."""
     content = out.find(_path_of(key))
     return None if content is None or hash_of(content) != key else Plan.from_json(content)
 
@@ -133,7 +133,7 @@ def _is_finished(out: Location, its_plan: Plan) -> bool:
 
 
 def write_batch(out: Location, key: str, tables: Mapping[str, pa.Table]) -> bytes:
-    """Write the tables of a batch, and return the content of its file in ``done``."""
+    """Write the tables of a batch, and return the content for its file in ``done``."""
     files = {}
     for name, table in tables.items():
         content = _as_parquet(table)
@@ -146,7 +146,7 @@ def write_batch(out: Location, key: str, tables: Mapping[str, pa.Table]) -> byte
 
 
 def done_in(out: Location) -> set[str]:
-    """List the keys of batches that are done, and delete empty files of a machine that failed."""
+    """Return the keys of finished batches, and delete empty files that crashed machines left."""
     entries = out.list("done/")
     for entry in entries:
         if not entry.size:
@@ -156,7 +156,7 @@ def done_in(out: Location) -> set[str]:
 
 
 def _read_done(out: Location, batches: Sequence[Batch]) -> list[dict[str, Any]]:
-    """Read what batches have given.
+    """Read which files each batch has written.
 
     Raises
     ------
@@ -176,7 +176,7 @@ def _read_done(out: Location, batches: Sequence[Batch]) -> list[dict[str, Any]]:
 
 
 def _content(out: Location, file: Mapping[str, Any]) -> pa.Buffer:
-    """Read a file of a table, or map one on a disk.
+    """Read a file of a table, memory-mapped if it is on a disk, and verify its checksum.
 
     Raises
     ------
@@ -199,7 +199,9 @@ def _content(out: Location, file: Mapping[str, Any]) -> pa.Buffer:
 
 
 def repair(out: Location, its_plan: Plan, among: slice = slice(None)) -> list[str]:
-    """Forget the batches, among these of the plan, of which a file is damaged.
+    """Mark batches with a damaged file as not done, so that they are computed anew.
+
+    Only the batches in the slice `among` of the plan are checked.
 
     Returns
     -------
@@ -223,7 +225,7 @@ def repair(out: Location, its_plan: Plan, among: slice = slice(None)) -> list[st
 
 
 def table_of(out: Location, its_plan: Plan, name: str) -> Any:
-    """Open a table of the results of a plan as a data set of Arrow, once its files are verified.
+    """Open a table of a plan's results as an Arrow dataset, after verifying its files.
 
     Raises
     ------
@@ -234,7 +236,7 @@ def table_of(out: Location, its_plan: Plan, name: str) -> Any:
 
 
 def _open_table(out: Location, name: str, done: Sequence[Mapping[str, Any]]) -> Any:
-    """Open a table as `table_of`, by what its batches have given."""
+    """Open a table as an Arrow dataset of the files that its batches have written."""
     files = [batch["files"][name] for batch in done]
     kind = ds.ParquetFileFormat()
     with ThreadPoolExecutor(_THREADS) as pool:
@@ -268,7 +270,7 @@ def finish(out: Location, its_plan: Plan) -> Summary:
 
 
 def _list_files(folder: Location, name: str, files: Sequence[Mapping[str, Any]]) -> None:
-    """Have a folder's Delta table hold these files alone."""
+    """Commit changes to a folder's Delta table so that it lists exactly these files."""
     wanted = {file["path"].rpartition("/")[2]: file for file in files}
     storage: dict[str, Any] = {"storage_options": folder.delta_options}
     for attempt in range(_COMMIT_ATTEMPTS):
@@ -351,7 +353,7 @@ class Status:
 
 
 def status(out: Location, its_plan: Plan | None = None, clock: Any = time.time) -> Status:
-    """Say how far a scan is, without a plan the one begun last.
+    """Return the progress of a scan: `its_plan`, or by default the one begun last.
 
     Parameters
     ----------
@@ -391,7 +393,7 @@ def status(out: Location, its_plan: Plan | None = None, clock: Any = time.time) 
 
 
 def forget_quarantined(out: Location, its_plan: Plan) -> None:
-    """Have the batches computed anew in which recordings could not be compared."""
+    """Mark batches with quarantined recordings as not done, so that they are computed anew."""
     is_done = done_in(out)
     batches = [batch for batch in its_plan.batches if batch.key in is_done]
     for batch, done in zip(batches, _read_done(out, batches), strict=True):

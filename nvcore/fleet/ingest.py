@@ -124,7 +124,7 @@ def tables_of(
 
 
 def _boxes_by_recording(dataset: Dataset) -> tuple[dict[str, Any], np.ndarray]:
-    """Return the columns with known values, sorted by recording and source.
+    """Return the columns of boxes with known values, sorted by recording and source.
 
     The second value is recording * number of sources + source, for each row.
     """
@@ -153,7 +153,7 @@ def _boxes_by_recording(dataset: Dataset) -> tuple[dict[str, Any], np.ndarray]:
 
 
 def _texts(codes: np.ndarray, texts: Iterable[object]) -> pd.Categorical:
-    """Return texts by code, with sorted categories."""
+    """Return a categorical of texts given by codes, with sorted categories."""
     names = pd.Index([*map(str, texts)], dtype=object)
     found = pd.Categorical.from_codes(codes, names, validate=False)
     return found.reorder_categories(names.sort_values())
@@ -253,7 +253,7 @@ def _is_any_known(name: str, column: np.ndarray) -> bool:
 
 
 def _sha256(facts: str, rows: slice, columns: _Columns) -> str:
-    """Return the sha256 of facts and rows, without columns that have no known value."""
+    """Hash facts and rows with SHA-256, skipping columns without known values."""
     digest = hashlib.sha256(facts.encode())
     for name, column in columns.items():
         part = column[rows]
@@ -397,7 +397,10 @@ def ingest_all(
 def _check_seen(
     tables: Mapping[str, pa.Table], name: str, seen: dict[tuple[str, str], tuple[str, str]]
 ) -> None:
-    """Refuse a recording that another input has with other content: it may be another drive."""
+    """Refuse a recording if an earlier input has one of that name with other content.
+
+    It may be another drive.
+    """
     own = dict(of for row in tables["sources"].to_pylist() for of in versions_in(row))
     for (recording, source), sha256 in own.items():
         earlier, where = seen.get((recording, source), (sha256, name))
@@ -412,7 +415,7 @@ def _check_seen(
 
 
 def not_stored(dataset: Dataset) -> list[str]:
-    """Return the keys that a session states and a store does not hold, as its file has them."""
+    """Return the keys of a session file that are set but that a store does not hold."""
     settings = dataset.settings
     tables: list[tuple[str, Any]] = [("[compare]", settings)]
     if isinstance(settings, Session):
@@ -437,7 +440,7 @@ def not_stored(dataset: Dataset) -> list[str]:
 def sessions_in(
     paths: Iterable[Path], load: Callable[[Path], Dataset]
 ) -> Iterator[tuple[str, Callable[[], Dataset]]]:
-    """Yield session files, also those in folders, as `ingest_all` takes them."""
+    """Yield the name and a loader of each session file at the paths, for `ingest_all`."""
     for path in paths:
         files = [*filter(_is_session, sorted(path.rglob("*.toml")))] if path.is_dir() else [path]
         yield from ((str(file), partial(load, file)) for file in files)
@@ -450,7 +453,10 @@ def _refuse_folder(folder: Path) -> Dataset:
 
 
 def _is_session(path: Path) -> bool:
-    """Whether a TOML file has a table ``truth``, or cannot be read: loading it says why."""
+    """Whether a TOML file has a table ``truth``.
+
+    Also True for a file that cannot be read, since loading it explains why.
+    """
     try:
         return "truth" in parse_toml(path.read_bytes(), file=path)
     except (OSError, InputError):

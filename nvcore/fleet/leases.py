@@ -1,4 +1,4 @@
-"""Leases: exclusive rights of workers to batches, and the fate of earlier attempts."""
+"""Leases: exclusive rights of workers to batches, with a record of earlier attempts."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ more, the recording goes into quarantine."""
 
 
 def seal(content: Mapping[str, Any]) -> bytes:
-    """Write JSON with a checksum of the content."""
+    """Serialize content as JSON with its checksum."""
     sha256 = hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
     return json.dumps({"content": content, "sha256": sha256}).encode()
 
 
 def unseal(text: bytes) -> dict[str, Any] | None:
-    """Read JSON that `seal` wrote, or return None if it is corrupt."""
+    """Parse JSON that `seal` wrote, or return None if it is corrupt."""
     with suppress(ValueError, TypeError, KeyError):
         content: dict[str, Any] = json.loads(text)["content"]
         return content if seal(content) == text else None
@@ -112,7 +112,7 @@ def _host() -> str:
 
 
 def is_held(attempt: Mapping[str, Any], now: float) -> bool:
-    """Return whether a lease's worker may still run, looking up processes of this host."""
+    """Return whether a lease's worker may be running, checking its process if on this host."""
     if attempt["ended"] is not None or attempt["expires"] <= now:
         return False
     try:

@@ -1,4 +1,4 @@
-"""The engine that runs a scan on a Dask cluster."""
+"""Engine that runs a scan on a Dask cluster."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ PATIENCE_S: Final = 300.0
 
 
 def on_dask(job: Job, scheduler: str) -> Iterator[str]:
-    """Run missing batches on a scheduler's workers, and yield the keys of those that are done.
+    """Run missing batches on the workers of a Dask scheduler, and yield keys of finished ones.
 
     If the scheduler goes away, the others are left; the next round waits for it.
 

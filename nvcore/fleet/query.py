@@ -1,4 +1,4 @@
-"""The worst rows of a scan's results, chosen by a filter.
+"""Find the worst rows of a scan's results that match a filter.
 
 DuckDB reads Arrow data sets of the Parquet files, opens no file by itself and loads no extension. A
 filter is parsed, checked against a whitelist of nodes and rewritten; DuckDB runs the SQL that is
@@ -107,7 +107,7 @@ class Top:
 
     @property
     def frames(self) -> list[int | None]:
-        """Frame to look at of each row, or None if the table has no frames."""
+        """Frame to look at for each row, None for rows without one."""
         frames = self.table.get("frame", [None] * len(self.table))
         return [None if pd.isna(frame) else int(frame) for frame in frames]
 
@@ -176,7 +176,7 @@ def worst(
 
 
 def results_in(location: Location) -> Location:
-    """Find the results of a scan: there, or in the one folder below that has some.
+    """Return the location of a scan's results: this one, or the only folder below it with results.
 
     Raises
     ------
@@ -215,7 +215,7 @@ def _dataset(results: Location, table: str, its_plan: Plan | None) -> Any:
 
 
 def _columns_by(name: str, numbers: Collection[str]) -> tuple[str, ...]:
-    """Columns that a name means: itself, or without its unit, or those of both systems."""
+    """Resolve a name to its column, also without unit, or to the columns of both systems."""
     named = {re.sub(_UNIT, "", column): column for column in numbers} | {of: of for of in numbers}
     pairs = [of[:-2] for of in named if of.endswith("_x") and f"{of[:-2]}_y" in named]
     if name in named:
@@ -255,7 +255,7 @@ def _condition(text: str, known: _Known) -> exp.Expr:
 
 
 def _rewritten(node: exp.Expr, known: _Known) -> _Term:
-    """Return a condition or term for DuckDB, with operands replaced in place."""
+    """Translate a condition or term for DuckDB, replacing operands in place."""
     is_join = isinstance(node, _JOINS)
     if not isinstance(node, (*_JOINS, exp.Predicate)) or node.args.get("expressions") == []:
         return _term(node, known)
@@ -314,7 +314,7 @@ def _term(node: exp.Expr, known: _Known) -> _Term:
 
 
 def _check_tags(condition: exp.Expr, connection: duckdb.DuckDBPyConnection) -> None:
-    """Refuse keys of tags that no recording has: a misspelt key would give no rows."""
+    """Refuse tag keys that no recording has, since a misspelt key would match nothing."""
     calls = condition.find_all(exp.Anonymous)
     keys = [of.expressions[1].name for of in calls if of.name in _TAG_AS.values()]
     if not keys:
@@ -345,6 +345,6 @@ def _fault(message: str) -> InputError:
 
 
 def _unknown(message: str, name: str, known: Iterable[str], are: str) -> InputError:
-    """Return an error that says which known name may be meant, and what the known names are."""
+    """Return an error that suggests a similar known name and lists the known names."""
     sentence = f"{are} {listed([*known], most=MOST_NAMED) or 'none'}"
     return InputError(f"{message}; {did_you_mean(name, known, sentence)}")

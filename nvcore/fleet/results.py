@@ -135,13 +135,13 @@ class ScanParams:
         return self.truth, self.x, self.y
 
     def given(self) -> dict[str, Any]:
-        """Return them for JSON, as `ScanParams.parse` reads them."""
+        """Return sources and settings as JSON values, which `ScanParams.parse` reads."""
         own = {name: getattr(self, name) for name in ("x", "y", "truth", "frames")}
         return own | {"params": self.params.given()}
 
     @staticmethod
     def parse(given: Mapping[str, Any]) -> ScanParams:
-        """Read JSON of `given`, or raise ParameterError for an unknown or impossible parameter."""
+        """Parse what `given` returned, or raise ParameterError for an invalid parameter."""
         return ScanParams(**{**given, "params": params_from(given["params"])})
 
 
@@ -151,7 +151,7 @@ def _both(names: Iterable[str]) -> list[str]:
 
 @cache
 def schema(table: str) -> pa.Schema:
-    """Return the columns of a table of results: those of the report's file, recording first.
+    """Return the Arrow schema of a results table: recording, then columns of the report's file.
 
     ``encounters`` also has the frame to look at. ``recordings`` also has tags, the kind of truth,
     and the counts, sums and extremes from which measures of several recordings are computed.
@@ -179,7 +179,7 @@ def schema(table: str) -> pa.Schema:
 
 
 def result_tables(result: Result, truth: Sequence[str], has_frames: bool) -> dict[str, pa.Table]:
-    """Make the tables of results of recordings that were compared each by itself, for `gather`.
+    """Convert a comparison of independent recordings (`each_alone`) to tables for `gather`.
 
     Parameters
     ----------
@@ -214,7 +214,7 @@ def typed(table: pd.DataFrame, columns: pa.Schema) -> pa.Table:
 
 
 def _each_recording(result: Result) -> Units:
-    """Return each recording with frames as a unit."""
+    """Return units of analysis: one for each recording that has frames."""
     frames = result.dataset.frame_columns
     number, has_frames = np.arange(len(frames.fps)), np.diff(frames.first) > 0
     n_with_frames = int(np.count_nonzero(has_frames))
@@ -230,7 +230,7 @@ def _each_recording(result: Result) -> Units:
 
 
 def _sums(result: Result) -> dict[str, np.ndarray]:
-    """Return the columns of recordings from which measures of several are computed."""
+    """Return counts, sums and extremes by recording, from which overall measures are computed."""
     frames, n = result.dataset.frame_columns, len(result.dataset.recordings)
     sums = sum_units(result, _each_recording(result))
     columns = {name: sums[name].to_numpy() for name in ("n_encounters", *counted())}
@@ -283,7 +283,7 @@ def _sums_of_system(result: Result, system: SystemResult) -> dict[str, np.ndarra
 def gather(
     parts: Sequence[Mapping[str, pa.Table]], refused: Mapping[str, str], *, has_frames: bool
 ) -> dict[str, pa.Table]:
-    """Join the tables of results of parts of a batch, sorted by recording.
+    """Concatenate the results of a batch's parts by recording, and add the quarantine.
 
     Parameters
     ----------
@@ -302,7 +302,7 @@ def gather(
 
 @dataclass(frozen=True)
 class Summary:
-    """Totals and extremes of recordings, from which measures are computed.
+    """Totals and extremes over all recordings, from which measures are computed.
 
     Attributes
     ----------
@@ -319,7 +319,7 @@ class Summary:
 
     @staticmethod
     def of(recordings: pa.Table, quarantined: int, params: ScanParams) -> Summary:
-        """Summarize a table of recordings that has the columns of `reductions`."""
+        """Summarize a table of recordings over the columns of `reductions`."""
         totals = {
             name: reduce(values)
             for name, reduce in reductions().items()
@@ -332,7 +332,7 @@ class Summary:
         return self.totals.get(column, np.nan)
 
     def measures(self) -> pd.DataFrame:
-        """Return one row per measure that totals make, in the order of `MEASURES`.
+        """Return one row per measure that totals determine, in the order of `MEASURES`.
 
         Medians, percentiles and detection curves need all values at once, and are left out.
 
@@ -355,7 +355,7 @@ class Summary:
         return pd.DataFrame(rows, columns=["key", "label", "x", "y", "n"])
 
     def _value(self, key: str, letter: str) -> float | None:
-        """Return a measure of a system, or None if no total makes it or no recording has it."""
+        """Return a system's value of a measure, or None if totals do not determine it."""
         part, per, factor = _RATIOS.get(key, (key, "", 1.0))
         total = self.total(f"{part}_{letter}")
         if part in _EXTREMES:
@@ -370,7 +370,7 @@ class Summary:
 
 @cache
 def reductions() -> dict[str, Callable[[list[Any]], float]]:
-    """Return the functions that reduce columns of the table of recordings to one value, by column.
+    """Return the function that reduces each column of recordings to one value, by column name.
 
     Sums are rounded once, so they do not depend on the order of recordings.
     """

@@ -64,7 +64,7 @@ class Options:
 
 @dataclass(frozen=True)
 class Job:
-    """Scan that a worker can take part in: its location and options."""
+    """Scan that workers can take part in: locations of store and results, plan and options."""
 
     store: str
     out: str
@@ -103,7 +103,7 @@ class Job:
         return "busy"
 
     def missing(self, among: slice = slice(None)) -> list[str]:
-        """List the keys of batches that are not done, of all or a slice of the plan's batches."""
+        """List the keys of unfinished batches of the plan, or of a slice of its batches."""
         out, plan, _ = _open(self)
         done = done_in(out)
         return [batch.key for batch in plan.batches[among] if batch.key not in done]
@@ -111,7 +111,7 @@ class Job:
 
 @lru_cache(maxsize=2)
 def _open(job: Job) -> tuple[Location, Plan, Snapshot]:
-    """Open results and store, once per process."""
+    """Return results, plan and store of a job, opened once per process."""
     _glibc("mallopt", -8, 1)  # M_ARENA_MAX: a heap per thread would hold on to freed memory
     out = Location(job.out, dict(job.options.storage))
     plan = plan_in(out, job.plan)
@@ -179,7 +179,7 @@ is called again until none is missing."""
 
 
 def drive(job: Job, engine: Engine) -> Iterator[str]:
-    """Have an engine run all missing batches, and yield keys as batches are done."""
+    """Run all missing batches on an engine, and yield the key of each finished batch."""
     wait_s = 0.0
     while job.missing():
         time.sleep(wait_s)
@@ -190,7 +190,10 @@ def drive(job: Job, engine: Engine) -> Iterator[str]:
 
 
 def in_process(job: Job, part: int = 0, n_parts: int = 1) -> Iterator[str]:
-    """Run every n-th batch of the plan from `part` on, then all others that are still missing."""
+    """Run all missing batches, those of this part first, and yield the keys of finished ones.
+
+    This part is every `n_parts`-th batch of the plan from `part` on.
+    """
     yield from (key for key in job.missing(slice(part, None, n_parts)) if job.run(key) == "done")
     left = job.missing()
     start = len(left) * part // n_parts  # each part begins elsewhere
@@ -232,7 +235,7 @@ def in_pool(job: Job, n_workers: int) -> Iterator[str]:
         threading.Thread(target=listen, args=(worker, content), daemon=True).start()
 
     def listen(worker: Any, content: bytes) -> None:
-        """Send a worker its job, and queue its messages, then an empty one when it ends."""
+        """Send a worker its job, queue its messages, and queue an empty one when it ends."""
         with worker:
             with suppress(BrokenPipeError):  # the worker has died
                 os.write(worker.stdin.fileno(), content)

@@ -1,4 +1,4 @@
-"""Stores of many recordings: appended to, never overwritten, read by whole recordings.
+"""Append-only stores of many recordings, read by whole recordings.
 
 A store is a folder with four Delta tables (`nvcore.fleet.tables`). Data files are named by their
 content. The table `sources` is committed last, and readers start from it, so an interrupted ingest
@@ -66,7 +66,7 @@ Older = set[tuple[str, str, int, int]]
 
 
 class Store:
-    """A store of recordings at a location, a folder that the first append creates."""
+    """Store of recordings in a folder, which the first append creates."""
 
     def __init__(self, location: Location | str | Path):
         self.location = location if isinstance(location, Location) else Location(location)
@@ -203,7 +203,10 @@ class Store:
         return new, older
 
     def _put(self, name: str, rows: pa.Table) -> list[AddAction]:
-        """Write a file of rows sorted by recording, unless empty, and return its commit action."""
+        """Write rows that are sorted by recording to a file, and return its commit action.
+
+        No rows give no file and no action.
+        """
         if not len(rows):
             return []
         sink = pa.BufferOutputStream()
@@ -237,7 +240,7 @@ class Store:
 def _note_newest(
     stored: Sequence[dict[str, Any]], given: Collection[dict[str, Any]], *, newest: bool
 ) -> Older:
-    """Set ``amends`` in given rows of sources, and return the versions that are not the newest."""
+    """Set ``amends`` in given rows of sources. Return given versions that are not the newest."""
     numbers: dict[_Name, dict[str, int]] = {}
     last: dict[_Name, _Versions] = {}
     known: set[_Versions] = set()
@@ -261,7 +264,7 @@ def _note_newest(
 
 
 def versions_in(row: Mapping[str, Any]) -> _Versions:
-    """Return the versions of a recording (without a source) and of a source, by their names."""
+    """Return name and version of a row's recording, then of its source."""
     recording = row["recording"]
     return ((recording, ""), row["recording_sha256"]), ((recording, row["source"]), row["sha256"])
 
@@ -300,7 +303,7 @@ class Snapshot:
         return Snapshot, (self.location, self.versions)
 
     def _table(self, name: str) -> pd.DataFrame:
-        """Rows of recordings or sources, oldest first."""
+        """Return the rows of recordings or sources, oldest first."""
         table = _opened(self.location, name, self.versions[name])
         if table is None:  # it existed when the snapshot was made
             raise StoreError("cannot be read (it is not there)", file=self.location.uri)
@@ -308,7 +311,7 @@ class Snapshot:
 
     @cached_property
     def _stated(self) -> pd.DataFrame:
-        """Rows of sources, oldest first, with the number of their version."""
+        """Rows of sources, oldest first, with their version number."""
         rows = self._table("sources")
         is_first = ~rows.duplicated(_CONTENT["sources"])
         number = is_first.groupby([rows["recording"], rows["source"]]).cumsum()
@@ -317,7 +320,7 @@ class Snapshot:
 
     @cached_property
     def recordings(self) -> pd.DataFrame:
-        """The newest version of every recording: the one with which a source came last."""
+        """Newest version of every recording: the one that its last ingested source refers to."""
         came = self._stated[~self._stated["amends"]]
         came = came[["recording", "recording_sha256", "ingested_at"]]
         came = came.set_axis([*_CONTENT["recordings"], "ingested_at"], axis=1)
@@ -345,7 +348,7 @@ class Snapshot:
         return rows.reset_index().sort_values(order, ignore_index=True)
 
     def pick(self, source: str) -> pd.DataFrame:
-        """Return one version of a source per recording, as rows of `sources` by recording.
+        """Return one version of a source per recording: rows of `sources`, indexed by recording.
 
         Sources that came with another version of the recording than its newest are left out.
 
@@ -429,7 +432,7 @@ class Snapshot:
         return tables
 
     def _read_rows(self, name: str, rows: pd.DataFrame) -> pa.Table:
-        """Read the stretches of rows that versions refer to, in their order."""
+        """Read the frames or boxes of the given versions, in their order."""
         schema = IN_MEMORY[name]
         # recording and source are known from the versions and need not be read
         given = [column for column in ("recording", "source") if column in schema.names]
@@ -458,7 +461,7 @@ class Snapshot:
 
 
 def other_settings(recordings: pd.DataFrame, params: Params) -> str:
-    """Say which settings of recordings a scan does not use, or return an empty text."""
+    """Describe settings of recordings that differ from a scan's, or return an empty text."""
     used = asdict(params)
     shown = {None: "the default"}
     differing = [
@@ -514,7 +517,7 @@ def _opened(location: Location, name: str, version: int | None = None) -> DeltaT
 
 
 def _versions_reached(location: Location) -> dict[str, int]:
-    """Return the versions that the tables had at some time, none for a store without the file."""
+    """Return the table versions that an earlier append recorded, 0 without such a file."""
     try:
         content = json.loads(location.find(VERSIONS) or b"{}")
         return {name: int(content.get(name, 0)) for name in SCHEMAS}
@@ -525,7 +528,7 @@ def _versions_reached(location: Location) -> dict[str, int]:
 def _checked(
     location: Location, tables: Mapping[str, DeltaTable], reached: Mapping[str, int]
 ) -> dict[str, int]:
-    """Return the versions of tables, or raise StoreError if one is older than it was."""
+    """Return the versions of tables, or raise StoreError if one is older than recorded."""
     versions = {name: table.version() for name, table in tables.items()}
     for name, version in versions.items():
         if version < reached[name]:
@@ -544,7 +547,7 @@ def _rows(
     known: dict[str, pa.Table],
     recordings: pa.ChunkedArray | None = None,
 ) -> pa.Table:
-    """Read the rows of (some) recordings or sources, oldest first, cached by file in `known`."""
+    """Read rows of recordings or sources, oldest first, caching them by file in `known`."""
     schema = SCHEMAS[name]
 
     def read(path: str) -> pa.Table:

@@ -111,7 +111,9 @@ class GroupComparison:
 
 
 class _Data(NamedTuple):
-    """Compared values of each condition, one per person or drive, or None for summaries.
+    """Values to compare in each condition, one per person or drive.
+
+    `of_groups` is None if only summaries are known.
 
     Values of the same persons have one order. `wide` has them as persons by conditions, times as
     logarithms, and is empty otherwise.
@@ -126,7 +128,7 @@ class _Data(NamedTuple):
 
 
 class _Analysis(NamedTuple):
-    """Applicable tests. A mixed design has none."""
+    """Results of all applicable tests. A mixed design has none."""
 
     tests: list[Test]
     pairs: pd.DataFrame
@@ -197,7 +199,7 @@ def _check(asked: GroupArguments) -> None:
 
 
 def _data_of(read: GroupTable) -> _Data:
-    """Return persons or drives, and whether the same persons are in all conditions."""
+    """Return the values of each condition, and whether the same persons are in all of them."""
     names, none = read.conditions, np.empty((0, 0))
     has_several = len(names) > 1
     if read.summaries is not None:
@@ -251,7 +253,7 @@ def _summarised(of_groups: list[np.ndarray]) -> Groups:
 
 
 def _of_same(data: _Data) -> _Analysis:
-    """Return analyses of the same persons in all conditions."""
+    """Run all tests for a design with the same persons in all conditions."""
     wide, k = data.wide, data.wide.shape[1]
     of_ranks = scipy.stats.rankdata(wide, axis=1)
     repeated, by_rank = repeated_measures(wide), friedman(wide)
@@ -271,7 +273,7 @@ def _of_same(data: _Data) -> _Analysis:
 
 
 def _of_independent(data: _Data) -> _Analysis:
-    """Return analyses of groups that are, or are assumed to be, independent."""
+    """Run all tests for groups that are, or are assumed to be, independent."""
     groups, own = data.groups, data.of_groups
     tests, pairs = [anova(groups), welch(groups)], [tukey(groups), games_howell(groups)]
     variances = groups.variances[groups.n > 1]
@@ -307,7 +309,7 @@ def _of_independent(data: _Data) -> _Analysis:
 
 
 def _by_permutation(key: str, by_formula: Test, test: Permuted) -> Test:
-    """Return the statistic of a test, with p by permutation."""
+    """Return a test with the same statistic, but with p by permutation."""
     reason = "" if test.n_ways else "there is nothing to exchange"
     known = by_formula._replace(test=key, df_between=np.nan, df_within=np.nan, reason=reason)
     return known._replace(**test._asdict())
@@ -326,7 +328,7 @@ def _truth(holds: bool, value: float) -> float:
 
 
 def _fitting(scale: Scale, data: _Data, assumptions: pd.DataFrame) -> tuple[str, str, Note]:
-    """Return the suitable tests of all conditions and of pairs, and the reason."""
+    """Choose the test of all conditions and that of pairs, and give the reason."""
     n = int(data.groups.n.min())
     if data.design == "same":
         if scale == "counts" or n < SMALL:
@@ -343,7 +345,7 @@ def _fitting(scale: Scale, data: _Data, assumptions: pd.DataFrame) -> tuple[str,
 
 
 def _sizes(asked: GroupArguments, data: _Data) -> pd.DataFrame:
-    """Return sizes of a study that shows the smallest relevant difference, or the largest found.
+    """Return study sizes that show the smallest relevant difference, else the largest found.
 
     f assumes that all groups but the two that differ are in the middle, which is the hardest case
     to show (Cohen 1988, section 8.2.1). The difference of a pair is shown at 0.05 over the number

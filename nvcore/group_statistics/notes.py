@@ -20,7 +20,7 @@ SMALL: Final = 6
 
 
 def results(comparison: GroupComparison) -> list[Note]:
-    """Return the results of the tests that fit."""
+    """Return notes on the results of the suitable tests."""
     names = comparison.groups["condition"]
     if len(names) < 2:
         reason = "there is one condition alone" if len(names) else "there is no value"
@@ -43,7 +43,7 @@ def results(comparison: GroupComparison) -> list[Note]:
 
 
 def _pair(pair: pd.Series, form: str) -> Note:
-    """Return two conditions that differ, the larger first."""
+    """Return a note on two conditions that differ, the larger first."""
     is_ratio = not np.isnan(pair["ratio"])
     size = float(np.log(pair["ratio"]) if is_ratio else pair["difference"])
     first, second = ("first", "second") if size >= 0 else ("second", "first")
@@ -59,7 +59,7 @@ def _pair(pair: pd.Series, form: str) -> Note:
 
 
 def cautions(comparison: GroupComparison, asked: GroupArguments) -> list[Note]:
-    """Return cautions about the results, and the size of a further study."""
+    """Return notes with cautions about the results, and on the size of a further study."""
     notes = []
     fitting = comparison.tests[comparison.tests["fits"]]
     for n_ways in fitting.loc[fitting["is_exact"], "n_ways"]:

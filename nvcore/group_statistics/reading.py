@@ -34,7 +34,7 @@ LARGEST: Final = 1e12
 
 
 class GroupTable(NamedTuple):
-    """Groups as read.
+    """Table of groups as read: values by person or drive, or summaries.
 
     Attributes
     ----------
@@ -168,7 +168,7 @@ def _values(text: TextTable, asked: GroupArguments) -> GroupTable:
 
 
 def _measure(text: TextTable, wanted: str | None) -> tuple[str, tuple[str, ...]]:
-    """Return the compared column, and other columns of numbers."""
+    """Choose the column to compare, and list the other columns of numbers."""
     columns = [column for column in text.fields if column not in LABELS]
     if wanted is not None:
         return _known([wanted.strip().lower()], columns, "measure")[0], ()
@@ -186,7 +186,7 @@ def _measure(text: TextTable, wanted: str | None) -> tuple[str, tuple[str, ...]]
 
 
 def _scale_of(measure: str, value: np.ndarray) -> Scale:
-    """Return the kind of numbers, judged by the name of their column and their values."""
+    """Classify numbers as times, counts or others by their column's name and their values."""
     if measure.endswith(TIME_UNITS):
         return "times"
     known = value[~np.isnan(value)]
@@ -195,7 +195,7 @@ def _scale_of(measure: str, value: np.ndarray) -> Scale:
 
 
 def _drives(text: TextTable, rows: pd.DataFrame, kind: str | None) -> pd.DataFrame:
-    """Return a row for each drive, with counts added over the kinds, or of one kind alone."""
+    """Sum the counts of each drive over all kinds of objects, or take one kind only."""
     kinds = pd.Series(text.fields["kind"])
     if kind is not None:  # a person who drove without any of this kind has a count of 0
         is_meant = kinds == _known([kind], kinds, "kind")[0]
@@ -213,7 +213,7 @@ def _drives(text: TextTable, rows: pd.DataFrame, kind: str | None) -> pd.DataFra
 
 
 def _chosen(rows: pd.DataFrame, asked: GroupArguments) -> tuple[pd.DataFrame, list[Note]]:
-    """Return selected rows with the conditions' new names, and notes on the changes."""
+    """Select rows and rename conditions as asked, and return notes on the changes."""
     notes = []
     rename: Mapping[str, str] = asked.rename or {}
     _known(rename, rows["condition"], "rename")

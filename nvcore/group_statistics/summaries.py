@@ -26,7 +26,10 @@ PAIR_COLUMNS: Final = (
 
 
 class Groups(NamedTuple):
-    """n, mean and SD of k groups, each float64, shape (k,). The SD is with n - 1, NaN for n = 1."""
+    """n, mean and SD of k groups, each float64, shape (k,).
+
+    The SD divides by n - 1 and is NaN for n = 1.
+    """
 
     n: np.ndarray
     mean: np.ndarray
@@ -34,7 +37,7 @@ class Groups(NamedTuple):
 
     @property
     def variances(self) -> np.ndarray:
-        """Squares of the SD. 0 if it is rounding or too small, NaN for n = 1."""
+        """Squares of the SD, 0 if the SD is only rounding or too small, NaN for n = 1."""
         is_rounding = self.sd <= max(ROUNDING * np.abs(self.mean).max(initial=0.0), SMALLEST_SD)
         return np.where(is_rounding, 0.0, self.sd) ** 2
 
@@ -176,7 +179,10 @@ def games_howell(groups: Groups) -> pd.DataFrame:
 
 
 def _by_range(test: str, groups: Groups, variance: np.ndarray, df: np.ndarray) -> pd.DataFrame:
-    """Return pairs by the studentised range, with variances of groups (k,) and df of pairs."""
+    """Compare all pairs by the studentised range.
+
+    `variance` has a value for each group, `df` one for each pair.
+    """
     k, (first, second) = len(groups.n), pairs_of(len(groups.n))
     difference = groups.mean[first] - groups.mean[second]
     part = variance / groups.n

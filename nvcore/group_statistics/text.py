@@ -62,20 +62,20 @@ DESIGNS: Final = {
 
 
 def amount_form(values: np.ndarray) -> str:
-    """Return a format that shows means, SD and differences of such values to about four digits."""
+    """Return a number format that shows values of this size with about four digits."""
     largest = float(np.nanmax(np.abs(values), initial=0.0))
     return f".{min(max(0, 3 - math.floor(math.log10(largest))), 9) if largest else 0}f"
 
 
 def render_groups(comparison: GroupComparison) -> str:
-    """Return the sentences and every table, with a star for suitable tests."""
+    """Render conclusions and all tables as text, with a star for suitable tests."""
     tables = [aligned(rows) for rows in cells_of(comparison).values()]
     parts = [comparison.sentences, *tables]
     return "\n\n".join("\n".join(map(one_line, lines)) for lines in parts if lines)
 
 
 def cells_of(comparison: GroupComparison) -> dict[str, list[tuple[str, ...]]]:
-    """Return `TABLES` that have rows as text, headings first, with a star for suitable tests."""
+    """Return rows of text for each non-empty table, headings first, suitable tests with a star."""
     rows = (_group_rows, _test_rows, _pair_rows, _check_rows, _size_rows)
     return {
         name: [*rows_of(comparison)]
@@ -156,7 +156,7 @@ def _p(p: float) -> str:
 
 
 def groups_json(comparison: GroupComparison) -> str:
-    """Return sentences and tables as JSON text. null is undefined."""
+    """Serialize sentences and tables as JSON text. null is undefined."""
     content: dict[str, Any] = {
         "version": __version__,
         "measure": comparison.measure,

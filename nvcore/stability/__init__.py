@@ -1,4 +1,4 @@
-"""Maps of the verdict over the settings: does it depend on them."""
+"""Stability maps, which show whether the verdict depends on the settings."""
 
 from nvcore.stability.axes import Plane
 from nvcore.stability.equal_alarms import EqualAlarms, equal_alarm_thresholds

@@ -49,7 +49,7 @@ ALL: Final = 1e-9
 
 
 def difference_text(criterion: Criterion, difference: float) -> str:
-    """Return the size of a difference, rounded as in tables: "0.0123", "3 encounters", "0.50 s"."""
+    """Format the size of a difference as in tables: "0.0123", "3 encounters", "0.50 s"."""
     size = abs(difference)
     if criterion == "encounters":
         return f"{size:.0f} encounter{'' if size == 1 else 's'}"
@@ -61,24 +61,24 @@ def difference_text(criterion: Criterion, difference: float) -> str:
 
 
 def share_text(share: float) -> str:
-    """Return a share as "all", "none" or a whole percentage from 1 to 99."""
+    """Format a share as "all", "none" or a whole percentage from 1 to 99."""
     if share > 1 - ALL:
         return "all"
     return "none" if share < ALL else f"{min(max(round(100 * share), 1), 99)} %"
 
 
 def winner_text(criterion: Criterion, winner: Winner, difference: float) -> str:
-    """Return who is better by how much: "X has the higher mean similarity, by 0.012"."""
+    """Return who is better and by how much: "X has the higher mean similarity, by 0.012"."""
     return phrase(_claim(criterion, winner, difference), PEDESTRIAN)
 
 
 def settings_text(stability: StabilityMap, place: Sequence[float]) -> str:
-    """Return a place on the map without irrelevant settings: "alpha 0.3 and midpoint 48 px"."""
+    """Return the relevant settings at a point of the map: "alpha 0.3 and midpoint 48 px"."""
     return listed(_settings(stability, place))
 
 
 def nearest_text(stability: StabilityMap) -> str:
-    """Return the nearest setting that overturns the verdict in a few words."""
+    """Describe in a few words the nearest setting that overturns the verdict."""
     if stability.verdict == "undefined":
         return "-"
     if stability.overturn is None:
@@ -87,7 +87,7 @@ def nearest_text(stability: StabilityMap) -> str:
 
 
 def describe_stability(stability: StabilityMap) -> tuple[str, ...]:
-    """Say whether the verdict depends on the settings of the map, in sentences.
+    """Describe in sentences whether the verdict depends on the settings of the map.
 
     The sentences give the verdict as analysed, the share of the plausible range in which it holds,
     the reason for that range, and whether the settings in use lie in it. Then follow how far each
@@ -99,7 +99,7 @@ def describe_stability(stability: StabilityMap) -> tuple[str, ...]:
 
 
 def describe_in_short(stability: StabilityMap) -> str:
-    """Say the verdict as analysed and the share of the plausible range in which it holds."""
+    """Describe the verdict as analysed, and the share of the plausible range where it holds."""
     held = [
         note
         for note in _notes(stability)
@@ -226,7 +226,7 @@ def _present(stability: StabilityMap) -> list[Note]:
 
 
 def _interval(stability: StabilityMap, interval: FlipInterval) -> Note:
-    """Return where the verdict holds along one axis alone, and where it flips."""
+    """Return a note on where the verdict holds, and where it flips, along one axis alone."""
     axis, low, high = stability.axes[interval.axis], interval.low, interval.high
     ends = ((interval.flips_below, interval.below), (interval.flips_above, interval.above))
     return Note(
@@ -243,7 +243,7 @@ def _interval(stability: StabilityMap, interval: FlipInterval) -> Note:
 
 
 def _choices(stability: StabilityMap) -> list[Note]:
-    """Return who is better with the other values of a choice and all else unchanged."""
+    """Return notes on who is better if one choice has another value and all else is unchanged."""
     present = [axis.present_index for axis in stability.axes]
     if stability.present_cell is None:
         return []
@@ -265,7 +265,7 @@ def _settings(stability: StabilityMap, place: Sequence[float]) -> list[str]:
 
 
 def _nearest(stability: StabilityMap) -> list[Note]:
-    """Return the nearest settings that overturn the verdict, overall and in each part."""
+    """Return notes on the nearest settings that overturn the verdict, in every part of the map."""
     end, worse = stability.end, "Y" if stability.verdict == "x" else "X"
     is_tie = stability.verdict == "even"
     if not stability.overturns:
@@ -284,7 +284,7 @@ def _nearest(stability: StabilityMap) -> list[Note]:
 
 
 def _flip(stability: StabilityMap, flip: Flip) -> Note:
-    """Return where a flip is, who is better there, and how far away it is."""
+    """Return a note on where a flip is, who is better there, and how far away it is."""
     lead = difference_text(stability.criterion, flip.difference) if flip.difference else None
     return Note(
         "stability.flip",

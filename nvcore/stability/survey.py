@@ -62,7 +62,7 @@ def survey_stability(
     executor: Executor | None = None,
     progress: Progress = no_progress,
 ) -> tuple[SurveyRow, ...]:
-    """Compute the maps of `SURVEY_PLANES` by every criterion, see `map_stability`."""
+    """Compute the map of each plane in `SURVEY_PLANES` by every criterion (`map_stability`)."""
     maps: list[tuple[Plane, Criterion]] = [(p, c) for p in SURVEY_PLANES for c in CRITERIA]
     rows = []
     for number, (plane, criterion) in enumerate(maps):
@@ -77,7 +77,7 @@ def survey_stability(
 
 
 def survey_table(survey: Sequence[SurveyRow]) -> pd.DataFrame:
-    """Return the maps in words, one row each.
+    """Describe each map in words, one row per map.
 
     Returns
     -------
@@ -96,7 +96,7 @@ def survey_table(survey: Sequence[SurveyRow]) -> pd.DataFrame:
 
 
 def held_text(row: SurveyRow) -> str:
-    """Return the share of the plausible range in which the verdict holds, in a few words."""
+    """Describe in a few words the share of the plausible range in which the verdict holds."""
     if row.stability is None:
         return "no such map"
     if row.stability.verdict == "undefined":

@@ -1,4 +1,4 @@
-"""``nvcore driver estimate``: how likely the driver sees each pedestrian unaided."""
+"""``nvcore driver estimate``: estimate how likely the driver sees each pedestrian unaided."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``nvcore driver train`` and ``evaluate``: estimators learned from trials with people."""
+"""``nvcore driver train`` and ``evaluate``: train and evaluate estimators on trials with people."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ _judging_options = with_options(
 
 
 def say_how_to_leave_out(table: TrainingTable) -> None:
-    """Print the flags that leave the odd subjects out, unless most are odd."""
+    """Print the flags that leave out subjects with odd responses, unless most are odd."""
     names = table.odd_subjects
     if 0 < len(names) <= table.n_subjects / 2:
         flags = shlex.join(part for name in names for part in ("--leave-out", name))
@@ -161,7 +161,7 @@ def evaluate(trials: Path, out: Path | None, html: Path | None, **options: Any) 
 
 
 def _judged(options: dict[str, Any]) -> dict[str, Any]:
-    """Replace the options on judging responses by one value, converting an angle to pixels."""
+    """Replace the options on judging responses by one `Judging`, converting an angle to pixels."""
     from nvcore.driver.trials import Judging, side_of_angle
 
     square_px, degrees = options.pop("square_px"), options.pop("square_degrees")

@@ -1,1 +1,1 @@
-"""The driver in the comparison: whom they see unaided, beside X and Y."""
+"""Comparison of X and Y with what the driver sees unaided."""

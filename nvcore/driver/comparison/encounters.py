@@ -1,4 +1,4 @@
-"""The driver's own view of encounters: how detectable they are, and who sees whom."""
+"""Tables about the driver's view of encounters: detectability, and who sees which encounter."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ SIGHT_WORDS: Final[dict[Sight, str]] = {
 
 
 def driver_sights(result: Result) -> np.ndarray:
-    """Judge whether the driver sees each pedestrian unaided, or whether that is open.
+    """Classify each encounter by whether the driver sees the pedestrian unaided.
 
     Returns
     -------
@@ -57,7 +57,9 @@ def driver_sights(result: Result) -> np.ndarray:
 
 
 def describe_sight(result: Result, encounter: int) -> str:
-    """Say whether the driver sees an encounter, or nothing if it is distant or all is unknown.
+    """Describe whether the driver sees an encounter's pedestrian unaided.
+
+    Empty if the encounter is distant or the dataset has no detectability.
 
     Examples
     --------
@@ -82,7 +84,9 @@ def describe_sight(result: Result, encounter: int) -> str:
 
 
 def driver_venn_table(result: Result) -> pd.DataFrame:
-    """The eight regions of driver, X and Y, and the encounters of which the driver's is unknown.
+    """Count the encounters in each region of the Venn diagram of driver, X and Y.
+
+    The last row counts those for which it is unknown whether the driver sees them.
 
     Returns
     -------
@@ -102,7 +106,7 @@ def driver_venn_table(result: Result) -> pd.DataFrame:
 
 
 def over_driver_threshold(result: Result) -> pd.DataFrame:
-    """Count whom the driver sees, and what that leaves to X and Y, over `driver_threshold`.
+    """Count whom the driver, X and Y see at each of `DRIVER_THRESHOLDS`.
 
     Counted from the largest detectability of each encounter and who detects it: nothing is compared
     anew.
@@ -133,7 +137,7 @@ def over_driver_threshold(result: Result) -> pd.DataFrame:
 
 
 def detectability_course(result: Result, encounter: int) -> pd.DataFrame:
-    """Return the detectability of the pedestrian of an encounter from frame to frame.
+    """Return a pedestrian's detectability in each annotated frame of an encounter.
 
     Parameters
     ----------
@@ -175,7 +179,7 @@ def detectability_course(result: Result, encounter: int) -> pd.DataFrame:
 def features_of_course(
     result: Result, course: pd.DataFrame, features: pd.DataFrame
 ) -> pd.DataFrame | None:
-    """The features of a pedestrian from frame to frame.
+    """Return a pedestrian's features in each frame of a course, or None if the boxes differ.
 
     Parameters
     ----------
@@ -211,7 +215,7 @@ def features_of_course(
 
 
 def saved_encounters(result: Result) -> pd.DataFrame:
-    """Urgent encounters that one system alone confirms in time: neither driver nor the other does.
+    """Return urgent encounters that only X or only Y confirms in time, and not the driver.
 
     Returns
     -------

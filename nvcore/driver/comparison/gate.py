@@ -1,4 +1,4 @@
-"""Encounters that a gate rule about the driver rests on: how many, and which."""
+"""Gate rules about the driver: undefined measures, notes, and the encounters that they count."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Urgent encounters by who confirms them in time: the driver unaided, X, Y."""
+"""Classify urgent encounters by who confirms them in time: the driver, X or Y."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from nvcore.time_left.steps import is_in_time, time_left_in
 
 
 def is_judged_in_time(result: Result) -> np.ndarray:
-    """Return urgent encounters with known detectability as bool, shape (n_encounters,)."""
+    """Return which urgent encounters have known detectability, bool, shape (n_encounters,)."""
     is_judged: np.ndarray = time_left_in(result).is_urgent & driver_in(result).is_known
     return is_judged
 
 
 def is_driver_in_time(result: Result) -> np.ndarray:
-    """Urgent encounters that the driver sees unaided while the car can still stop.
+    """Return which urgent encounters the driver sees unaided while the car can still stop.
 
     The driver confirms in the first frame in which detectability reaches `driver_threshold`, even
     if that is after the first relevant one (docs/decisions/055-driver-in-time.md).
@@ -35,7 +35,7 @@ def is_driver_in_time(result: Result) -> np.ndarray:
 
 
 def is_seen_too_late(result: Result) -> np.ndarray:
-    """Urgent encounters that the driver sees, but only when the car can no longer stop.
+    """Return which urgent encounters the driver sees only when the car can no longer stop.
 
     Returns
     -------
@@ -48,7 +48,7 @@ def is_seen_too_late(result: Result) -> np.ndarray:
 
 
 def is_in_time_alone(result: Result, system: SystemResult) -> np.ndarray:
-    """Urgent encounters in time by a system, and by neither the driver nor the other system.
+    """Return which urgent encounters only this system confirms in time, and not the driver.
 
     Returns
     -------
@@ -61,7 +61,7 @@ def is_in_time_alone(result: Result, system: SystemResult) -> np.ndarray:
 
 
 class InTimeVenn(NamedTuple):
-    """Urgent encounters of which it is known, each in the part of who confirms it in time.
+    """Counts of urgent encounters with known detectability, by who confirms them in time.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class InTimeVenn(NamedTuple):
 
     @property
     def n(self) -> int:
-        """All of them."""
+        """Number of urgent encounters with known detectability."""
         return sum(self)
 
 

@@ -1,4 +1,4 @@
-"""The driver: whom they see unaided, and who of driver, X and Y sees whom.
+"""Judge whom the driver sees unaided, and combine that with what X and Y detect.
 
 Detectability is the share of drivers, 0 to 1, who would see the pedestrian of a truth box by
 themselves. It is stated by the ground truth, or estimated from pictures.
@@ -42,7 +42,7 @@ first of two."""
 def judge_driver(
     detectability: Detectability, encounters: Encounters, k_truth: np.ndarray, params: Params
 ) -> pd.DataFrame:
-    """Judge whether the driver sees each pedestrian unaided before the pedestrian counts.
+    """Judge whether the driver sees each pedestrian unaided by the first relevant frame.
 
     The driver sees a pedestrian if detectability reaches `driver_threshold` in a frame up to the
     first relevant one (``k >= 0.5``). The first such frame is the confirmation. Frames of unknown
@@ -108,7 +108,7 @@ def judge_driver(
 
 
 def weigh_unseen(dataset: Dataset, params: Params) -> np.ndarray | None:
-    """By what `driver_weighting` multiplies the weight of missing each pedestrian.
+    """Return factors by which `driver_weighting` multiplies the weight of each missed pedestrian.
 
     ``1 - detectability``, and 1 where that is unknown.
 
@@ -124,14 +124,17 @@ def weigh_unseen(dataset: Dataset, params: Params) -> np.ndarray | None:
 
 
 def count_unknown(dataset: Dataset) -> int:
-    """Pedestrian boxes of unknown detectability: with `driver_weighting` they weigh in full."""
+    """Count the pedestrian boxes of unknown detectability.
+
+    With `driver_weighting` they have full weight.
+    """
     is_unknown = np.isnan(dataset.detectability.value) & ~dataset.truth.ignore
     return int(np.count_nonzero(is_unknown))
 
 
 @dataclass(frozen=True)
 class DriverVenn:
-    """Near encounters by who sees them: the driver unaided, X, Y.
+    """Counts of encounters by who sees them: the driver unaided, X or Y.
 
     Attributes
     ----------
@@ -143,17 +146,20 @@ class DriverVenn:
 
     @property
     def n_known(self) -> int:
-        """Near encounters of which it is known whether the driver sees them."""
+        """Number of near encounters with known detectability."""
         return sum(self.counts[region] for region in _KNOWN)
 
     @property
     def n_seen(self) -> int:
-        """Known near encounters that the driver sees unaided."""
+        """Number of near encounters that the driver sees unaided."""
         return sum(self.counts[region] for region in _KNOWN[:4])
 
     @property
     def n_unseen(self) -> int:
-        """Known near encounters that the driver does not see: a system can warn of them."""
+        """Number of near encounters that the driver is known not to see.
+
+        A system can warn of them.
+        """
         return self.n_known - self.n_seen
 
 
@@ -164,7 +170,7 @@ def driver_regions(
     by_x: np.ndarray,
     by_y: np.ndarray,
 ) -> np.ndarray:
-    """Region of every encounter in the three-way Venn diagram.
+    """Return the region of each encounter in the Venn diagram of driver, X and Y.
 
     All arguments bool, shape (n,). Encounters that are not near are `distant`, others of which it
     is not known whether the driver sees them `unknown`.
@@ -181,13 +187,13 @@ def driver_regions(
 
 
 def count_driver_regions(region: np.ndarray) -> DriverVenn:
-    """Number of encounters of each region, of `driver_regions`."""
+    """Count the encounters in each of the regions that `driver_regions` returns."""
     counts = Counter(region.tolist())
     return DriverVenn({kind: counts[kind.value] for kind in DriverRegion})
 
 
 def split_unseen(venn: DriverVenn) -> Venn:
-    """The encounters that the driver does not see, by who detects them.
+    """Return the Venn diagram of X and Y for the encounters that the driver does not see.
 
     All others count as distant.
     """
@@ -199,7 +205,7 @@ def split_unseen(venn: DriverVenn) -> Venn:
 
 @dataclass(frozen=True, eq=False)
 class DriverView:
-    """The driver beside X and Y: encounters seen unaided.
+    """Encounters by whether the driver sees them unaided, and whether X and Y detect them.
 
     Attributes
     ----------
@@ -216,70 +222,76 @@ class DriverView:
 
     @property
     def seen_row(self) -> np.ndarray:
-        """Frame row of the driver's confirmation, -1 for none, as int64, shape (n_encounters,)."""
+        """Row of the frame in which the driver confirms each encounter, int64, -1 for none.
+
+        Shape (n_encounters,).
+        """
         row: np.ndarray = self.table["seen_row"].to_numpy()
         return row
 
     @cached_property
     def is_known(self) -> np.ndarray:
-        """Near encounters with known detectability as bool, shape (n_encounters,)."""
+        """Mask of near encounters with known detectability, shape (n_encounters,)."""
         is_known: np.ndarray = self.is_near & ~np.isnan(self.table["detectability"].to_numpy())
         return is_known
 
     @cached_property
     def has_any(self) -> bool:
-        """Whether it is known of any near encounter."""
+        """Whether any near encounter has known detectability."""
         return bool(self.is_known.any())
 
     @property
     def is_seen(self) -> np.ndarray:
-        """Near encounters that the driver sees unaided as bool, shape (n_encounters,)."""
+        """Mask of near encounters that the driver sees unaided, shape (n_encounters,)."""
         is_seen: np.ndarray = self.is_known & (self.seen_row >= 0)
         return is_seen
 
     @property
     def is_unseen(self) -> np.ndarray:
-        """Near encounters that the driver is known not to see as bool, shape (n_encounters,)."""
+        """Mask of near encounters that the driver is known not to see, shape (n_encounters,)."""
         is_unseen: np.ndarray = self.is_known & (self.seen_row < 0)
         return is_unseen
 
     @cached_property
     def region(self) -> np.ndarray:
-        """Region of each encounter (`driver_regions`) as object, shape (n_encounters,)."""
+        """Region of each encounter from `driver_regions`, object, shape (n_encounters,)."""
         seen = self.is_seen, self.by_x, self.by_y
         return driver_regions(self.is_near, self.is_known, *seen)
 
     @cached_property
     def venn(self) -> DriverVenn:
-        """Encounters by who sees them: the driver unaided, X, Y."""
+        """Counts of encounters by who sees them: the driver unaided, X or Y."""
         return count_driver_regions(self.region)
 
     @property
     def has_sd(self) -> np.ndarray:
-        """Near encounters whose detectability has a standard deviation."""
+        """Mask of near encounters whose detectability has a standard deviation."""
         has_sd: np.ndarray = ~np.isnan(self.table["sd"].to_numpy()) & self.is_known
         return has_sd
 
     @property
     def is_within_sd(self) -> np.ndarray:
-        """Near encounters whose detectability is no further than its sd from the threshold."""
+        """Mask of near encounters whose detectability is within its sd of the threshold."""
         is_within_sd: np.ndarray = self.table["is_within_sd"].to_numpy() & self.is_known
         return is_within_sd
 
     @property
     def n_outside(self) -> int:
-        """Near encounters decided by an estimate outside the range of the training."""
+        """Number of near encounters decided by an estimate outside the training range."""
         return int(np.count_nonzero(self.table["is_outside"].to_numpy() & self.is_known))
 
     @property
     def is_adapted(self) -> np.ndarray:
-        """Near encounters decided by an estimate for adapted eyes as bool, (n_encounters,)."""
+        """Mask of near encounters decided by an estimate for adapted eyes.
+
+        Shape (n_encounters,).
+        """
         is_adapted: np.ndarray = self.table["is_adapted"].to_numpy() & self.is_known
         return is_adapted
 
     @property
     def is_seldom_seen(self) -> np.ndarray:
-        """Near encounters that the driver sees in fewer than `SELDOM` of the known frames.
+        """Mask of near encounters that the driver sees in less than `SELDOM` of their known frames.
 
         bool, shape (n_encounters,); of the frames up to the first relevant one.
         """

@@ -1,4 +1,4 @@
-"""Loop over the frames of encounters: how detectable a pedestrian is before they count."""
+"""Compiled loop that finds how detectable each pedestrian is before the encounter counts."""
 
 from __future__ import annotations
 

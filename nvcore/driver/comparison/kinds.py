@@ -1,4 +1,4 @@
-"""Regions of driver, X and Y that encounters are in, with one sentence each."""
+"""Regions of the Venn diagram of driver, X and Y, with a sentence on each."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Final
 
 
 class DriverRegion(StrEnum):
-    """Region of the three-way Venn diagram of who sees an encounter: the driver unaided, X, Y."""
+    """Region of the three-way Venn diagram of the encounters that the driver, X and Y see."""
 
     DRIVER_X_Y = "driver_x_y"
     DRIVER_X = "driver_x"

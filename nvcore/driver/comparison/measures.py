@@ -1,4 +1,4 @@
-"""Measures of the driver's own view: useful and redundant alerts, and who is seen by nobody."""
+"""Measures that depend on what the driver sees, such as useful and redundant alerts."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def _useful(result: Result, system: SystemResult) -> np.ndarray:
 
 
 def _useful_parts(result: Result, system: SystemResult) -> Parts:
-    """The useful alerts."""
+    """Return one summand per useful alert: 1, in the first frame of its encounter."""
     return Parts(result.encounters.first_row[_useful(result, system)], None)
 
 
@@ -70,7 +70,7 @@ def _count(
     empty_by_recording: str = "it is known of no encounter whether the driver sees it",
     inference: Inference | None = None,
 ) -> Measure:
-    """Number of encounters of a kind, among those of which the driver's view is known."""
+    """Build a measure that counts encounters of a kind among those with known detectability."""
 
     def by_recording(result: Result, system: SystemResult) -> Any:
         is_member, recording = members(result, system), result.encounters.recording

@@ -31,12 +31,12 @@ _SHOWN_NAME: Final = 40
 
 
 def driver_notes(result: Result) -> tuple[Note, ...]:
-    """Return whom the driver sees and whom each system warns of, if anything is known."""
+    """Return notes on whom the driver sees and whom each system warns of."""
     return (*no_claim(result), *view_notes(result))
 
 
 def view_notes(result: Result) -> tuple[Note, ...]:
-    """Return `driver_notes` without the reason why nothing is claimed."""
+    """Return `driver_notes` without the note that nothing is claimed."""
     driver = driver_in(result)
     if not driver.has_any:
         return (Note("driver.nothing_known"),) if result.dataset.has_detectability else ()
@@ -52,13 +52,13 @@ def view_notes(result: Result) -> tuple[Note, ...]:
 
 
 def no_claim(result: Result) -> tuple[Note, ...]:
-    """Return why nothing is claimed about whom the driver sees, if there is a reason."""
+    """Explain why nothing is claimed about whom the driver sees, or return no note."""
     why = doubt_of_seen(result) if driver_in(result).has_any else None
     return (Note("driver.no_claim", why=why),) if why else ()
 
 
 def weighting(result: Result) -> tuple[Note, ...]:
-    """Return the weighting of misses by detectability, if it is on."""
+    """Return a note on the weighting of misses by detectability, if it is on."""
     if result.params.driver_weighting == "off":
         return ()
     if not result.dataset.has_detectability:
@@ -67,24 +67,24 @@ def weighting(result: Result) -> tuple[Note, ...]:
 
 
 def weighting_notes(result: Result) -> tuple[Note, ...]:
-    """Return `weighting` and why nothing is claimed about weighted measures."""
+    """Return notes on weighting misses, and why nothing is claimed about weighted measures."""
     return (*weighting(result), *no_claim_of_weighted(result))
 
 
 def no_claim_of_weighted(result: Result) -> tuple[Note, ...]:
-    """Return why nothing is claimed about weighted measures, if there is a reason."""
+    """Explain why nothing is claimed about weighted measures, or return no note."""
     why = doubt_of_estimator(result) if is_weighted(result) else None
     return (Note("driver.no_claim_of_weighted", why=why),) if why else ()
 
 
 def weighted_claims(result: Result, measures: Sequence[Measure]) -> Note | None:
-    """Return a remark if claims about these measures are weighted by detectability, or None."""
+    """Return a remark that claims about these measures are weighted by detectability, or None."""
     is_any = any(measure.depends_on("driver_weighting") for measure in measures)
     return Note("driver.weighted_claims") if is_any and is_weighted(result) else None
 
 
 def limits(result: Result) -> tuple[Note, ...]:
-    """Return why nothing is claimed or why estimates are doubtful, then the weighting."""
+    """Return notes on doubts about what the driver sees, then on the weighting of misses."""
     notes = no_claim(result)
     caution = origin_of(result).get("caution")
     if not notes and driver_in(result).has_any and caution:
@@ -93,7 +93,7 @@ def limits(result: Result) -> tuple[Note, ...]:
 
 
 def seen_unaided(result: Result) -> Note:
-    """Return how many encounters the driver sees, and how many others each system detects."""
+    """Return a note on how many encounters the driver sees, and how many others X and Y detect."""
     driver = driver_in(result)
     venn, count = driver.venn, driver.venn.counts
     of: dict[str, Any] = {"by": by(result), "n_seen": venn.n_seen, "n_known": venn.n_known}
@@ -115,7 +115,7 @@ def seen_unaided(result: Result) -> Note:
 
 
 def counts(result: Result) -> Note:
-    """Return the number of encounters in each group, including those in no other note."""
+    """Return a note on how many encounters are seen, unseen, unknown and distant."""
     venn = driver_in(result).venn
     unknown, distant = (venn.counts[of] for of in (DriverRegion.UNKNOWN, DriverRegion.DISTANT))
     return Note(
@@ -129,7 +129,7 @@ def counts(result: Result) -> Note:
 
 
 def known(result: Result, *, of_urgent: bool = False) -> Note:
-    """Return for how many encounters it is known whether the driver sees them, and the source."""
+    """Return a note on how many encounters have known detectability, and where it comes from."""
     driver = driver_in(result)
     n, is_counted = result.venn.n_near, driver.is_known
     if of_urgent:
@@ -145,12 +145,12 @@ def known(result: Result, *, of_urgent: bool = False) -> Note:
 
 
 def by(result: Result) -> Note:
-    """Return the source of what the driver sees."""
+    """Return a note on where detectability comes from, for use in other notes."""
     return Note("driver.by", **origin_of(result))
 
 
 def origin_of(result: Result) -> dict[str, Any]:
-    """Return the source of detectability, as values of notes.
+    """Return where detectability comes from, as values for the templates of notes.
 
     Returns
     -------
@@ -172,7 +172,7 @@ def origin_of(result: Result) -> dict[str, Any]:
 
 
 def source(result: Result) -> tuple[Note, ...]:
-    """Return the source of detectability, and how much of it is known if not nearly all."""
+    """Return notes on where detectability comes from, and how much is known if not nearly all."""
     threshold = result.params.driver_threshold
     note = Note("driver.source", threshold=threshold, **origin_of(result))
     values = result.dataset.detectability.value
@@ -191,7 +191,7 @@ def _origin(result: Result) -> tuple[Note, ...]:
 
 
 def _outside(result: Result) -> tuple[Note, ...]:
-    """Return how many values are outside the training range, and how many of them decide."""
+    """Return a note on estimates outside the training range and on encounters that they decide."""
     record, values = result.dataset.of("driver"), result.dataset.detectability
     is_known = ~(np.isnan(values.value) | result.dataset.truth.ignore)
     n_known, n = _n(is_known), _n(is_known & values.is_outside)
@@ -212,7 +212,7 @@ def _outside(result: Result) -> tuple[Note, ...]:
 
 
 def _open(result: Result) -> tuple[Note, ...]:
-    """Return how many encounters are within one standard deviation of the threshold."""
+    """Return a note on encounters within one standard deviation of the threshold, if any."""
     driver = driver_in(result)
     n = _n(driver.is_within_sd)
     is_said = are_all_open(result) and not doubt_of_estimator(result)  # by `no_claim`
@@ -232,7 +232,7 @@ def _open(result: Result) -> tuple[Note, ...]:
 
 
 def _adapted(result: Result) -> tuple[Note, ...]:
-    """Return how many estimates are for adapted eyes, if these are many or decide encounters."""
+    """Return notes on estimates for adapted eyes, if they are many or decide encounters."""
     record = result.dataset.of("driver")
     if record is None or is_stated(result):
         return ()
@@ -246,7 +246,7 @@ def _adapted(result: Result) -> tuple[Note, ...]:
 
 
 def doubt_of_estimator(result: Result) -> Note | None:
-    """Return why no estimate can be trusted, or None without estimates or a known reason."""
+    """Return why no estimate can be trusted, None if there is no estimate or no reason."""
     estimate = result.dataset.of("driver")
     if estimate is None or is_stated(result):
         return None
@@ -256,7 +256,7 @@ def doubt_of_estimator(result: Result) -> Note | None:
 
 
 def doubt_of_seen(result: Result) -> Note | None:
-    """Return why nothing is claimed about whom the driver sees, whatever the counts, or None."""
+    """Return why nothing is claimed about whom the driver sees, or None."""
     if why := doubt_of_estimator(result):
         return why
     driver, threshold = driver_in(result), result.params.driver_threshold
@@ -281,13 +281,13 @@ def doubt_of(result: Result, measure: Measure) -> str:
 
 
 def is_stated(result: Result) -> bool:
-    """Whether all detectability comes from the ground truth, whatever record there is."""
+    """Whether all detectability comes from the ground truth, despite a record of estimates."""
     n_estimated, n_stated = count_origins(result)
     return bool(n_stated and not n_estimated)
 
 
 def count_origins(result: Result) -> tuple[int, int]:
-    """Count the recordings with estimated detectability and those with values of the truth."""
+    """Count recordings with estimated detectability, and those with values of the ground truth."""
     estimate = result.dataset.of("driver")
     if estimate is None:
         return 0, 0
@@ -301,7 +301,7 @@ def is_weighted(result: Result) -> bool:
 
 
 def are_all_open(result: Result) -> bool:
-    """Whether every encounter is within its standard deviation of the threshold."""
+    """Whether every known detectability is within one standard deviation of the threshold."""
     driver = driver_in(result)
     n_known = driver.venn.n_known
     return n_known > 0 and _n(driver.is_within_sd) == n_known
@@ -315,7 +315,7 @@ def simulated_change(
     change_s: float,
     caution: str = "",
 ) -> Note:
-    """Return when the driver would see the pedestrian had it become dark at `change_s`.
+    """Return a note on when the driver would see the pedestrian if it became dark at `change_s`.
 
     The note also says when the driver sees the pedestrian without the change.
 
@@ -376,7 +376,7 @@ def _first_seen(
     is_there: bool,
     is_until_change: bool,
 ) -> Note | None:
-    """Return after how many frames the driver first sees the pedestrian, or None if unknown.
+    """Return a note on the first frame in which the driver sees the pedestrian, or None if unknown.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The driver in the verdict and on the first page of the report."""
+"""Notes on the driver for the verdict and the first page of the report."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ POINTS: Final = (
 
 
 def _views(dataset: Dataset) -> list[str]:
-    """Return the facts known about the driver's view of each recording, in words."""
+    """List for each recording which data on the driver it has: pictures, light meter, gaze."""
     views = driver_views(dataset)
     words_of = {
         "pictures of visible light": views["has_visible"],

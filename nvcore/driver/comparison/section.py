@@ -1,4 +1,4 @@
-"""Section about the driver: encounters seen unaided, and warnings of the others."""
+"""Section of the report about the driver: encounters by who sees them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from nvcore.report.section import (
 
 
 def driver_section(result: Result) -> Section:
-    """Return the eight regions of driver, X and Y, and the encounters that one system saves."""
+    """Return the report's section about the driver: notes, regions and saved encounters."""
     regions = driver_venn_table(result)
     is_shown = (regions["encounters"] > 0) | (regions["region"] != DriverRegion.UNKNOWN)
     of_regions: Columns = {

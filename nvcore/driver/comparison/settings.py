@@ -1,4 +1,4 @@
-"""Settings of the driver: the threshold of seeing, and what the driver's view weighs."""
+"""Settings about the driver: the detectability threshold and the weighting of misses."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def _has_detectability(dataset: Any) -> bool:
 
 @dataclass(frozen=True)
 class DriverSettings:
-    """The part of `nvcore.params.Params` about what the driver sees unaided."""
+    """Fields of `nvcore.params.Params` about what the driver sees unaided."""
 
     driver_threshold: float = share(
         DRIVER,
@@ -50,4 +50,4 @@ class DriverSettings:
     )
 
     def check_together(self) -> None:
-        """All values go together."""
+        """Accept every combination of values."""

@@ -1,4 +1,4 @@
-"""The step that judges the driver, and its results beside X and Y."""
+"""Scoring step that judges what the driver sees, and weights of misses from detectability."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ MISS_WEIGHTS: Final = MissWeights("(1 - detectability)", weigh_unseen)
 
 
 def driver_view(result: Result) -> DriverView:
-    """Judge whom the driver sees unaided, beside X and Y."""
+    """Combine whom the driver sees with the encounters that X and Y detect."""
     detected = (system.encounters["is_detected"].to_numpy() for _, system in result.sides)
     return DriverView(result.made["detectable"], result.is_near, *detected)
 
 
 def driver_in(result: Result) -> DriverView:
-    """Return the driver's view of a comparison, which is ``result.of("driver")``."""
+    """Return the driver's view of a comparison, ``result.of("driver")``, as `DriverView`."""
     return cast("DriverView", result.of("driver"))

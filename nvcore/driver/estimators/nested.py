@@ -1,4 +1,4 @@
-"""Nested cross-validation: errors of model selection and training on pedestrians left out."""
+"""Nested cross-validation: select and train regressions, and estimate pedestrians left out."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ def _notes(
 
 @dataclass(frozen=True)
 class OutOfFold:
-    """Estimates for pedestrians by regressions that were selected and trained without them.
+    """Estimates of each pedestrian by regressions selected and trained without that pedestrian.
 
     Attributes
     ----------
@@ -192,7 +192,7 @@ class _Outcome:
 def train_final(
     samples: Samples, search: Search, *, n_threads: int, progress: Progress
 ) -> tuple[Regression, ...]:
-    """Select and train the regression of each period, then that of all, on all rows.
+    """Select and train a regression for each period, then one for all periods, on all rows.
 
     Raises
     ------
@@ -214,7 +214,7 @@ def out_of_fold(
     progress: Progress,
     has_pairs: bool = False,
 ) -> OutOfFold:
-    """Return estimates of each fold's rows by regressions trained on the other folds.
+    """Estimate each fold's rows by regressions trained on the other folds.
 
     Parameters
     ----------
@@ -267,7 +267,7 @@ def out_of_fold(
 
 
 def _refuse_too_few(samples: Samples, fold: NDArray[np.int64]) -> None:
-    """Raise an error if leaving out a fold leaves a period without training data."""
+    """Raise an error if a period without one of the folds has too few pedestrians."""
     pedestrians = pd.DataFrame(
         {"period": samples.period, "fold": fold, "group": samples.group}
     ).drop_duplicates()
@@ -287,7 +287,7 @@ def _refuse_too_few(samples: Samples, fold: NDArray[np.int64]) -> None:
 def _parts_of(
     samples: Samples, train: NDArray[np.bool_], test: NDArray[np.bool_], *, has_pairs: bool
 ) -> list[_Part]:
-    """Return a regression for each period, then the one for all periods."""
+    """Return the regressions to train: one for each period, then one for all periods."""
     parts = []
     for number in range(len(samples.periods_s)):
         is_mine = samples.period == number
@@ -319,7 +319,7 @@ def _run(
 
 
 def _regression(samples: Samples, part: _Part, search: Search, check: Check) -> _Outcome:
-    """Select and train one regression, and estimate the rows left out."""
+    """Select and train one regression, then estimate the rows left out."""
     features, target = samples.features[part.train], samples.target[part.train]
     choice = choose(features, target, samples.group[part.train], search, check=check)
     best = choice.best
@@ -338,7 +338,7 @@ def _estimate_pairs(
     target: NDArray[np.float64],
     choice: FeatureChoices,
 ) -> None:
-    """Fill in the estimates of the rows left out by each pair of features."""
+    """Estimate the left-out rows with a regression on each pair of features, into `pairs`."""
     for columns, settings in zip(choice.sets, choice.settings, strict=True):
         if len(columns) == 2:
             regression = fit(features, target, columns, settings)

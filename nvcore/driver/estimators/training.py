@@ -1,4 +1,4 @@
-"""Training of estimators: one for each adaptation period, and one for all as the comparison."""
+"""Train estimators: a regression for each adaptation period, and one for all as comparison."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ OUTER_FOLDS: Final = 5
 
 @dataclass(frozen=True)
 class Training:
-    """Result of a training.
+    """Trained estimator with its errors on pedestrians left out.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ def train_estimator(
 
 
 def errors_by_period(samples: Samples, estimate: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the mean squared error at each period as float64, (p,), NaN with a NaN estimate.
+    """Return the mean squared error at each period, float64, (p,), NaN if an estimate is NaN.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def _qualities(samples: Samples, left_out: OutOfFold) -> tuple[Quality, ...]:
 
 
 def origin_of(table: TrainingTable, search: Search) -> Origin:
-    """Return what an estimator trained on a table records about the table."""
+    """Return the origin of an estimator: facts about its training table and search."""
     columns = ["image", "pedestrian", "period_s", "detectability", "n_subjects", *FEATURE_KEYS]
     content = to_csv_bytes(table.rows[columns], digits=None)
     return Origin(

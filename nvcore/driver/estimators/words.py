@@ -1,4 +1,4 @@
-"""Estimators in words: choices of features, and why estimates are to be doubted."""
+"""Describe estimators in words: chosen features, and reasons to doubt estimates."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ LABELS: Final = {feature.key: feature.label for feature in FEATURES}
 
 
 def words_of(keys: Sequence[str]) -> str:
-    """Return a choice of features in words.
+    """Describe a choice of features in words.
 
     Examples
     --------
@@ -27,7 +27,7 @@ def words_of(keys: Sequence[str]) -> str:
 
 
 def caution_of(estimator: Estimator, *, simulated: str = "") -> str:
-    """Return why the estimates are doubtful for any pictures, "" if no reason is known.
+    """Return why an estimator is doubtful whatever the pictures, or "" without a reason.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The evaluation of estimators of detectability as one HTML file."""
+"""Write the evaluation of estimators of detectability as one HTML file."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ _ERROR_TITLES: Final = {
 
 
 def write_evaluation_html(evaluation: Evaluation, path: Path) -> None:
-    """Write figures and tables of an evaluation and replace an existing file.
+    """Write figures and tables of an evaluation to an HTML file, replacing an existing one.
 
     The same trials, seed and version give the same bytes.
 
@@ -69,7 +69,7 @@ def write_evaluation_html(evaluation: Evaluation, path: Path) -> None:
 
 
 def _summary(evaluation: Evaluation) -> list[str]:
-    """Return the result, then its basis."""
+    """Return sentences on the mean errors, then on the data behind them."""
     mean = errors_table(evaluation).iloc[-1]
     of = {name: mean[name] for name in ("switched", "single", "constant")}
     return [

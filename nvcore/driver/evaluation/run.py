@@ -1,4 +1,4 @@
-"""Leave-one-pedestrian-out: estimate each pedestrian by regressions trained on the others."""
+"""Cross-validation of estimators that leaves out one pedestrian at a time."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ from nvcore.progress import Progress, no_progress, with_time_left
 
 @dataclass(frozen=True)
 class Evaluation:
-    """Result of an evaluation, which `nvcore.driver.evaluation.evaluation_tables` reads.
+    """Result of an evaluation: each pedestrian estimated by regressions trained on all others.
+
+    `nvcore.driver.evaluation.evaluation_tables` makes tables of them.
 
     Attributes
     ----------

@@ -22,7 +22,7 @@ MOST_BARS: Final = 11
 
 
 def evaluation_tables(evaluation: Evaluation) -> dict[str, pd.DataFrame]:
-    """All tables of an evaluation, by the name of their file without its ending."""
+    """Return all tables of an evaluation by file name without extension."""
     return {
         "errors": errors_table(evaluation),
         "choices": choices_table(evaluation),
@@ -36,7 +36,7 @@ def evaluation_tables(evaluation: Evaluation) -> dict[str, pd.DataFrame]:
 
 
 def errors_table(evaluation: Evaluation) -> pd.DataFrame:
-    """Return the mean squared error at each period on pedestrians left out (0 is best).
+    """Return mean squared errors at each period on pedestrians left out (0 is best).
 
     Returns
     -------
@@ -76,7 +76,7 @@ def errors_table(evaluation: Evaluation) -> pd.DataFrame:
 
 
 def _sampling(evaluation: Evaluation) -> NDArray[np.float64]:
-    """Estimated variance of detectability for want of subjects, mean at each period."""
+    """Return the mean sampling variance of detectability at each period, due to few subjects."""
     rows = evaluation.rows
     share = rows["detectability"]
     variance = share * (1 - share) / (rows["n_subjects"] - 1).replace(0, np.nan)
@@ -87,7 +87,7 @@ def _sampling(evaluation: Evaluation) -> NDArray[np.float64]:
 
 
 def choices_table(evaluation: Evaluation) -> pd.DataFrame:
-    """Return which features were chosen, and how often.
+    """Count how often each choice of features was made at each period.
 
     Returns
     -------
@@ -105,7 +105,7 @@ def choices_table(evaluation: Evaluation) -> pd.DataFrame:
 
 
 def pair_errors(evaluation: Evaluation) -> NDArray[np.float64]:
-    """Mean squared error of each pair of features at each period, float64, shape (p, 28).
+    """Return the mean squared error of each pair of features at each period, float64, (p, 28).
 
     Settings are chosen without the pedestrian that is left out. NaN: a feature is not used.
     """
@@ -117,7 +117,7 @@ def pair_errors(evaluation: Evaluation) -> NDArray[np.float64]:
 
 
 def pairs_table(evaluation: Evaluation) -> pd.DataFrame:
-    """Ranking of the pairs of features at each period.
+    """Rank the pairs of features by their error at each period.
 
     Returns
     -------
@@ -139,7 +139,7 @@ def pairs_table(evaluation: Evaluation) -> pd.DataFrame:
 
 
 def pair_ranks_table(evaluation: Evaluation) -> pd.DataFrame:
-    """Return how alike the rankings of the pairs of features are at two periods.
+    """Return rank correlations of the feature pairs' errors between every two periods.
 
     Returns
     -------
@@ -164,7 +164,7 @@ def _spearman(first: NDArray[np.float64], second: NDArray[np.float64]) -> float:
 
 
 def periods_table(evaluation: Evaluation) -> pd.DataFrame:
-    """Detectability at each period.
+    """Summarize detectability at each period: mean, SD, and shares seen by nobody or everybody.
 
     Returns
     -------
@@ -208,7 +208,7 @@ def histograms_table(evaluation: Evaluation) -> pd.DataFrame:
 
 
 def estimates_table(evaluation: Evaluation) -> pd.DataFrame:
-    """Return the estimates of every pedestrian at every period.
+    """Return detectability and its estimates for every pedestrian at every period.
 
     Returns
     -------

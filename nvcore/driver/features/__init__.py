@@ -1,4 +1,4 @@
-"""Features of a pedestrian in a picture of visible light: how visible they are.
+"""Features that say how visible a pedestrian is in a picture of visible light.
 
     features_of(picture, boxes, fixation)      one row a pedestrian, one column a feature
 
@@ -28,7 +28,7 @@ def features_of(
     fixation: NDArray[np.float64] | tuple[float, float] | None = None,
     settings: FeatureSettings | None = None,
 ) -> NDArray[np.float64]:
-    """Features of the pedestrians in one picture.
+    """Compute the features of the pedestrians in one picture.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from nvcore.driver.shapes import rows_of
 
 @dataclass(frozen=True)
 class Regions:
-    """The boxes of one picture, as rectangles of its pixels.
+    """Pixel rectangles of the pedestrians and their surrounds in one picture.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class Regions:
 
 
 def regions_of(boxes: NDArray[np.float64], width: int, height: int, surround: float) -> Regions:
-    """Pedestrians and rectangles around them, cut at the edge of the picture.
+    """Return the rectangles of pedestrians and their surrounds, clipped to the picture.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def _pixels(
     width: int,
     height: int,
 ) -> NDArray[np.int64]:
-    """Return the pixels whose middle lies inside as int64, (n, 4)."""
+    """Return each box as a rectangle of the pixels whose centres it contains, int64, (n, 4)."""
     ends = np.stack([left, top, right, bottom], axis=1)
     # a middle on the left or upper edge is inside, one on the right or lower edge is not
     whole = np.ceil(np.nan_to_num(np.clip(ends, -1.0, 1e9)) - 0.5)

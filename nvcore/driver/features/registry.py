@@ -1,4 +1,4 @@
-"""The features of a pedestrian in a picture: each with what it means and how it is computed.
+"""Registry of the eight features of a pedestrian, with meaning and computation of each.
 
 References
 ----------
@@ -48,7 +48,7 @@ class Feature:
 
 
 def _apart(of_regions: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Difference of pedestrian and surround, without its sign."""
+    """Return the absolute difference between pedestrian and surround."""
     apart: NDArray[np.float64] = np.abs(of_regions[:, 0] - of_regions[:, 1])
     return apart
 
@@ -64,7 +64,10 @@ def _lab_distance(view: View) -> NDArray[np.float64]:
 
 
 def _colour_emd(view: View) -> NDArray[np.float64]:
-    """Return the Earth Mover's Distance: in one dimension, differences of cumulated histograms."""
+    """Return the Earth Mover's Distance between colour histograms of pedestrian and surround.
+
+    In one dimension it is the sum of absolute differences of cumulated histograms.
+    """
     cumulated = np.cumsum(view.histogram, axis=-1)
     moved = np.abs(cumulated[:, 0] - cumulated[:, 1])[..., :-1]  # the last is 1 in both
     work: NDArray[np.float64] = view.settings.bin_distance * moved.sum(axis=(1, 2))

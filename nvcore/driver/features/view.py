@@ -1,4 +1,4 @@
-"""Views of the pedestrians of one picture: the means that features are made of."""
+"""Pixel averages of each pedestrian in one picture, from which features are computed."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _SPARSE: Final = 16
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """The pedestrians in one picture.
+    """Pedestrians in one picture, with the pixel averages behind their features.
 
     Arrays have a row for each pedestrian. Of two columns, the first is the pedestrian, the second
     their surround; NaN where there is no pixel.
@@ -65,18 +65,21 @@ class View:
 
     @property
     def luminance(self) -> NDArray[np.float64]:
-        """Mean 8-bit luminance of both regions, (n, 2)."""
+        """Mean 8-bit luminance of pedestrian and surround, (n, 2)."""
         return self._light[0]
 
     @property
     def luminance_variance(self) -> NDArray[np.float64]:
-        """Variance of the 8-bit luminance in both regions, divided by their pixels, (n, 2)."""
+        """Variance of the 8-bit luminance over the pixels of pedestrian and surround, (n, 2)."""
         variance: NDArray[np.float64] = np.maximum(self._light[1] - self.luminance**2, 0)
         return variance
 
     @property
     def edge_strength(self) -> NDArray[np.float64]:
-        """Mean length of the Sobel gradient (3 x 3, not normalised) in both regions, (n, 2)."""
+        """Mean length of the 3 x 3 Sobel gradient in pedestrian and surround, (n, 2).
+
+        The gradient is not normalised.
+        """
         return self._light[2]
 
     @cached_property
@@ -103,12 +106,12 @@ class View:
 
     @property
     def lab(self) -> NDArray[np.float64]:
-        """Mean CIE L*a*b* of both regions, (n, 2, 3), NaN without colour."""
+        """Mean CIE L*a*b* colour of pedestrian and surround, (n, 2, 3), NaN without colour."""
         return self._colour[0]
 
     @property
     def histogram(self) -> NDArray[np.float64]:
-        """Shares of the pixels in each bin of R, G, B, (n, 2, 3, bins), NaN without colour."""
+        """Share of pixels in each bin of R, G and B, (n, 2, 3, bins), NaN without colour."""
         return self._colour[1]
 
 
@@ -118,7 +121,7 @@ def view_of(
     fixation: NDArray[np.float64] | tuple[float, float] | None,
     settings: FeatureSettings,
 ) -> View:
-    """Return the view of a picture for `nvcore.driver.features.features_of`.
+    """Build the view of a picture, checking the shapes of boxes and fixation.
 
     Raises
     ------
@@ -139,14 +142,14 @@ def view_of(
 
 
 def luminance_of(picture: Picture) -> NDArray[np.uint8]:
-    """The 8-bit luminance of a picture: 0.299 R + 0.587 G + 0.114 B (ITU-R BT.601), rounded."""
+    """Return the 8-bit luminance 0.299 R + 0.587 G + 0.114 B (ITU-R BT.601), rounded."""
     if picture.ndim == 2:
         return np.asarray(picture, np.uint8)
     return np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), np.uint8)
 
 
 def has_colour(picture: Picture) -> bool:
-    """Whether two channels of a picture differ anywhere by more than `GREY_LEVELS`."""
+    """Whether two channels of a picture differ by more than `GREY_LEVELS` in any pixel."""
     if picture.ndim == 2:
         return False
     return any(

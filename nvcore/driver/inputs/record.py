@@ -110,7 +110,7 @@ class EstimateRecord:
 
     @property
     def made_by(self) -> str:
-        """Estimator in a few words, "" if not known."""
+        """Description of the estimator in a few words, "" if unknown."""
         if not self.name:
             return ""
         note = Note(
@@ -123,7 +123,7 @@ class EstimateRecord:
 
     @property
     def caution(self) -> str:
-        """Doubts about subjects, learning, pictures and light, "" if there are none."""
+        """Doubts about the estimates: subjects, training, pictures and light. Empty without any."""
         notes = []
         if self.search or self.simulated in ("all", "some"):
             notes.append(Note("driver.learnt", simulated=self.simulated, search=self.search))
@@ -140,12 +140,12 @@ class EstimateRecord:
 
 
 def _named(names: Iterable[str]) -> str:
-    """Names of recordings, which may be anything."""
+    """List names of recordings on one line, shortened since they may be any text."""
     return listed([shortened(one_line(name), _SHOWN_NAME) for name in names], most=MOST_NAMED)
 
 
 def estimate_json(record: EstimateRecord) -> bytes:
-    """Return the record as JSON. The same record gives the same bytes."""
+    """Serialize the record as JSON. Equal records give equal bytes."""
     estimator: dict[str, object] = {name: getattr(record, name) for name in _OF_ESTIMATOR}
     if record.no_better_at_s:  # else as before there was such a thing
         estimator["no_better_at_s"] = list(record.no_better_at_s)
@@ -174,7 +174,7 @@ def estimate_json(record: EstimateRecord) -> bytes:
 
 
 def read_estimate_record(path: Path, name: str) -> EstimateRecord:
-    """Read a record.
+    """Read a record of how detectability was estimated from a JSON file.
 
     Parameters
     ----------

@@ -39,7 +39,7 @@ class DriverEntry:
 
 @dataclass(frozen=True)
 class DriverTable:
-    """The ``[driver]`` of a session.
+    """The ``[driver]`` table of a session.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Subjects whose responses are unlike those of the others, or say nothing."""
+"""Find subjects whose responses differ from those of the others or are uninformative."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ CELL: Final = [*PEDESTRIAN, "period_s"]
 
 
 def subjects_table(judged: pd.DataFrame, judging: Judging) -> pd.DataFrame:
-    """Return how each subject responded and what is odd about it, leaving nobody out.
+    """Summarize each subject's responses and why they are odd. All subjects are kept.
 
     A subject is odd for any of these reasons (all limits are ours, and need 10 trials):
 
@@ -83,7 +83,7 @@ def subjects_table(judged: pd.DataFrame, judging: Judging) -> pd.DataFrame:
 
 
 def _expected(judged: pd.DataFrame) -> pd.Series:
-    """Return the share of the others who are right in the same trial, NaN without others."""
+    """Return for each trial the share of other subjects who are right, NaN without others."""
     groups = judged.groupby(CELL)["is_right"]
     n_others = groups.transform("size") - 1
     n_right = groups.transform("sum") - judged["is_right"]
@@ -117,7 +117,7 @@ def _of_touches(trials: pd.DataFrame, judging: Judging) -> dict[str, float]:
 
 
 def _odd(row: dict[str, Any]) -> str:
-    """Return why the responses of a subject are odd, "" if they are not."""
+    """Return why a subject's responses are odd, or "" if they are not."""
     if row["n"] < LEAST_TRIALS:
         return ""
     keys = []

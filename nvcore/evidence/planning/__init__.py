@@ -1,4 +1,4 @@
-"""Study planning: power of studies like the recordings at hand, and non-inferiority."""
+"""Study planning: required number of recordings, power, and non-inferiority."""
 
 from nvcore.evidence.planning.noninferiority import (
     NonInferiority,

@@ -46,7 +46,10 @@ def favour(candidate: Side, better: Better) -> int:
 
 
 def worse_at_most(evidence: Evidence, candidate: Side) -> float:
-    """Return the unfavourable end of the 95 % interval, positive is worse, or NaN."""
+    """Return the candidate's largest loss within the 95 % interval of the difference.
+
+    Positive is worse. NaN without an interval, or if the evidence is about blocks of time.
+    """
     if evidence.unit not in WHOLE:
         return math.nan
     sign = favour(candidate, evidence.better)

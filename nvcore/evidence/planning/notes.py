@@ -26,7 +26,7 @@ ASSUMPTIONS: Final[dict[Assumption, str]] = {
 
 
 def notes_of_plan(plan: Plan) -> tuple[Note, ...]:
-    """Return the differences that the recordings show and exclude, and the sizes of studies."""
+    """Return notes on the difference found, the differences excluded, and study sizes."""
     row, answer = plan.evidence, plan.noninferiority
     form = evidence_form(row.figure)
     has_p = row.unit in WHOLE and not math.isnan(row.p)
@@ -59,7 +59,7 @@ def notes_of_plan(plan: Plan) -> tuple[Note, ...]:
 
 
 def notes_for_verdict(plan: Plan) -> tuple[Note, ...]:
-    """Return the plan for the difference as found, if it is known."""
+    """Return notes on the study size that would show the difference as found, if known."""
     row, size = plan.evidence, plan.sizes[-1]
     ends = () if row.unit not in WHOLE or math.isnan(row.low) else (excluded(row),)
     extent = _extent(size)
@@ -77,7 +77,7 @@ def notes_for_verdict(plan: Plan) -> tuple[Note, ...]:
 
 
 def excluded(row: Evidence) -> Note:
-    """Return the differences excluded by the 95 % confidence interval of this measure alone."""
+    """Return a note on the differences that a measure's 95 % confidence interval excludes."""
     if row.unit not in WHOLE:
         return Note("plan.blocks")
     if math.isnan(row.low):

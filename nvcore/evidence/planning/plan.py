@@ -128,7 +128,7 @@ class Plan:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Conclusions of the plan."""
+        """Conclusions of the plan, in sentences."""
         return tuple(say(note, PEDESTRIAN) for note in notes_of_plan(self))  # none names objects
 
     @property
@@ -138,7 +138,7 @@ class Plan:
 
     @property
     def curve(self) -> pd.DataFrame:
-        """Every simulated size: assumption, n_recordings, n_encounters, power, low, high."""
+        """Power of every simulated study size, with the columns `CURVE_COLUMNS`."""
         per_recording = self.n_encounters / max(self.evidence.n, 1)
         rows = [
             {
@@ -281,7 +281,7 @@ def _check(key: str, asked: PlanArguments) -> None:
 def _size(
     pilot: Pilot, size: PlanSize, asked: PlanArguments, plan: Plan, progress: Progress
 ) -> PlanSize:
-    """Return the size with its study, or with the reason for having none."""
+    """Compute the study size for one assumed difference, or the reason for having none."""
     count: CountShown
     difference, reason = size.difference, ""
     if asked.margin is None:

@@ -50,7 +50,7 @@ def detectability_course_plot(
     simulated: pd.DataFrame | None = None,
     caution: str = "",
 ) -> go.Figure:
-    """Plot detectability with its uncertainty over time, above light and adaptation.
+    """Plot detectability with its standard deviation over time, above light and adaptation.
 
     A click on a mark gives its row of the frames table as `customdata`.
 
@@ -151,7 +151,7 @@ def _course(known: pd.DataFrame, theme: Theme) -> list[go.Scatter]:
 
 
 def _band(known: pd.DataFrame) -> tuple[list[float | None], list[float | None]]:
-    """Outlines of one standard deviation, one for each stretch of frames in which it is known."""
+    """Return the outline of ± 1 standard deviation, split where frames lack one."""
     known = known[known["sd"].notna()]
     stretch = np.cumsum(known["row"].diff().ne(1))
     x: list[float | None] = []
@@ -165,7 +165,7 @@ def _band(known: pd.DataFrame) -> tuple[list[float | None], list[float | None]]:
 
 
 def _outside(known: pd.DataFrame, theme: Theme) -> go.Scatter:
-    """Strokes at the bottom of the frames whose estimates are outside the range of the training."""
+    """Mark frames whose estimates are outside the training range by strokes at the bottom."""
     times = known["time_s"][known["is_outside"].astype(bool)]
     line = {"width": 2, "color": LOOK[theme].muted}
     return marks(
@@ -181,7 +181,7 @@ def _outside(known: pd.DataFrame, theme: Theme) -> go.Scatter:
 
 
 def _simulated(course: pd.DataFrame, simulated: pd.DataFrame, theme: Theme) -> list[go.Scatter]:
-    """Draw detectability after the simulated change, in the frames that it concerns."""
+    """Draw detectability after a simulated change of light, in the frames that it affects."""
     own = simulated["is_simulated"].to_numpy(bool) & simulated["detectability"].notna().to_numpy()
     return [
         marks(
@@ -197,7 +197,7 @@ def _simulated(course: pd.DataFrame, simulated: pd.DataFrame, theme: Theme) -> l
 
 
 def _light(clock: AdaptationClock, span: list[float], theme: Theme) -> list[Any]:
-    """Draw the brightness, and the seconds since it became dark."""
+    """Draw brightness, and the seconds since it became dark, over time."""
     look = LOOK[theme]
     lines = []
     inside = _is_inside(clock, span)
@@ -256,7 +256,7 @@ def _lower_axes(clock: AdaptationClock, span: list[float], theme: Theme) -> dict
 
 
 def _decades(level: NDArray[np.float64]) -> list[int]:
-    """Ends of a logarithmic axis: whole powers of ten around all readings."""
+    """Return the range of a logarithmic axis as exponents of ten that enclose all readings."""
     bright = level[level > 0]
     if not len(bright):
         return [-1, 0]
@@ -267,7 +267,7 @@ def _decades(level: NDArray[np.float64]) -> list[int]:
 def _mark_changes(
     figure: go.Figure, clock: AdaptationClock, span: list[float], theme: Theme
 ) -> None:
-    """Draw lines over the whole height where it became dark, the simulated one apart."""
+    """Draw a vertical line where it became dark, coloured if the change is simulated."""
     look = LOOK[theme]
     place = {"yref": "paper", "yanchor": "bottom", "xanchor": "left", "y": 0.42}
     texts = []

@@ -34,7 +34,7 @@ CLICK_PX: Final = 44
 def driver_venn_plot(
     venn: DriverVenn, names: tuple[str, str], *, theme: Theme, objects: Objects
 ) -> go.Figure:
-    """Near encounters by who sees them: the driver unaided, X, Y.
+    """Draw a Venn diagram of the near encounters that the driver, X and Y see.
 
     A click on a count gives its region (`nvcore.schema.DriverRegion`) as `customdata`. The circles
     are of one size: three counts and their overlaps cannot be areas of circles.

@@ -1,4 +1,4 @@
-"""Histograms of detectability by the time since the light changed."""
+"""Plots of detectability by the time since the light changed."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ GAP: Final = 0.02
 
 
 def detectability_plot(periods: pd.DataFrame, *, theme: Theme) -> go.Figure:
-    """Mean detectability over the adaptation periods, with its standard deviation as bars.
+    """Plot mean detectability by adaptation period, with its standard deviation as error bars.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def detectability_plot(periods: pd.DataFrame, *, theme: Theme) -> go.Figure:
 
 
 def detectability_histograms_plot(histograms: pd.DataFrame, *, theme: Theme) -> go.Figure:
-    """Plot histograms of pedestrians over detectability, one for each period.
+    """Plot a histogram of detectability for each adaptation period.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def detectability_histograms_plot(histograms: pd.DataFrame, *, theme: Theme) -> 
 
 
 def _bars_axis(theme: Theme, start: float, width: float, *, is_middle: bool) -> dict[str, Any]:
-    """Return the axis below one histogram, with a title below the middle one only."""
+    """Return the x axis of one histogram, which has a title if `is_middle`."""
     return axis(
         theme,
         "detectability" if is_middle else "",
