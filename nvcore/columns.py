@@ -1,4 +1,4 @@
-"""Boxes of one source, and frames, as arrays: what `nvcore.metrics` computes on."""
+"""Boxes of one source, and frames, as arrays: the inputs of `nvcore.metrics`."""
 
 from __future__ import annotations
 
@@ -62,15 +62,15 @@ class BoxColumns:
 
     @property
     def xywh(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """x, y, w, h."""
+        """The four coordinates x, y, w, h, px."""
         return self.x, self.y, self.w, self.h
 
     def rows_of(self, start: int, stop: int) -> slice:
-        """Rows of the boxes of frames ``start:stop``."""
+        """Return the slice of boxes that belong to frames ``start:stop``."""
         return slice(int(self.offsets[start]), int(self.offsets[stop]))
 
     def of_frames(self, start: int, stop: int) -> BoxColumns:
-        """The boxes of frames ``start:stop``, without a look at any others.
+        """Return the boxes of frames ``start:stop``, without reading any other boxes.
 
         Their `frame_index` still counts all frames; `offsets` are those of these frames alone.
         """
@@ -85,7 +85,7 @@ BOX_COLUMNS = tuple(spec.name for spec in fields(BoxColumns))[:-2]
 
 
 def boxes_of_frame(xywh: np.ndarray, score: np.ndarray, label: np.ndarray) -> BoxColumns:
-    """Boxes of a single frame, as of a system that gives neither tracks nor distances.
+    """Return the boxes of a single frame, without tracks, distances or ignored boxes.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ class Detectability(NamedTuple):
 
 @dataclass(frozen=True)
 class FrameColumns:
-    """Facts about frames and recordings that kernels need, as arrays.
+    """Properties of frames and recordings as arrays for compiled kernels.
 
     Attributes
     ----------
@@ -168,35 +168,35 @@ class FrameColumns:
         return len(self.frame)
 
     def rows_of(self, recording: int) -> slice:
-        """Rows of a recording's frames."""
+        """Return the slice of frames that belong to a recording."""
         return slice(int(self.first[recording]), int(self.first[recording + 1]))
 
     @cached_property
     def passed(self) -> np.ndarray:
-        """Sum of the gaps before each frame, over all recordings as float64, (n_frames + 1,)."""
+        """Running sum of gaps before each frame, across recordings, float64, (n_frames + 1,)."""
         return np.concatenate([[0.0], np.cumsum(self.gap)])
 
     @cached_property
     def half_width(self) -> np.ndarray:
-        """Half the width of every frame's picture, px, as float64, (n_frames,)."""
+        """Half the width of each frame's picture, px, float64, shape (n_frames,)."""
         half: np.ndarray = 0.5 * self.width[self.recording]
         return half
 
     @cached_property
     def step_s(self) -> np.ndarray:
-        """Time step of every frame, seconds, as float64, (n_frames,)."""
+        """Time from each frame to the next listed one, seconds, float64, shape (n_frames,)."""
         steps: np.ndarray = self.gap / self.fps[self.recording]
         return steps
 
     @cached_property
     def duration_s(self) -> float:
-        """Recording time of all recordings: the sum of the time steps."""
+        """Total recording time: the sum of all time steps, seconds."""
         gaps = np.bincount(self.recording, weights=self.gap, minlength=len(self.fps))
         return float((gaps / self.fps).sum())
 
     @cached_property
     def sampling_step(self) -> np.ndarray:
-        """Median frames from one listed frame to the next, 1 if every frame is listed.
+        """Median distance between listed frames of each recording. 1: every frame is listed.
 
         Above 1 the frames between were not evaluated, and events counted in listed frames (false
         alarms) are too few per minute of recording time by about this factor.
@@ -215,7 +215,7 @@ class FrameColumns:
         )
 
     def within(self, window_s: float) -> tuple[np.ndarray, np.ndarray]:
-        """First row, and one past the last, of the frames at most half a window away from each.
+        """Return for each frame the range of rows at most half a window away from it.
 
         Never across recordings. Frame numbers are compared, so that a frame exactly half a window
         away always counts. The latest window is cached: it is the same for all systems and alphas.
@@ -243,7 +243,9 @@ class FrameColumns:
         return rows
 
     def sums(self, values: np.ndarray, start: np.ndarray, stop: np.ndarray) -> np.ndarray:
-        """Sum of the values of frames ``start:stop``, none empty, each of one recording.
+        """Sum the values over each range of frames ``start:stop``.
+
+        No range is empty, and each lies within one recording.
 
         Each recording is added up by itself: no digit depends on which others there are.
 
@@ -265,13 +267,15 @@ class FrameColumns:
 
 
 def offsets_of(frame_index: np.ndarray, n_frames: int) -> np.ndarray:
-    """Return where each frame's boxes start in a sorted `frame_index` as int64, (n_frames + 1,)."""
+    """Return where each frame's boxes start in a sorted `frame_index`, int64, (n_frames + 1,)."""
     counts = np.bincount(frame_index, minlength=n_frames)
     return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
 
 
 def frame_gaps(frame: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """Return frames to the next listed frame, or the median gap for a recording's last frame.
+    """Return the number of frames to the next listed frame.
+
+    The last frame of a recording gets the recording's median gap.
 
     A recording of a single frame has a gap of 1.
 
@@ -293,5 +297,5 @@ def frame_gaps(frame: np.ndarray, first: np.ndarray) -> np.ndarray:
 
 
 def _median_gap(gap: np.ndarray) -> float:
-    """Return the median gap, with a shortcut for the usual case that all are the same."""
+    """Return the median gap, with a shortcut if all gaps are equal, as they usually are."""
     return float(gap[0] if (gap == gap[0]).all() else np.median(gap))

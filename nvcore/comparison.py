@@ -1,4 +1,4 @@
-"""The central function of the library: ``compare(dataset, params) -> Result``."""
+"""The library's central function, ``compare(dataset, params) -> Result``."""
 
 from __future__ import annotations
 
@@ -180,19 +180,19 @@ class Result:
         return self.keep(subject, lambda: resolve(package, known.view)(self))
 
     def keep(self, name: str, make: Callable[[], T]) -> T:
-        """Return a value that depends on this comparison alone, computing it once."""
+        """Return a value that depends only on this comparison, computing it on the first call."""
         if name not in self._kept:
             self._kept[name] = make()
         value: T = self._kept[name]
         return value
 
     def forget(self) -> None:
-        """Drop the values that `keep` stores, which may keep this comparison alive."""
+        """Drop the values cached by `keep`. They may hold references to this comparison."""
         self._kept.clear()
 
     @property
     def sides(self) -> tuple[tuple[str, SystemResult], tuple[str, SystemResult]]:
-        """The two systems, each with the letter that ends its columns' names."""
+        """Systems X and Y, each after the letter that ends the names of its columns."""
         return ("x", self.x), ("y", self.y)
 
     @property
@@ -206,7 +206,7 @@ class Result:
 
     @property
     def objects(self) -> Objects:
-        """Kind of objects in the boxes."""
+        """Kind of objects that the boxes show."""
         return self.dataset.objects
 
     def scheme(self, shade: Shade) -> Scheme:
@@ -221,12 +221,12 @@ class Result:
 
     @property
     def is_short(self) -> bool:
-        """True if most encounters that count are a single frame long."""
+        """True if most of the encounters that count last a single frame."""
         return mostly_one_frame(self.encounters.n_frames[self.is_near])
 
     @property
     def mcnemar_p(self) -> float:
-        """Exact McNemar p of the encounters that one system detects, within these drives.
+        """Exact McNemar p-value for the difference in detected encounters, within these drives.
 
         NaN if it is withheld: most encounters are one frame long, or fewer than
         `nvcore.metrics.venn.MIN_DISCORDANT` are discordant.
@@ -237,16 +237,16 @@ class Result:
 
     @property
     def borrowed(self) -> Borrowed | None:
-        """Distances that pedestrians borrowed from their matches, or None if disabled."""
+        """Distances that pedestrians without one take from their matches, or None if disabled."""
         return borrowed_distances(self.dataset) if borrows(self.params) else None
 
     @property
     def weighed_truth(self) -> BoxColumns:
-        """The truth with the distances behind its weights, including borrowed ones."""
+        """Truth boxes with the distances used for their weights, including borrowed ones."""
         return weighing_truth(self.dataset, self.params)
 
     def saliency_of_recordings(self, system: SystemResult) -> np.ndarray:
-        """Return the saliency of every recording, s, 0 is best, float64, shape (n_recordings,)."""
+        """Return each recording's saliency, s, 0 is best, float64, shape (n_recordings,)."""
         return saliency_by_recording(
             system.events,
             len(self.dataset.recordings),
@@ -255,18 +255,18 @@ class Result:
 
     @property
     def lead_time_s(self) -> np.ndarray:
-        """Lead of X over Y per encounter, lag(Y) - lag(X), seconds. NaN unless both match."""
+        """Time by which X matches each encounter before Y, seconds. NaN unless both match."""
         lead: np.ndarray = (self.y.encounters["lag_s"] - self.x.encounters["lag_s"]).to_numpy()
         return lead
 
     def severity_of(self, system: SystemResult) -> dict[Category, float]:
-        """Return the weight of a system's failures by category, seconds, 0 is best."""
+        """Sum the severity of a system's failures in each Venn category, seconds, 0 is best."""
         severity_s = system.failures["severity_s"].to_numpy()
         return {kind: float(severity_s[self.category == kind.value].sum()) for kind in Category}
 
     @cached_property
     def fusion(self) -> Result:
-        """The fused systems: ``X or Y`` as `x`, ``X and Y`` as `y`."""
+        """Comparison of two fused systems: `x` is ``X or Y``, `y` is ``X and Y``."""
         fused = fuse(
             self.dataset,
             self.x.name,
@@ -363,7 +363,7 @@ def compare(
 
 
 def _same_numbers(a: Dataset, b: Dataset) -> bool:
-    """Return whether two datasets differ at most in names, tags or settings."""
+    """Return whether two datasets give equal results. Names, tags and settings may differ."""
     if a is b:
         return True
     columns = ["width", "height", "fps", "horizon", "context", "speed_kmh"]

@@ -1,4 +1,4 @@
-"""The extras, which the light core does without: a plain error where one is missing."""
+"""Optional dependencies (extras), and errors that say how to install them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ PACKAGES: Final = {
 
 @contextmanager
 def needs(extra: str, subject: str) -> Iterator[None]:
-    """Within it, an import that fails for want of an extra says how to get it.
+    """Make failing imports inside this context say which extra to install.
 
     Parameters
     ----------

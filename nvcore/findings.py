@@ -1,4 +1,4 @@
-"""Errors and doubts about the inputs, as `Finding` objects.
+"""Errors in the inputs and doubts about them, as `Finding` objects.
 
 Readers, the dataset builder and the audit report through the same type, so that the command line
 and the dashboard show a single list, worst first.
@@ -24,7 +24,7 @@ OF_PICTURES: Final = "pictures-"
 
 
 class Severity(StrEnum):
-    """Severity of a finding: an error makes measures wrong, a warning may, a note does not."""
+    """Severity of a finding. Errors make measures wrong, warnings possibly, notes do not."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -36,7 +36,7 @@ _ORDER = {Severity.ERROR: 0, Severity.WARNING: 1, Severity.NOTE: 2}
 
 @dataclass(frozen=True, eq=False)
 class Cases:
-    """Places that a finding concerns, as rows of a table of the audited dataset.
+    """Rows of a table of the audited dataset that a finding concerns.
 
     `nvcore.tables.finding_entries` returns recording, frame and box of each.
 
@@ -57,7 +57,7 @@ class Cases:
 
 @dataclass(frozen=True)
 class Caveats:
-    """Effects of findings on the verdict, by code.
+    """Texts on what findings mean for the verdict, by code.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class Caveats:
 
 
 class Remedy(StrEnum):
-    """Fix for a finding or an error.
+    """Kind of action that fixes a finding or an error.
 
     The command line and the dashboard have tables that word it with their flags or fields. The
     library names neither.
@@ -115,7 +115,7 @@ class Remedy(StrEnum):
 
 @dataclass(frozen=True)
 class Step:
-    """Suggested fix: an action and its value.
+    """Suggested fix: an action and the value to use.
 
     Attributes
     ----------
@@ -179,17 +179,17 @@ class Finding:
 
     @property
     def place(self) -> str:
-        """File and first place, or empty if neither is known."""
+        """File and first affected place in it, or "" if neither is known."""
         return ", ".join(part for part in (self.file, self.example) if part)
 
     @property
     def is_of_pictures(self) -> bool:
-        """True if it is about pictures, which do not affect any measure."""
+        """True if the finding is about pictures, which do not affect any measure."""
         return self.code.startswith(OF_PICTURES)
 
 
 def accepted(findings: Iterable[Finding], codes: Collection[str]) -> list[Finding]:
-    """Downgrade errors with these codes to warnings, as the user accepts them."""
+    """Downgrade errors with these codes to warnings, because the user accepted them."""
     return [
         replace(finding, severity=Severity.WARNING, steps=(), advice="This is meant, as given.")
         if finding.severity is Severity.ERROR and finding.code in codes
@@ -217,7 +217,7 @@ def steps_text(
     *,
     are_all_needed: bool = False,
 ) -> str:
-    """Return suggested fixes as a sentence, or an empty text if there are none.
+    """Join suggested fixes to a sentence, or "" if there are none.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Objects that boxes show: pedestrians, speed signs, or others that a session names.
+"""Kinds of annotated objects: pedestrians, speed signs, or others named by a session.
 
 Texts that speak of them are templates (`nvcore.wording.objects`), filled by `Objects.say`.
 """
@@ -24,7 +24,7 @@ _JOINTS: Final = str.maketrans("", "", " _-")
 
 @dataclass(frozen=True)
 class Objects:
-    """Objects that the truth's boxes show and the systems are to detect.
+    """Kind of objects that the truth annotates and the systems should detect.
 
     Attributes
     ----------
@@ -69,16 +69,16 @@ class Objects:
 
     @property
     def are_pedestrians(self) -> bool:
-        """Whether they are pedestrians: people, whom texts call "they" and "who"."""
+        """Whether the objects are pedestrians, whom texts call "they" and "who"."""
         return self == PEDESTRIAN
 
     def counts(self, label: str) -> bool:
-        """Whether boxes of the class of this name count."""
+        """Whether boxes with this class name count."""
         name = plain_class(label)
         return (re.sub(r"[^a-z]", "", name) if self.is_numbered else name) in self.classes
 
     def label_of(self, name: str) -> str:
-        """Return what sets a class apart from others that count, or "" if nothing does.
+        """Return the label that tells a class from others that count, or "" if there is none.
 
         The number of numbered classes (those of speed signs), without its unit; the singular, where
         the name is one of those that mean the same; else the name itself.
@@ -97,11 +97,11 @@ class Objects:
         return self.singular if self.counts(name) else name.strip()
 
     def is_lookalike(self, label: str) -> bool:
-        """Whether the class of this name could be taken for one that counts."""
+        """Whether a class could be mistaken for one that counts, by its name."""
         return plain_class(label) in self.lookalikes or self.is_kind(label)
 
     def is_kind(self, label: str) -> bool:
-        """Whether the class of this name is some of them, and not called as all are.
+        """Whether a class name means a subset of these objects, such as "child" for pedestrians.
 
         Examples
         --------
@@ -116,11 +116,11 @@ class Objects:
         return kind in self.kinds or (is_called_so and kind in self.manners)
 
     def concerns(self, label: str) -> bool:
-        """Whether boxes of this class are counted or ignored."""
+        """Whether boxes with this class name are counted or ignored."""
         return self.counts(label) or self.is_lookalike(label)
 
     def say(self, text: str, /, **values: object) -> str:
-        """A template of ours with the words for these objects, and with these values.
+        """Fill a template with the words for these objects and with values.
 
         Parameters
         ----------
@@ -139,11 +139,11 @@ class Objects:
 
     @property
     def words(self) -> Mapping[str, str]:
-        """Words of templates for these objects."""
+        """Words for these objects, for use in templates."""
         return words_for(self.singular, self.plural, are_people=self.are_pedestrians)
 
     def given(self) -> str | list[str] | None:
-        """Return the names for a session file, or None for pedestrians, which it may omit."""
+        """Return the names to write to a session file, or None for pedestrians, the default."""
         if self.are_pedestrians:
             return None
         is_known = KINDS.get(self.singular) == self
@@ -151,7 +151,7 @@ class Objects:
 
 
 def labels_in_order(labels: Iterable[str]) -> tuple[str, ...]:
-    """Each label once: numbers by their value, before other names.
+    """Sort labels and drop duplicates. Numbers come first, by value.
 
     Examples
     --------
@@ -167,7 +167,7 @@ def labels_in_order(labels: Iterable[str]) -> tuple[str, ...]:
 
 
 def plain_class(label: str) -> str:
-    """A class without case and without what joins its words: ``__ignore__`` is ``ignore``."""
+    """Normalize a class name: lower case, no separators (``__ignore__`` becomes ``ignore``)."""
     return label.strip().lower().translate(_JOINTS)
 
 
@@ -217,7 +217,7 @@ KINDS: Final = {kind.singular: kind for kind in (PEDESTRIAN, SPEED_SIGN)}
 
 
 def objects_from(names: str | Sequence[str] | Objects) -> Objects:
-    """The objects of these names.
+    """Return the kind of objects with these names.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Names, types and units of the tables, and the categories with one sentence each.
+"""Names, types and units of tables, and encounter categories with a description each.
 
 Every table of the program consists of these columns. Column names and categories are only defined
 here.
@@ -116,7 +116,7 @@ LEFT_OUT_DTYPES: Final[dict[str, str]] = {
 
 
 class Category(StrEnum):
-    """Venn category of an encounter: the systems that detected it."""
+    """Venn category of an encounter: which systems detect it."""
 
     BOTH = "both"
     X_ONLY = "x_only"
@@ -142,7 +142,7 @@ CATEGORY_TEXT: Final[dict[Category, str]] = {
 
 
 class MissClass(StrEnum):
-    """Kind of failure of a system in one encounter."""
+    """Way in which a system fails in one encounter."""
 
     NEVER = "never"
     LATE = "late"
@@ -163,7 +163,7 @@ MISS_CLASS_TEXT: Final[dict[MissClass, str]] = {
 
 
 class TruthState(IntEnum):
-    """Result of a system for a truth box."""
+    """Outcome of a truth box for one system."""
 
     NOT_JUDGED = 0
     """The truth ignores it: detecting it is neither right nor wrong."""
@@ -174,7 +174,7 @@ class TruthState(IntEnum):
 
 
 class DetectionState(IntEnum):
-    """Result of a detection."""
+    """Outcome of a detection."""
 
     BELOW = 0
     """Its score is below the threshold."""
@@ -187,19 +187,19 @@ class DetectionState(IntEnum):
 
 
 def categories_of(codes: np.ndarray, names: Any) -> pd.Categorical[Any]:
-    """Return names by their indices in a list of unique names. -1: missing."""
+    """Return a column of names from indices into a list of unique names. -1: missing."""
     column: pd.Categorical[Any] = pd.Categorical.from_codes(codes, categories=names)
     return column
 
 
 def integers_of(values: np.ndarray, is_known: np.ndarray) -> Any:
-    """Return a column of integers, missing if unknown."""
+    """Return a column of integers, with unknown ones marked as missing."""
     # floats cannot represent large ids such as timestamps
     return pd.arrays.IntegerArray(values.astype(np.int64), ~is_known)
 
 
 def names_as_categories(names: Any, n_rows: int) -> pd.Categorical[Any]:
-    """Return a column of repeated names, each stored once, without comparing rows as text.
+    """Return a column that stores each repeated name once, without comparing rows as text.
 
     Parameters
     ----------
@@ -223,7 +223,7 @@ def conform(
     n_rows: int,
     repeat: Callable[[Any, int], np.ndarray] | None = None,
 ) -> pd.DataFrame:
-    """Return a table with exactly the columns of `dtypes`. Missing columns are "unknown".
+    """Return a table with exactly the columns of `dtypes`, filling absent ones with "unknown".
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Registry of the subjects: further questions about the same comparison.
+"""Registry of subjects: packages that add further questions to a comparison.
 
 The core compares two systems. A subject adds a question about that comparison (was there time left,
 would the driver have seen the pedestrian). It lives in one package, ``nvcore/<name>/``. Its
@@ -32,7 +32,7 @@ SUBJECTS: Final[tuple[str, ...]] = (
 
 @dataclass(frozen=True)
 class Subject:
-    """Additions of a subject, each by a reference: ``"module:name"`` within its package.
+    """Additions of a subject, as references ``"module:name"`` within its package.
 
     Attributes
     ----------
@@ -134,20 +134,20 @@ class Subject:
 
 @cache
 def subjects() -> dict[str, tuple[str, Subject]]:
-    """Return package and `Subject` of every subject, by its name."""
+    """Return the package and the `Subject` of each subject, by name."""
     known = {package: import_module(package).SUBJECT for package in SUBJECTS}
     return {subject.name: (package, subject) for package, subject in known.items()}
 
 
 def resolve(package: str, reference: str) -> Any:
-    """Return the object of a reference such as ``"measures:MEASURES"`` in a package."""
+    """Import the object that a reference such as ``"measures:MEASURES"`` names in a package."""
     module, _, name = reference.partition(":")
     return getattr(import_module(f"{package}.{module}"), name)
 
 
 @cache
 def contributed(kind: str) -> tuple[Any, ...]:
-    """Return the additions of each subject to a list of the core, skipping subjects without any.
+    """Return what each subject adds to one of the core's lists, skipping subjects that add nothing.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def contributed(kind: str) -> tuple[Any, ...]:
 
 @cache
 def public_names() -> dict[str, tuple[str, str]]:
-    """Return package and reference of the subjects' public names in ``nvcore``."""
+    """Return package and reference of each name that subjects export from ``nvcore``."""
     return {
         name: (package, reference)
         for package, subject in subjects().values()
@@ -172,7 +172,7 @@ def public_names() -> dict[str, tuple[str, str]]:
 
 
 class Placed(Protocol):
-    """List entry with a position relative to another entry."""
+    """List entry whose position depends on another entry."""
 
     @property
     def key(self) -> str:
@@ -180,14 +180,14 @@ class Placed(Protocol):
 
     @property
     def after(self) -> str:
-        """Key of the preceding entry. Empty: the default position, the last one for a subject."""
+        """Key of the entry to insert this one behind. Empty: default position (subjects: last)."""
 
 
 P = TypeVar("P", bound=Placed)
 
 
 def in_place(own: Sequence[P], added: Iterable[P]) -> tuple[P, ...]:
-    """Return the core's entries of a list with those of subjects, each after its `after`."""
+    """Insert entries of subjects into one of the core's lists, each behind the entry in `after`."""
     entries, waiting = list(own), list(added)
     while waiting:
         keys = [known.key for known in entries]

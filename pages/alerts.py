@@ -1,4 +1,4 @@
-"""Alerts: which detections reach the driver, and which of these alerts were worth it."""
+"""Alerts page: which detections reach the driver, and which of the alerts were justified."""
 
 import streamlit as st
 
@@ -12,7 +12,7 @@ from ui.widgets.text import docs_link
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """The policy, its alerts in numbers and one by one, and whether the driver can react."""
+    """Draw the policy, its alerts in numbers and one by one, and whether the driver can react."""
     st.caption(
         state.say(
             "Which detections would reach the driver as alerts, and was each of them worth it? A "

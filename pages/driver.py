@@ -1,4 +1,4 @@
-"""Driver: whom the driver sees unaided, and who warns of the others."""
+"""Driver page: whom the driver sees unaided, and which system warns of the others."""
 
 import streamlit as st
 
@@ -13,7 +13,7 @@ from ui.widgets.text import docs_link, plain
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """Draw who sees whom and the encounters behind it, or how to get detectability."""
+    """Draw who sees whom and the encounters behind it, or how to obtain detectability."""
     st.caption(
         state.say(
             "A warning is worth most where the driver does not see the {one} unaided. "

@@ -1,4 +1,4 @@
-"""Encounters page: one row per pedestrian met, with the results of X and Y and the reasons."""
+"""Encounters page: one row per encounter, with the results of X and Y and explanations."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -26,7 +26,7 @@ MEANING: Final = (
 @st.fragment
 @needs_comparison
 def draw_filtered(result: Result) -> None:
-    """Draw the encounters that pass the filters. Moving a filter redraws only this part."""
+    """Draw the filters and the encounters that pass. Moving a filter redraws only these."""
     encounters = encounters_table(result)
     follow_link(result, filters.class_names(encounters))
     selection.go_along(result)
@@ -54,7 +54,7 @@ def draw_filtered(result: Result) -> None:
 
 
 def follow_link(result: Result, classes: Sequence[str]) -> None:
-    """Apply filters, order and selection from the address, or from the page that led here."""
+    """Apply filters, order and selection from the address or from the page that linked here."""
     link = store.PAGE_LINK.pop()  # only once: later choices on the page stay
     if link is None:
         return
@@ -79,7 +79,7 @@ def follow_link(result: Result, classes: Sequence[str]) -> None:
 def write_address(
     result: Result, matching: pd.DataFrame, chosen: filters.Filters, order: Order
 ) -> None:
-    """Update the address to what is listed and selected."""
+    """Write filters, order and selection to the page's address."""
     encounter = selection.selected(result, matching)
     name = None if encounter is None else name_of(result, encounter)
     choice = address.Choice(chosen, order, store.ALL_COLUMNS.get(), name)
@@ -88,7 +88,7 @@ def write_address(
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """Draw the encounters, then the analyses of all of them, one section at a time."""
+    """Draw the list of encounters, then a choice of analyses that ignore its filters."""
     if not len(result.encounters):
         state.write_address()
         st.info(
@@ -113,7 +113,7 @@ def draw(result: Result) -> None:
 
 
 def explain() -> str | None:
-    """Return the explanation of the page, or None while there is nothing to compare."""
+    """Return the page's help text, or None if there is no comparison."""
     if state.result() is None:
         return None
     return state.say(

@@ -1,4 +1,4 @@
-"""Saliency page: the misses that would annoy the driver most, and the parts of the number."""
+"""Saliency page: misses that would annoy the driver most, and how saliency is composed."""
 
 import streamlit as st
 
@@ -10,7 +10,7 @@ from ui.shell.messages import draw_notices, needs_comparison
 @st.fragment
 @needs_comparison
 def draw_events(result: Result) -> None:
-    """Draw X against Y, then the events of the chosen recording. A choice redraws only this."""
+    """Draw X against Y, then the selected recording's events. Selecting redraws only these."""
     events.open_asked()
     figures.draw_recordings(result)
     st.header("Events")
@@ -21,7 +21,7 @@ def draw_events(result: Result) -> None:
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """Draw the meaning of saliency, the numbers, and the events behind them."""
+    """Draw what saliency means, its values, and the events behind them."""
     st.caption(figures.what_it_is(result.params))
     draw_notices(result)
     figures.draw_numbers(result)

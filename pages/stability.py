@@ -1,4 +1,4 @@
-"""Stability: whether the verdict depends on settings that an analyst is free to choose."""
+"""Stability page: whether the verdict depends on settings that the analyst may choose freely."""
 
 import streamlit as st
 
@@ -10,7 +10,7 @@ from ui.widgets.text import docs_link
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """All settings in a table, then two of them as a map."""
+    """Draw a table of all settings, then a map over two of them."""
     st.caption(
         "Weights, thresholds and matching rules are choices of whoever compares. Each map shows "
         "who is better for every choice, all else as in the sidebar; a verdict that holds over the "

@@ -1,4 +1,4 @@
-"""Time left page: chances that braking still helps when a system has found the pedestrian."""
+"""Time left page: whether braking still helps when a system has confirmed a pedestrian."""
 
 from typing import Final
 
@@ -22,7 +22,7 @@ MEANING: Final = (
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """Draw the numbers and the encounters behind them, then one section at a time."""
+    """Draw numbers and urgent encounters, then one further section at a time."""
     objects = result.dataset.objects
     if not objects.is_on_road:
         st.info(
@@ -51,7 +51,7 @@ def draw(result: Result) -> None:
 
 
 def explain() -> str | None:
-    """Return the explanation of the page, or None while there is nothing to compare."""
+    """Return the page's help text, or None if there is no comparison."""
     if state.result() is None:
         return None
     return state.say(MEANING, urgent=docs_link("urgent", "the-last-chance"))

@@ -1,4 +1,4 @@
-"""Streamlit script with the parts of every page: navigation, sidebar, and errors as text."""
+"""Entry script of the app: navigation, sidebar and error messages shared by all pages."""
 
 from __future__ import annotations
 

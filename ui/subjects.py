@@ -1,4 +1,4 @@
-"""Contributions of the subjects to the dashboard."""
+"""Descriptions of pages, filters and figures that subjects add to the dashboard."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Section = Literal["Compare", "Evidence", "Lab", "Help"]
 
 @dataclass(frozen=True)
 class Page:
-    """Page of the dashboard.
+    """Page of the dashboard and how it uses the comparison.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Page:
 
 @dataclass(frozen=True)
 class Document:
-    """Page of the documentation, ``docs/<key>.md``, with `after` as in `Page`."""
+    """Page of the documentation, ``docs/<key>.md``. `after` is as in `Page`."""
 
     key: str
     title: str
@@ -84,7 +84,7 @@ class Document:
 
 @dataclass(frozen=True)
 class MadeFile:
-    """File that the app made from the open comparison. An exported session names it."""
+    """File that the app made from the open comparison and that exported sessions refer to."""
 
     path: Path
     meaning: str
@@ -92,7 +92,7 @@ class MadeFile:
 
 @dataclass(frozen=True)
 class TimelinePlot:
-    """Figure over time below the lanes of the page Timeline.
+    """Figure over time below the lanes on the Timeline page.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ class TimelinePlot:
 
 @cache
 def contributed(kind: str) -> tuple[Any, ...]:
-    """Return what each subject adds to a list of the dashboard, without subjects that add nothing.
+    """Return what each subject adds to one of the dashboard's lists, skipping empty additions.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def contributed(kind: str) -> tuple[Any, ...]:
 
 @dataclass(frozen=True)
 class EncounterFilter:
-    """Filter of the page Encounters.
+    """Filter that a subject adds to the Encounters page.
 
     Attributes
     ----------
@@ -159,7 +159,7 @@ class EncounterFilter:
 
 @dataclass(frozen=True)
 class ColumnLook:
-    """Look of a column of the report's tables on pages.
+    """Heading and format by which pages show a column of the report's tables.
 
     Attributes
     ----------

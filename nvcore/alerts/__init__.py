@@ -1,4 +1,4 @@
-"""Alerts: which detections reach the driver as alerts, and which of these were worth it."""
+"""Alerts: which detections reach the driver, and which of the resulting alerts were justified."""
 
 from nvcore.subjects import Subject
 

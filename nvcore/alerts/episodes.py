@@ -1,4 +1,4 @@
-"""Turn the output of a system into alerts, and judge each alert by the truth.
+"""Turn the output of a system into alerts, and judge each alert against the ground truth.
 
 A policy sees only what the system has at run time: boxes, scores, tracks (boxes are linked over
 frames if it reports none), reported distances, the weight k of a box. The truth decides the kind of
@@ -30,7 +30,7 @@ from nvcore.time_left.kinds import Urgency
 
 
 class AlertKind(StrEnum):
-    """Worth of an alert. The first kind that applies counts, in this order."""
+    """Kinds of alerts by how justified they are. An alert gets the first kind that applies."""
 
     IGNORED = "ignored"
     FALSE = "false"
@@ -73,7 +73,7 @@ the number of its linked boxes within the recording, or `NO_TRACK`), encounter (
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Inputs by which alerts are judged.
+    """Ground truth, urgency and driver's view against which alerts are judged.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class Scene:
     corridor: float
 
     def is_before(self, name: str, encounter: np.ndarray, row: np.ndarray) -> np.ndarray:
-        """Return True where a row of `seen` is before the given frame rows, as bool, shape (n,).
+        """Return whether an event in `seen` precedes the given frame rows, bool, shape (n,).
 
         ``confirmed_row``: the driver has seen the encounters by then. ``known_row``: by then it is
         known whether the driver sees them.
@@ -107,7 +107,7 @@ class Scene:
 
 @dataclass(frozen=True, eq=False)
 class Reported:
-    """Output of a system before any threshold.
+    """Output of one system before any score threshold.
 
     Attributes
     ----------
@@ -186,7 +186,9 @@ def alerts_by_log(scene: Scene, system: Reported, log: AlertLog) -> pd.DataFrame
 
 @dataclass(frozen=True, eq=False)
 class _Tracks:
-    """Boxes of a system, and the track of each within its recording as int64, shape (n,).
+    """Selected boxes of a system, each with its track number within the recording.
+
+    `rows` are rows of the system's boxes. Both arrays are int64, shape (n,).
 
     Tracks that the system reports are kept. Other boxes are linked over frames.
     """
@@ -204,7 +206,7 @@ def _judged(
     *,
     step: int,
 ) -> pd.DataFrame:
-    """Return the alerts of the alerting boxes, with the worth of each."""
+    """Merge boxes that call for an alert into alerts, and give each alert its kind."""
     frames = scene.dataset.frame_columns
     frame_index = system.boxes.frame_index[tracks.rows]
     recording = frames.recording[frame_index].astype(np.int64)
@@ -234,7 +236,7 @@ def _judged(
 def _first_decided(
     scene: Scene, system: Reported, tracks: _Tracks, alerts: pd.DataFrame
 ) -> np.ndarray:
-    """Return the row of each alert's deciding box, -1 if there is none.
+    """Find the box that decides the kind of each alert, as a row of boxes, or -1 if there is none.
 
     This is the first box that matches a pedestrian, else the first absorbed box: people are often
     ignored from afar, and annotated when they are near. The nearest box wins within a frame.
@@ -260,7 +262,7 @@ def _first_decided(
 
 
 def _codes(recording: np.ndarray, track: np.ndarray) -> np.ndarray:
-    """Return the number of each box's track within all recordings as int64, shape (n,)."""
+    """Number each box's track uniquely across recordings, int64, shape (n,)."""
     known, code = np.unique(track, return_inverse=True)
     codes: np.ndarray = recording * max(len(known), 1) + code
     return codes
@@ -269,7 +271,7 @@ def _codes(recording: np.ndarray, track: np.ndarray) -> np.ndarray:
 def _with_kinds(
     scene: Scene, system: Reported, tracks: _Tracks, alerts: pd.DataFrame
 ) -> pd.DataFrame:
-    """Return the alerts by first frame, each with its encounter and its worth."""
+    """Add encounter and kind to each alert, and sort alerts by first frame."""
     decided = _first_decided(scene, system, tracks, alerts)
     truth, encounters, frames = scene.dataset.truth, scene.encounters, scene.dataset.frame_columns
     encounter = np.full(len(alerts), -1)
@@ -303,7 +305,10 @@ def _with_kinds(
 
 
 def _of_dataset(table: pd.DataFrame, dataset: Dataset) -> pd.DataFrame:
-    """Return the log rows of the dataset's recordings, by number, even if these were renamed."""
+    """Return the log rows of the dataset's recordings, replacing recording names by numbers.
+
+    Finds recordings that the session renamed under their original names, too.
+    """
     row_of = {name: row for row, name in enumerate(dataset.recordings["name"])}
     if isinstance(dataset.settings, Session):
         for entry in dataset.settings.recordings:
@@ -315,11 +320,11 @@ def _of_dataset(table: pd.DataFrame, dataset: Dataset) -> pd.DataFrame:
 
 
 def inputs_of(dataset: Dataset) -> AlertInputs:
-    """Return logs and policies of a session's systems. Fused systems have none."""
+    """Return the alert logs and alert policies of a session's systems. Fused systems have none."""
     named = dataset.of("alerts") if isinstance(dataset.settings, Session) else None
     return named or AlertInputs({}, {})
 
 
 def policy_of(params: Params, dataset: Dataset, system: int) -> Params:
-    """Return the settings with the policy of a system: its own if its session names one."""
+    """Return the settings with a system's own policy applied if its session names one."""
     return replace(params, **inputs_of(dataset).policies.get(system, {}))

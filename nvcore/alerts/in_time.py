@@ -1,4 +1,4 @@
-"""From the onset of an alert to braking: in how many urgent encounters the driver is in time.
+"""Chance that drivers react to alerts soon enough to stop for urgent encounters.
 
 Detection, alert, reaction, foot, brakes: the driver answers after a time drawn from a lognormal
 distribution by the kind of alert, then the foot moves and the brakes build up. All kinds, draws and
@@ -41,7 +41,7 @@ NEVER: Final = -np.inf
 
 @dataclass(frozen=True)
 class Reaction:
-    """Time that drivers take to answer a kind of alert.
+    """Distribution of the time that drivers take to react to a kind of alert.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Reaction:
     sd_s: float
 
     def times(self, normal: np.ndarray) -> np.ndarray:
-        """Lognormal times with this mean and SD from standard normal draws of the same shape."""
+        """Convert standard normal draws to lognormal reaction times with this mean and SD."""
         variance = np.log1p((self.sd_s / self.mean_s) ** 2) if self.sd_s else 0.0
         drawn: np.ndarray = self.mean_s * np.exp(np.sqrt(variance) * normal - variance / 2)
         return drawn
@@ -77,7 +77,7 @@ def slack_at_onset(
     *,
     reaction_s: float,
 ) -> pd.DataFrame:
-    """Return how long the driver may take after the onset and still stop.
+    """Return how long the driver may take to react to an alert and still stop, by encounter.
 
     Time to contact less the time that braking takes, at the onset. Time to contact is measured with
     noise, so the least value of all frames up to the onset counts: an alert after the last chance
@@ -143,7 +143,7 @@ def draw(
     deceleration: float,
     normal: np.ndarray,
 ) -> dict[str, np.ndarray]:
-    """Judge the same encounters with each draw of their drivers' reactions.
+    """Judge the encounters once for each random draw of the drivers' reaction times.
 
     In time: ``slack >= reaction + after_s``, as an encounter is urgent below that. Else the car
     hits at ``sqrt(v^2 - 2 * deceleration * v * (ttc at onset - reaction - after_s))``, without an
@@ -179,7 +179,7 @@ def draw(
 
 
 def intervals(sums: np.ndarray, n: np.ndarray) -> dict[str, float]:
-    """Mean over encounters with its intervals: of the draws, of the units, and of both.
+    """Return the mean over encounters with intervals over drivers' reactions, units, and both.
 
     Units are resampled as whole ones, each with its encounters; the ends of their intervals are
     moved outwards to allow for few (`nvcore.evidence.bootstrap.expanded_tail`).
@@ -214,7 +214,10 @@ def intervals(sums: np.ndarray, n: np.ndarray) -> dict[str, float]:
 
 
 def chance_in_time(slack_s: np.ndarray, reaction: Reaction, after_s: float) -> np.ndarray:
-    """Compute the chance to be in time in each encounter without draws, shaped like `slack_s`."""
+    """Compute each encounter's chance that the driver reacts in time, shaped like `slack_s`.
+
+    The chance is exact, without random draws.
+    """
     left = slack_s - after_s
     if not reaction.sd_s:
         return np.where(np.isnan(left), np.nan, left >= reaction.mean_s)
@@ -227,7 +230,7 @@ def chance_in_time(slack_s: np.ndarray, reaction: Reaction, after_s: float) -> n
 
 @dataclass(frozen=True, eq=False)
 class InTime:
-    """In how many urgent encounters alerts come in time, by kind of alert.
+    """Shares of urgent encounters in which the driver reacts in time, by kind of alert.
 
     Attributes
     ----------
@@ -249,11 +252,11 @@ class InTime:
 
     @property
     def what_varies(self) -> str:
-        """Name of the units, such as ``recordings``."""
+        """Name of the units that intervals resample, such as ``recordings``."""
         return "stretches of these recordings" if self.units.kind == BLOCKS else self.units.kind
 
     def of_hundred(self, kind: str) -> pd.DataFrame:
-        """Split 100 urgent encounters by what the driver sees unaided and where X and Y help.
+        """Split 100 urgent encounters by whether the driver sees unaided and who helps in time.
 
         Returns
         -------
@@ -290,7 +293,7 @@ def judge_in_time(
     movement_s: float = 0.0,
     brakes_s: float = 0.0,
 ) -> InTime:
-    """Judge the alerts of X and Y on the urgent encounters of a comparison.
+    """Judge how often drivers react in time to the alerts of X and Y in urgent encounters.
 
     Parameters
     ----------

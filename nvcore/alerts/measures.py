@@ -1,4 +1,4 @@
-"""Measures of alerts: how many of each kind, and whom the driver was told of in time."""
+"""Measures of alerts: number of each kind, and encounters that are alerted in time."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def _unwanted_rows(result: Result, system: SystemResult) -> np.ndarray:
 
 
 def _by_recording(result: Result, system: SystemResult, *kinds: AlertKind) -> np.ndarray:
-    """Count alerts of these kinds as int64, shape (n_recordings,)."""
+    """Count a system's alerts of these kinds in each recording, int64, shape (n_recordings,)."""
     rows = alerts_in(result).rows_of_kind(system, *kinds)
     recording = result.dataset.frame_columns.recording[rows]
     return per_recording(result, None, recording).astype(np.int64)
@@ -62,7 +62,7 @@ _UNWANTED: Final[dict[str, Any]] = {
 
 
 def _of_kind(kind: AlertKind) -> tuple[Measure, Measure]:
-    """Return two measures: alerts of a kind, and alerts of a kind per hour."""
+    """Return two measures of one kind of alert: number of alerts, and alerts per hour."""
     rests_on_driver = kind in RESTS_ON_DRIVER
 
     def count(result: Result, system: SystemResult) -> float:
@@ -123,7 +123,7 @@ def _count(
     inference: Inference | None = None,
     where: dict[str, Any] = _ASKED,
 ) -> Measure:
-    """Number of encounters of a kind."""
+    """Return a measure that counts the encounters selected by `members`."""
 
     def by_recording(result: Result, system: SystemResult) -> np.ndarray:
         counts = per_recording(result, members(result, system), result.encounters.recording)
@@ -160,7 +160,10 @@ def _tested(
     split_in_group: str,
     where: dict[str, Any] = _ASKED,
 ) -> tuple[Measure, Measure]:
-    """Number of encounters of a kind, tested within the recordings, and their share by units."""
+    """Return measures of the number and the share of encounters selected by `members`, with tests.
+
+    The number is tested within these recordings, the share by resampling units.
+    """
 
     def split(result: Result) -> Venn:  # all but `among` count as distant
         x, y = (members(result, system) for _, system in result.sides)
@@ -205,7 +208,7 @@ def _is_alerted(result: Result, system: SystemResult) -> np.ndarray:
 
 
 def _median_lead_s(result: Result, system: SystemResult) -> float:
-    """Return the median lead over the urgent encounters that both systems alert."""
+    """Return a system's median lead over the urgent encounters that both systems alert, seconds."""
     leads_s = [alerts_in(result).lead_s(side) for _, side in result.sides]
     is_alerted_by_both = ~np.isnan(leads_s).any(axis=0)
     lead_s = alerts_in(result).lead_s(system)[is_alerted_by_both]

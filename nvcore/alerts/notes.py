@@ -17,7 +17,7 @@ from nvcore.time_left.steps import time_left_in
 
 
 def alert_notes(result: Result) -> tuple[Note, ...]:
-    """Return notes on the alerts of both systems and their unknowns, if alerts are judged."""
+    """Return notes on both systems' alerts and on what is unknown, or none if alerts are off."""
     view = alerts_in(result)
     if not view.is_asked:
         return ()
@@ -34,7 +34,7 @@ def alert_notes(result: Result) -> tuple[Note, ...]:
 
 
 def alerts_of(result: Result, letter: str, system: SystemResult) -> Note:
-    """Return the alerts of a system by kind, and the urgent encounters alerted in time."""
+    """Return a system's number of alerts by kind, and of urgent encounters alerted in time."""
     view = alerts_in(result)
     counts = view.count(system).items()
     return Note(
@@ -49,7 +49,10 @@ def alerts_of(result: Result, letter: str, system: SystemResult) -> Note:
 
 
 def in_time_by_kind(result: Result) -> tuple[Note, ...]:
-    """Return how often drivers react in time, by kind of alert, if any encounter is urgent."""
+    """Return the shares of urgent encounters with a reaction in time, by kind of alert.
+
+    Empty if no encounter is urgent.
+    """
     judged = alerts_in(result).in_time_for_drivers
     if judged.chances.empty:
         return ()
@@ -65,7 +68,7 @@ def in_time_by_kind(result: Result) -> tuple[Note, ...]:
 
 
 def doubt_of_kind(judged: InTime, name: str) -> Note:
-    """Return the uncertainty of X - Y for a kind of alert, from drivers and from units."""
+    """Return how uncertain X - Y is for a kind of alert, due to drivers and due to units."""
     table = judged.table[judged.table["measure"] == "share"]
     row = (table["kind"] == name) & (table["side"] == "difference")
     of = 100 * table[row].set_index(["kind", "measure", "side"]).iloc[0]
@@ -84,7 +87,7 @@ def doubt_of_kind(judged: InTime, name: str) -> Note:
 
 
 def doubt_of(result: Result, measure: Measure) -> str:
-    """Return why no claim can rest on a measure of alerts under the oracle, or an empty string."""
+    """Return why the oracle prevents claims about a measure of alerts, or "" if it does not."""
     is_gated = ALERTS in measure.stages and result.params.alert_oracle == "on"
     why = doubt_of_seen(result) if is_gated and alerts_in(result).is_asked else None
     return phrase(why, result.objects) if why else ""

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def _section(result: Result) -> Section:
-    """Return the alerts of both systems by kind, and the trade-off curve."""
+    """Return the report section on both systems' alerts by kind, with the trade-off curve."""
     has_urgency = alerts_in(result).has_urgency
 
     def trade_off() -> go.Figure:
@@ -56,7 +56,7 @@ def _section(result: Result) -> Section:
 
 
 def _in_time(result: Result) -> tuple[Block, ...]:
-    """Return the share of urgent encounters in which drivers react in time, if any is urgent."""
+    """Return blocks on reactions in time to alerts, or none if no encounter is urgent."""
     judged = alerts_in(result).in_time_for_drivers
     if judged.chances.empty:
         return ()

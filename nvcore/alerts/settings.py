@@ -1,4 +1,4 @@
-"""Settings of alerts: the policy by which detections become alerts, or that the log tells them."""
+"""Settings of alerts: the policy that turns detections into alerts, or a system's own log."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _SPEEDING: Final[dict[str, Any]] = {"stage": SPEEDING, "used_with": None, "appli
 
 @dataclass(frozen=True)
 class AlertSettings:
-    """The part of `nvcore.params.Params` that says when a system alerts the driver."""
+    """Settings in `nvcore.params.Params` that determine when a system alerts the driver."""
 
     alerts: Asked = _setting(
         "off",
@@ -161,4 +161,4 @@ class AlertSettings:
     )
 
     def check_together(self) -> None:
-        """All values go together."""
+        """Accept any combination of values."""

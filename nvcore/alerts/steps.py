@@ -1,4 +1,4 @@
-"""The step that judges alerts, and its results as one view."""
+"""The pipeline step that judges alerts, and the view of its results."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def _find_alerts(
 
 
 def _in_use(threshold: float | None, policy: Params) -> float:
-    """The score threshold in use: the comparison's, or that of the policy if it is higher."""
+    """Return the higher of the comparison's score threshold and the policy's."""
     return max(-np.inf if value is None else value for value in (threshold, policy.alert_score))
 
 
@@ -78,7 +78,7 @@ STEPS: Final = (
 
 @dataclass(frozen=True, eq=False)
 class AlertsView:
-    """Alerts in a comparison: what ``result.of("alerts")`` returns."""
+    """View of the alerts in a comparison, as returned by ``result.of("alerts")``."""
 
     result: Result
 
@@ -88,27 +88,27 @@ class AlertsView:
         return bool(self.result.params.alerts != "off")
 
     def of(self, system: SystemResult) -> pd.DataFrame:
-        """Alerts of a system (`nvcore.alerts.episodes.NO_ALERTS` has the columns)."""
+        """Return the alerts of a system, with the columns of `nvcore.alerts.episodes.NO_ALERTS`."""
         return cast("pd.DataFrame", system.made["alerts"])
 
     def has_log(self, system: SystemResult) -> bool:
-        """Whether a system has a log of its own."""
+        """Whether a system has its own log of alerts."""
         number = self.result.dataset.systems.index(system.name)
         return number in inputs_of(self.result.dataset).logs
 
     def is_logged(self, system: SystemResult) -> bool:
-        """Whether its alerts are those of its own log."""
+        """Whether a system's alerts come from its own log."""
         return bool(self.result.params.alerts == "log" and self.has_log(system))
 
     def rows_of_kind(self, system: SystemResult, *kinds: AlertKind) -> np.ndarray:
-        """Return the first frame row of each alert of these kinds as int64."""
+        """Return the first frame row of each alert of these kinds, int64."""
         alerts = self.of(system)
         rows: np.ndarray = alerts["first_row"].to_numpy()[alerts["kind"].isin(kinds).to_numpy()]
         return rows
 
     @cached_property
     def knows_driver(self) -> bool:
-        """Whether detectability is known of anybody."""
+        """Whether detectability is known for at least one encounter."""
         return bool((self.result.made["detectable"]["known_row"] >= 0).any())
 
     def count(self, system: SystemResult) -> dict[AlertKind, float]:
@@ -124,7 +124,7 @@ class AlertsView:
         }
 
     def first_alert(self, system: SystemResult) -> np.ndarray:
-        """Return the frame row of each encounter's first alert as int64, (n,), -1 for none."""
+        """Return the frame row of each encounter's first alert, or -1 without one, int64, (n,)."""
         name = f"first alerts of {system.name}"
         return self.result.keep(name, lambda: self._first_alert(self.of(system)))
 
@@ -135,7 +135,7 @@ class AlertsView:
         return row
 
     def in_time(self, system: SystemResult) -> np.ndarray:
-        """Return which encounters of `is_to_alert` are alerted in time as bool, shape (n,)."""
+        """Return which of the encounters in `is_to_alert` are alerted in time, bool, shape (n,)."""
         return self._is_in_time(self.first_alert(system))
 
     def _is_in_time(self, row: np.ndarray) -> np.ndarray:
@@ -145,7 +145,7 @@ class AlertsView:
 
     @cached_property
     def is_to_alert(self) -> np.ndarray:
-        """Urgent encounters for which an alert can be in time as bool, shape (n_encounters,).
+        """Urgent encounters in which a system should alert the driver, bool, shape (n_encounters,).
 
         The oracle suppresses alerts about pedestrians whom the driver sees. With it on, encounters
         that the driver sees in time are left out.
@@ -155,7 +155,7 @@ class AlertsView:
         return is_to_alert
 
     def lead_s(self, system: SystemResult) -> np.ndarray:
-        """Time from the first alert of each urgent encounter to its last chance, seconds.
+        """Return the time from each urgent encounter's first alert to its last chance, seconds.
 
         More is better, 0 or less is too late; NaN unless urgent and alerted; float64, shape
         (n_encounters,). The last chance has the reaction time in it already.
@@ -171,7 +171,7 @@ class AlertsView:
 
     @cached_property
     def in_time_for_drivers(self) -> InTime:
-        """In how many urgent encounters drivers react in time (`nvcore.alerts.in_time`)."""
+        """Shares of urgent encounters in which drivers react in time (`nvcore.alerts.in_time`)."""
         # here: it resamples by `nvcore.evidence`, which knows the measures, and these this module
         from nvcore.alerts.in_time import REACTIONS, Reaction, judge_in_time
 
@@ -189,7 +189,7 @@ class AlertsView:
 
     @cached_property
     def speeding(self) -> Speeding | None:
-        """Speed alerts, or None if the objects are no speed signs or no speed is known."""
+        """Alerts of excessive speed, or None without speed signs or without a known speed."""
         from nvcore.alerts.speeding import has_limits, judge_speeding  # here: as above
 
         return judge_speeding(self.result) if has_limits(self.result.dataset) else None
@@ -232,7 +232,7 @@ class AlertsView:
 
     @cached_property
     def curve(self) -> pd.DataFrame:
-        """Pedestrians alerted in time against unwanted alerts, over the score threshold.
+        """Encounters alerted in time and unwanted alerts at each score threshold.
 
         The rest of the policy is as it is. Down to the lowest score that the system reports,
         whatever the threshold of the comparison.
@@ -291,17 +291,17 @@ class AlertsView:
 
     @property
     def n_urgent(self) -> int:
-        """Number of `is_to_alert`."""
+        """Number of encounters in `is_to_alert`."""
         return int(np.count_nonzero(self.is_to_alert))
 
     @property
     def has_urgency(self) -> bool:
-        """Whether a car could hit the objects: speed signs are never urgent."""
+        """Whether objects can be urgent because a car could hit them. Speed signs cannot."""
         return self.result.dataset.objects.is_on_road
 
 
 def thresholds_of(score: np.ndarray) -> list[float]:
-    """Thresholds of a curve: every box, then scores that occur, `MOST_POINTS` in all at most."""
+    """Return at most `MOST_POINTS` thresholds for a curve: -inf, then scores that occur."""
     known = np.unique(score[~np.isnan(score)])[1:]  # at the least of all every box is there
     if len(known) > MOST_POINTS - 1:
         known = known[np.linspace(0, len(known) - 1, MOST_POINTS - 1).round().astype(int)]
@@ -309,7 +309,7 @@ def thresholds_of(score: np.ndarray) -> list[float]:
 
 
 def alerts_in(result: Result) -> AlertsView:
-    """Alerts in a comparison: what ``result.of("alerts")`` returns."""
+    """Return the view of the alerts in a comparison, like ``result.of("alerts")``."""
     return cast("AlertsView", result.of("alerts"))
 
 

@@ -1,4 +1,4 @@
-"""Alerts in the verdict, and the report on alerts in the terminal."""
+"""Alerts in the verdict, and the terminal's report on alerts."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ POINTS: Final = (PointOf("Alerts", alert_notes, after="The driver"),)
 
 
 def render_alerts(view: AlertsView) -> str:
-    """Return remarks, measures, and the curves at some of their points."""
+    """Return remarks, measures, and selected points of the threshold curves as text."""
     result, own = view.result, {measure.key for measure in MEASURES}
     sentences = [say(fact, result.objects) for fact in alert_notes(result)]
     if (of_urgent := urgent(result)) is not None:  # the speed: all else depends on it
@@ -58,7 +58,7 @@ def render_alerts(view: AlertsView) -> str:
 
 
 def _speeding(view: AlertsView) -> Iterator[str]:
-    """Yield the speed alerts of both systems, if there are any."""
+    """Yield lines about alerts of excessive speed of both systems, if there are any."""
     if view.speeding is None:
         return
     yield ""

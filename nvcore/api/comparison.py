@@ -1,4 +1,4 @@
-"""A comparison as Python users see it: numbers, tables, figures, sentences and files."""
+"""Comparison for Python users: numbers, tables, figures, sentences and files."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ class Comparison:
 
     @property
     def protocol(self) -> Protocol:
-        """Selection of the pedestrians that count in the detection measures."""
+        """Selection of the pedestrians that the detection measures count."""
         return self.dataset.settings.protocol
 
     @property
@@ -111,12 +111,12 @@ class Comparison:
 
     @property
     def exclusivity(self) -> Exclusivity:
-        """Degree to which both systems miss different encounters."""
+        """Degree to which X and Y miss different encounters."""
         return self.result.exclusivity
 
     @property
     def boxes(self) -> BoxVenn:
-        """Counts of the truth's boxes by the systems that match them."""
+        """Number of truth boxes that both, one or neither system matches."""
         return self.result.boxes
 
     def of(self, subject: str) -> Any:
@@ -125,27 +125,27 @@ class Comparison:
 
     @property
     def duration_s(self) -> float:
-        """Recording time of all recordings, seconds."""
+        """Total recording time, seconds."""
         return self.result.duration_s
 
     @property
     def lead_time_s(self) -> np.ndarray:
-        """Lead of X over Y per encounter, seconds. NaN unless both match."""
+        """Time by which X matches each encounter before Y, seconds. NaN unless both match."""
         return self.result.lead_time_s
 
     @property
     def fusion(self) -> Result:
-        """The fused systems: ``X or Y`` as `x`, ``X and Y`` as `y`."""
+        """Comparison of two fused systems: `x` is ``X or Y``, `y` is ``X and Y``."""
         return self.result.fusion
 
     @cached_property
     def frames(self) -> pd.DataFrame:
-        """One row per listed frame: counts, distances, similarity of both systems."""
+        """One row per listed frame: counts, distances and similarity of X and Y."""
         return frames_table(self.result)
 
     @cached_property
     def encounters(self) -> pd.DataFrame:
-        """One row per encounter: category, and the result of each system."""
+        """One row per encounter: category and results of X and Y."""
         return encounters_table(self.result)
 
     @cached_property
@@ -160,22 +160,22 @@ class Comparison:
 
     @cached_property
     def recordings(self) -> pd.DataFrame:
-        """One row per recording: the aggregates of both systems."""
+        """One row per recording: aggregates of X and Y."""
         return recordings_table(self.result)
 
     @cached_property
     def matches(self) -> pd.DataFrame:
-        """Every box of truth, X and Y: its match, and whether it counts (docs/report.md)."""
+        """One row per box of truth, X and Y: its match, and whether it counts (docs/report.md)."""
         return matches_table(self.result)
 
     @cached_property
     def summary(self) -> dict[str, Any]:
-        """All aggregates, as in ``summary.json``. None is undefined."""
+        """All aggregates, as in ``summary.json``. Undefined values are None."""
         return summary(self.result)
 
     @cached_property
     def findings(self) -> tuple[Finding, ...]:
-        """Findings of the audit in the inputs and the session's pictures, worst first."""
+        """Audit findings about the input files and the session's pictures, worst first."""
         return worst_first([*self.input_findings, *picture_findings(self.dataset)])
 
     @cached_property
@@ -191,12 +191,12 @@ class Comparison:
         return self._evidence.copy()
 
     def verdict(self) -> tuple[str, ...]:
-        """Return the conclusions of the comparison as sentences, starting with the claim."""
+        """Return the verdict as sentences, starting with what may be claimed."""
         return self._verdict.sentences
 
     @property
     def claims(self) -> tuple[Claim, ...]:
-        """Differences that the verdict calls more than chance: measure, winner, p."""
+        """Differences that the verdict calls significant, each with measure, winner and p-value."""
         return self._verdict.claims
 
     @method_with(PlanArguments)
@@ -336,7 +336,7 @@ class Comparison:
 
 
 def _protect_session(path: Path) -> None:
-    """Raise an error if a session file would be replaced that the program did not write."""
+    """Raise an error if writing a report would replace a session file written by hand."""
     if not path.is_file():
         return
     try:

@@ -1,4 +1,4 @@
-"""Findings where both systems agree with one another and not with the ground truth."""
+"""Findings where both systems agree with each other but not with the ground truth."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ SAME_SHARE: Final = 0.95
 
 
 def audit_same_as_truth(source: BoxSource) -> list[Finding]:
-    """The ground truth given as a system, or a system nearly all of whose boxes are the truth's."""
+    """Report a system whose boxes are all or nearly all copies of the ground truth's."""
     boxes, truth = source.boxes, source.dataset.truth
     same = _paired(boxes, truth, SAME_IOU)
     n_same, n = len(same), len(boxes)
@@ -64,7 +64,7 @@ def audit_same_as_truth(source: BoxSource) -> list[Finding]:
 def audit_same_systems(
     x: BoxSource, y: BoxSource, counting: tuple[BoxColumns, ...]
 ) -> list[Finding]:
-    """X and Y with the very same boxes in the same frames.
+    """Report X and Y if they have identical boxes in the same frames.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ MANY_BOXES: Final = 20
 def find_disagreement(
     dataset: Dataset, x: BoxSource, y: BoxSource, matches: tuple[Matches, Matches]
 ) -> list[Finding]:
-    """Pedestrians that both systems place elsewhere, and false alarms on which they agree.
+    """Report pedestrians that both systems place elsewhere, and false alarms that both share.
 
     A detection of X and one of Y agree when their IoU is at least 0.5. Only pairs count
     in which neither detection matches a pedestrian or lies on an ignore region. A pair that
@@ -140,7 +140,7 @@ def find_disagreement(
 
 
 def find_repeated(source: BoxSource, matches: Matches) -> list[Finding]:
-    """A system with further boxes on most of the pedestrians that it matches."""
+    """Report a system that has several boxes on most of the pedestrians that it matches."""
     truth, objects = source.dataset.truth, source.dataset.objects
     rows = np.flatnonzero(matches.is_false_alarm)
     people = matches.is_matched & ~truth.ignore
@@ -160,7 +160,7 @@ def find_repeated(source: BoxSource, matches: Matches) -> list[Finding]:
 
 
 def find_ignored(source: BoxSource, matches: Matches) -> list[Finding]:
-    """Report a system that detects more of the truth's ignored boxes than of its pedestrians."""
+    """Report a system that detects more ignored boxes of the truth than pedestrians."""
     truth, objects = source.dataset.truth, source.dataset.objects
     rows = _paired(truth, source.boxes, AGREE_IOU, truth.ignore)
     n_matched = int(np.count_nonzero(matches.is_matched & ~truth.ignore))
@@ -180,7 +180,7 @@ def find_ignored(source: BoxSource, matches: Matches) -> list[Finding]:
 
 
 def find_loose(source: BoxSource, matches: Matches, params: Params) -> list[Finding]:
-    """A system many of whose false alarms lie on pedestrians that it misses, by too small an IoU.
+    """Report a system if many of its false alarms overlap missed pedestrians by too low an IoU.
 
     Only where matching is by IoU: elsewhere the shape of a box does not decide.
     """
@@ -221,7 +221,9 @@ def _paired(
     in_x: np.ndarray | None = None,
     in_y: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Rows of X that pair with one of Y in their frame, by descending IoU, each box once.
+    """Return the rows of X that pair with a box of Y in the same frame.
+
+    Pairs are formed by descending IoU, each box once.
 
     Parameters
     ----------
@@ -246,7 +248,7 @@ def _overlapped(
     agreed: np.ndarray,
     least_iou: float = NEAR_IOU,
 ) -> np.ndarray:
-    """Per detection: the unmatched pedestrian that it overlaps most, -1 none near."""
+    """Return the unmatched pedestrian that each detection overlaps most, or -1 if none is near."""
     frame = x.frame_index[agreed]
     start = truth.offsets[frame]
     n = truth.offsets[frame + 1] - start

@@ -1,4 +1,4 @@
-"""Findings about closing speeds that differ from the speed that time left is computed with."""
+"""Findings about closing speeds that differ from the speed assumed for time left."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ median by less."""
 
 
 def audit_closing_speed(dataset: Dataset, params: Params) -> list[Finding]:
-    """Recordings whose pedestrians come nearer far slower or faster than time left assumes.
+    """Find recordings whose pedestrians approach much faster or slower than time left assumes.
 
     Time to contact is measured in the recording; the time needed to stop and the speed of impact
     are those of the stated or assumed speed. Where the two speeds differ, so do the two cars.
@@ -69,7 +69,7 @@ def audit_closing_speed(dataset: Dataset, params: Params) -> list[Finding]:
 
 
 def closing_speeds(dataset: Dataset) -> np.ndarray:
-    """Measure how fast pedestrians of each recording come nearer by the truth, km/h (kept).
+    """Measure how fast the pedestrians of each recording approach, km/h. Cached in the dataset.
 
     A pedestrian's speed is the slope of the least-squares line through distances over time, a
     recording's the median over those who come nearer at all.

@@ -161,7 +161,7 @@ def compare(
 
 
 def _next_steps(session_file: Path | None, out: Path | None) -> list[str]:
-    """Return commands that show more, using a session file equivalent to this command."""
+    """Return suggested commands that show more, with a session file if it matches this command."""
     from nvcore.report.files import SESSION_FILE
     from nvcore.report.terminal import WIDTH
 
@@ -275,7 +275,7 @@ def check(out: Path | None, strict: bool, **options: Any) -> None:
 
 
 def _for_terminal(dataset: Dataset, path: ShownPath, *, longest: int | None = None) -> Dataset:
-    """Return the dataset with its files' paths and conversions as the terminal shows them."""
+    """Replace file paths and conversions in a dataset's inputs by what the terminal shows."""
     inputs = dataset.inputs
     changed = inputs.assign(
         file=[path(*names) for names in zip(inputs["subject"], inputs["file"], strict=True)],
@@ -285,7 +285,7 @@ def _for_terminal(dataset: Dataset, path: ShownPath, *, longest: int | None = No
 
 
 def _shortened(text: str, longest: int | None) -> str:
-    """Return as many of the first facts of a conversion as fit, at least one."""
+    """Cut the description of a conversion after the last fact that fits."""
     if longest is None or len(text) <= longest:
         return text
     end = text.rfind("; ", 0, longest)

@@ -1,4 +1,4 @@
-"""Chart of a planned study's power over its number of recordings."""
+"""Chart of a planned study's power against its number of recordings."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LOG_FACTOR: Final = 8
 
 
 def power_plot(plan: Plan, *, theme: Theme) -> go.Figure:
-    """Plot the share of simulated studies that show the effect, a line for each assumption.
+    """Plot the share of simulated studies that show the effect, with a line per assumption.
 
     Bars are 95 % Monte Carlo intervals. The level line is the desired power.
     """
@@ -91,7 +91,7 @@ def power_plot(plan: Plan, *, theme: Theme) -> go.Figure:
 
 
 def _log_ticks(numbers: list[int]) -> dict[str, Any]:
-    """Return a logarithmic axis with ticks at 1, 2, 5, 10, 20 and so on."""
+    """Return settings of a logarithmic axis with ticks at 1, 2, 5, 10, 20 and so on."""
     ticks = [
         digit * 10**power
         for power in range(len(str(max(numbers))))

@@ -1,4 +1,4 @@
-"""Stability maps: regions where X or Y is better, and the line between them."""
+"""Stability maps: regions of settings where X or Y is better, and the border between them."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ ROOM: Final = 0.08
 
 
 def stability_map(stability: StabilityMap, *, theme: Theme) -> go.Figure:
-    """Plot the difference between X and Y over the settings, in X's colour where X is better.
+    """Plot the difference between X and Y against one or two settings, coloured by who is better.
 
     Two settings give a heat map with the line at which the verdict changes. One setting gives a
     curve. The dotted frame is the plausible range. A click selects a setting: `customdata` is the
@@ -87,7 +87,7 @@ def _axis_title(setting: Axis) -> str:
 
 
 def _texts(stability: StabilityMap) -> list[str]:
-    """Return the text of each cell, in flat order."""
+    """Return the hover text of each cell, in flat order."""
     places = product(*(setting.values.tolist() for setting in stability.axes))
     parts = zip(places, stability.winner.ravel(), stability.difference.ravel(), strict=True)
     return [
@@ -144,14 +144,17 @@ def _heat(stability: StabilityMap, theme: Theme) -> go.Figure:
 
 
 def _clicks(stability: StabilityMap, x: np.ndarray, y: np.ndarray) -> go.Scatter:
-    """Return an invisible marker for every setting, in flat order."""
+    """Return an invisible, clickable marker for each cell, in flat order."""
     return click_markers(
         x, y, _texts(stability), name="settings", customdata=np.arange(stability.difference.size)
     )
 
 
 def _equal_alarms(stability: StabilityMap) -> np.ndarray:
-    """Return pairs of thresholds within the map, float64, shape (n, 2), n 0 if there are none."""
+    """Return threshold pairs within the map that give equal false alarms, float64, shape (n, 2).
+
+    n is 0 if there are none.
+    """
     line = stability.equal_alarms
     if line is None:
         return np.empty((0, 2))
@@ -179,7 +182,7 @@ def _map_axis(setting: Axis, theme: Theme) -> dict[str, Any]:
 
 
 def _turning_line(stability: StabilityMap, colour: str) -> go.Contour:
-    """Return the line where the difference is 0, around any ties."""
+    """Return the line at which the difference is 0. Ties are enclosed."""
     across, up = stability.axes
     has_ties = bool((stability.winner == "even").any())
     code = np.select([stability.winner == "x", stability.winner == "y"], [1.0, -1.0], default=0.0)
@@ -198,7 +201,7 @@ def _turning_line(stability: StabilityMap, colour: str) -> go.Contour:
 
 
 def _places(stability: StabilityMap, theme: Theme) -> list[go.Scatter]:
-    """Return markers of the analysed setting and the nearest one that overturns the verdict.
+    """Return markers for the analysed settings and for the nearest ones that overturn the verdict.
 
     If recordings have their own settings, a line joins the least and the greatest of them.
     """
@@ -223,7 +226,7 @@ def _places(stability: StabilityMap, theme: Theme) -> list[go.Scatter]:
 
 
 def _marked(stability: StabilityMap) -> dict[str, list[tuple[float, float]]]:
-    """Return the marked points of the figure by label."""
+    """Return the points to mark in the figure, by label."""
     marked = {}
     ends = list(dict.fromkeys(zip(*(setting.present for setting in stability.axes), strict=True)))
     if np.isfinite(stability.present_difference):
@@ -234,7 +237,7 @@ def _marked(stability: StabilityMap) -> dict[str, list[tuple[float, float]]]:
 
 
 def _point(at: tuple[float, ...], difference: float) -> tuple[float, float]:
-    """Return both settings on a map, or the setting and its difference on a curve."""
+    """Convert settings to figure coordinates: both on a map, setting and difference on a curve."""
     return (at[0], at[1] if len(at) > 1 else difference)
 
 
@@ -250,7 +253,10 @@ def _plausible_frame(figure: go.Figure, stability: StabilityMap, theme: Theme) -
 
 
 def _name_regions(figure: go.Figure, stability: StabilityMap, theme: Theme) -> None:
-    """Write the better system's name where each region is widest, readable without colour."""
+    """Label each region with the better system's name, so that it reads without colour.
+
+    The label is where the region is widest.
+    """
     look = LOOK[theme]
     across, up = stability.axes
     shape = stability.winner.shape
@@ -283,7 +289,7 @@ def _name_regions(figure: go.Figure, stability: StabilityMap, theme: Theme) -> N
 
 
 def _obstacles(stability: StabilityMap) -> list[tuple[np.ndarray, float]]:
-    """Return cells that a name should not hide, bool of the map's shape, with weights.
+    """Return masks of cells that labels should not hide, bool of the map's shape, with weights.
 
     These are markers, the line of equal false alarms, and the frame of the plausible range.
     """

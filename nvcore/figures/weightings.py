@@ -1,4 +1,4 @@
-"""The weight of one pedestrian over time, as height, horizon and distance tell it."""
+"""Weight of one pedestrian over time, by height, by horizon and by distance."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ LANES: Final = {"x": -0.17, "y": -0.34}
 def weightings_plot(
     result: Result, encounter: int, weightings: Weightings, *, theme: Theme
 ) -> go.Figure:
-    """Draw three curves of k over time, and the frames in which X and Y detect the pedestrian.
+    """Plot the weight k over time by each weighting, and the frames in which X and Y detect.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def weightings_plot(
 
 
 def _lane(result: Result, weightings: Weightings, letter: str, theme: Theme) -> go.Scatter:
-    """A mark for each frame in which a system detects the pedestrian."""
+    """Return a mark for each frame in which a system detects the pedestrian."""
     curves, look, noun = weightings.curves, LOOK[theme], result.objects.singular
     detected = curves[curves[f"matched_{letter}"]]
     return marks(

@@ -59,7 +59,7 @@ CLAIMABLE: Final = {
 
 
 def claimable_key(name: str) -> str:
-    """Return the key of a measure of `CLAIMABLE` by its name or key.
+    """Look up the key of a measure in `CLAIMABLE` by its name or key.
 
     Raises
     ------
@@ -75,7 +75,7 @@ def claimable_key(name: str) -> str:
 
 
 def choose_primary(primary: Primary, name: str | None) -> Primary:
-    """Return the primary measure with this name, or the given one if the name is None.
+    """Return the primary measure called `name`, or `primary` if `name` is None.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def choose_primary(primary: Primary, name: str | None) -> Primary:
 
 
 def label_words(result: Result, units: str = "") -> dict[str, Any]:
-    """Return settings and counts of a result for labels, besides the words of its objects.
+    """Return the settings and counts of a result that labels of measures mention.
 
     Parameters
     ----------
@@ -100,14 +100,14 @@ def label_words(result: Result, units: str = "") -> dict[str, Any]:
 
 
 def words_of(params: Params, counts: Mapping[str, int], units: str) -> dict[str, Any]:
-    """Return the words of labels, see `label_words`, by settings and counts."""
+    """Return the values for `label_words` from settings and counts."""
     aggregate = "largest event" if params.saliency_aggregate == "max" else "sum of events"
     own = {"low": params.low, "window": params.window, "aggregate": aggregate, "units": units}
     return own | dict(counts)
 
 
 def counted() -> dict[str, Callable[[Result], np.ndarray]]:
-    """Return kinds of encounters that subjects count, by the name in labels and `per`.
+    """Return functions that select encounters for subjects' counts, by name in labels and `per`.
 
     Each is bool, shape (n_encounters,).
     """
@@ -120,12 +120,12 @@ def count_recordings(result: Result) -> int:
 
 
 def has_several_recordings(result: Result) -> bool:
-    """Return whether at least two recordings have frames."""
+    """Return whether at least two recordings contain frames."""
     return count_recordings(result) > 1
 
 
 def measures_in(table: MeasureTable) -> tuple[Measure, ...]:
-    """Return the measures of a table."""
+    """Return the measures listed in a table."""
     return tuple(measure for measure in MEASURES if table in measure.tables)
 
 
@@ -135,17 +135,17 @@ def measure_of(key: str) -> Measure:
 
 
 def applies_to(result: Result, measure: Measure) -> bool:
-    """Return whether a comparison has the objects of a measure, such as urgent encounters."""
+    """Return whether a measure applies to a comparison. Some need urgent encounters."""
     return measure.applies is None or measure.applies(result)
 
 
 def doubt_of(result: Result, measure: Measure) -> str:
-    """Return why neither claims nor a better value can rest on a measure, or an empty text."""
+    """Return why a measure is too doubtful for claims or for a better value, or "" if it is not."""
     return next(filter(None, (doubt(result, measure) for doubt in contributed("doubts"))), "")
 
 
 def hides_rate(measure: Measure, duration_s: float | np.ndarray) -> Any:
-    """Return True for a rate per hour from less than ten minutes of recording.
+    """Return True for a rate per hour that rests on less than ten minutes of recording.
 
     Such a rate has no value in tables, files and rules.
     """
@@ -153,13 +153,13 @@ def hides_rate(measure: Measure, duration_s: float | np.ndarray) -> Any:
 
 
 def is_usable(result: Result, measure: Measure) -> bool:
-    """Return whether a rule can rest on a measure: it has a value, and no doubts."""
+    """Return whether a gate rule can use a measure: it has a value and no doubts."""
     has_value = applies_to(result, measure) and not hides_rate(measure, result.duration_s)
     return has_value and not doubt_of(result, measure)
 
 
 def evidence_keys(result: Result) -> tuple[str, ...]:
-    """Return the `EVIDENCE_KEYS` that apply to a comparison."""
+    """Return those of the `EVIDENCE_KEYS` that apply to a comparison."""
     return tuple(key for key in EVIDENCE_KEYS if applies_to(result, _BY_KEY[key]))
 
 
@@ -169,17 +169,17 @@ def inference_of(key: str) -> Inference:
 
 
 def repeated_by(key: str) -> str:
-    """Return the measure whose hypothesis this one repeats, or an empty text."""
+    """Return the key of another measure that tests the same hypothesis, or "" if there is none."""
     return _INFERENCE[key].repeats if key in _INFERENCE else ""
 
 
 def evidence_form(key: str) -> str:
-    """Return the format specification of a measure of `EVIDENCE_KEYS` beside its evidence."""
+    """Return the number format of a measure of `EVIDENCE_KEYS` where its evidence is shown."""
     return inference_of(key).form or _BY_KEY[key].form
 
 
 def evidence_label(key: str, result: Result, units: str) -> str:
-    """Return the label of a measure of `EVIDENCE_KEYS` beside its evidence.
+    """Return the label of a measure of `EVIDENCE_KEYS` where its evidence is shown.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ def evidence_label(key: str, result: Result, units: str) -> str:
 
 
 def shown_as(key: str, result: Result) -> tuple[float, str]:
-    """Return the factor for showing a measure, and the suffix of its values.
+    """Return the factor by which a measure's values are multiplied when shown, and their suffix.
 
     If recordings last seconds, the number "in 7.2 s" is shown instead of a rate per hour.
     """
@@ -201,7 +201,7 @@ def shown_as(key: str, result: Result) -> tuple[float, str]:
 
 
 def as_shown(result: Result, evidence: pd.DataFrame) -> pd.DataFrame:
-    """Return a table of evidence with rates in the units of `shown_as`."""
+    """Convert the rates in a table of evidence to the units of `shown_as`."""
     figures = evidence["figure"].tolist()
     shown = [shown_as(key, result) if key in _BY_KEY else (1.0, "") for key in figures]
     factors = np.array([factor for factor, _ in shown])
@@ -217,10 +217,10 @@ def as_shown(result: Result, evidence: pd.DataFrame) -> pd.DataFrame:
 
 
 def difference_text(value: float, key: str) -> str:
-    """Return a difference in a measure of `EVIDENCE_KEYS`, with sign and unit, shares in points."""
+    """Format a difference in a measure of `EVIDENCE_KEYS` with sign and unit, shares in points."""
     return difference(value, 0, evidence_form(key)) + inference_of(key).noun_unit
 
 
 def size_text(value: float, key: str) -> str:
-    """Return the size of a difference in a measure of `EVIDENCE_KEYS`, without sign."""
+    """Format the size of a difference in a measure of `EVIDENCE_KEYS`, without its sign."""
     return difference_text(abs(value), key).removeprefix("+")

@@ -1,4 +1,4 @@
-"""Cost of missing a pedestrian, by place in the picture."""
+"""Cost of missing a pedestrian at each position in the picture."""
 
 from __future__ import annotations
 
@@ -62,13 +62,13 @@ class CostMap:
 
     @property
     def cost(self) -> np.ndarray:
-        """Cost at each place, 0 to 1, NaN where none can stand, as float64, (n_rows, n_columns)."""
+        """Cost at each position, 0 to 1, NaN where none can stand, float64, (n_rows, n_columns)."""
         cost: np.ndarray = np.outer(self.k, self.border)
         return cost
 
     @property
     def text(self) -> str:
-        """Basis of the weight, as a template with words of the objects."""
+        """Explanation of what the weight is based on, as a template with words for the objects."""
         boxes = count_text(self.n_boxes, "box", "boxes")
         return {
             "height": f"height by foot row, a line through {boxes} of this recording",
@@ -81,22 +81,22 @@ class CostMap:
 
 
 class FootLine(NamedTuple):
-    """Straight line ``at_zero + slope * foot row``."""
+    """Straight line of a value against the foot row: ``at_zero + slope * foot row``."""
 
     at_zero: float
     slope: float
 
     def at(self, foot_px: np.ndarray) -> np.ndarray:
-        """Its value in these rows."""
+        """Return the line's value at these foot rows."""
         values: np.ndarray = self.at_zero + self.slope * foot_px
         return values
 
 
 def fit_line(foot_px: np.ndarray, value: np.ndarray, *, height: float) -> FootLine | None:
-    """Fit a least-squares line of a value over the foot row, or None where it is not reliable.
+    """Fit a least-squares line of a value against the foot row, or None if it is not reliable.
 
-    That is with fewer than `LEAST_BOXES` boxes, with feet all in about the same row, or where the
-    value does not grow downwards.
+    It is unreliable with fewer than `LEAST_BOXES` boxes, with feet all in about the same
+    row, or if the value does not grow downwards.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def map_cost(
     n_rows: int = N_ROWS,
     n_columns: int = N_COLUMNS,
 ) -> CostMap:
-    """Map the cost of missing a pedestrian at each place of a recording's picture.
+    """Compute the cost of missing a pedestrian at each position in a recording's picture.
 
     With proximity by height, the height in each foot row is taken from a straight line through
     the recording's boxes, those that the picture's upper or lower edge cuts left out; on flat
@@ -169,7 +169,7 @@ def map_cost(
 def _weigh_rows(
     truth: BoxColumns, frames: FrameColumns, params: Params, recording: int, foot_px: np.ndarray
 ) -> tuple[np.ndarray, Basis, int, float]:
-    """Return the weight of a pedestrian by foot row, its basis, the number of boxes, the height."""
+    """Return `k`, `basis`, `n_boxes` and `height_px` of `CostMap` for these foot rows."""
     nan = float("nan")
     if params.proximity == "none":
         return np.ones(len(foot_px)), "none", 0, nan

@@ -1,4 +1,4 @@
-"""Classes of encounters: attributes of the truth, what follows from the boxes, codes.
+"""Classes of encounters from attributes in the truth, from box geometry, and from codes.
 
 The derived classes are our choice (docs/metrics.md, classes of encounters). All depend on the truth
 and on the coded intervals alone, and on no parameter.
@@ -45,7 +45,7 @@ LEAST_DEPTH_PX: Final = 5.0
 
 @dataclass(frozen=True)
 class EncounterClasses:
-    """Classes of every encounter.
+    """Classes that each encounter belongs to.
 
     Attributes
     ----------
@@ -69,9 +69,9 @@ class EncounterClasses:
 
     @cached_property
     def texts(self) -> np.ndarray:
-        """Classes of each encounter, joined by `CLASS_SEPARATOR`, as object, shape (n,).
+        """Names of each encounter's classes, joined by `CLASS_SEPARATOR`, object, shape (n,).
 
-        First those that the truth names of it: what it says of others changes no order.
+        Classes named by the truth come first, in an order that does not depend on other encounters.
         """
         texts = np.full(len(self.attributes), "", dtype=object)
         own = classes_named(self.attributes)
@@ -82,7 +82,7 @@ class EncounterClasses:
 
 
 def classes_of(dataset: Dataset) -> EncounterClasses:
-    """Return the classes of encounters of a dataset's truth (kept, as no setting moves them)."""
+    """Return the classes of a dataset's encounters. Cached, as they depend on no setting."""
     key = "encounter_classes", dataset.objects, dataset.settings.codes
     if key not in dataset.derived:
         _, encounters = encounters_of(dataset)
@@ -112,7 +112,7 @@ def classes_of(dataset: Dataset) -> EncounterClasses:
 
 
 def texts_of_truth(dataset: Dataset) -> Any:
-    """Return the text of `Dataset.attributes` for each truth row, missing where there is none."""
+    """Return the text in `Dataset.attributes` for each truth row, missing if it has none."""
     table, n_truth = dataset.attributes, len(dataset.truth)
     texts = pd.Categorical(table["attributes"])
     codes = np.full(n_truth, -1, np.int64)
@@ -128,13 +128,13 @@ def texts_of_truth(dataset: Dataset) -> Any:
 
 
 def _place(file: np.ndarray, line: np.ndarray) -> np.ndarray:
-    """One number for each line of each file."""
+    """Combine file and line numbers to one unique number each."""
     places: np.ndarray = file.astype(np.int64) << 32 | line.astype(np.int64)
     return places
 
 
 def attributes_of(encounters: Encounters, texts: Any) -> np.ndarray:
-    """Return the most frequent text of each encounter as object, shape (n_encounters,).
+    """Return each encounter's most frequent text, object, shape (n_encounters,).
 
     Parameters
     ----------
@@ -159,12 +159,12 @@ def attributes_of(encounters: Encounters, texts: Any) -> np.ndarray:
 
 
 def shown_class(name: str) -> str:
-    """A class as it is shown: ``in_road`` as "in road"."""
+    """Return the name of a class as shown to users: "in road" for ``in_road``."""
     return name.replace("_", " ") if name in (*DERIVED, NO_CODE) else name
 
 
 def classes_named(attributes: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the encounters of each class that the texts name, ignoring blanks around names.
+    """Split the texts into class names, and return which encounters belong to each class.
 
     Examples
     --------
@@ -181,7 +181,7 @@ def classes_named(attributes: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def find_coded(encounters: Encounters, dataset: Dataset) -> dict[str, np.ndarray]:
-    """Find encounters that last while an interval of each code does, as bool.
+    """Find the encounters that overlap in time with an interval of each code, bool.
 
     `NO_CODE` are the others of recordings with an interval: of the rest nobody knows whether they
     were coded. Nothing without coded intervals.
@@ -205,7 +205,10 @@ def find_coded(encounters: Encounters, dataset: Dataset) -> dict[str, np.ndarray
 
 
 def find_crossing(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:
-    """Find who was at least `CROSSING_REACH` left and right of the picture's middle, as bool."""
+    """Find pedestrians who cross from one side of the picture to the other, bool.
+
+    They are at least `CROSSING_REACH` to the left of its middle once, and to the right once.
+    """
     side = _signed_offset(encounters, truth, frames)
     starts = encounters.offsets[:-1]
     if not len(starts):
@@ -216,7 +219,7 @@ def find_crossing(encounters: Encounters, truth: BoxColumns, frames: FrameColumn
 
 
 def find_in_road(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:
-    """Find who is within `LANE_M` of the way ahead in at least half of the frames, as bool.
+    """Find pedestrians in the car's path, within `LANE_M` in half of the frames or more, bool.
 
     Metres to the side of the camera's axis come from the height of the box, which stands for
     `STATURE_M`.
@@ -228,7 +231,7 @@ def find_in_road(encounters: Encounters, truth: BoxColumns, frames: FrameColumns
 
 
 def find_groups(encounters: Encounters, truth: BoxColumns) -> np.ndarray:
-    """Find encounters with another pedestrian beside them in half of the frames or more, as bool.
+    """Find pedestrians with another one beside them in half of the frames or more, bool.
 
     Beside: at most `COMPANY_M` to the side, by the taller one's height, and heights `ALIKE`.
     """
@@ -254,7 +257,7 @@ def find_groups(encounters: Encounters, truth: BoxColumns) -> np.ndarray:
 
 
 def find_children(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:
-    """Find pedestrians who are small for where they stand, by distance or horizon, as bool.
+    """Return which pedestrians are small for their distance, bool.
 
     Stature is height times distance, else height over the foot point's depth below the horizon,
     each relative to the median of all encounters of which it is known in the same way (at least
@@ -282,14 +285,17 @@ def find_children(encounters: Encounters, truth: BoxColumns, frames: FrameColumn
 
 
 def _signed_offset(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:
-    """Lateral position of each row of `encounters.order`: -1 left edge, 0 middle, 1 right edge."""
+    """Return each box's lateral position: -1 left edge, 0 middle, 1 right edge of the picture.
+
+    In the order of `encounters.order`.
+    """
     rows, half = encounters.order, frames.half_width[encounters.frame_index]
     offset: np.ndarray = (np.clip(truth.x[rows] + 0.5 * truth.w[rows], 0, 2 * half) - half) / half
     return offset
 
 
 def _in_half_of_frames(encounters: Encounters, holds: np.ndarray) -> np.ndarray:
-    """Return which encounters meet a condition in at least half of their boxes.
+    """Return which encounters meet a condition in at least half of their boxes, bool.
 
     Parameters
     ----------
@@ -305,7 +311,7 @@ def _in_half_of_frames(encounters: Encounters, holds: np.ndarray) -> np.ndarray:
 
 
 def _medians(encounters: Encounters, values: np.ndarray) -> np.ndarray:
-    """Return the median of each encounter's known values, NaN with fewer than half known."""
+    """Return the median of each encounter's known values, NaN if fewer than half are known."""
     n = len(encounters)
     counts = np.diff(encounters.offsets)
     encounter = np.repeat(np.arange(n), counts)

@@ -1,4 +1,4 @@
-"""Saliency: how much the misses of a recording will annoy the driver (paper, second metric)."""
+"""Saliency: how much a recording's misses will annoy the driver (second metric of the paper)."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ EVENT_COLUMNS = (
 
 
 def qualify(distances: SetDistances, frames: FrameColumns, *, tolerance: float) -> np.ndarray:
-    """Return the truth row that qualifies in each frame (-1 for none) as int64, (n_frames,).
+    """Return the truth row that attains D(G, S) in each frame, -1 within tolerance, int64.
 
     The pedestrian that attains D(G, S), if ``D(G, S) > tolerance * W/2``: below that it is
     localisation noise, not a miss.
@@ -45,9 +45,9 @@ def qualify_each(
     *,
     tolerance: float,
 ) -> np.ndarray:
-    """Return truth rows of pedestrians that each qualify, by encounter and frame, as int64.
+    """Return the truth rows whose own term exceeds the tolerance, by encounter and frame, int64.
 
-    Those whose own term is greater than ``tolerance * W/2``. A track that occurs twice in a frame
+    The term must be greater than ``tolerance * W/2``. A track that occurs twice in a frame
     counts once there, with the larger term.
 
     Parameters
@@ -69,7 +69,7 @@ def qualify_each(
 
 
 def recency_weight(tau: np.ndarray, rest_s: np.ndarray, params: Params) -> np.ndarray:
-    """Return the weight in (0, 1) of an event, larger the later it ends (drivers remember the end).
+    """Return an event's weight in (0, 1). Later ends weigh more, as drivers remember the end.
 
     ``1 / (1 + exp(-(tau - recency_midpoint) / recency_spread))``, or with
     ``recency_unit="seconds"`` ``1 / (1 + exp((rest_s - recency_midpoint_s) / recency_spread_s))``.
@@ -104,7 +104,7 @@ def find_events(
     *,
     k_miss: np.ndarray | None = None,
 ) -> pd.DataFrame:
-    """Saliency events: maximal runs of listed frames in which one pedestrian qualifies.
+    """Find saliency events: maximal runs of listed frames in which one pedestrian qualifies.
 
     ``saliency = weight * recency`` in seconds, 0 is best. The weight is the event's duration, or
     with ``saliency_weight="risk"`` the sum of ``D(G, S) / (W/2) * time step`` over its frames.
@@ -186,15 +186,15 @@ def find_events(
 
 
 def _sum(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """Sum the values of every event. No event is empty."""
+    """Sum the values of each event. Events are not empty."""
     sums: np.ndarray = np.add.reduceat(values, starts) if len(starts) else np.empty(0)
     return sums
 
 
 def saliency_by_recording(events: pd.DataFrame, n_recordings: int, *, aggregate: str) -> np.ndarray:
-    """Sum the saliency of every recording, seconds (0 is best), as float64, (n_recordings,).
+    """Return each recording's saliency, seconds (0 is best), float64, (n_recordings,).
 
-    Its most salient event ("max") or the sum of all ("sum"); 0 without any.
+    This is its most salient event ("max") or the sum of all ("sum"), or 0 without any event.
     """
     return aggregate_events(
         events["recording"].to_numpy(dtype=np.int64),
@@ -207,7 +207,7 @@ def saliency_by_recording(events: pd.DataFrame, n_recordings: int, *, aggregate:
 def aggregate_events(
     recording: np.ndarray, saliency_s: np.ndarray, n_recordings: int, *, aggregate: str
 ) -> np.ndarray:
-    """Aggregate like `saliency_by_recording`, from the recording and saliency of each event."""
+    """Aggregate the saliency of events to recordings, see `saliency_by_recording`."""
     saliency = np.zeros(n_recordings)
     add = np.maximum if aggregate == "max" else np.add
     add.at(saliency, recording, saliency_s)
@@ -215,7 +215,7 @@ def aggregate_events(
 
 
 def mean_saliency(events: pd.DataFrame, frames: FrameColumns, *, aggregate: str) -> float:
-    """Return the mean saliency of recordings that have frames, seconds, NaN without any.
+    """Return the mean saliency over recordings with frames, seconds, or NaN if none has frames.
 
     References
     ----------

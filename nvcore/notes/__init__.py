@@ -41,7 +41,7 @@ TEXT: Final = "text"
 
 
 class Note:
-    """A message: the key of a template and the values that it needs.
+    """A message to the user: the key of a template and the values that fill it.
 
     Values of None are dropped, so that templates can test whether a value ``is defined``.
 
@@ -87,20 +87,20 @@ def say(note: Note, objects: Objects, form: str = TEXT) -> str:
 
 
 def phrase(note: Note, objects: Objects, form: str = TEXT) -> str:
-    """Render a note as part of a sentence."""
+    """Render a note as a phrase for use within a sentence, without capitalizing it."""
     own = {"_objects": objects, "_form": form}
     return _template(note.key, form).render({**objects.words, **note.fields, **own})
 
 
 def has_form(note: Note, form: str) -> bool:
-    """Return whether the entry of a note has a template of this form."""
+    """Return whether a note's entry has a template of this form, such as ``short``."""
     topic, _, name = note.key.partition(".")
     return form in entries(topic)[name]
 
 
 @cache
 def entries(topic: str) -> dict[str, dict[str, Any]]:
-    """Return the entries of a topic by name (the part of a key after the dot)."""
+    """Return the entries of a topic's TOML file by name (the part of a key after the dot)."""
     package, _ = subjects().get(topic, ("", None))
     place = resources.files(package or __name__)
     return tomllib.loads((place / f"{'notes' if package else topic}.toml").read_text("utf-8"))
@@ -149,7 +149,7 @@ def _environment() -> Environment:
 
 
 def _system(letter: str) -> str:
-    """Return the label of a system in texts: X, Y or its name."""
+    """Return how texts call a system: X, Y or its name."""
     return letter.upper() if letter in ("x", "y") else letter
 
 

@@ -1,4 +1,4 @@
-"""Effects of audit findings on a verdict, in words by code."""
+"""Effects of audit findings on a verdict, as texts by the finding's code."""
 
 from __future__ import annotations
 

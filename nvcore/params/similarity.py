@@ -1,4 +1,4 @@
-"""Settings of similarity: distances, traffic context, and what tells how near a box is."""
+"""Settings of similarity: distances, traffic context, and how the proximity of a box is found."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SPREAD_SHARE: Final = 0.02
 
 @dataclass(frozen=True)
 class SimilaritySettings:
-    """The part of `nvcore.params.Params` that the weighted distances of equation 1 depend on."""
+    """Settings in `nvcore.params.Params` for the weighted distances of equation 1."""
 
     alpha: float = share(
         SIMILARITY,

@@ -41,7 +41,7 @@ def render_brief(
     next_steps: Sequence[str] = (),
     most_lines: int = MOST_LINES,
 ) -> str:
-    """Return audit, leading measures, verdict, and moments to look at, on one screen.
+    """Return audit, main measures, verdict and moments to look at, short enough for one screen.
 
     Table, headline and the worst finding are always shown. Operating points, remarks on measures,
     other findings, moments and topics of the verdict follow if there is room, in this order.
@@ -97,7 +97,10 @@ def render_brief(
 
 
 def _audit(findings: Sequence[Finding]) -> list[list[str]]:
-    """Return counts of findings, and the first errors and warnings, the worst with its fix."""
+    """Return lines that count the findings, then lines for the first errors and warnings.
+
+    Only the worst finding comes with its fix.
+    """
     serious = [finding for finding in findings if finding.severity is not Severity.NOTE]
     parts = [[findings_count(findings)]]
     for finding in serious[:MOST_FINDINGS]:
@@ -112,7 +115,7 @@ def _audit(findings: Sequence[Finding]) -> list[list[str]]:
 
 
 def _moment(result: Result, moment: Moment) -> list[str]:
-    """Return the place of a moment, the missed pedestrian and system, and the cost."""
+    """Return where a moment is, which system misses whom, and what the miss costs."""
     dataset, encounter = result.dataset, moment.encounter
     frame = dataset.frames.iloc[moment.row]
     recording = str(dataset.recordings["name"].iloc[int(frame["recording"])])

@@ -1,4 +1,4 @@
-"""Moments that decide a comparison, each scene once."""
+"""Frames that decide a comparison, at most one per scene."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ LOSER: Final = {"x": "x", "y": "y", "x_better": "y", "y_better": "x"}
 
 
 class Moment(NamedTuple):
-    """Frame of the report.
+    """Frame to show in the report, with the reason.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class Moment(NamedTuple):
 
 
 def decisive_moments(result: Result) -> list[Moment]:
-    """Return the frames of the report, at most `MOST`, each scene once.
+    """Return the frames to show in the report, at most `MOST` and one per scene.
 
     Encounters that only one system detects come first, by the severity of the failure, each at the
     frame with the largest difference in similarity. The worst moments of each system and those with
@@ -87,14 +87,14 @@ def decisive_moments(result: Result) -> list[Moment]:
 
 
 def main_moments(result: Result, n: int = 3) -> list[Moment]:
-    """Return the first `n` of `decisive_moments`, one of each kind before the second of any."""
+    """Return `n` of `decisive_moments`, with one of each kind before a second of any kind."""
     moments = decisive_moments(result)
     first = {moment.title.partition(" (")[0]: moment for moment in reversed(moments)}
     return sorted(moments, key=lambda moment: moment not in first.values())[:n]
 
 
 def _worst(result: Result, moment: Mapping[Any, Any]) -> Moment | None:
-    """Return a worst moment at a frame that shows its subject, or None if differences are small."""
+    """Choose a frame for one of `worst_moments`, or None if X and Y hardly differ in it."""
     kind, encounter = moment["kind"], _about(result, moment)
     loser = LOSER[kind]
     row = _clearest_row(result, moment, encounter, loser)
@@ -109,7 +109,7 @@ def _worst(result: Result, moment: Mapping[Any, Any]) -> Moment | None:
 
 
 def _clearest_row(result: Result, moment: Mapping[Any, Any], encounter: int, loser: str) -> int:
-    """Return the frame of a moment that misses its pedestrian and has the worst similarity."""
+    """Return the frame with the worst similarity in which the moment's pedestrian is missed."""
     if encounter < 0:
         return int(moment["row"])
     encounters, frames = result.encounters, result.dataset.frame_columns
@@ -130,7 +130,7 @@ def _clearest_row(result: Result, moment: Mapping[Any, Any], encounter: int, los
 
 
 def _is_shown(result: Result, moment: Moment, moments: Sequence[Moment]) -> bool:
-    """Return whether the frame, or its scene, is among the moments already."""
+    """Return whether `moments` contain the moment's frame or scene."""
     recording = result.dataset.frame_columns.recording
     time_s = result.dataset.frames["time_s"].to_numpy()
     return any(
@@ -145,7 +145,7 @@ def _is_shown(result: Result, moment: Moment, moments: Sequence[Moment]) -> bool
 
 
 def _about(result: Result, moment: Mapping[Any, Any]) -> int:
-    """Return the encounter that a moment names, or -1."""
+    """Return the encounter whose track a moment names, or -1 if it names none."""
     if pd.isna(moment["track"]):
         return -1
     encounters = result.encounters

@@ -1,4 +1,4 @@
-"""Every two systems of a session: who is better in what, in words, for the terminal, as files."""
+"""Pairwise comparison of all systems in a session: who is better in what, as text and files."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ SYSTEM_HEAD: Final = (
 
 
 class PairMeasure(NamedTuple):
-    """A measure of every pair: its title, the note of a claim, and the columns that hold it."""
+    """A measure of each pair: title, template of the claim, and names of its columns."""
 
     key: str
     title: str
@@ -71,18 +71,18 @@ PAIR_MEASURES: Final = (
 
 
 def pair_name(pair: Mapping[Hashable, Any], *, between: str = " - ") -> str:
-    """The two names of a row of `nvcore.evidence.pairwise.pairwise_table`, the first one first."""
+    """Return both names in a row of `nvcore.evidence.pairwise.pairwise_table`, X first."""
     return f"{pair['x']}{between}{pair['y']}"
 
 
 def winner_of(pair: Mapping[Hashable, Any], measure: PairMeasure) -> str:
-    """Return the letter (``x`` or ``y``) of the better system by a claim, "" without a claim."""
+    """Return ``x`` or ``y``, the system that is claimed to be better, or "" without a claim."""
     name = pair[measure.winner]
     return "" if not name else "x" if name == pair["x"] else "y"
 
 
 def pair_cells(pair: Mapping[Hashable, Any], measure: PairMeasure) -> tuple[str, ...]:
-    """Return both values, difference, interval, p, corrected p, with dashes where undefined."""
+    """Format the values of a pair, their difference, interval and p-values. Dashes if undefined."""
     form, of_measure = evidence_form(measure.key), measure.evidence
     x, y = pair[f"{measure.value}_x"], pair[f"{measure.value}_y"]
     return (
@@ -96,7 +96,7 @@ def pair_cells(pair: Mapping[Hashable, Any], measure: PairMeasure) -> tuple[str,
 
 
 def system_cells(system: Mapping[Hashable, Any]) -> tuple[str, ...]:
-    """Threshold, false alarms and both measures of a row of `systems_of`, as `SYSTEM_HEAD` says."""
+    """Format a row of `systems_of` as cells below `SYSTEM_HEAD`."""
     threshold = system["threshold"]
     return (
         "all scores" if math.isnan(threshold) else f"{threshold:g}",
@@ -107,7 +107,7 @@ def system_cells(system: Mapping[Hashable, Any]) -> tuple[str, ...]:
 
 
 def pair_text(pair: Mapping[Hashable, Any]) -> str:
-    """Say who is better in what, in a sentence or two that claim no more than the data support."""
+    """Say in which measures one system of a pair is better, claiming only what the data support."""
     is_unequal, claims = bool(pair["is_unequal"]), []
     for measure in PAIR_MEASURES:
         if winner := winner_of(pair, measure):
@@ -133,13 +133,16 @@ def pair_text(pair: Mapping[Hashable, Any]) -> str:
 
 
 def notes_without_p(pair: Mapping[Hashable, Any], measure: PairMeasure) -> list[str]:
-    """Return why a measure of a pair has no p, or nothing if it has one."""
+    """Return why a pair has no p-value in a measure, or an empty list if it has one."""
     is_undefined = math.isnan(pair[f"{measure.evidence}_p"])
     return [note for note in pair[f"{measure.evidence}_note"].split("; ") if note and is_undefined]
 
 
 def pair_notes(table: pd.DataFrame, measure: PairMeasure) -> tuple[list[str], dict[str, str]]:
-    """Return the footnote letters of each pair without a p, and the letters by their notes."""
+    """Return the footnote letters of each pair, and the letter of each note.
+
+    Footnotes say why a pair has no p-value.
+    """
     footnotes = Footnotes()
     rows = table.to_dict("records")
     of_pairs = [footnotes.of_row(notes_without_p(row, measure)) for row in rows]
@@ -147,7 +150,7 @@ def pair_notes(table: pd.DataFrame, measure: PairMeasure) -> tuple[list[str], di
 
 
 def render_matrix(table: pd.DataFrame) -> str:
-    """The systems, every pair in words, and the numbers, for the terminal."""
+    """Return the systems, a sentence on each pair, and tables of numbers, for the terminal."""
     pairs = table.to_dict("records")
     systems = systems_of(table).to_dict("records")
     lines = [

@@ -1,4 +1,4 @@
-"""Study plan for the verdict, for the terminal and as JSON."""
+"""Study plan behind the verdict, as text for the terminal and as JSON."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def planned_verdict(
     findings: Sequence[Finding] = (),
     protocol: Protocol = PROTOCOLS["all"],
 ) -> Verdict:
-    """Return the verdict with its tests, comparisons at equal false alarms, and a plan.
+    """Compute the verdict with its tests, comparisons at equal false alarms, and a study plan.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def planned_verdict(
 
 
 def render_plan(plan: Plan) -> str:
-    """Return the plan in sentences, and the power of every simulated size."""
+    """Return the plan in sentences, and the power for each simulated number of recordings."""
     lines = [QUESTION, *(f"  {sentence}" for sentence in plan.sentences)]
     for size in plan.sizes:
         if not size.points:
@@ -102,7 +102,7 @@ def render_plan(plan: Plan) -> str:
 
 
 def plan_values(plan: Plan) -> dict[str, Any]:
-    """Return the plan as numbers and texts for JSON. None is undefined."""
+    """Return the plan as numbers and texts for JSON, with None for undefined values."""
     row = plan.evidence
     content = {
         "measure": row.figure,

@@ -1,4 +1,4 @@
-"""Remarks of subjects beside the numbers of a comparison."""
+"""Remarks that subjects add to the numbers of a comparison."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from nvcore.notes import Note
 
 @dataclass(frozen=True)
 class Remarks:
-    """Remarks of a subject beside the numbers of a comparison, empty if it has none.
+    """Functions by which a subject remarks on the numbers of a comparison.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Sections of a report: notes, tables and figures that terminal, HTML report and pages render.
+"""Sections of a report: notes, tables and figures for terminal, HTML report and pages.
 
 A section is made of notes, tables whose cells are texts, and figures that are drawn only where
 they can be shown. `Section.worded` renders its notes, and every medium draws the blocks in its own
@@ -49,7 +49,7 @@ Columns = dict[str, Cell]
 
 @dataclass(frozen=True)
 class Paragraphs:
-    """Texts, a paragraph each."""
+    """Texts, each shown as a paragraph."""
 
     kind: ClassVar[str] = "paragraphs"
     texts: tuple[Text, ...]
@@ -57,7 +57,7 @@ class Paragraphs:
 
 @dataclass(frozen=True)
 class Topics:
-    """Labels with their texts."""
+    """Pairs of a label and a text."""
 
     kind: ClassVar[str] = "topics"
     topics: tuple[tuple[str, str], ...]
@@ -65,7 +65,7 @@ class Topics:
 
 @dataclass(frozen=True)
 class Table:
-    """A table of texts. Use `table` or `listing` to make one.
+    """A table of texts, made by `table` or `listing`.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ class Table:
 
     @property
     def note(self) -> str:
-        """Notes as one text, if they are worded."""
+        """Notes joined to one text, after they were rendered."""
         return shortened(" ".join(str(text) for text in self.notes), MAX_NOTE)
 
 
@@ -127,7 +127,7 @@ class Chart:
 
 @dataclass(frozen=True)
 class Photo:
-    """One frame with its boxes.
+    """One frame with its boxes, as a picture with captions.
 
     Attributes
     ----------
@@ -161,7 +161,7 @@ class Photo:
 
 @dataclass(frozen=True)
 class Photos:
-    """Frames, two in a row on the screen and three on paper, which has only the first ones."""
+    """Frames in rows of two on screen, three in print. Only the first `printed` are printed."""
 
     kind: ClassVar[str] = "photos"
     photos: tuple[Photo, ...]
@@ -170,7 +170,7 @@ class Photos:
 
 @dataclass(frozen=True)
 class Fold:
-    """Blocks that a click unfolds. Paper has them if they were unfolded before.
+    """Blocks that unfold on a click. Print contains them only if they are unfolded.
 
     Attributes
     ----------
@@ -218,7 +218,7 @@ class Section:
 
 @dataclass(frozen=True)
 class WordedSection:
-    """Section whose texts are plain strings. `about` has the parts of the introduction."""
+    """Section whose texts are plain strings. `about` contains the parts of the introduction."""
 
     anchor: str
     title: str
@@ -227,12 +227,12 @@ class WordedSection:
 
     @property
     def in_short(self) -> str:
-        """Topic of the section and its good values."""
+        """Summary of what the section shows and which values are good."""
         return " ".join(self.about[part] for part in ("text", "best") if part in self.about)
 
     @property
     def details(self) -> list[tuple[str, str]]:
-        """The other parts of the introduction, each with its label."""
+        """Other parts of the introduction, each as a label and a text."""
         labels = {"how": "How it comes about", "limits": "What it does not say"}
         return [(label, self.about[part]) for part, label in labels.items() if part in self.about]
 
@@ -243,7 +243,7 @@ def _parts(about: Note, objects: Objects) -> dict[str, str]:
 
 
 def worded(blocks: Iterable[Block], objects: Objects) -> tuple[Block, ...]:
-    """Render titles and notes of blocks."""
+    """Render the titles and notes in blocks as plain strings."""
     return tuple(_worded(block, objects) for block in blocks)
 
 
@@ -265,7 +265,7 @@ def _worded(block: Block, objects: Objects) -> Block:
 
 @dataclass(frozen=True)
 class SectionOf:
-    """A section that a subject adds after the encounters.
+    """A section that a subject adds to the report after the encounters.
 
     Attributes
     ----------
@@ -283,7 +283,7 @@ class SectionOf:
 
 
 def about(key: str, result: Result, **values: Any) -> Note:
-    """Return the introduction of a section, with settings and the styles of X and Y as values."""
+    """Return a section's introduction, with settings and the line styles of X and Y as values."""
     scheme = result.scheme("light")
     return Note(key, params=result.params, x=scheme.style("x"), y=scheme.style("y"), **values)
 
@@ -307,7 +307,7 @@ def listing(
     printed: int = MAX_PRINTED,
     rest: str = IN_THE_FILE,
 ) -> Table:
-    """Return a table with a heading and the content for each column, see `Cell`.
+    """Build a table from records. `columns` maps each heading to its content, see `Cell`.
 
     Examples
     --------
@@ -336,7 +336,7 @@ def _content(row: Row, cell: Cell) -> object:
 
 
 def of_both(head: str, name: str, form: str | None = None) -> Columns:
-    """Return columns of X and Y: ``{}`` in the heading and in the name stands for the system.
+    """Return two columns, for X and for Y, by replacing ``{}`` in heading and column name.
 
     Examples
     --------
@@ -351,7 +351,7 @@ def of_both(head: str, name: str, form: str | None = None) -> Columns:
 
 
 def spaced(name: str) -> Callable[[Row], str]:
-    """Return a function that gives a name in the column with spaces instead of underscores."""
+    """Return a function that reads this column of a row, replacing underscores by spaces."""
     return lambda row: str(row[name]).replace("_", " ")
 
 
@@ -366,7 +366,7 @@ def table(
     printed: int = MAX_PRINTED,
     rest: str = IN_THE_FILE,
 ) -> Table:
-    """Return a table of any values as text, with invisible characters as escapes.
+    """Build a table from values of any type, converted to text with invisible characters escaped.
 
     Parameters
     ----------
@@ -382,7 +382,7 @@ def table(
 
 
 def true_minus(text: str) -> str:
-    """Replace hyphens that are signs of numbers by minus signs, and the hyphen in X - Y.
+    """Replace hyphens by minus signs in negative numbers and in "X - Y".
 
     Examples
     --------

@@ -37,7 +37,7 @@ NAME_WIDTH = 16
 
 
 def render_scorecard(result: Result, conclusion: Verdict | None = None) -> str:
-    """Return the scorecard, all sections on measures, and the verdict.
+    """Return the scorecard, the sections on measures, and the verdict as text.
 
     Parameters
     ----------
@@ -57,13 +57,13 @@ def render_scorecard(result: Result, conclusion: Verdict | None = None) -> str:
 
 
 def render_section(section: Section, objects: Objects) -> str:
-    """Return the notes and tables of a section, folded ones included, without its figures."""
+    """Return a section's notes and tables as text, including folded ones. Figures are omitted."""
     worded = section.worded(objects)
     return _text([worded.title, *block_lines(worded.blocks)])
 
 
 def block_lines(blocks: Sequence[Block]) -> Iterator[str]:
-    """Yield the lines of texts and tables, folded ones included."""
+    """Yield the lines of paragraphs and tables, including folded ones."""
     for block in blocks:
         if isinstance(block, Fold):
             yield from block_lines(block.blocks)
@@ -95,7 +95,7 @@ def _rows(block: Table) -> list[str]:
 
 
 def fold(text: str, most: int | None = None) -> list[str]:
-    """Return lines of at most `WIDTH` characters, all but the first with a deeper indent.
+    """Wrap a text at `WIDTH` characters, indenting all lines but the first more deeply.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def fold(text: str, most: int | None = None) -> list[str]:
 
 
 def render_verdict(conclusion: Verdict) -> str:
-    """Return the headline and a paragraph for each topic."""
+    """Return the verdict's headline, followed by a paragraph for each topic."""
     texts = [f"In short: {conclusion.say(conclusion.headline)}"]
     texts += [f"  {topic}: {text}" for topic, text in conclusion.topics]
     return "\n".join(line for text in texts for line in fold(text))
@@ -142,7 +142,7 @@ def render_findings(findings: Sequence[Finding]) -> str:
 
 
 def render_dataset(dataset: Dataset) -> str:
-    """Return the inputs, their conversions, and the evaluated frames."""
+    """Return the inputs with their conversions, and notes on the dataset, as text."""
     lines = []
     for row in inputs_table(dataset).to_dict("records"):
         first, n_files = row["first_file"], row["n_files"]
@@ -154,7 +154,7 @@ def render_dataset(dataset: Dataset) -> str:
 
 
 def render_pictures(table: pd.DataFrame) -> str:
-    """Return the assignment of pictures to frames, a line per recording, or an empty text."""
+    """Return which frames show which pictures, a line per recording, or "" without pictures."""
     lines = []
     for row in table.head(MOST_RECORDINGS).to_dict("records"):
         first, *others = (
@@ -173,7 +173,7 @@ def render_pictures(table: pd.DataFrame) -> str:
 
 
 def render_horizons(dataset: Dataset) -> str:
-    """Return estimated horizons of recordings that do not state them, or an empty text."""
+    """Return estimated horizons of recordings that state none, or "" without an estimate."""
     is_open = dataset.recordings["horizon"].isna()
     horizons = [
         f"{name}: {dataset.objects.say(horizon.text)}"
@@ -196,7 +196,7 @@ def render_horizons(dataset: Dataset) -> str:
 
 
 def render_inputs(result: Result) -> str:
-    """Return `render_dataset`, and the gaps that the analysis had to fill."""
+    """Return the inputs, and how the analysis filled gaps in tracks and distances, as text."""
     lines = [render_dataset(result.dataset)]
     n = len(result.tracks.linked_recordings)
     if n:
@@ -221,7 +221,7 @@ def render_inputs(result: Result) -> str:
 
 
 def heading_lines(result: Result) -> list[str]:
-    """Return X, Y, the amount of data, and unequal operating points."""
+    """Return lines on X, Y, the amount of data, and operating points if they are unequal."""
     one = result.objects.singular
     lines = [
         f"{letter.upper()} = {system.name}"
@@ -241,7 +241,10 @@ def heading_lines(result: Result) -> list[str]:
 
 
 def table_lines(result: Result, cells: Sequence[tuple[str, ...]]) -> list[str]:
-    """Return measures below the names of both systems, see `score_cells`."""
+    """Return the lines of a table of measures, with the names of both systems as headings.
+
+    `cells` are as from `score_cells`.
+    """
     heads = [_head(letter, system) for letter, system in result.sides]
     rows = [("", *heads, "X - Y", "better"), *cells]
     widths = [max(len(row[i]) for row in rows) for i in range(4)]
@@ -254,7 +257,10 @@ def table_lines(result: Result, cells: Sequence[tuple[str, ...]]) -> list[str]:
 
 
 def measure_notes(result: Result) -> list[str]:
-    """Return cautions for rates, and for measures that need encounters of several frames."""
+    """Return cautions about rates from sampled frames and measures that need longer encounters.
+
+    Remarks of subjects are included.
+    """
     little = [Note("sections.means_little")] if result.is_short else []
     remarks = [note for of in contributed("remarks") for note in of.note(result)]
     sampling = sampling_note(result.dataset.frame_columns)
@@ -269,5 +275,5 @@ def _head(letter: str, system: SystemResult) -> str:
 
 
 def _text(lines: Sequence[str]) -> str:
-    """Return the lines as text. Names in them cannot start lines of their own."""
+    """Join lines to one text and escape line breaks in names."""
     return "\n".join(one_line(line) for line in lines)

@@ -28,7 +28,7 @@ MOST_DECIMALS: Final = 3
 
 @dataclass(frozen=True)
 class Tile:
-    """Short form of one measure of both systems.
+    """Contents of a tile: one measure of both systems in short.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class Tile:
 
 @dataclass(frozen=True)
 class _Kind:
-    """Measure of a tile, and the row of the evidence by which it is judged."""
+    """Measure of a tile, and key of the evidence that decides whether a difference is claimed."""
 
     key: str
     judged: str
@@ -112,7 +112,7 @@ def tiles(
     *,
     is_being_tested: bool = False,
 ) -> tuple[Tile, ...]:
-    """Return the four tiles, with those that are 0 for both systems last.
+    """Return the four tiles, moving those that are 0 for both systems to the end.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def _no_interval(row: Mapping[Hashable, Any] | None) -> Note:
 
 
 def _interval_text(low: float, high: float, form: str) -> str:
-    """Return both ends, with more decimals if they read alike or an end falsely reads 0."""
+    """Return "low to high" with enough decimals to tell both ends apart and from a false 0."""
     decimals = int(form[1:-1])
     if not decimals and high - low < 10:
         decimals = 1
@@ -224,7 +224,7 @@ def _chip(
     *,
     is_being_tested: bool,
 ) -> Note:
-    """Return why nothing is claimed."""
+    """Return the reason why a tile claims no difference."""
     if support.basis is Basis.NONE:
         return Note("verdict.chip_unequal")
     if not kind.judged:

@@ -1,4 +1,4 @@
-"""Notes on misses, fusion and saliency of a comparison, and cells of tables."""
+"""Notes on misses, fusion and saliency, and cells for tables."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ WITHIN_NOTE: Final = "within these recordings alone"
 
 
 def score_cells(rows: Iterable[ScoreRow], *, indent: str, mark: str = "") -> list[tuple[str, ...]]:
-    """Return measures as text: label, X, Y, X - Y, and which direction is better.
+    """Return table rows of label, X, Y, X - Y, and which direction is better.
 
     `indent` precedes the labels of parts. Labels of measures that need encounters of several frames
     end with `mark`.
@@ -58,7 +58,7 @@ def score_cells(rows: Iterable[ScoreRow], *, indent: str, mark: str = "") -> lis
 
 
 def scorecard_cells(result: Result, *, indent: str, mark: str = "") -> list[tuple[str, ...]]:
-    """Return the scorecard and the outcomes of encounters, as `score_cells`."""
+    """Return table rows of the scorecard and the outcomes of encounters, as in `score_cells`."""
     return [
         *score_cells(score_rows(result), indent=indent, mark=mark),
         (f"how the {count_text(result.venn.n_near, 'encounter')} went:", "", "", "", ""),
@@ -67,7 +67,7 @@ def scorecard_cells(result: Result, *, indent: str, mark: str = "") -> list[tupl
 
 
 def interval_cell(of: Evidence, notes: Footnotes) -> tuple[str, str]:
-    """Return the interval of a difference, and the mark of the footnote if there is none."""
+    """Return the interval of a difference, and a footnote's mark if there is no interval."""
     interval = interval_text(of.low, of.high, evidence_form(of.figure))
     if interval == UNDEFINED:
         reason = of.note.partition("; ")[0]
@@ -79,7 +79,7 @@ def interval_cell(of: Evidence, notes: Footnotes) -> tuple[str, str]:
 
 
 def effect_text(row: Mapping[Hashable, Any]) -> str:
-    """Return the effect size in a row of the table of evidence, with its kind.
+    """Return a row's effect size as text, with the kind of effect size.
 
     Examples
     --------
@@ -93,7 +93,7 @@ def effect_text(row: Mapping[Hashable, Any]) -> str:
 
 
 def every_nth(frames: FrameColumns) -> str:
-    """Return which frames are evaluated ("every 10th frame"), or an empty string for all."""
+    """Return which frames are evaluated ("every 10th frame"), or "" if all are."""
     steps = [round(float(step)) for step in frames.sampling_step]
     sampled = sorted({step for step in steps if step > 1})
     if not sampled:
@@ -107,13 +107,13 @@ def every_nth(frames: FrameColumns) -> str:
 
 
 def n_frames_text(result: Result, noun: str = "frame") -> str:
-    """Return the number of evaluated frames, and which they are if not all."""
+    """Return the number of evaluated frames, with "every 10th" or the like if not all are."""
     every = every_nth(result.dataset.frame_columns)
     return count_text(len(result.dataset.frames), noun) + (f" ({every})" if every else "")
 
 
 def sampling_note(frames: FrameColumns) -> str:
-    """Return a caution for rates per minute or hour, or an empty string without sampled frames."""
+    """Return a caution about rates per minute or hour if frames are sampled, else ""."""
     every = every_nth(frames)
     if not every:
         return ""
@@ -124,7 +124,7 @@ def sampling_note(frames: FrameColumns) -> str:
 
 
 def at_best(dataset: Dataset) -> tuple[Note, ...]:
-    """Return the most that the recordings could show, if they are few."""
+    """Return what so few recordings could show at best. Empty if they are many."""
     n, noun = count_whole(dataset)
     if n > MIN_RECORDINGS:
         return ()
@@ -133,7 +133,7 @@ def at_best(dataset: Dataset) -> tuple[Note, ...]:
 
 
 def missed(result: Result) -> Note:
-    """Return how many encounters X, Y and both do not detect."""
+    """Return how many encounters X misses, Y misses, and both miss."""
     e = result.exclusivity
     return Note(
         "encounters.missed",
@@ -147,7 +147,7 @@ def missed(result: Result) -> Note:
 
 
 def parted(result: Result) -> Note:
-    """Return how many encounters only one system detects, and McNemar's test of them."""
+    """Return how many encounters only one system detects, with the p-value of McNemar's test."""
     p = result.mcnemar_p
     return Note(
         "encounters.parted",
@@ -160,7 +160,7 @@ def parted(result: Result) -> Note:
 
 
 def misses(result: Result) -> tuple[Note, ...]:
-    """Return whether X and Y miss the same pedestrians.
+    """Return notes on whether X and Y miss the same pedestrians.
 
     The notes give the misses of each system, the overlap of the two sets (Jaccard index), their
     correlation (phi), and how many encounters only X or only Y detects.
@@ -187,7 +187,7 @@ def lead(result: Result) -> Note:
 
 
 def fusion_gains(fusion: pd.DataFrame) -> tuple[Note, ...]:
-    """Return what each fused system gains and costs against the better single one.
+    """Return what fusing both systems gains and costs compared to the better single system.
 
     Parameters
     ----------
@@ -215,12 +215,12 @@ def fusion_gains(fusion: pd.DataFrame) -> tuple[Note, ...]:
 
 
 def saliencies(result: Result) -> tuple[Note, ...]:
-    """Return the derivation of each system's saliency over all recordings."""
+    """Explain how each system's saliency over all recordings comes about."""
     return tuple(_saliency_of(result, letter, system) for letter, system in result.sides)
 
 
 def saliency_caveat(params: Params) -> tuple[Note, ...]:
-    """Return a caution on saliency by the rule of the paper, if that rule is used."""
+    """Return a caution about saliency if it follows the paper's rule, else nothing."""
     return (Note("saliency.side_by_side"),) * (params.saliency_of == "most_salient")
 
 
@@ -258,7 +258,7 @@ def _saliency_of(result: Result, letter: str, system: SystemResult) -> Note:
 
 
 def classes_read(result: Result, table: pd.DataFrame, letter: str) -> Note:
-    """Return how many matches of a system have the true class, with a Wilson 95 % interval.
+    """Return the share of a system's matches that have the true class, with a Wilson 95 % interval.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""One frame summarised: who is there, who is missed by which system, what each box costs."""
+"""Summary of one frame: who is there, which system misses whom, and what each box costs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from nvcore.tables.boxes.states import gather_boxes
 
 
 class Words(NamedTuple):
-    """Name of a column on screen and in the report, and its meaning."""
+    """Label and meaning of a column on screen and in the report."""
 
     label: str
     meaning: str
@@ -78,7 +78,7 @@ OUTCOME: Final = np.array(["match", "false"], dtype=object)
 
 @dataclass(frozen=True)
 class SystemSummary:
-    """One system in one frame.
+    """Results of one system in one frame.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ class SystemSummary:
 
 @dataclass(frozen=True, eq=False)
 class FrameSummary:
-    """One frame.
+    """Results of both systems in one frame, with its pedestrians and detections.
 
     Attributes
     ----------
@@ -149,7 +149,7 @@ class FrameSummary:
 
 
 def frame_summary(result: Result, row: int) -> FrameSummary:
-    """Summary of one frame, by its row in the frames table."""
+    """Summarize the frame at this row of the frames table."""
     dataset, frames = result.dataset, result.dataset.frame_columns
     n_ignored = int(np.count_nonzero(dataset.truth.ignore[dataset.truth.rows_of(row, row + 1)]))
     recording = int(frames.recording[row])
@@ -210,7 +210,10 @@ def _pedestrians(result: Result, row: int) -> pd.DataFrame:
 
 
 def _table(columns: Mapping[str, np.ndarray], rows: np.ndarray) -> pd.DataFrame:
-    """These rows of some columns, chosen before the table is made, which is quicker."""
+    """Make a table of the selected rows of some columns.
+
+    Selecting rows before making the table is quicker.
+    """
     return pd.DataFrame({name: values[rows] for name, values in columns.items()})
 
 

@@ -21,7 +21,7 @@ FORM: Final = ".3f"
 
 
 def similarity_without_each(result: Result) -> pd.DataFrame:
-    """Mean similarity of both systems over all frames but those of one recording.
+    """Compute the mean similarity of both systems with each recording left out in turn.
 
     Returns
     -------
@@ -73,7 +73,7 @@ def _similarity_lead(result: Result) -> tuple[Note, ...]:
 
 
 def _lead(x: float, y: float) -> float:
-    """X minus Y, as shown."""
+    """Return X minus Y, rounded as shown."""
     return float(format(x - y, f"z{FORM}"))
 
 

@@ -19,7 +19,7 @@ NEVER: Final = -1
 
 
 def encounter_moments(result: Result) -> pd.DataFrame:
-    """The frames of every encounter that are worth opening, as rows of the frames table.
+    """Find the frames of each encounter that are worth opening, as rows of the frames table.
 
     Returns
     -------
@@ -42,7 +42,10 @@ def encounter_moments(result: Result) -> pd.DataFrame:
     start, place = np.flatnonzero(is_new), np.cumsum(is_new) - 1
 
     def either(is_so: np.ndarray) -> np.ndarray:
-        """Of a track that occurs twice in a frame, which is one pedestrian, either box."""
+        """Return whether the condition holds for any box of the same pedestrian in the frame.
+
+        A track that occurs twice in a frame is one pedestrian.
+        """
         of_any: np.ndarray = np.logical_or.reduceat(is_so, start)[place]
         return of_any
 
@@ -67,7 +70,7 @@ def encounter_moments(result: Result) -> pd.DataFrame:
 
 
 def encounter_box(result: Result, encounter: int, row: int) -> np.ndarray:
-    """x, y, w, h (px) of the pedestrian of an encounter in a frame.
+    """Return the box (x, y, w, h, px) of an encounter's pedestrian in a frame.
 
     Parameters
     ----------
@@ -92,7 +95,7 @@ def encounter_box(result: Result, encounter: int, row: int) -> np.ndarray:
 
 
 class EncounterTime(NamedTuple):
-    """How long a pedestrian counts in an encounter, and how long X and Y miss it; seconds."""
+    """Time for which an encounter's pedestrian counts, and for which X and Y miss it, seconds."""
 
     relevant_s: float
     missed_s_x: float
@@ -100,7 +103,7 @@ class EncounterTime(NamedTuple):
 
 
 def encounter_time(result: Result, encounter: int) -> EncounterTime:
-    """The time of the relevant frames of an encounter, and of those in which it is missed.
+    """Return how long an encounter's pedestrian is relevant, and how long each system misses it.
 
     A distant encounter has none: all are 0. A track that occurs twice in a frame is one
     pedestrian, matched if either box is.
@@ -126,7 +129,10 @@ def encounter_time(result: Result, encounter: int) -> EncounterTime:
 def _costliest(
     offsets: np.ndarray, cost: np.ndarray, is_candidate: np.ndarray, frame_row: np.ndarray
 ) -> np.ndarray:
-    """First frame row of the largest cost among each encounter's candidates; `NEVER` for none."""
+    """Return the first frame row in which each encounter's cost is largest, or `NEVER`.
+
+    Only candidates count. Encounters without a candidate get `NEVER`.
+    """
     n = len(offsets) - 1
     of = np.repeat(np.arange(n), np.diff(offsets))[is_candidate]
     largest = np.full(n, -np.inf)
@@ -136,7 +142,10 @@ def _costliest(
 
 
 def _earliest(n: int, of: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """First value of each group, `NEVER` for an empty group; sorted by group and value."""
+    """Return the first value of each group, or `NEVER` for an empty group.
+
+    Inputs are sorted by group and value.
+    """
     earliest = np.full(n, NEVER, dtype=np.int64)
     is_first = np.ones(len(of), dtype=bool)
     is_first[1:] = of[1:] != of[:-1]
@@ -149,7 +158,7 @@ LEAST_DIFFERENCE: Final = 0.01
 
 
 class _Span(NamedTuple):
-    """An interval of frames; all rows of the frames table, both ends inclusive."""
+    """An interval of frames. All of its rows refer to the frames table, both ends included."""
 
     kind: str
     first: int
@@ -159,7 +168,7 @@ class _Span(NamedTuple):
 
 
 def worst_moments(result: Result, *, n: int = 5) -> pd.DataFrame:
-    """The intervals in which each system does worst, and those in which the two differ most.
+    """Find the intervals in which each system does worst and those in which X and Y differ most.
 
     Kinds ``"x"`` and ``"y"``: low-similarity intervals by depth. Kinds ``"x_better"`` and
     ``"y_better"``: maximal runs of consecutive listed frames in which that system's similarity is
@@ -209,7 +218,7 @@ def worst_moments(result: Result, *, n: int = 5) -> pd.DataFrame:
 
 
 def next_misses(result: Result, recording: int) -> np.ndarray:
-    """Where X or Y begins to miss a relevant pedestrian, for stepping through the misses.
+    """Find the frames in which X or Y begins to miss a relevant pedestrian.
 
     Returns
     -------
@@ -222,7 +231,7 @@ def next_misses(result: Result, recording: int) -> np.ndarray:
 
 
 def _largest(depth_s: np.ndarray, n: int) -> np.ndarray:
-    """Positions of the `n` largest, the earlier of equals first."""
+    """Return the positions of the `n` largest values. Of equal values, the earlier comes first."""
     largest: np.ndarray = np.argsort(-depth_s, kind="stable")[:n]
     return largest
 
@@ -255,10 +264,10 @@ def _difference_spans(result: Result, n: int) -> list[_Span]:
 
 
 def _reason(result: Result, span: _Span) -> Note:
-    """Return why a moment is as bad as it is.
+    """Explain what makes a moment as bad as it is.
 
-    It names the pedestrian (or the false alarms) with the largest effect on similarity summed over
-    the interval, not only in its worst frame.
+    The reason names the pedestrian (or the false alarms) with the largest effect on similarity
+    summed over the interval, not only in its worst frame.
     """
     worse, other = ("x", "y") if span.kind in ("x", "y_better") else ("y", "x")
     systems = dict(result.sides)
@@ -327,12 +336,12 @@ def _alarm_reason(result: Result, span: _Span, worse: str, system: SystemResult)
 
 
 def _lasting(result: Result, span: _Span, frames: np.ndarray) -> Note:
-    """Return the duration of some frames of a span, and of the whole span."""
+    """Return how long some frames of an interval last, and how long the whole interval lasts."""
     whole_s = _time_s(result, np.arange(span.first, span.last + 1))
     return Note("moments.duration", part_s=_time_s(result, frames), whole_s=whole_s)
 
 
 def _time_s(result: Result, frames: np.ndarray) -> float:
-    """Sum of the time steps of some frames of one recording, seconds."""
+    """Return the total duration of some frames of one recording, seconds."""
     columns = result.dataset.frame_columns
     return float(columns.gap[frames].sum() / columns.fps[columns.recording[frames[0]]])

@@ -25,7 +25,7 @@ LEADING: Final = tuple(
 
 
 class ScoreRow(NamedTuple):
-    """One measure of both systems.
+    """Values of one measure for X and Y, with label and format.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class ScoreRow(NamedTuple):
 
     @property
     def winner(self) -> str:
-        """System with the better value as shown, ``x`` or ``y``. Empty: neither, or in doubt."""
+        """System with the better value as shown, ``x`` or ``y``. Empty if equal or in doubt."""
         if not self.better or self.is_doubtful or math.isnan(self.x) or math.isnan(self.y):
             return ""
         if format(self.x, self.form) == format(self.y, self.form):
@@ -68,7 +68,7 @@ class ScoreRow(NamedTuple):
 
 
 def pick_rows(result: Result, rows: Sequence[ScoreRow], keys: Collection[str]) -> list[ScoreRow]:
-    """Return the `rows` of `score_rows` with these keys, each by its full name."""
+    """Select the rows of `score_rows` with these keys, giving each its full label."""
     words = label_words(result)
     return [
         row._replace(label=result.objects.say(measure_of(row.key).label, **words), level=0)
@@ -78,7 +78,7 @@ def pick_rows(result: Result, rows: Sequence[ScoreRow], keys: Collection[str]) -
 
 
 def score_rows(result: Result, table: MeasureTable = MeasureTable.SCORECARD) -> list[ScoreRow]:
-    """Return the measures of a table: scorecard, miss classes of near encounters, false alerts."""
+    """Return a row for each measure of a table: scorecard, miss classes or false alerts."""
     words = label_words(result)
     rows: list[ScoreRow] = []
     tracked: set[int] = set()  # rows that need tracks, by the row that contains them
@@ -120,7 +120,7 @@ def _needs_tracks(measure: Measure) -> bool:
 
 
 def curve_rows(x: CurveSummary, y: CurveSummary) -> list[ScoreRow]:
-    """Return the measures of the detection curves of both systems."""
+    """Return a row for each measure of the detection curves of X and Y."""
     return [
         ScoreRow(measure.label, of(x), of(y), measure.form, measure.better, key=measure.key)
         for measure in measures_in(MeasureTable.DETECTION)

@@ -1,4 +1,4 @@
-"""Aggregates of ``summary.json``: every key with unit, type, a sentence and its value."""
+"""Aggregates in ``summary.json``: key, unit, type, description and value."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ SYSTEM_KEYS: Final[tuple[Column, ...]] = (
 
 
 def _lead_s(result: Result) -> np.ndarray:
-    """Return the lead of X over Y, in the encounters that both match."""
+    """Return the lead of X over Y in each encounter that both match, seconds."""
     lead_s = result.lead_time_s
     finite: np.ndarray = lead_s[np.isfinite(lead_s)]
     return finite
@@ -315,7 +315,7 @@ _ENTRIES: Final[tuple[SummaryEntry, ...]] = (
 
 @cache
 def entries() -> tuple[SummaryEntry, ...]:
-    """Return the keys of ``summary.json`` with their values, those of subjects last.
+    """Return all entries of ``summary.json``, each a key with its value. Subjects' come last.
 
     Nested keys have dots. Keys of a system are in `SYSTEM_KEYS`.
     """
@@ -323,12 +323,15 @@ def entries() -> tuple[SummaryEntry, ...]:
 
 
 def summary_keys() -> tuple[Column, ...]:
-    """Return the columns of `entries`."""
+    """Return the descriptions of all keys in `entries`."""
     return tuple(entry.column for entry in entries())
 
 
 def summary(result: Result) -> dict[str, Any]:
-    """Return all aggregates for JSON. None is undefined, and `Column.only_if` omits keys."""
+    """Return all aggregates for JSON, with None for undefined values.
+
+    Keys whose `Column.only_if` is not met are omitted.
+    """
     content = _nest(
         {
             entry.column.name: entry.value(result)
@@ -341,7 +344,10 @@ def summary(result: Result) -> dict[str, Any]:
 
 
 def system_summary(result: Result, system: SystemResult) -> dict[str, Any]:
-    """Return aggregates of one system over all recordings. `Measure.only_if` omits some."""
+    """Return the aggregates of one system over all recordings.
+
+    Measures whose `Measure.only_if` is not met are omitted.
+    """
     measures = {
         key: np.nan if hides_rate(measure, result.duration_s) else measure.of(result, system)
         for key, measure in _OF_SYSTEM.items()
@@ -363,7 +369,7 @@ def _nest(content: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def without_nan(value: Any) -> Any:
-    """Return plain Python values, with None in place of NaN and infinities, as JSON has them."""
+    """Convert to plain Python values, replacing NaN and infinities by None for JSON."""
     if isinstance(value, dict):
         return {key: without_nan(item) for key, item in value.items()}
     if isinstance(value, list):

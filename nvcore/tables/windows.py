@@ -1,4 +1,4 @@
-"""What each recording loses, and its worst window, for both systems and over all recordings."""
+"""Lost similarity and the worst window of each recording and of all, for both systems."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ALL: Final = "all recordings"
 
 
 def windows_table(result: Result) -> pd.DataFrame:
-    """Lost similarity per minute and the worst window, by recording and over all.
+    """Return lost similarity per minute and the worst window of each recording and of all.
 
     Returns
     -------
@@ -57,7 +57,7 @@ def windows_table(result: Result) -> pd.DataFrame:
 
 
 def worst_windows_note(table: pd.DataFrame) -> Note:
-    """Return where each system has its worst window of all.
+    """Return where each system's worst window of all recordings is.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Time left: could the car still have stopped when a system was sure of a pedestrian."""
+"""Time left: whether the car could still have stopped when a system confirmed a pedestrian."""
 
 from nvcore.subjects import Subject
 

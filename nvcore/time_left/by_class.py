@@ -25,7 +25,7 @@ CLASS_HEAD: Final = (
 
 
 class OfClass(NamedTuple):
-    """Urgent encounters of a class: number, confirmed in time by X and Y, and evidence."""
+    """Urgent encounters of one class: number, number confirmed in time by X and Y, and evidence."""
 
     name: str
     n_urgent: int
@@ -36,11 +36,11 @@ class OfClass(NamedTuple):
 
     @property
     def label(self) -> str:
-        """Class, with the number of its urgent encounters."""
+        """Name of the class with its number of urgent encounters."""
         return f"{shown_class(self.name)}, {self.n_urgent:,} urgent"
 
     def cells(self, notes: Footnotes) -> tuple[tuple[str, ...], str]:
-        """Return texts for the columns of `CLASS_HEAD`, and the marks of their notes."""
+        """Return the cells below `CLASS_HEAD`, and the marks of the row's footnotes."""
         share, share_mark = interval_cell(self.share, notes)
         impact, impact_mark = interval_cell(self.impact, notes)
         form = evidence_form(self.impact.figure)
@@ -57,7 +57,7 @@ def _apart(of: Evidence) -> str:
 
 
 def time_left_by_class(result: Result) -> tuple[OfClass, ...]:
-    """Return time left for each class of urgent encounters, including distant ones.
+    """Judge time left for each class of urgent encounters, including distant ones.
 
     An encounter of several classes is in each of them.
     """

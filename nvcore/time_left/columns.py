@@ -1,4 +1,4 @@
-"""Columns and keys of time left in CSV files of a report and ``summary.json``."""
+"""Columns for CSV files and keys for ``summary.json`` that time left adds to a report."""
 
 from __future__ import annotations
 

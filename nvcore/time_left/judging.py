@@ -1,4 +1,4 @@
-"""Time left: judge whether braking could still have helped when a system found the pedestrian.
+"""Time left: judge whether braking could still have helped when a system confirmed a pedestrian.
 
 No speed sensor is needed. While a pedestrian is approached at constant speed, one over the height
 of the box (like the distance) falls on a line that reaches 0 at contact.
@@ -46,7 +46,7 @@ class Contact:
 
     @property
     def is_judged(self) -> np.ndarray:
-        """Encounters whose time to contact can be known, as bool, shape (n_encounters,)."""
+        """Encounters that allow estimating the time to contact, bool, shape (n_encounters,)."""
         judged: np.ndarray = ~(self.is_sampled | self.is_linked)
         return judged
 
@@ -98,7 +98,10 @@ def over_encounters(kernel: Callable[..., Any], encounters: Encounters, *argumen
 
 
 def speed_of_frames(frames: FrameColumns, speed_kmh: float) -> np.ndarray:
-    """Return the speed in every frame, km/h, (n_frames,): own, of the recording, or assumed."""
+    """Return the car's speed in each frame, km/h, shape (n_frames,).
+
+    The frame's own speed, else the recording's, else the assumed `speed_kmh`.
+    """
     return np.where(np.isnan(frames.speed_kmh), speed_kmh, frames.speed_kmh)
 
 
@@ -115,7 +118,7 @@ def needed_time(speed_kmh: np.ndarray, params: Params) -> np.ndarray:
 def is_outside(
     boxes: BoxColumns, rows: np.ndarray, frames: FrameColumns, corridor: float
 ) -> np.ndarray:
-    """Return True for boxes farther from the middle than `corridor` half widths, bool, (n,)."""
+    """Find boxes more than `corridor` half widths away from the picture's middle, bool, (n,)."""
     half = frames.half_width[boxes.frame_index[rows]]
     centre = np.clip(boxes.x[rows] + 0.5 * boxes.w[rows], 0, 2 * half)
     outside: np.ndarray = np.abs(centre - half) > corridor * half
@@ -131,7 +134,7 @@ def find_urgent(
     *,
     speed_kmh: np.ndarray | None = None,
 ) -> pd.DataFrame:
-    """Find whether and when each encounter becomes urgent, so that the driver has to be told.
+    """Find out whether and when each encounter becomes urgent, so that the driver needs a warning.
 
     Parameters
     ----------
@@ -177,7 +180,7 @@ def find_urgent(
 def confirm(
     contact: Contact, encounters: Encounters, is_matched: np.ndarray, params: Params
 ) -> pd.DataFrame:
-    """Find when a system confirms each pedestrian: `confirm_n` of `confirm_m` frames match.
+    """Find when a system confirms each pedestrian by matching `confirm_n` of `confirm_m` frames.
 
     Parameters
     ----------
@@ -202,7 +205,7 @@ def confirm(
 def judge_time_left(
     urgency: pd.DataFrame, confirmed: pd.DataFrame, frames: FrameColumns, params: Params
 ) -> pd.DataFrame:
-    """Judge whether a system confirmed each urgent pedestrian in time, and the impact speed.
+    """Judge whether a system confirms each urgent pedestrian in time, and compute impact speeds.
 
     Parameters
     ----------
@@ -248,7 +251,9 @@ def judge_time_left(
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """Time left of a system, computed at first access, as most slider moves do not need it.
+    """Results of time left for one system, computed on first access.
+
+    Most slider moves do not need them.
 
     Attributes
     ----------
@@ -263,7 +268,7 @@ class Judgement:
 
     @cached_property
     def time_left(self) -> pd.DataFrame:
-        """Table of `judge_time_left`."""
+        """Result of `judge_time_left`."""
         return judge_time_left(self.urgency, self.confirmed, self.frames, self.params)
 
 
@@ -275,7 +280,7 @@ def curve_over_speed(
     frames: FrameColumns,
     params: Params,
 ) -> pd.DataFrame:
-    """Judge time left at each speed in place of those of recordings and parameters.
+    """Judge time left at each speed of `SPEEDS_KMH` instead of the stated or assumed speed.
 
     Parameters
     ----------
@@ -305,7 +310,7 @@ def curve_over_speed(
 
 
 def turning_speeds(curve: pd.DataFrame, measure: str) -> list[float]:
-    """Return the speeds of a curve at which the other system takes the lead.
+    """Return the speeds of a curve at which the lead passes from one system to the other.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ FEW_URGENT: Final = 10
 
 
 def confirmed(result: Result) -> tuple[Note, ...]:
-    """Return how many urgent encounters each system confirms in time, if any is urgent."""
+    """Return how many urgent encounters X and Y confirm in time, or nothing if none is urgent."""
     n = int(time_left_in(result).is_urgent.sum())
     if not n:
         return ()
@@ -62,7 +62,7 @@ def urgent(result: Result) -> Note | None:
 
 
 def _reasons(result: Result) -> list[Note]:
-    """Return why times to contact are unknown, with counts if there are several reasons."""
+    """Return why times to contact are unknown. Several reasons come with counts."""
     contact = time_left_in(result).contact
     is_unknown = (time_left_in(result).urgency["urgency"] == Urgency.UNKNOWN.value).to_numpy()
     of_reasons = {
@@ -78,7 +78,7 @@ def _reasons(result: Result) -> list[Note]:
 
 
 def speed_of_all(result: Result) -> Note:
-    """Return the speed at which the time left is judged."""
+    """Return the car's speed for which time left is judged."""
     view, kmh = time_left_in(result), result.params.speed_kmh
     if view.assumed_speed_kmh is not None:
         return Note("time_left.speed", kmh=kmh)
@@ -88,7 +88,7 @@ def speed_of_all(result: Result) -> Note:
 
 
 def needed(params: Params) -> Note:
-    """Return what the last chance is with these settings."""
+    """Return how long before contact the last chance to stop is with these settings."""
     return Note(
         "time_left.needed_warning",
         speed_kmh=params.speed_kmh,
@@ -99,13 +99,13 @@ def needed(params: Params) -> Note:
 
 
 def few_urgent(result: Result) -> tuple[Note, ...]:
-    """Return a note if there are urgent encounters, but only few."""
+    """Return a caution if there are only few urgent encounters. Nothing if there are none."""
     n = int(time_left_in(result).is_urgent.sum())
     return (Note("time_left.few_urgent", n=n),) if 0 < n < FEW_URGENT else ()
 
 
 def responses(result: Result, encounters: np.ndarray) -> list[tuple[Note, Note]]:
-    """Return when X and Y confirm urgent encounters, and at which impact speeds.
+    """Return when X and Y confirm each urgent encounter, and the resulting impact speeds.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def last_chance(result: Result, encounter: int) -> Note:
 
 
 def _speed_of(result: Result, encounter: int) -> Note:
-    """Return the speed at the last chance, or else the lowest and highest in the encounter."""
+    """Return the car's speed at the last chance, or its range in an encounter that has none."""
     urgent_row, encounters = time_left_in(result).urgency["urgent_row"], result.encounters
     rows = encounters.frame_index[slice(*encounters.offsets[encounter : encounter + 2])]
     if urgent_row.iloc[encounter] >= 0:
@@ -176,7 +176,9 @@ def _speed_of(result: Result, encounter: int) -> Note:
 
 
 def orders(curve: pd.DataFrame) -> tuple[Note, ...]:
-    """Return who is ahead at which speed, in both measures, if anybody is urgent at any speed.
+    """Return which system is ahead at which speeds, in share in time and in impact speed.
+
+    Nothing if no encounter is urgent at any speed.
 
     Parameters
     ----------
@@ -191,7 +193,10 @@ def orders(curve: pd.DataFrame) -> tuple[Note, ...]:
 def _order(
     curve: pd.DataFrame, measure: Literal["share_in_time", "mean_impact_kmh"], sign: int
 ) -> Note:
-    """Return who is ahead in a measure (`sign` of X - Y where X is ahead)."""
+    """Return which system is ahead in a measure at which speeds.
+
+    `sign` is 1 if higher values are better, else -1.
+    """
     difference = sign * np.nan_to_num(curve[f"{measure}_x"] - curve[f"{measure}_y"])
     apart = np.flatnonzero(np.abs(difference) > 1e-9)
     if not len(apart):

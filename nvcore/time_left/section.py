@@ -45,7 +45,7 @@ OVER_SPEED: Final[dict[OverSpeed, str]] = {
 
 
 def _section(result: Result) -> Section:
-    """Return the urgent encounters up to contact, and both systems over the speed of the car."""
+    """Return the report section on urgent encounters up to contact and on the effect of speed."""
     curve, encounters = time_left_in(result).over_speed, urgent_encounters(result)
     notes = (
         *confirmed(result),
@@ -91,7 +91,7 @@ def _over_speed(result: Result, curve: pd.DataFrame, measure: OverSpeed) -> go.F
 
 
 def by_class(result: Result) -> Table | None:
-    """Return a row for each class of urgent encounters, or None if they have none."""
+    """Return a table of time left by class, or None if no urgent encounter has a class."""
     footnotes = Footnotes()
     rows = [(row.label, *row.cells(footnotes)) for row in time_left_by_class(result)]
     if not rows:
@@ -109,7 +109,7 @@ def by_class(result: Result) -> Table | None:
 
 
 def _listing(result: Result, urgent: pd.DataFrame) -> Table:
-    """Return the urgent encounters with the fastest impacts."""
+    """Return a table of the urgent encounters with the fastest impacts."""
     time_s = result.dataset.frames["time_s"].to_numpy()
     columns: Columns = {
         "Recording": "recording",

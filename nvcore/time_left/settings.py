@@ -1,4 +1,4 @@
-"""Settings of time left: how long contact is off, what a driver needs, what counts as seen."""
+"""Settings of time left: time to contact, time that a driver needs, confirmation of pedestrians."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ RESULTS: Final = (TIME_LEFT,)
 
 @dataclass(frozen=True)
 class TimeLeftSettings:
-    """The part of `nvcore.params.Params` that the time left to brake depends on."""
+    """Settings in `nvcore.params.Params` that time left depends on."""
 
     speed_kmh: float = setting(
         URGENCY,
@@ -115,7 +115,7 @@ class TimeLeftSettings:
     )
 
     def check_together(self) -> None:
-        """Refuse values that do not go together.
+        """Raise an error if values contradict one another.
 
         Raises
         ------

@@ -26,7 +26,7 @@ _MARKUP: Final = re.compile(r"([\\`*_{}\[\]<>()#+.!|$~:&^=@-])")
 
 
 def number(value: float | None, form: str) -> str:
-    """Return the number in this format, with commas between thousands, or a dash if undefined.
+    """Format a number with commas between thousands, or as a dash if it is undefined.
 
     Examples
     --------
@@ -43,7 +43,7 @@ def number(value: float | None, form: str) -> str:
 
 
 def difference(x: float, y: float, form: str) -> str:
-    """Return X - Y with sign, shares in percentage points, or a dash if either is undefined.
+    """Format X - Y with a sign, shares in percentage points. A dash if either is undefined.
 
     It is rounded once, so that it does not depend on the decimals shown for X and Y.
 
@@ -77,7 +77,7 @@ def minus(text: str) -> str:
 
 
 def rounded_form(form: str, width: float) -> str:
-    """Return the format without decimals below the precision of an interval of this width.
+    """Reduce the decimals of a format to what an interval of this width supports.
 
     Examples
     --------
@@ -95,12 +95,12 @@ def rounded_form(form: str, width: float) -> str:
 
 
 def count_text(n: int, noun: str, plural: str | None = None) -> str:
-    """Return a count with its noun: "1 frame", "3,000 frames". Default `plural`: `noun` + s."""
+    """Format a count with its noun: "1 frame", "3,000 frames". Default `plural`: `noun` + s."""
     return f"{n:,} {noun if n == 1 else plural or noun + 's'}"
 
 
 def aligned(rows: Iterable[Sequence[str]]) -> list[str]:
-    """Return rows of cells as lines, the first column left-aligned, the others right-aligned."""
+    """Format rows of cells as lines. The first column is left-aligned, the others right-aligned."""
     shown = [tuple(one_line(cell) for cell in row) for row in rows]
     first, *others = ([*column] for column in zip(*shown, strict=True))
     columns = [[cell.ljust(max(map(len, first))) for cell in first]]
@@ -110,7 +110,7 @@ def aligned(rows: Iterable[Sequence[str]]) -> list[str]:
 
 @dataclass(frozen=True)
 class Footnotes:
-    """Notes below a table, and the marks by which its rows refer to them.
+    """Notes below a table, and the marks in its rows that refer to them.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ class Footnotes:
     marks: dict[str, str] = field(default_factory=dict)
 
     def mark(self, note: str, mark: str = "") -> str:
-        """Return the mark of a note. A new note gets `mark`, or the next letter by default."""
+        """Return a note's mark. A new note gets `mark`, or else the next unused letter."""
         if note not in self.marks:
             n = sum(known.isalpha() for known in self.marks.values())
             n_letters = len(ascii_lowercase)
@@ -129,34 +129,34 @@ class Footnotes:
         return self.marks[note]
 
     def lines(self) -> list[str]:
-        """Return the notes as sentences after their marks: "a: Too few recordings."."""
+        """Return each mark with its note as a sentence, such as "a: Too few recordings."."""
         return [f"{mark}: {capitalised(note)}." for note, mark in self.marks.items()]
 
     def of_row(self, notes: Iterable[str]) -> str:
-        """Return the marks of all notes of a row: "a c"."""
+        """Return the marks of a row's notes as text: "a c"."""
         return " ".join(dict.fromkeys(self.mark(note) for note in notes))
 
 
 def interval_text(low: float, high: float, form: str) -> str:
-    """Return the ends of a difference's interval as in `difference`, or a dash without one."""
+    """Format an interval of a difference as in `difference`, or as a dash if it is undefined."""
     if math.isnan(low) or math.isnan(high):
         return UNDEFINED
     return f"{difference(low, 0, form)} to {difference(high, 0, form)}"
 
 
 def p_value(p: float) -> str:
-    """Return a p for a table: "0.18", "< 0.001"."""
+    """Format a p-value for a table: "0.18", "< 0.001"."""
     return "< 0.001" if p < 0.001 else f"{p:.2g}"
 
 
 def p_text(p: float, p_corrected: float) -> str:
-    """Return p, with the corrected p if it differs: "p = 0.18; 0.6 after correction"."""
+    """Format p, with the corrected p if it differs: "p = 0.18; 0.6 after correction"."""
     own = f"p {'' if p < 0.001 else '= '}{p_value(p)}"
     return own if p == p_corrected else f"{own}; {p_value(p_corrected)} after correction"
 
 
 def percent(share: float) -> str:
-    """Return a share for a sentence, such as ``80 %``."""
+    """Format a share for a sentence, such as ``80 %``."""
     return f"{100 * share:.0f} %"
 
 
@@ -165,7 +165,7 @@ LEAST_HOURLY_S: Final = 600.0
 
 
 def duration_text(seconds: float) -> str:
-    """Return a duration in seconds, minutes or hours: "7.2 s", "90 s", "55 min", "2.4 h"."""
+    """Format a duration in seconds, minutes or hours: "7.2 s", "90 s", "55 min", "2.4 h"."""
     if 1 <= seconds < 10:
         return f"{seconds:.1f}".removesuffix(".0") + " s"
     if seconds < LEAST_HOURLY_S:
@@ -174,12 +174,12 @@ def duration_text(seconds: float) -> str:
 
 
 def capitalised(text: str) -> str:
-    """Return the text as the beginning of a sentence, keeping the capitals of abbreviations."""
+    """Capitalize only the first letter of a text, as at the beginning of a sentence."""
     return text[:1].upper() + text[1:]
 
 
 def listed(words: Sequence[str], *, most: int | None = None) -> str:
-    """Return words as a list in a sentence.
+    """Join words as an enumeration for a sentence.
 
     Parameters
     ----------
@@ -199,7 +199,7 @@ def listed(words: Sequence[str], *, most: int | None = None) -> str:
 
 
 def did_you_mean(name: str, names: Iterable[str], sentence: str) -> str:
-    """Return the closest name as a question, if one is close, and the sentence with all names.
+    """Prepend "did you mean ...?" to a sentence that lists all names, if one name is similar.
 
     A name of several words (``trees_per_round``) is also close if one of its words is.
 
@@ -233,7 +233,7 @@ def one_line(text: str) -> str:
 
 
 def markdown_text(text: object) -> str:
-    r"""Return Markdown that shows the text as it is, on one line, without markup or mentions.
+    r"""Escape a text so that Markdown shows it literally on one line, without mentions.
 
     Examples
     --------
@@ -244,7 +244,7 @@ def markdown_text(text: object) -> str:
 
 
 def shortened(text: str, most: int, *, mark: str = "…") -> str:
-    """Return the text, with its end replaced by the mark if longer than `most` characters.
+    """Truncate the text to `most` characters, ending with the mark if anything is cut off.
 
     Examples
     --------

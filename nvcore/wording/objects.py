@@ -1,4 +1,4 @@
-"""Words of texts for the objects that boxes show.
+"""Words for the annotated objects, for use in templates.
 
 A text that speaks of them is a format template: "{A_one} {whom} nothing matches is missed."
 `nvcore.objects.Objects.say` fills it, once, where the text is made or leaves a table of texts.
@@ -27,7 +27,7 @@ _OF_PEOPLE_AND_THINGS: Final = {
 
 @lru_cache(64)
 def words_for(singular: str, plural: str, *, are_people: bool) -> Mapping[str, str]:
-    """The words of templates, each capitalised as well.
+    """Return the words that templates use for these objects, in lower case and capitalized.
 
     ``one``, ``many``, ``a_one``; ``people``, where that reads better than ``many``; ``short``, for
     labels in figures; and pronouns.

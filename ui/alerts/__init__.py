@@ -1,4 +1,4 @@
-"""The page Alerts, and what it adds to the dashboard."""
+"""The Alerts page, and additions to the rest of the dashboard."""
 
 from typing import Final
 

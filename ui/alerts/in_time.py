@@ -1,4 +1,4 @@
-"""Alerts page: alerts in time for the driver to react, in total and per 100 encounters."""
+"""Alerts page: how often the driver reacts to alerts in time, overall and per 100 encounters."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ from ui.widgets.text import docs_link, number, plain
 
 
 def draw(result: Result) -> None:
-    """Draw shares in time by kind, then a table per 100 encounters (not for speed signs)."""
+    """Draw the shares in time by kind of alert, then a table per 100 urgent encounters.
+
+    Nothing is drawn for speed signs, which are never urgent.
+    """
     if not alerts_in(result).has_urgency:
         return
     st.header("In time for the driver")

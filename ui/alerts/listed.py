@@ -1,4 +1,4 @@
-"""Alerts page: the alerts one by one, beside the viewer."""
+"""Alerts page: a list of alerts to step through, beside the viewer."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ COLUMNS: Final = {
 
 
 def draw(result: Result) -> None:
-    """Draw the alerts of X, Y or both, unwanted ones first, and the chosen one in the viewer."""
+    """Draw a list of alerts, unwanted ones first, with the selected one in the viewer."""
     st.header("One by one")
     view = alerts_in(result)
     alerts = pd.concat([view.of(system) for _, system in result.sides], ignore_index=True)
@@ -101,7 +101,7 @@ def draw_beside_viewer(
     key: str,
     name: str,
 ) -> None:
-    """Draw a table whose rows are viewed one by one, beside the viewer.
+    """Draw a table beside the viewer. The viewer shows the selected row.
 
     Parameters
     ----------
@@ -141,6 +141,6 @@ def draw_beside_viewer(
 
 
 def _go_to(entry: store.Entry[int], rows: list[int], at: int) -> None:
-    """Show the frame in which an entry begins. For callbacks."""
+    """Select an entry and show the frame in which it begins. For callbacks."""
     entry.set(at)
     state.go_to(*state.place_of(rows[at]))

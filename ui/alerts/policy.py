@@ -1,4 +1,4 @@
-"""Alerts page: the policy that turns detections into alerts, and settings without effect."""
+"""Alerts page: choice of the policy that turns detections into alerts, and unused settings."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ui.widgets.text import plain
 
 
 def judged(result: Result) -> Result:
-    """Return the comparison with alerts. If they are off, the set policy makes them.
+    """Return the comparison with alerts, judged by the current policy if alerts are off.
 
     The page can then show alerts before a policy is chosen. The verdict, files and other pages
     stay without them. Speed signs have their own alerts instead.
@@ -40,7 +40,7 @@ def judged(result: Result) -> Result:
 
 
 def find_idle() -> frozenset[str]:
-    """Return the alert settings that change nothing on the page as it is."""
+    """Return the alert settings that do not affect the page in its current state."""
     result = state.result()
     if result is None:
         return frozenset()
@@ -68,7 +68,7 @@ def _settings_of(*stages: Stage) -> set[str]:
 
 
 def own_policies(result: Result) -> dict[str, str]:
-    """Return the policy files of systems that ignore the chosen policy, by letter."""
+    """Return the policy file of each system that has its own and ignores the page's, by letter."""
     inputs = result.dataset.inputs
     files = dict(zip(inputs["conversion"], inputs["file"], strict=True))
     return {
@@ -79,7 +79,7 @@ def own_policies(result: Result) -> dict[str, str]:
 
 
 def draw(result: Result, *, is_asked: bool) -> None:
-    """Draw the named policies and mark the one in use. A click selects another.
+    """Draw buttons for the named policies, marking the one in use.
 
     Parameters
     ----------

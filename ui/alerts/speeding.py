@@ -1,4 +1,4 @@
-"""Alerts page: alerts for drivers above the limit that a system has read from a sign."""
+"""Alerts page: alerts of excessive speed, based on the limits that a system reads from signs."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ COLUMNS: Final = {
 
 
 def draw(result: Result) -> None:
-    """Draw the speed alerts of X and Y, if the objects are speed signs."""
+    """Draw alerts of excessive speed by X and Y, if the objects are speed signs."""
     speeding = alerts_in(result).speeding
     if speeding is None:
         return

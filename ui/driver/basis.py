@@ -1,4 +1,4 @@
-"""Driver page: what an estimate rests on, what it was not trained on, why there is none."""
+"""Driver page: what an estimate is based on, what it was not trained on, or why it is missing."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ NO_FEATURE: Final = "a feature that the estimator needs is not known in any of t
 def why_unknown(
     part: RecordingFeatures | None, features: pd.DataFrame | None, *, has_run: bool
 ) -> str:
-    """Say why a pedestrian's detectability is known in no frame.
+    """Explain why a pedestrian's detectability is unknown in all frames.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def why_unknown(
 
 
 def period_words(run: EstimateRun, period_s: float) -> str:
-    """Return the adaptation periods of regressions, such as "7.5 s" or "3 and 4.5 s".
+    """Format the adaptation periods of the regressions in use, such as "7.5 s" or "3 and 4.5 s".
 
     Parameters
     ----------
@@ -65,12 +65,12 @@ def period_words(run: EstimateRun, period_s: float) -> str:
 
 
 def longest_words(run: EstimateRun) -> str:
-    """The longest period, "7.5 s": that of adapted eyes."""
+    """Format the longest adaptation period, such as "7.5 s". After it, eyes are adapted."""
     return f"{run.estimator.periods_s[-1]:g}{NO_BREAK}s"
 
 
 def outside_words(run: EstimateRun, features: pd.Series, period_s: float) -> list[str]:
-    """List the features outside of the training range, with value and range.
+    """List the features outside of the training range, each with its value and the range.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def outside_words(run: EstimateRun, features: pd.Series, period_s: float) -> lis
 def _beyond(
     estimator: Estimator, row: int, values: np.ndarray
 ) -> list[tuple[int, float, float, float]]:
-    """Column, value and range of each feature that a regression takes and that is outside."""
+    """Return column, value and range of each feature outside of a regression's training range."""
     taken = estimator.regressions[row]
     is_outside = taken.outside(values[np.newaxis])[0]
     ranges = zip(taken.columns.tolist(), taken.low.tolist(), taken.high.tolist(), strict=True)
@@ -104,7 +104,10 @@ def _beyond(
 
 
 def _range_words(value: float, low: float, high: float) -> str:
-    """Value and range, "9.6, trained on 12.0 to 80.0", in digits enough to tell them apart."""
+    """Format a value and its range, such as "9.6, trained on 12.0 to 80.0".
+
+    The decimals suffice to tell the value from the range.
+    """
     bound = low if value < low else high
     digits = 1
     while digits < MOST_DIGITS and f"{value:.{digits}f}" == f"{bound:.{digits}f}":

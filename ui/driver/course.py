@@ -1,4 +1,4 @@
-"""Driver page: the chosen pedestrian in the picture and over time, with the light meanwhile."""
+"""Driver page: the selected pedestrian in the picture and over time, with the light level."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ NOT_KNOWN: Final = "In no frame is it known how detectable this {one} is"
 
 
 def draw(result: Result, encounter: int) -> None:
-    """Draw the pedestrian, starting at the frame by which the driver has to see them."""
+    """Draw the selected pedestrian, at first in the frame by which the driver must see them."""
     course = detectability_course(result, encounter)
     name = state.workspace().n_opened, name_of(result, encounter)
     is_new = store.DRIVER_SHOWN.get()[0] != name
@@ -63,14 +63,14 @@ def draw(result: Result, encounter: int) -> None:
 
 
 def first_shown(course: pd.DataFrame) -> int:
-    """Return the first relevant row, or the first row of a distant encounter."""
+    """Return the frame row to show first: the first relevant one, or else the first of all."""
     before = course["row"][course["is_up_to_relevant"]]
     return int(before.iloc[-1] if len(before) else course["row"].iloc[0])
 
 
 @st.fragment
 def _draw_moving(result: Result, encounter: int, course: pd.DataFrame) -> None:
-    """Draw the parts that show the current frame. A click in one part moves all."""
+    """Draw the parts of the page that follow the current frame. A click in one moves all."""
     if chosen_encounter(result) != store.DRIVER_SHOWN.get()[1]:  # another was chosen in the picture
         st.rerun()
     settled = compared_viewer.settled(KEY)
@@ -117,7 +117,7 @@ def _draw_moving(result: Result, encounter: int, course: pd.DataFrame) -> None:
 
 
 def _look() -> Look:
-    """Visible light, unless something else than a recording's own pictures was chosen."""
+    """Return the chosen look of the viewer, with visible light in place of the default picture."""
     chosen = look()
     return chosen._replace(picture="visible") if chosen.picture == "own" else chosen
 
@@ -134,7 +134,7 @@ def _clock(result: Result, recording: int, change: tunnel.Change | None) -> Adap
 
 
 def _visible(recording: int, clock: AdaptationClock | None) -> VisiblePictures | None:
-    """Return the setting of the page's own switch, ignoring that of the viewer."""
+    """Return the recording's visible pictures with the light that this page knows or simulates."""
     visible = visible_of(recording)
     if visible is None:
         return None

@@ -1,4 +1,4 @@
-"""The driver on the page Encounters and in tables: a filter, its first columns, their looks."""
+"""Additions of the driver to the Encounters page and to tables: filter, columns, formats."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ui.widgets.text import plain
 
 
 def draw_head(result: Result, encounter: int) -> None:
-    """Draw whether the driver sees the pedestrian, if it is known."""
+    """Draw a line on whether the driver sees the pedestrian, if this is known."""
     if sight := describe_sight(result, encounter):
         st.markdown(f":material/visibility: {plain(sight)}")
 

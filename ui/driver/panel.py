@@ -1,4 +1,4 @@
-"""Driver page, beside the picture: features and estimate of the pedestrian on the frame."""
+"""Driver page, beside the picture: the pedestrian's features and estimate in the current frame."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def draw(
     is_estimated: bool = False,
     has_run: bool = False,
 ) -> None:
-    """Draw the facts about the pedestrian on the current frame.
+    """Draw what is known about the pedestrian in the current frame.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def draw(
 
 
 def _draw_features(features: pd.DataFrame | None, at: int, why_none: str) -> None:
-    """The eight features in this row of the course, or why they are not known."""
+    """Draw the eight features of one row of the course, or why they are unknown."""
     st.markdown(f"**{docs_link('Features', 'features', doc='driver-reference')}**")
     if features is None:
         st.caption(why_none)
@@ -108,7 +108,7 @@ def _draw_features(features: pd.DataFrame | None, at: int, why_none: str) -> Non
 
 
 def _by(run: EstimateRun | None, part: pd.Series | None) -> str:
-    """Return the name of the estimator after a comma, or "" if it is not known."""
+    """Return ", estimator of 7.5 s" with the adaptation period, or "" if it is unknown."""
     if run is None or part is None:
         return ""
     return f", estimator of {basis.period_words(run, part['period_s'])}"
@@ -117,7 +117,7 @@ def _by(run: EstimateRun | None, part: pd.Series | None) -> str:
 def _draw_outside(
     estimate: pd.Series, own: pd.Series | None, would: pd.Series | None, run: EstimateRun | None
 ) -> None:
-    """Draw how many features are outside of the training range, and which."""
+    """Draw a warning for estimates from features outside of the training range, and name these."""
     parts = {"Detectability": estimate} | ({} if would is None else {"After the change": would})
     for name, part in parts.items():
         if not part["is_outside"]:
@@ -132,7 +132,10 @@ def _draw_outside(
 
 
 def _has_no_period(own: pd.Series | None, clock: AdaptationClock | None) -> bool:
-    """Whether no change of light is known before the frame, by the run, else by the clock."""
+    """Whether no change of light is known before the frame.
+
+    The run tells, or without a run the clock.
+    """
     if own is not None:
         return bool(np.isnan(own["period_s"]))
     return clock is not None and bool(np.isnan(clock.period_s[state.row()]))

@@ -1,4 +1,4 @@
-"""Driver page: encounters by who sees them, of driver, X and Y, as a figure and in words."""
+"""Driver page: encounters by whether driver, X and Y see them, as a diagram and in words."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ COLUMNS: Final = {
 
 
 def draw(result: Result) -> DriverRegion | None:
-    """Draw the diagram and its regions, and return the selected one, None for all."""
+    """Draw the diagram and a list of its regions. Return the selected region, or None for all."""
     left, right = st.columns([2, 3], gap="medium")
     names = result.x.name, result.y.name
     with left:
@@ -65,7 +65,7 @@ def draw(result: Result) -> DriverRegion | None:
 
 
 def draw_over_threshold(result: Result) -> None:
-    """Draw whom the driver sees and what that leaves to X and Y over the threshold, folded."""
+    """Plot what the driver leaves to X and Y against the detectability threshold, folded."""
     with st.expander("Over the threshold"):
         figure = driver_threshold_plot(
             over_driver_threshold(result),

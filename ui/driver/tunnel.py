@@ -1,4 +1,4 @@
-"""Driver page: a change of light that never was, at a time of the recording."""
+"""Driver page: simulation of a change of light at some time of the recording."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MOST_KEPT: Final = 64
 
 
 class Change(NamedTuple):
-    """A simulated change of light: when, and what would be, row by row of the course."""
+    """Time of a simulated change of light, and resulting estimates for each row of the course."""
 
     time_s: float
     estimates: pd.DataFrame
@@ -30,7 +30,7 @@ class Change(NamedTuple):
 def draw(
     result: Result, course: pd.DataFrame, features: pd.DataFrame | None, *, is_estimated: bool
 ) -> Change | None:
-    """Draw switch and time, and return the simulated change, or None if there is none.
+    """Draw the controls, and return the simulated change of light, or None if it is switched off.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def draw(
 
 
 def _begin_here() -> None:
-    """The change is at the frame that is shown, until the slider says another time."""
+    """Start the change of light at the shown frame. Moving the slider overrides this."""
     time_s = state.opened().dataset.frames["time_s"].to_numpy()[state.row_in_all()]
     store.TUNNEL_S.set(float(time_s))
 
@@ -114,7 +114,7 @@ def _missing(known: OpenedRun | None, features: pd.DataFrame | None, *, is_estim
 def _estimates(
     known: OpenedRun, course: pd.DataFrame, features: pd.DataFrame, fps: float, change_s: float
 ) -> pd.DataFrame:
-    """Simulate by the estimator of the run, in its confined process."""
+    """Simulate the change of light with the run's estimator, in its sandboxed process. Cached."""
     space = state.workspace()
     end_s = course["time_s"].to_numpy(np.float64) + 1 / fps
     clock = clock_of(state.recording())

@@ -1,4 +1,4 @@
-"""Encounters page: who detects the encounters of each class."""
+"""Encounters page: who detects the encounters in each class."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ui.widgets.text import docs_link
 
 
 def draw(result: Result) -> None:
-    """Draw a row for each class."""
+    """Draw a table with a row for each class of encounters."""
     key = comparison_key(result)
     table = state.cached("by_class", key, lambda: by_class(result), most=8)
     if table is None:

@@ -1,4 +1,4 @@
-"""Encounters page: one encounter beside the list, with picture, time missed and reasons."""
+"""Encounters page: details of one encounter beside the list, with picture and explanations."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ OF_VISIBLE: Final = ("visible", "blended")
 
 
 def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
-    """Draw the encounter, with buttons to the previous and the next one."""
+    """Draw one encounter, with buttons to the previous and next ones."""
     selection.draw_steps(listed, encounter)
     row = listed.iloc[selection.place_of(listed, encounter)]
     st.header(f"{state.say('{One}')} {row['track']} in {plain(row['recording'])}")
@@ -69,7 +69,7 @@ def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
 
 
 def _who_missed(result: Result, row: pd.Series[Any], names: Mapping[str, str]) -> str:
-    """Return how long each system misses the pedestrian while they count, and the severity."""
+    """Return how long each system misses the relevant pedestrian, and the severity, as Markdown."""
     times = encounter_time(result, int(str(row.name)))
     if not times.relevant_s:
         return ""
@@ -85,7 +85,7 @@ def _who_missed(result: Result, row: pd.Series[Any], names: Mapping[str, str]) -
 
 
 def _both(row: pd.Series[Any], names: Mapping[str, str]) -> pd.DataFrame:
-    """Return the results of both systems for one encounter, side by side, as text."""
+    """Return a table of both systems' results for one encounter, as text."""
     columns = {}
     for letter in "xy":
         matched, coverage = row[f"matched_{letter}"], row[f"coverage_{letter}"]
@@ -110,7 +110,7 @@ def _seconds(value: float) -> str:
 def _draw_ways(
     result: Result, row: pd.Series[Any], moments: pd.Series[Any], names: Mapping[str, str]
 ) -> None:
-    """Draw buttons to the frames that are worth seeing."""
+    """Draw buttons that open the most informative frames of the encounter."""
     frames = result.dataset.frames
     shown_row = int(moments["shown_row"])
     if button(
@@ -136,7 +136,7 @@ def _draw_ways(
 
 
 def _why(result: Result, row: pd.Series[Any], shown_row: int, is_missed: bool) -> str:
-    """Return the reason why this frame is shown."""
+    """Return why the picture shows this frame of the encounter."""
     if not is_missed:
         return "where the encounter begins to count"
     x, y = row["severity_s_x"], row["severity_s_y"]
@@ -153,7 +153,7 @@ def _why(result: Result, row: pd.Series[Any], shown_row: int, is_missed: bool) -
 def _draw_picture(
     result: Result, encounter: int, described: pd.Series[Any], moments: pd.Series[Any]
 ) -> None:
-    """Draw the part of a frame around the pedestrian. Without pictures, draw boxes on a blank.
+    """Draw the part of a frame around the pedestrian. Without pictures, draw boxes on a blank area.
 
     The picture is the recording's own or of visible light, as chosen here or in a viewer.
     """

@@ -1,4 +1,4 @@
-"""Encounters page: how encounters are missed, whether by both, and what a fusion would bring."""
+"""Encounters page: how encounters are missed, whether by both systems, and effects of fusion."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MANY_BOXES: Final = 300_000
 
 
 def draw_classes(result: Result, encounters: pd.DataFrame) -> None:
-    """Miss classes and lead time of the encounters that pass the filters."""
+    """Draw miss classes and lead times of the encounters that pass the filters."""
     names, theme = (result.x.name, result.y.name), state.theme()
     left, right = st.columns(2, gap="medium")
     with left:
@@ -54,7 +54,7 @@ def _choose_class(clicked: Clicked) -> None:
 
 
 def draw_exclusivity(result: Result) -> None:
-    """Draw whether both miss the same pedestrians: in words, and class against class."""
+    """Draw whether X and Y miss the same pedestrians: in words, and as a table of miss classes."""
     x, y = map(plain, short_names(result).values())
     st.markdown(
         "\n".join(f"- {plain(state.say(fact))}" for fact in misses(result)),
@@ -91,7 +91,7 @@ def _choose_pair(kinds: list[str], row: int, column: str) -> None:
 
 
 def draw_fusion(result: Result) -> None:
-    """Draw what ``X or Y`` and ``X and Y`` would gain and cost."""
+    """Draw what fusing X and Y (``X or Y``, ``X and Y``) would gain and cost."""
     if len(result.dataset.boxes) >= MANY_BOXES and not st.toggle(
         "Work it out",
         key="encounters_fuse",

@@ -1,4 +1,4 @@
-"""Encounters page: filters for the encounters to list and draw."""
+"""Encounters page: filters that select the encounters to list and plot."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ MOST_WORDS: Final = 80
 
 @dataclass(frozen=True)
 class Filters:
-    """Filters by columns of ``encounters.csv`` (empty or None: keep all).
+    """Criteria on columns of ``encounters.csv``. Empty or None accepts all rows.
 
     A range may be open at one end, which is then infinite.
 
@@ -66,7 +66,7 @@ class Filters:
     least_severity_s: float = 0.0
 
     def keep(self, encounters: pd.DataFrame, of_subjects: Mapping[str, np.ndarray]) -> pd.DataFrame:
-        """Return the rows of `nvcore.tables.result.encounters_table` that pass, with their index.
+        """Return the rows of `nvcore.tables.result.encounters_table` that pass, keeping the index.
 
         Parameters
         ----------
@@ -104,23 +104,23 @@ class Filters:
 
 
 def class_names(encounters: pd.DataFrame) -> list[str]:
-    """Return the sorted classes in rows of `nvcore.tables.result.encounters_table`."""
+    """Return the sorted class names in rows of `nvcore.tables.result.encounters_table`."""
     texts = encounters["classes"].unique()
     return sorted({name for text in texts for name in str(text).split(CLASS_SEPARATOR) if name})
 
 
 def _filter(name: str) -> Entry[Any]:
-    """Return the value of a filter's widget, which other data with other ranges do not share."""
+    """Return the store entry of a filter's widget. Each opened data set has its own."""
     return store.ENCOUNTER_FILTER.of(f"{name}_{state.workspace().n_opened}")
 
 
 def _wish(name: str) -> Entry[Any]:
-    """Return the value set for a filter, which may lie outside of what is listed."""
+    """Return the store entry for a filter's intended value, which may exceed the listed range."""
     return store.FILTER_WISH.of(f"{name}_{state.workspace().n_opened}")
 
 
 def possible(result: Result) -> dict[str, tuple[str, ...]]:
-    """Return the choices of the filters that subjects add, by name (none if not applicable)."""
+    """Return the choices of each filter that subjects add, by name. () if it does not apply."""
     return {
         name: tuple(known.choices) if known.applies(result) else ()
         for name, known in OF_SUBJECTS.items()
@@ -128,14 +128,14 @@ def possible(result: Result) -> dict[str, tuple[str, ...]]:
 
 
 def draw(result: Result, encounters: pd.DataFrame) -> tuple[Filters, pd.DataFrame]:
-    """Draw the filters. Return them and the encounters that pass."""
+    """Draw the filters, and return them with the encounters that pass."""
     filters = _draw_widgets(encounters, possible(result), short_names(result))
     values = {name: OF_SUBJECTS[name].values(result) for name in filters.of_subjects}
     return filters, filters.keep(encounters, values)
 
 
 def draw_count(filters: Filters, n_matching: int, n_all: int) -> None:
-    """Draw the number of encounters that pass, the filters in use, and a button to clear them."""
+    """Draw the number of encounters that pass, active filters, and a button that clears these."""
     words = "; ".join(in_words(filters))
     used = f" · {plain(shortened(words, MOST_WORDS))}" if words else ""
     st.markdown(
@@ -154,7 +154,7 @@ def draw_count(filters: Filters, n_matching: int, n_all: int) -> None:
 
 
 def in_words(filters: Filters) -> list[str]:
-    """Return the filters in use, in words, that are hidden while folded."""
+    """Describe the active filters that the folded panel hides."""
     words = [
         f"{name} {', '.join(chosen)}"
         for name, chosen in (
@@ -187,7 +187,7 @@ def _range_words(span: tuple[float, float]) -> str:
 
 
 def take(filters: Filters) -> None:
-    """Set the widgets to these filters, before they are drawn."""
+    """Set the widgets to these filters. Call this before the widgets are drawn."""
     clear_filters()
     lists = {
         "category": filters.categories,
@@ -209,7 +209,7 @@ def take(filters: Filters) -> None:
 
 
 def set_classes(x: str | None, y: str | None) -> None:
-    """List only the encounters of these miss classes (None: all). For callbacks."""
+    """Set the filters to these miss classes of X and Y. None accepts all. For callbacks."""
     clear_filters()
     for name, classes in (("class_x", x), ("class_y", y)):
         _filter(name).set([] if classes is None else [classes])
@@ -217,7 +217,7 @@ def set_classes(x: str | None, y: str | None) -> None:
 
 
 def clear_filters() -> None:
-    """List all encounters. For callbacks."""
+    """Clear all filters. For callbacks."""
     for name in LISTS:
         _filter(name).set([])
     for name in (*LISTS, *RANGES, "severity"):
@@ -332,7 +332,7 @@ def _draw_widgets(
 
 
 def _choose(known: EncounterFilter, choices: Sequence[str]) -> Sequence[str]:
-    """Draw a filter that a subject adds, and return its choices (none: all)."""
+    """Draw a filter that a subject adds, and return the selected choices. Empty: all pass."""
     chosen: Sequence[str] = st.pills(
         known.label,
         choices,
@@ -347,7 +347,7 @@ def _choose(known: EncounterFilter, choices: Sequence[str]) -> Sequence[str]:
 
 
 def _least_severity(place: DeltaGenerator, encounters: pd.DataFrame) -> float:
-    """Draw a slider from 0 (lists all) to the largest severity, and return its value."""
+    """Draw a slider for the least severity, and return its value. 0 lists all encounters."""
     largest = np.nanmax(
         encounters[["severity_s_x", "severity_s_y"]].to_numpy(dtype=float), initial=0.0
     )
@@ -382,7 +382,7 @@ def _range(
     step: float,
     text: str,
 ) -> tuple[float, float] | None:
-    """Draw a slider with two handles. Return its range, or None if it cuts nothing off."""
+    """Draw a slider with two handles. Return its range, or None if it excludes nothing."""
     values = values[np.isfinite(values)]
     if not len(values):
         return None
@@ -409,7 +409,7 @@ def _range(
 
 
 def _give(name: str, unset: tuple[float, ...], limits: tuple[float, float]) -> tuple[float, ...]:
-    """Set a slider to its wish, clipped to limits that follow tags and other settings."""
+    """Set a slider to the intended value, clipped to limits that depend on the data."""
     low, high = limits
     wanted = _wish(name).get() or unset
     inside = tuple(min(max(end, low), high) for end in wanted)
@@ -423,7 +423,9 @@ def _give(name: str, unset: tuple[float, ...], limits: tuple[float, float]) -> t
 def _set(
     name: str, before: tuple[float, ...], ends: tuple[float, ...], unset: tuple[float, ...]
 ) -> None:
-    """Keep the handles that were moved. A handle at its end sets nothing. For callbacks.
+    """Store the slider's moved handles as intended values. For callbacks.
+
+    A handle at its end sets no limit.
 
     Parameters
     ----------
@@ -444,7 +446,7 @@ def _set(
 
 
 def _choose_among(name: str, names: Sequence[str]) -> None:
-    """Keep choices that the list still has, and set the others aside until it has them again."""
+    """Deselect choices that the list lacks now, and reselect them when the list has them again."""
     choice, wish = _filter(name), _wish(name)
     chosen, waiting = choice.get() or [], wish.get() or []
     if not {*chosen} <= {*names} or not {*waiting}.isdisjoint(names):

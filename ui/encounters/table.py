@@ -1,4 +1,4 @@
-"""Encounters page: the list, its order, and a map of all listed encounters."""
+"""Encounters page: the list, its sort order, and a map of all listed encounters."""
 
 from __future__ import annotations
 
@@ -41,18 +41,18 @@ BY_SEVERITY: Final = "Severity, the larger of both"
 
 
 def order() -> Order:
-    """Return the chosen order."""
+    """Return the current sort order."""
     return Order(store.ENCOUNTER_ORDER.get() or SEVERITY, store.IS_DESCENDING.get())
 
 
 def take_order(chosen: Order) -> None:
-    """Sort in this order from now on."""
+    """Set the sort order."""
     store.ENCOUNTER_ORDER.set(chosen.by)
     store.IS_DESCENDING.set(chosen.is_descending)
 
 
 def draw_order() -> Order:
-    """Draw the choice of column and direction for sorting the list, and return the order."""
+    """Draw the controls of the sort order, and return it."""
     with st.container(horizontal=True, vertical_alignment="bottom", gap="small"):
         st.selectbox(
             "Sort by",
@@ -76,7 +76,7 @@ def draw_order() -> Order:
 
 
 def draw_switch() -> None:
-    """Draw the switch for all columns, away from the tools that appear above the table."""
+    """Draw the switch that shows all columns, apart from the tools above the table."""
     st.toggle(
         "All columns",
         key=store.ALL_COLUMNS.key,
@@ -86,7 +86,7 @@ def draw_switch() -> None:
 
 
 def draw(listed: pd.DataFrame, encounter: int) -> None:
-    """Draw the list, with the row of this encounter selected."""
+    """Draw the list of encounters, with this encounter's row selected."""
     added = [name for name in chain(*contributed("ENCOUNTER_COLUMNS")) if name in listed]
     at_category = FIRST_COLUMNS.index("category") + 1  # after the category
     first = [*FIRST_COLUMNS[:at_category], *added, *FIRST_COLUMNS[at_category:]]
@@ -111,7 +111,7 @@ def draw(listed: pd.DataFrame, encounter: int) -> None:
 
 
 def _sort(by: str) -> None:
-    """Sort by the clicked heading, or reverse the order if it is already sorted by it."""
+    """Sort by the clicked heading. If the list is sorted by it already, reverse the order."""
     before = order()
     take_order(Order(by, not before.is_descending if before.by == by else True))
 

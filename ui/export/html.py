@@ -1,4 +1,4 @@
-"""Export page: the whole comparison as one HTML file, made in the background."""
+"""Export page: the whole comparison as an HTML file, written in the background."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ LABELS: Final = {
 
 @dataclass(frozen=True)
 class ReportKey:
-    """Inputs of a report. `with_map` None: stability maps only for few frames."""
+    """Inputs that determine a report. `with_map` None: stability maps only for few frames."""
 
     version: str
     params: Params
@@ -54,7 +54,7 @@ class ReportKey:
 
 
 def draw(result: Result) -> None:
-    """Draw the contents of the report, the button, and the progress."""
+    """Draw what the report contains, the button that writes it, and the progress."""
     st.header("Report to share")
     st.markdown(
         "One HTML file with verdict, charts, evidence frames, tables, all parameters and hashes of "
@@ -96,7 +96,7 @@ def draw(result: Result) -> None:
 
 
 def _ask_for_map(result: Result) -> bool | None:
-    """Ask for the stability maps. Return None for few frames, which always have them."""
+    """Draw the switch for stability maps, and return its value. Few frames: no switch, None."""
     if len(result.dataset.frames) <= AT_ONCE:
         return None
     return st.toggle(
@@ -108,7 +108,7 @@ def _ask_for_map(result: Result) -> bool | None:
 
 
 def _ask_for_first_page() -> Inscription:
-    """Ask for the author's text on the first page."""
+    """Draw fields for title, author and the like on the first page, and return their content."""
     store.HTML_DATE.setdefault(date.today().isoformat())
     with st.expander("Title, author, question and date on its first page"):
         texts = {
@@ -134,7 +134,7 @@ def _start(result: Result, key: ReportKey) -> None:
 
 
 def shown_result(result: Result, public: Callable[[object], str]) -> Result:
-    """Return the result with `public` file names and notes, without folders of the machine."""
+    """Return the result with file names and notes made `public`, hiding folders of the machine."""
     named = with_public_names(result, public)
     notes = tuple(public(note) for note in result.dataset.notes)
     return replace(named, dataset=replace(named.dataset, notes=notes))
@@ -149,7 +149,7 @@ def start_job(
     path: Path,
     pictures: RecordingPictures,
 ) -> FileJob:
-    """Start writing. The job ends when the session ends or opens something else."""
+    """Start writing the report. Closing the session or opening other data cancels the job."""
 
     def write(progress: Progress) -> None:
         write_html_report(

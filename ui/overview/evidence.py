@@ -1,4 +1,4 @@
-"""Overview page: significance of the differences, and differences by group."""
+"""Overview page: significance of the differences, overall and by group of encounters."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ HEAD: Final = ("X", "Y", "X − Y", "95 % interval", "p", "p (corrected)", "effe
 
 
 def draw(result: Result, evidence: pd.DataFrame) -> None:
-    """Draw the table of evidence."""
+    """Draw a table of the evidence for each measure."""
     evidence = as_shown(result, evidence)
     rows, notes = shown_evidence(result, evidence)
     head = (*HEAD, SETTING) if are_unequal(result) else HEAD
@@ -66,7 +66,7 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
 
 @st.fragment
 def draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
-    """Draw one measure for groups of encounters, and the choice of the measure."""
+    """Draw the choice of a measure, and its difference in each group of encounters."""
     evidence = as_shown(result, evidence)
     labels = dict(zip(evidence["figure"], evidence["label"], strict=True))
     keys = [key for key in EVIDENCE_KEYS if key in labels]
@@ -115,7 +115,10 @@ def draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
 def shown_evidence(
     result: Result, evidence: pd.DataFrame
 ) -> tuple[list[MeasureRow], dict[str, str]]:
-    """Return the rows of evidence (dashes for missing values), and footnotes with their marks."""
+    """Return the rows of the evidence table, and the mark of each footnote.
+
+    Missing values are dashes.
+    """
     rows: list[MeasureRow] = []
     footnotes = Footnotes()
     for row in evidence.to_dict("records"):

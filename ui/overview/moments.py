@@ -1,4 +1,4 @@
-"""Overview page: the worst moments of each system and where the two differ most."""
+"""Overview page: the worst moments of each system, and those in which X and Y differ most."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ N_MOMENTS: Final = 4
 
 
 def draw(result: Result) -> None:
-    """A row of moments for each kind; a button opens the frame."""
+    """Draw the moments of the selected kind side by side, each with a button to its frame."""
     theme = state.theme()
     st.caption(
         state.say(
@@ -82,7 +82,7 @@ def draw(result: Result) -> None:
 
 
 def worst_windows(result: Result) -> None:
-    """What each recording loses and its worst window; a click opens the frame in its middle."""
+    """Draw a table of each recording's worst window. A click opens the frame in its middle."""
     table = windows_table(result)
     if table.empty:
         st.info("There is no evaluated frame.")
@@ -107,12 +107,15 @@ def worst_windows(result: Result) -> None:
 
 
 def _ask_for_window(table: pd.DataFrame, row: int, column: str) -> None:
-    """Remember the frame that was clicked: pages are opened only while one is drawn."""
+    """Store the clicked frame until the page is drawn, as callbacks cannot open pages."""
     store.WINDOW_ROW.set(window_row(table, row, column))
 
 
 def window_row(table: pd.DataFrame, row: int, column: str) -> int:
-    """Frame to open for a click: of the column's system, else of the one whose window is worse."""
+    """Return the frame that a click opens, as a row of the frames table.
+
+    It is the middle of the worst window of the column's system, or else of the worse system.
+    """
     values = table.iloc[row]
     letter = column[-1:] if column in WINDOW_COLUMNS and column != "recording" else ""
     if not letter:
@@ -121,7 +124,7 @@ def window_row(table: pd.DataFrame, row: int, column: str) -> int:
 
 
 def _window_column(name: str, result: Result) -> TableColumn:
-    """Heading, format and help of a column; the systems' columns end with their letter."""
+    """Return heading, format and help of a column. Columns of a system end with its letter."""
     if name == "recording":
         return TableColumn("Recording", is_head=True)
     (label, form, text), letter = WINDOW_COLUMNS[name], name[-1].upper()
@@ -163,7 +166,9 @@ def _thumbnail(result: Result, moment: Mapping[Hashable, Any]) -> bytes | None:
 
 
 def named_box(result: Result, moment: Mapping[Hashable, Any]) -> np.ndarray | None:
-    """Box of the pedestrian whom the moment's reason names, px; None: nobody, or not in its frame.
+    """Return the box (px) of the pedestrian named in a moment's reason.
+
+    None if the reason names nobody, or the moment's frame does not show them.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Overview page: sections for questions that the first two screens leave, one at a time."""
+"""Overview page: further sections below the first two screens, one at a time."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ PARTS: Final = {
 
 
 def draw(result: Result, measured: pd.DataFrame, companions: Companions | None) -> None:
-    """Draw the chosen section."""
+    """Draw the choice of sections, and the selected section."""
     match look_closer(PARTS, store.OVERVIEW_PART, on_change=_note_question):
         case "moments":
             moments.draw(result)

@@ -1,4 +1,4 @@
-"""Overview page: number of recordings that would show a difference, computed when unfolded."""
+"""Overview page: how many recordings would show a difference, computed on request."""
 
 from __future__ import annotations
 
@@ -47,13 +47,13 @@ class _Answer(NamedTuple):
 
 
 def known_plan(result: Result) -> tuple[Note, ...]:
-    """Return the verdict's notes on more recordings (empty until a plan was computed)."""
+    """Return the verdict's notes on recordings still needed, or () before a plan is computed."""
     notes: tuple[Note, ...] | None = state.known("verdict_plan", comparison_key(result))
     return notes or ()
 
 
 def draw(result: Result, evidence: pd.DataFrame, companions: Companions | None) -> None:
-    """Draw the question, the button that computes the answer, and the answer."""
+    """Draw the controls of a study plan, and the plan once it is computed."""
     if not evidence["unit"].isin(WHOLE).any():
         n_independent, _ = count_whole(result.dataset)
         reason = too_few_for_pilot(count_recordings(result), n_independent)
@@ -72,7 +72,7 @@ def draw(result: Result, evidence: pd.DataFrame, companions: Companions | None) 
 
 
 def _ask(result: Result, evidence: pd.DataFrame) -> PlanArguments | None:
-    """Draw the question and return it, or None while a margin is missing."""
+    """Draw the inputs of a study plan and return them, or None while a margin is missing."""
     labels = dict(zip(evidence["figure"], evidence["label"], strict=True))
     question = choose_side_by_side("Question", QUESTIONS, "plan_question", default=DIFFERENCE)
     left, right = st.columns(2, vertical_alignment="bottom")

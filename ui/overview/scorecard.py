@@ -1,4 +1,4 @@
-"""Overview page: the scorecard, and the recordings side by side."""
+"""Overview page: the scorecard, and a comparison by recording."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ui.widgets.text import docs_link, plain
 
 
 class Scorecard:
-    """Scorecard that can be redrawn when the intervals are known.
+    """Scorecard that is drawn at once and redrawn when the intervals are known.
 
     Until it is drawn, its place shows the content of the last run. A run that ends early leaves
     the page as it is.
@@ -44,7 +44,7 @@ class Scorecard:
                 _draw_classes(result)
 
     def draw(self, evidence: pd.DataFrame | None) -> None:
-        """Draw the table. With evidence, leave out decimals that the intervals do not support."""
+        """Draw the table. With evidence, omit decimals that the intervals do not support."""
         leading = pick_rows(self._result, self._rows, LEADING)
         self._place = self._place.html(self._table(evidence, leading, "scorecard"))
         if self._whole is not None:
@@ -65,7 +65,7 @@ class Scorecard:
 
 
 def _widths(evidence: pd.DataFrame) -> dict[str, float]:
-    """Return the width of each difference's 95 % interval, by measure key."""
+    """Return the width of each measure's 95 % interval of the difference, by key."""
     widths = evidence["high"] - evidence["low"]
     return dict(zip(evidence["figure"], widths, strict=True))
 
@@ -88,7 +88,7 @@ def _help(result: Result) -> str:
 
 
 def _draw_classes(result: Result) -> None:
-    """Draw the outcomes of the near encounters, by miss class."""
+    """Draw the number of near encounters by miss class."""
     st.markdown(f"How the {result.venn.n_near:,} encounters went")
     rows = [
         score_row(row, is_short=result.is_short)
@@ -98,7 +98,7 @@ def _draw_classes(result: Result) -> None:
 
 
 def _rule(result: Result) -> str:
-    """Return the rule for matching a detection, and the result if it does not match."""
+    """Explain when a detection matches, and how it counts if it does not."""
     params = result.params
     how = (
         state.say("{whom} it overlaps by an IoU of {iou:g} or more", iou=params.iou)
@@ -116,7 +116,7 @@ def _rule(result: Result) -> str:
 
 
 def by_recording(result: Result) -> None:
-    """Draw the mean similarity of each recording as paired points. A click opens it."""
+    """Plot each recording's mean similarity for X and Y. A click opens the recording."""
     names = (result.x.name, result.y.name)
     if count_recordings(result) == 1:
         x, y = (f"{system.summary.mean:.3f}" for _, system in result.sides)

@@ -1,4 +1,4 @@
-"""Overview page: the comparison in four tiles, as HTML."""
+"""Overview page: four summary tiles as HTML."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MAX_NAME: Final = 5
 
 
 def tiles_html(tiles: Sequence[Tile], objects: Objects, names: Mapping[str, str]) -> str:
-    """Return tiles in a row. Their height is the same with and without an interval.
+    """Return the HTML of tiles in a row. Their height does not depend on having an interval.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def _tile(tile: Tile, objects: Objects, names: Mapping[str, str]) -> str:
 
 
 def _bar(tile: Tile) -> str:
-    """Return the interval as a bar. Right of the middle X is better, for every measure."""
+    """Return an interval as an HTML bar. X is better right of the middle, for any measure."""
     if tile.bar is None:
         return '<div class="bar"></div>'
     low, middle, high = (100 * end for end in tile.bar)

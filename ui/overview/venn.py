@@ -1,4 +1,4 @@
-"""Overview page: Venn diagram and worst encounters. Clicks open regions and frames."""
+"""Overview page: Venn diagram and worst encounters. Clicks open a list or a frame."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ SEVERITIES: Final = {"severity_s_x": "X (s)", "severity_s_y": "Y (s)"}
 
 
 def draw(result: Result) -> None:
-    """Draw the diagram, and buttons for people who do not click in pictures."""
+    """Draw the diagram, and buttons as an alternative to clicking in it."""
     names, theme = (result.x.name, result.y.name), state.theme()
     encounters, key = _weighed(result)
     figure = kept_figure(
@@ -81,13 +81,13 @@ def draw(result: Result) -> None:
 
 
 def _weighed(result: Result) -> tuple[pd.DataFrame, tuple[Hashable, ...]]:
-    """Return encounters with the weight of their failures, and the cache key."""
+    """Return encounters with the severity of their failures, and their cache key."""
     key = (result.params.only_for(ENCOUNTERS, SEVERITY, SALIENT), result.x.name, result.y.name)
     return state.cached("weighed_encounters", key, lambda: weighed_encounters(result)), key
 
 
 def draw_worst(result: Result) -> None:
-    """Draw the encounters whose failures weigh most. A click opens the frame."""
+    """Draw the encounters with the severest failures. A click opens the frame."""
     row = store.WORST_ROW.pop()
     if row is not None:
         open_row(row)

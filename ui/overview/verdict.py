@@ -1,4 +1,4 @@
-"""Overview page: the verdict, in space that is reserved from the start."""
+"""Overview page: the verdict, in a box whose space is reserved from the start."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from ui.widgets.text import docs_link, plain, short_names
 
 
 class VerdictBox:
-    """Box of the verdict. It shows known results first, and later ones without moving."""
+    """Box of the verdict. It shows results as they become known, without moving the page."""
 
     def __init__(self, result: Result) -> None:
         self._result = result
@@ -38,15 +38,15 @@ class VerdictBox:
             self._rest = st.expander("What this rests on")
 
     def _opening(self) -> tuple[object, ...]:
-        """Return the data and systems of a headline, which stays greyed until the next one."""
+        """Return the data and systems of the verdict, for comparison with the last one drawn."""
         return state.opened().dataset.fingerprint, self._result.x.name, self._result.y.name
 
     def holds_last(self) -> bool:
-        """Return whether the box shows a verdict on these systems, perhaps of other settings."""
+        """Return whether the box still shows a verdict on these systems, with any settings."""
         return store.LAST_VERDICT.get() == self._opening()
 
     def draw_known(self, evidence: pd.DataFrame | None) -> None:
-        """Draw the tiles with what is known so far."""
+        """Draw the tiles with the evidence known so far, before the differences are tested."""
         self._words = self._words.markdown("## :gray[The differences are being tested.]")
         self._basis = self._basis.caption(_short_extent(self._result))
         four = tiles(self._result, evidence, None, is_being_tested=True)
@@ -61,7 +61,7 @@ class VerdictBox:
         companions: Companions | None,
         plan: tuple[Note, ...],
     ) -> None:
-        """Draw the supported conclusion, what it depends on, and how much more it would take."""
+        """Draw the verdict, what it depends on, and how much more data it would take."""
         result = self._result
         conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
         reasons = " ".join([conclusion.reason, *map(state.say, leads(result))])

@@ -1,4 +1,4 @@
-"""Saliency page: parts of the number, events on the recency curve, X against Y."""
+"""Saliency page: how saliency is composed, events on the recency curve, X against Y."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ HALF: Final = 0.5
 
 
 def what_it_is(params: Params) -> str:
-    """Return the meaning of saliency with these settings."""
+    """Explain what saliency means with these settings."""
     is_each, is_risk = params.saliency_of == "each", params.saliency_weight == "risk"
     who = "is missed by more than the tolerance" if is_each else "is the most salient miss"
     weight = "weighted distance, summed over time," if is_risk else "*duration*"
@@ -46,7 +46,7 @@ def what_it_is(params: Params) -> str:
 
 
 def draw_numbers(result: Result) -> None:
-    """Draw the saliency of X and Y over all recordings, and how each comes about."""
+    """Draw the saliency of X and Y over all recordings, each with an explanation."""
     kind = "largest event" if result.params.saliency_aggregate == "max" else "sum of all events"
     if has_several_recordings(result):
         kind = f"{kind}, mean over recordings"
@@ -65,7 +65,7 @@ def draw_numbers(result: Result) -> None:
 
 
 def _draw_way(result: Result, letter: str) -> None:
-    """Draw a button to the most salient event of a system."""
+    """Draw a description of a system's most salient event, and a button that opens it."""
     worst = worst_events(result, letter, n=1).iloc[0]
     when = "late" if worst["recency"] >= HALF else "early"
     st.caption(
@@ -78,7 +78,10 @@ def _draw_way(result: Result, letter: str) -> None:
 
 
 def draw_events(result: Result, recording: int | None) -> None:
-    """Draw events (of all recordings or one) on the recency curve, and parts of the largest."""
+    """Plot the events on the recency curve, and the composition of the largest ones.
+
+    The events are those of one recording, or of all if `recording` is None.
+    """
     theme = state.theme()
     left, right = st.columns(2, gap="medium")
     with left:
@@ -92,7 +95,7 @@ def draw_events(result: Result, recording: int | None) -> None:
 
 
 def draw_recordings(result: Result) -> None:
-    """Draw X against Y per recording, by saliency alone and together with similarity."""
+    """Plot X against Y by recording: saliency, and saliency with similarity."""
     names, theme = (result.x.name, result.y.name), state.theme()
     left, right = st.columns(2, gap="medium")
     with left:

@@ -55,7 +55,7 @@ def workspace() -> Workspace:
 
 
 def opened() -> Opened:
-    """Return what is open. The first call opens the start comparison."""
+    """Return the open comparison's data. The first call opens the start comparison."""
     return _workspace_and_opened()[1]
 
 
@@ -86,7 +86,7 @@ def open_session(session: Session, *, label: str) -> None:
 
 
 def read_again(session: Session, *, then: Callable[[], None]) -> None:
-    """Read the same recordings again as `session` says, and rerun the page.
+    """Reload the same recordings under a changed session, and rerun the page.
 
     Frame, settings and choices stay unless a changed file has other frames.
 
@@ -117,7 +117,7 @@ def sample_session(path: Path = SAMPLE, label: str = SAMPLE_LABEL) -> Session:
 
 
 def shared_start() -> SharedSample:
-    """Return what every visitor starts with: the session given to the app, else the sample.
+    """Return the start data of all visitors: the session given to the app, else the sample.
 
     Raises
     ------
@@ -175,7 +175,9 @@ def set_threshold(letter: str, threshold: float | None) -> None:
 
 
 def cached(kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
-    """Return a value as `Workspace.cached` does, computed once if the comparison is shared.
+    """Return a cached value, computing it on the first call, as in `Workspace.cached`.
+
+    If the comparison is shared, it is computed once for all visitors.
 
     The value must depend only on the key and on what is open, and nobody may change it.
     """
@@ -187,7 +189,7 @@ def cached(kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) ->
 
 
 def known(kind: str, key: Hashable) -> Any:
-    """Return the value if it is cached, else None."""
+    """Return the value if it is cached, or else None."""
     value, sample = workspace().peek(kind, key), sample_of(opened())
     return sample.known(kind, key) if value is None and sample is not None else value
 
@@ -234,7 +236,10 @@ def result() -> Result | None:
 
 
 def result_as_set() -> Result | None:
-    """Return the comparison at the thresholds as set, or None for a single system."""
+    """Return the comparison at the thresholds as set, not at equal false alarms.
+
+    None for a single system.
+    """
     space, dataset, settings = workspace(), opened().dataset, params()
     x, y = systems()
     if y is None:
@@ -247,18 +252,18 @@ def result_as_set() -> Result | None:
 def kept_result(
     cached: Cached, params: Params, x: str, y: str, make: Callable[[], Result]
 ) -> Result:
-    """Return the comparison, computed by `make` unless `cached` has it."""
+    """Return the comparison from the cache, or compute it with `make`."""
     result: Result = cached("result", (params, x, y), make)
     return result
 
 
 def operating_point() -> OperatingPoint:
-    """Return the comparison to show if X and Y are set to unequal numbers of false alarms."""
+    """Return whether unequal thresholds are compared as set or at equal false alarms."""
     return opened().session.operating_point or "equal-alarms"
 
 
 def set_operating_point(point: OperatingPoint) -> None:
-    """Choose the operating point."""
+    """Set whether unequal thresholds are compared as set or at equal false alarms."""
     if point != operating_point():
         changed = replace(opened().session, operating_point=point)
         workspace().opened = replace(opened(), session=changed)
@@ -272,7 +277,7 @@ def _compare(dataset: Dataset, settings: Params, x: str, y: str, previous: Resul
 
 
 def protocol() -> Protocol:
-    """Return the protocol: the pedestrians that count in the detection measures."""
+    """Return the protocol: which pedestrians the detection measures count."""
     return opened().session.protocol
 
 
@@ -283,7 +288,7 @@ def set_protocol(protocol: Protocol) -> None:
 
 
 def compare_as(session: Session, whole: Dataset | None = None) -> None:
-    """Compare the same data (or `whole`, the same data renamed) as another session says."""
+    """Compare the same data, or a renamed copy `whole`, with the settings of another session."""
     space, before = workspace(), opened()
     compared = space.compared
     space.look_at(as_shared(Opened.of(session, whole or before.whole, before.label)))
@@ -298,7 +303,7 @@ def theme() -> Scheme:
 
 
 def say(text: str | Note, /, **values: object) -> str:
-    """Word a note, or a template of `nvcore.objects.Objects.say`, for the objects that are open."""
+    """Render a note, or a template as in `nvcore.objects.Objects.say`, for the open objects."""
     objects = opened().dataset.objects
     return objects.say(text, **values) if isinstance(text, str) else notes.say(text, objects)
 
@@ -320,7 +325,7 @@ def row() -> int:
 
 
 def _place() -> tuple[int, int]:
-    """Return the current recording and row, clipped to what is open."""
+    """Return the current recording and row, clipped to the open data."""
     recording_index, row_in_recording = store.PLACE.get()
     if not 0 <= recording_index < len(recording_names()):
         return 0, 0
@@ -329,13 +334,13 @@ def _place() -> tuple[int, int]:
 
 
 def go_to(recording_index: int, row_in_recording: int, *, writes: bool = True) -> None:
-    """Make this the current frame, also in the page's address if `writes`."""
+    """Move to a frame. If `writes`, update the page's address as well."""
     settle(recording_index, row_in_recording, writes=writes)
     store.SEEK.set(store.SEEK.get() + 1)
 
 
 def settle(recording_index: int, row_in_recording: int, *, writes: bool = True) -> None:
-    """Make this the current frame without moving the viewer, which already shows it."""
+    """Make this frame the current one without moving the viewer, which already shows it."""
     last = max(len(frame_numbers(recording_index)) - 1, 0)
     store.PLACE.set((recording_index, min(max(row_in_recording, 0), last)))
     if writes:
@@ -343,7 +348,7 @@ def settle(recording_index: int, row_in_recording: int, *, writes: bool = True) 
 
 
 def write_address(own: Mapping[str, str] | None = None, names: Sequence[str] = ()) -> None:
-    """Write systems, frame and changed parameters into the page's address.
+    """Write systems, frame and changed parameters to the page's address.
 
     A page's `own` entries replace the entries in `names`, which belong to that page.
     """
@@ -355,7 +360,7 @@ def write_address(own: Mapping[str, str] | None = None, names: Sequence[str] = (
 
 
 def place_of(row_in_all: int) -> tuple[int, int]:
-    """Return the recording, and the row within it, of a row of the frames table."""
+    """Split a row of the frames table into the recording and the row within it."""
     frames = opened().dataset.frame_columns
     recording_index = int(frames.recording[row_in_all])
     return recording_index, row_in_all - int(frames.first[recording_index])

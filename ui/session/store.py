@@ -1,4 +1,4 @@
-"""Entries that the app remembers of a browser session between runs.
+"""Values that the app keeps for a browser session between runs of the script.
 
 Streamlit holds them in ``st.session_state``, which only this module reads and writes. An entry for
 a widget's value has the widget's key. Data that must survive a reload of the page is in the notes
@@ -37,7 +37,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Entry(Generic[T]):
-    """Value of the session. Until it is set, it is a copy of the shared `default`."""
+    """Value kept for the session. Until it is set, it is a copy of the shared `default`."""
 
     key: str
     default: T
@@ -57,7 +57,7 @@ class Entry(Generic[T]):
         st.session_state[self.key] = value
 
     def setdefault(self, value: T) -> T:
-        """Return the value, after setting it to this one if there was none."""
+        """Return the value. If there is none, set it to `value` first."""
         current: T = st.session_state.setdefault(self.key, value)
         return current
 
@@ -69,7 +69,7 @@ class Entry(Generic[T]):
 
 @dataclass(frozen=True)
 class Family(Generic[T]):
-    """Entries of one kind, distinguished by the end of their keys: a page, a field, a name."""
+    """Entries of one kind whose keys end differently, such as with the name of a page."""
 
     name: str
     default: T
@@ -86,7 +86,7 @@ class Family(Generic[T]):
 
 @dataclass(frozen=True)
 class Collection(Generic[T]):
-    """Value that is changed in place, and made on first access."""
+    """Mutable value kept for the session, created on first access."""
 
     key: str
     make: Callable[[], T]
@@ -100,7 +100,7 @@ class Collection(Generic[T]):
 
 
 def widget(key: str, default: Any = None) -> Entry[Any]:
-    """Return the entry for the value of the widget with this key."""
+    """Return the entry with the value of the widget that has this key."""
     return Entry(key, default)
 
 
@@ -110,7 +110,7 @@ def set_widgets(**values: object) -> None:
 
 
 def sent(key: str, *names: str) -> Any:
-    """Return what the browser part of a component sent under these nested names, else None."""
+    """Return what a component's browser side sent under these nested names, or else None."""
     value = st.session_state.get(key)
     for name in names:
         value = value.get(name) if isinstance(value, Mapping) else None
@@ -118,7 +118,7 @@ def sent(key: str, *names: str) -> Any:
 
 
 def clear() -> None:
-    """Forget everything."""
+    """Forget all values of the session."""
     st.session_state.clear()
 
 

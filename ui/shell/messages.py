@@ -1,4 +1,4 @@
-"""Warnings and errors of pages, as a sentence without traceback."""
+"""Warnings and errors on pages, as sentences without traceback."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ POINTS: Final[dict[OperatingPoint, str]] = {
 
 
 def draw_notices(result: Result) -> None:
-    """Draw the audit's warnings, then the operating points of all numbers on the page."""
+    """Draw the audit's warnings, then the operating points that the page's numbers are based on."""
     draw_warnings(result, has_point=True)
     draw_operating_point(result)
 
@@ -43,7 +43,7 @@ def draw_notices(result: Result) -> None:
 def draw_warnings(
     result: Result, *, is_of_encounters: bool = True, has_point: bool = False
 ) -> None:
-    """Draw the audit's warnings and, on a page about encounters, a warning of single frames.
+    """Draw the audit's warnings. Pages about encounters also warn if most last a single frame.
 
     Unequal operating points are left out at equal false alarms, and on a page that names the
     operating points itself (`has_point`).
@@ -70,7 +70,7 @@ def draw_warnings(
 
 
 def draw_operating_point(result: Result) -> None:
-    """Draw the operating points of all numbers on the page, and the choice if there is one."""
+    """Draw the operating points that the page's numbers are based on, and a choice if possible."""
     note = point_note(result)
     if note is None:
         return
@@ -104,7 +104,7 @@ def _choose_point() -> None:
 
 
 def needs_comparison(draw: Callable[[Result], None]) -> Callable[[], None]:
-    """Let a part of a page draw the result, or say what is missing with only one system."""
+    """Decorate a function so that it draws the current result, or a notice without a comparison."""
 
     @wraps(draw)
     def draw_if_compared() -> None:
@@ -124,17 +124,17 @@ def _one_system_only() -> None:
 
 
 def without_paths(text: object) -> str:
-    """Return the text without the paths of the machine, not yet `plain`."""
+    """Remove the machine's paths from a text. The result is not yet `plain`."""
     return path_remover()(text)
 
 
 def path_remover() -> Callable[[object], str]:
-    """Return `without_paths` for many texts, also for use outside the run of a page."""
+    """Return a function like `without_paths` for many texts, also usable outside a page's run."""
     return partial(public_text, folders=_folders())
 
 
 def error_text(error: BaseException) -> str:
-    """Return the error with suggested fixes, without the machine's paths, not yet `plain`."""
+    """Return an error's message with suggested fixes, without local paths. Not yet `plain`."""
     text = str(error)
     if isinstance(error, NvcoreError) and error.steps:
         ways = ways_text(error.steps, are_all_needed=error.needs_all_steps)
@@ -151,7 +151,7 @@ def shown_error(error: BaseException) -> str:
 
 
 def shown_root() -> Path | None:
-    """Return the folder that visitors may look into, or None if it is unset or missing."""
+    """Return the folder that visitors may browse, or None if it is unset or missing."""
     try:
         root = files.local_root()
     except NvcoreError:  # reported where files are chosen
@@ -182,7 +182,7 @@ _LOG = logging.getLogger("nvcore.ui")
 
 
 def error_banner(error: Exception) -> bool:
-    """Draw an error in the data or a fault of the program. Return True: it is handled.
+    """Draw an error in the data or a fault of the program. Return True to mark it as handled.
 
     Errors of fragments and of button callbacks end here. The page as a whole has its own place
     for errors in the data.

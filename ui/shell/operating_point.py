@@ -1,4 +1,4 @@
-"""Equal false alarms of X and Y: move thresholds, show the change, and undo it."""
+"""Sidebar: give X and Y equal false alarms by moving thresholds, with a way to undo it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ RATE: Final = "point_rate"
 
 @dataclass(frozen=True)
 class Move:
-    """Thresholds that were moved, and their state before.
+    """Thresholds moved to equal false alarms, with the operating points before and after.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Move:
 
 
 def points(result: Result) -> tuple[OperatingPoint, OperatingPoint]:
-    """Return the operating points of X and of Y at the thresholds in use."""
+    """Return the operating points of X and Y at the thresholds in use."""
 
     def make() -> tuple[OperatingPoint, OperatingPoint]:
         x, y = (
@@ -60,7 +60,7 @@ def points(result: Result) -> tuple[OperatingPoint, OperatingPoint]:
 
 
 def why_fixed(letter: str) -> str:
-    """Return why the threshold of X or Y cannot be moved (empty if it can)."""
+    """Return why the threshold of X or Y cannot be moved, or "" if it can."""
     name = state.systems()["xy".index(letter)]
     if name is None:
         return "There is no second system."
@@ -70,7 +70,7 @@ def why_fixed(letter: str) -> str:
 
 
 def move(letter: str) -> None:
-    """Set the threshold of X or Y to as many false alarms as the other has. For callbacks."""
+    """Move the threshold of X or Y to as many false alarms as the other has. For callbacks."""
     result = state.result_as_set()
     if result is not None and not why_fixed(letter):
         target = points(result)["yx".index(letter)].n_false_alarms
@@ -78,7 +78,7 @@ def move(letter: str) -> None:
 
 
 def move_both(field: str) -> None:
-    """Set both thresholds to the false alarms in the field with this key. For callbacks."""
+    """Move both thresholds to the false alarm rate entered in a field. For callbacks."""
     result = state.result_as_set()
     rate: float | None = store.widget(field).get()
     if result is not None and rate is not None and not (why_fixed("x") or why_fixed("y")):
@@ -103,7 +103,7 @@ def undo() -> None:
 
 
 def draw() -> None:
-    """Draw the false alarms of both, the buttons that make them equal, and the last change."""
+    """Draw false alarms of X and Y, buttons that make them equal, and the last change."""
     result = state.result_as_set()
     if result is None:
         return
@@ -137,7 +137,7 @@ def draw() -> None:
 
 
 def _draw_both(lower: float) -> None:
-    """Draw the field for a rate, which begins with the lower of both."""
+    """Draw the field for a common rate of false alarms, initially the lower one of X and Y."""
     why = why_fixed("x") or why_fixed("y")
     if not why and math.isnan(lower):
         why = "There are no frames."
@@ -163,7 +163,7 @@ def _draw_both(lower: float) -> None:
 
 
 def draw_change(place: str) -> None:
-    """Draw the change by the last move, while its thresholds are in use, and an undo button."""
+    """Draw what the last move changed and an undo button, while its thresholds are in use."""
     result = state.result_as_set()
     moved = store.THRESHOLD_MOVE.get()
     if moved is None or result is None:
@@ -186,7 +186,7 @@ def draw_change(place: str) -> None:
 
 
 def change_text(moved: Move) -> str:
-    """Return threshold and false alarms of the moved systems, before and after."""
+    """Describe threshold and false alarms of the moved systems, before and after."""
     assert moved.after is not None
     parts = []
     for letter in moved.letters:

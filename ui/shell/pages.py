@@ -1,4 +1,4 @@
-"""All pages of the app, in the order of work of somebody who compares two systems."""
+"""All pages of the app, in the order in which an analyst would use them."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ FOLDED: Final = tuple(page.key for page in _PAGES if page.is_folded)
 
 
 def all_pages() -> dict[str, list[StreamlitPage]]:
-    """The pages by section, for ``st.navigation``."""
+    """Return the pages by section, as ``st.navigation`` expects them."""
     return {
         section: [
             st.Page(
@@ -99,7 +99,7 @@ def all_pages() -> dict[str, list[StreamlitPage]]:
 
 
 def shown_on(page: StreamlitPage) -> tuple[Stage, ...]:
-    """The stages of the comparison whose results the page shows."""
+    """Return the stages of the comparison whose results the page shows."""
     here = _OF.get(page.url_path or START)
     if here is not None and here.lacks and here.lacks():
         return ()
@@ -107,29 +107,32 @@ def shown_on(page: StreamlitPage) -> tuple[Stage, ...]:
 
 
 def own_of(page: StreamlitPage) -> tuple[Stage, ...]:
-    """The stages whose settings stand first on the page."""
+    """Return the stages whose settings come first in the page's sidebar."""
     return OWN.get(page.url_path, ())
 
 
 def controls_of(page: StreamlitPage) -> tuple[str, ...]:
-    """The settings that the page itself has buttons for."""
+    """Return the settings that the page has its own buttons for."""
     here = _OF.get(page.url_path)
     return here.controls if here else ()
 
 
 def idle_on(page: StreamlitPage) -> frozenset[str]:
-    """The settings without effect on the page as it is now, beside those that move no stage."""
+    """Return settings that do not affect the page in its current state.
+
+    Other settings may have no effect because the page shows no result of their stage.
+    """
     here = _OF.get(page.url_path)
     return here.idle() if here and here.idle else frozenset()
 
 
 def is_folded_on(page: StreamlitPage, shown: tuple[Stage, ...]) -> bool:
-    """Whether the sidebar's settings are folded away, as they move little or nothing shown."""
+    """Whether the sidebar folds the settings away, as they hardly affect the page."""
     return page.url_path in FOLDED or not shown
 
 
 def draw_bar(pages: dict[str, list[StreamlitPage]], current: StreamlitPage) -> None:
-    """Draw the navigation in one row: entries, the groups that unfold, and icons.
+    """Draw the navigation in one row: pages, groups of pages that unfold, and icons.
 
     What the comparison has no data for stands last in a group, with what it would need.
     """
@@ -155,7 +158,7 @@ def draw_bar(pages: dict[str, list[StreamlitPage]], current: StreamlitPage) -> N
 
 
 def draw_questions(pages: dict[str, list[StreamlitPage]], current: StreamlitPage) -> None:
-    """On the first page, links to those of the groups that answer a question of this comparison."""
+    """Draw links to pages that answer a question about this comparison, only on the first page."""
     if (current.url_path or START) != START:
         return
     links = _links(pages)
@@ -167,13 +170,13 @@ def draw_questions(pages: dict[str, list[StreamlitPage]], current: StreamlitPage
 
 
 def _links(pages: dict[str, list[StreamlitPage]]) -> dict[str, StreamlitPage]:
-    """The pages by their key."""
+    """Return the pages by key."""
     keys = chain(*SECTIONS.values())  # as `all_pages` has them
     return dict(zip(keys, chain(*pages.values()), strict=True))
 
 
 def _draw_group(group: str, links: dict[str, StreamlitPage], lacking: dict[str, str]) -> None:
-    """Pages of a group, and below them those that the comparison has no data for."""
+    """Draw links to a group's pages. Pages that the comparison lacks data for come last."""
     members = [page for page in _PAGES if page.section == group]
     others = [page for page in _PAGES if page.section == COMPARE and group == EVIDENCE]
     for page in members:
@@ -188,7 +191,7 @@ def _draw_group(group: str, links: dict[str, StreamlitPage], lacking: dict[str, 
 
 
 def draw_tabs(pages: dict[str, list[StreamlitPage]], current: StreamlitPage) -> None:
-    """The tabs of a page that has some: the page itself, and those that are among its tabs."""
+    """Draw links to a page and its tabs, if it has any."""
     here = _OF.get(current.url_path or START)
     if here is None:
         return

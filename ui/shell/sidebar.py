@@ -38,7 +38,7 @@ def draw(
     idle: frozenset[str] = frozenset(),
     is_folded: bool = False,
 ) -> None:
-    """Draw the sidebar with what is `wrong`, after the page that uses its values.
+    """Draw the sidebar with the error message `wrong`. Call this after drawing the page.
 
     Settings of the page's `own` stages come first, except settings for which the page has
     `controls`. Settings are quiet (grey) if nothing that the page has `shown` depends on them, or
@@ -65,7 +65,7 @@ def _is_unfolded(n_moved: int) -> bool:
 
 
 def _draw_settings(moved: dict[str, Any]) -> None:
-    """Draw the page's own settings, then thresholds, then the weight of a miss.
+    """Draw the page's own settings, then thresholds, then those on the weight of a miss.
 
     Every new comparison needs thresholds.
     """
@@ -86,7 +86,7 @@ def _draw_settings(moved: dict[str, Any]) -> None:
 
 
 def _own_settings() -> bool:
-    """Draw the page's own settings, stage by stage, and return whether some of them are grey."""
+    """Draw the page's own settings by stage, and return whether any of them is grey."""
     stages = store.SIDEBAR_OWN.get()
     if not stages:
         return False
@@ -118,19 +118,19 @@ def _label(name: str) -> str:
 
 
 def _quiet_settings() -> list[Setting]:
-    """Return the settings in use that have no effect on this page."""
+    """Return the active settings that have no effect on this page."""
     used = (setting for setting in SETTINGS.values() if live_params.is_used(setting))
     return [setting for setting in used if _is_quiet(setting)]
 
 
 def _is_quiet(setting: Setting) -> bool:
-    """Return whether a setting has no effect on this page."""
+    """Whether a setting has no effect on this page."""
     idle = [SETTINGS[name] for name in store.SIDEBAR_IDLE.get()]
     return setting in idle or not setting.moves(store.SIDEBAR_SHOWN.get())
 
 
 def _quietness(setting: Setting, text: str = "") -> dict[str, Any]:
-    """Return a widget's help, and `disabled` if its setting has no effect on this page."""
+    """Return `help` and `disabled` for a widget, disabled if its setting has no effect here."""
     is_quiet = _is_quiet(setting)
     start = "Grey: no effect on this page. " if is_quiet else ""
     return {
@@ -178,7 +178,7 @@ def _horizon() -> None:
 
 
 def _proximity_plot() -> None:
-    """Draw the weight over the pedestrians' heights."""
+    """Plot the proximity weight against the heights of pedestrians."""
     dataset, theme = state.opened().dataset, state.theme()
     names = state.params().only_for(PROXIMITY)
     figure = kept_figure(  # it stays while other sliders move
@@ -220,7 +220,7 @@ def _threshold(name: str) -> None:
 
 
 def _advanced() -> None:
-    """Draw rarely moved parameters. Folded, they cost neither server nor browser time."""
+    """Draw rarely changed parameters. While folded, they cost no time."""
     place = st.expander("Advanced", key="advanced", on_change="rerun")
     names_of: dict[str, list[str]] = {}
     for name, setting in SETTINGS.items():
@@ -260,7 +260,7 @@ def _widget(name: str) -> Any:
 
 
 def _is_set(name: str, setting: Setting) -> bool:
-    """Draw the switch of a parameter that may be unset, and return whether it has a value."""
+    """Draw the switch of an optional parameter, and return whether the parameter is set."""
     value = live_params.value_of(name) is None
     key = settings.key_of(f"{name}_unset", value)
     is_unset = st.checkbox(

@@ -1,4 +1,4 @@
-"""Stability page: on which settings the verdict depends, all maps in one table."""
+"""Stability page: table of all maps, showing which settings the verdict depends on."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ HELD: Final = {
 
 
 def draw(result: Result) -> None:
-    """The table, the button that computes it, or how far that is."""
+    """Draw the table of all maps, or the button that computes it, or the progress."""
     st.header("Where does the verdict depend on settings?")
     survey = _survey_rows(result)
     if survey is None:
@@ -53,7 +53,7 @@ def draw(result: Result) -> None:
 
 
 def shown_survey(survey: tuple[SurveyRow, ...]) -> pd.DataFrame:
-    """One row for each choice of settings, one column for each way to be better."""
+    """Return a table with a row per combination of settings and a column per criterion."""
     cells = {(row.plane, row.criterion): _cell(row) for row in survey}
     return pd.DataFrame(
         [

@@ -1,4 +1,4 @@
-"""Stability page: the map, its description in words, and its computation in the background."""
+"""Stability page: one map with its description, computed in the background."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ MOST_MAPS: Final = 8
 
 @dataclass(frozen=True)
 class MapKey:
-    """Inputs of a map."""
+    """Inputs that determine a map."""
 
     version: str
     params: Params
@@ -51,7 +51,7 @@ class MapKey:
 
 
 def draw(result: Result) -> None:
-    """Draw the choice of the map, the map, and its sentences."""
+    """Draw the choice of a map, the map, and sentences that describe it."""
     key = _choose(result)
     try:
         stability = _stability_map(result, key)
@@ -79,7 +79,7 @@ def _choose(result: Result) -> MapKey:
 
 
 def _stability_map(result: Result, key: MapKey) -> StabilityMap | None:
-    """Return the map if it is known or quickly made, else draw its button or its progress."""
+    """Return the map if it is known or quick to compute. Else draw a button or the progress."""
 
     def compute(progress: Progress) -> StabilityMap:
         with ThreadPoolExecutor(THREADS) as pool:

@@ -1,4 +1,4 @@
-"""Time left page: every urgent encounter up to contact, and margins of X against Y."""
+"""Time left page: each urgent encounter up to contact, and margins of X against Y."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def urgent_of(result: Result) -> pd.DataFrame:
 
 
 def draw(result: Result, urgent: pd.DataFrame) -> None:
-    """Draw a line for each urgent encounter. A click opens the moment."""
+    """Plot each urgent encounter as a line. A click opens the frame."""
     label = "Urgent encounters, the fastest impact first"
     first = choose_first(label, len(urgent), MOST_ROWS, "time_left_first", width=320)
     theme = state.theme()
@@ -52,7 +52,7 @@ def draw(result: Result, urgent: pd.DataFrame) -> None:
 
 
 def draw_margins(result: Result, urgent: pd.DataFrame) -> None:
-    """Draw how long before the last chance X and Y confirm each urgent encounter."""
+    """Plot by how much X and Y confirm each urgent encounter before the last chance."""
     theme = state.theme()
     figure = kept_figure(
         "time_left_margins",

@@ -1,4 +1,4 @@
-"""Time left on the page Encounters: in words, and the way to the last chance."""
+"""Time left on the Encounters page: a description, and a button to the last chance."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from ui.widgets.text import docs_link, plain
 
 
 def draw_text(result: Result, encounter: int) -> None:
-    """The last chance, and what each system made of it."""
+    """Draw when the last chance of an encounter is, and how each system responds to it."""
     if result.dataset.objects.is_on_road:
         text = state.say(last_chance(result, encounter))
         st.caption(f"{docs_link('Time left', 'time-left')}: {plain(text)}")
 
 
 def draw_ways(result: Result, encounter: int) -> None:
-    """A button to the last chance."""
+    """Draw a button to the last chance of an urgent encounter."""
     view, frames = time_left_in(result), result.dataset.frames
     chance = int(view.urgency["urgent_row"].iloc[encounter])
     if view.is_urgent[encounter] and button(

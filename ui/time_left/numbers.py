@@ -1,4 +1,4 @@
-"""Time left page: encounters confirmed in time, in words and numbers, with their uncertainty."""
+"""Time left page: encounters confirmed in time, in words and numbers, with uncertainty."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ Overview ({link}).
 
 
 def draw(result: Result) -> None:
-    """Draw the counts, the measures with their intervals, and how early a warning has to come."""
+    """Draw the counts, the measures with intervals, and how early a warning must come."""
     with st.container(key="time_left_headline"):
         for fact in confirmed(result):
             st.header(plain(state.say(fact)), anchor=False, help=_meaning(result))
@@ -65,7 +65,7 @@ def _urgency(result: Result) -> str:
 
 
 def _draw_nobody(result: Result) -> None:
-    """Draw why there is nothing to judge, and which settings could change that."""
+    """Draw why no encounter is urgent, and which settings could change that."""
     link = docs_link("Time left", "time-left")
     if not len(result.encounters):
         st.info(
@@ -103,21 +103,21 @@ def _draw_measures(result: Result) -> None:
 
 
 def _evidence(result: Result) -> dict[str, Evidence]:
-    """Return evidence of measures that have an interval over recordings or blocks, by key."""
+    """Return the evidence for share in time and impact speed, by key."""
     keys, key = (SHARE, IMPACT), comparison_key(result)
     evidence = state.cached("time_left_evidence", key, lambda: judge_keys(result, keys), most=8)
     return {row.figure: row for row in evidence}
 
 
 def _share(row: Evidence) -> MeasureRow:
-    """Return the row of the share in time, for the place below its count."""
+    """Return a table row with the share in time, to be placed below the row of its count."""
     form = evidence_form(row.figure)
     cells = (number(row.x, form), number(row.y, form), minus(difference(row.x, row.y, form)))
     return MeasureRow("as a share", cells, level=1)
 
 
 def with_interval(row: MeasureRow, of: Evidence | None, notes: Footnotes) -> MeasureRow:
-    """Return the row with the interval of its difference, and footnotes on its limits."""
+    """Append the interval of the difference to a row, with footnotes on its limits."""
     if of is None or not row.cells:
         return replace(row, cells=(*row.cells, ""))
     form = evidence_form(of.figure)
@@ -131,7 +131,7 @@ def with_interval(row: MeasureRow, of: Evidence | None, notes: Footnotes) -> Mea
 
 
 def _draw_needed(result: Result) -> None:
-    """Draw how early a warning has to come."""
+    """Draw how early a warning must come for the car to stop."""
     view = time_left_in(result)
     if view.has_assumed_speed.any():
         if view.assumed_speed_kmh is None:
@@ -142,7 +142,7 @@ def _draw_needed(result: Result) -> None:
 
 
 def _meaning(result: Result) -> str:
-    """Return what *in time* means, and what it does not."""
+    """Explain what *in time* means and does not mean."""
     return state.say(
         MEANING,
         n=result.params.confirm_n,
@@ -153,7 +153,7 @@ def _meaning(result: Result) -> str:
 
 
 def _source(result: Result) -> str:
-    """Return the source of the time to contact within the truth."""
+    """Describe what the time to contact is derived from: the truth's distances or box heights."""
     has_distance = np.isfinite(result.dataset.truth.distance_m[~result.dataset.truth.ignore])
     if has_distance.all():
         return "the truth's distances"
@@ -165,13 +165,13 @@ def _source(result: Result) -> str:
 
 
 def key_of(result: Result) -> tuple[object, ...]:
-    """Return the key of urgent encounters, valid while the same data are open."""
+    """Return the cache key of urgent encounters. It is valid while the same data are open."""
     settings = result.params.only_for(THRESHOLD, TIME_LEFT)
     return settings, result.x.name, result.y.name
 
 
 def draw_by_class(result: Result) -> None:
-    """Draw a row for each class."""
+    """Draw a table of time left with a row for each class."""
     key = comparison_key(result)
     table = state.cached("time_left_by_class", key, lambda: by_class(result), most=8)
     if table is None:

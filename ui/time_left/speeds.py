@@ -1,4 +1,4 @@
-"""Time left page: what the speed of the car changes."""
+"""Time left page: effect of the car's speed."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MEASURES: Final[tuple[OverSpeed, ...]] = ("share_in_time", "mean_impact_kmh")
 
 
 def draw(result: Result) -> None:
-    """Draw share in time and mean impact speed over the speed, and where the order turns."""
+    """Plot share in time and mean impact speed against speed, and say where the order reverses."""
     key, curve = _curve(result)
     if not curve["urgent"].any():
         st.caption("No encounter is urgent at any speed.")
@@ -50,7 +50,7 @@ def draw(result: Result) -> None:
 
 
 def _curve(result: Result) -> tuple[tuple[object, ...], pd.DataFrame]:
-    """`Result.over_speed` with what it depends on: no speed moves it."""
+    """Return the cache key and the table of `Result.over_speed`, which no speed setting affects."""
     names = [name for name in settings_for(THRESHOLD, TIME_LEFT) if name != "speed_kmh"]
     settings = tuple(getattr(result.params, name) for name in names)
     key = settings, result.x.name, result.y.name

@@ -1,4 +1,4 @@
-"""Timeline page: entries of a finding's list, one by one, with the entry's box marked."""
+"""Timeline page: step through the boxes or frames that a finding lists, with the box marked."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ BOX: Final = ["x", "y", "w", "h"]
 
 
 def box_in(recording: int) -> ListedBox | None:
-    """Return the entry's box for the viewer of a recording, or None without a list."""
+    """Return the current entry's box for a recording's viewer, or None without a list."""
     walk = review.current()
     if walk is None:
         return None
@@ -34,7 +34,7 @@ def box_in(recording: int) -> ListedBox | None:
 
 
 def draw() -> None:
-    """Draw the list, the current entry and buttons to the others, if there is a list."""
+    """Draw the finding, its current entry, and buttons to other entries, if a list is open."""
     walk = review.current()
     if walk is None:
         return
@@ -68,7 +68,7 @@ def draw() -> None:
 
 
 def _words(walk: review.Review) -> str:
-    """Return the place of the entry, and its box in numbers."""
+    """Describe where the entry is, with the coordinates of its box."""
     entry = walk.entry
     parts = [f"{entry['recording']}, frame {entry['frame']}"]
     if walk.frame_row == NO_ROW:

@@ -1,4 +1,4 @@
-"""Timeline page, beside the viewer: the frame in numbers, box by box."""
+"""Timeline page, beside the viewer: numbers of the current frame and its boxes."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ FORMS: Final = {"term": ".2f", "cost": ".2f", "k": ".2f", "score": ".2f"}
 
 
 def draw(result: Result, row_in_all: int) -> None:
-    """Similarity of both systems in the frame, what it loses, and to which boxes."""
+    """Draw both systems' similarity in the frame, and which boxes reduce it."""
     facts = frame_summary(result, row_in_all)
     st.markdown(f"**Frame {facts.frame}**, {facts.time_s:.2f} s")
     st.html(_numbers(facts))
@@ -61,7 +61,7 @@ def draw(result: Result, row_in_all: int) -> None:
 
 
 def _numbers(facts: FrameSummary) -> str:
-    """X beside Y, as a table that a narrow window does not cut."""
+    """Return an HTML table of X beside Y that fits narrow windows."""
     sides = (facts.x, facts.y)
     rows = [
         ("similarity", [f"<b>{number(side.similarity, '.3f')}</b>" for side in sides]),
@@ -106,7 +106,7 @@ def _chosen(result: Result, row: int) -> None:
 
 
 def _choose(result: Result, tracks: list[int], row: int, _line: int, column: str) -> None:
-    """The pedestrian of a clicked column becomes the chosen one."""
+    """Select the pedestrian whose column was clicked."""
     if not column:  # the names of the lines
         return
     truth = result.dataset.truth
@@ -117,7 +117,7 @@ def _choose(result: Result, tracks: list[int], row: int, _line: int, column: str
 
 
 def _boxes(result: Result, facts: FrameSummary) -> None:
-    """Draw who costs most, and which detections."""
+    """Draw tables of the frame's pedestrians and detections, the costliest first."""
     if not facts.n_truth:
         st.caption(state.say("{Nobody} is annotated in this frame."))
     else:
@@ -139,7 +139,9 @@ def _boxes(result: Result, facts: FrameSummary) -> None:
 def _table(
     boxes: pd.DataFrame, words: Mapping[str, Words], key: str, title: str, **clicking: Any
 ) -> None:
-    """A column for each box, the largest term first: a narrow window shows all of the first ones.
+    """Draw a table with a column for each box, the largest term first.
+
+    A narrow window shows the first columns in full.
 
     The first of `words` is the heading of a column, the others are the rows.
     """

@@ -1,4 +1,4 @@
-"""Timeline page: viewer, time plot and lanes that move together."""
+"""Timeline page: viewer, plot over time and lanes that move together."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ LOSSES_TEXT: Final = (
 
 @st.fragment
 def draw_all(result: Result, recording: int) -> None:
-    """Draw all parts that show the current frame. A click in one part moves all.
+    """Draw all parts of the page that follow the current frame. A click in one moves all.
 
     The rest of the page is drawn for this recording.
     """
@@ -76,7 +76,7 @@ def draw_all(result: Result, recording: int) -> None:
 
 
 def _draw_lanes(result: Result) -> None:
-    """Draw the lanes, as many at a time as keep their axis visible."""
+    """Draw lanes of encounters, only so many at a time that their axis stays visible."""
     recording, space = state.recording(), state.workspace()
     left, right = st.columns([2, 3], vertical_alignment="bottom")
     only_missed = left.toggle(
@@ -109,7 +109,7 @@ def _draw_lanes(result: Result) -> None:
 
 
 def _draw_added(result: Result) -> None:
-    """Draw the figures over time that subjects add."""
+    """Draw figures over time that subjects add."""
     recording, theme = state.recording(), state.theme()
     for plot in chain(*contributed("TIMELINE_PLOTS")):
         if not plot.applies(result):
@@ -128,7 +128,7 @@ def _draw_added(result: Result) -> None:
 
 
 def _first_lane(place: DeltaGenerator, order: np.ndarray, chosen: int | None) -> int:
-    """Return the lane on top. A new choice of encounter turns to the page with its lane."""
+    """Return the first lane to show. A newly selected encounter's lane is brought into view."""
     if len(order) > LANES:
         if chosen != store.LANE_SEEN.get() and chosen in order:
             lane = int(np.flatnonzero(order == chosen)[0])

@@ -18,7 +18,7 @@ Option = TypeVar("Option")
 def choose_side_by_side(
     label: str, options: Mapping[Option, str] | Sequence[Option], key: str, **more: Any
 ) -> Option:
-    """Draw a few options side by side and return the chosen one.
+    """Draw options side by side and return the selected one.
 
     The choice is kept while other pages are shown. A mapping gives the words of each option.
     """
@@ -35,7 +35,7 @@ def choose_side_by_side(
 
 
 def look_closer(parts: Mapping[str, str], chosen: Entry[str | None], **more: Any) -> str | None:
-    """Draw the titles of a page's sections and return the chosen one (None at first).
+    """Draw the titles of a page's optional sections, and return the selected one (None at first).
 
     A section that is not chosen costs nothing.
     """
@@ -53,7 +53,7 @@ def look_closer(parts: Mapping[str, str], chosen: Entry[str | None], **more: Any
 
 
 def choose_first(label: str, n: int, most: int, key: str, **more: Any) -> int:
-    """Draw the choice of a figure's first row, and return it (0 without a choice if all fit)."""
+    """Draw the choice of the first row that a figure shows, and return it. 0 if all rows fit."""
     pages = range(0, n, most)
     if len(pages) < 2:
         return 0
@@ -71,7 +71,7 @@ def choose_first(label: str, n: int, most: int, key: str, **more: Any) -> int:
 
 
 def download_csv(label: str, make: Callable[[], pd.DataFrame], file_name: str, key: str) -> None:
-    """Draw a button that downloads a table, which is made only on a click."""
+    """Draw a button that downloads a table as CSV. The table is made on the click."""
     st.download_button(
         label,
         data=lambda: to_csv_bytes(make()),
@@ -91,7 +91,7 @@ def draw_steps(
     key: str,
     width: Literal["stretch", "content"] = "stretch",
 ) -> None:
-    """Draw the number of an entry, and buttons to its neighbours with the keys p and n.
+    """Draw an entry's number, with buttons (keys p and n) to the previous and next entries.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The frame viewer with X and Y of a comparison, on whichever page."""
+"""The frame viewer with X and Y of a comparison, for use on several pages."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from ui.widgets.viewer import ListedBox, settled_in, viewer
 
 
 def settled(key: str) -> int:
-    """Row within the recording that the viewer has settled on, also before it is drawn."""
+    """Return the row within the recording that the viewer shows, even before it is drawn."""
     recording = state.recording()
     n_rows = len(state.frame_numbers(recording))
     if not n_rows:
@@ -47,7 +47,7 @@ def draw(
     visible: VisiblePictures | None = None,
     encounter: int | None = None,
 ) -> None:
-    """The viewer, at the current recording and frame.
+    """Draw the viewer at the current recording and frame.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def draw(
 
 
 def _track_of(result: Result, recording: int, encounter: int | None) -> int | None:
-    """Track of the pedestrian, as the boxes say it, in the recording that is shown."""
+    """Return the pedestrian's track number in the boxes of this recording, or None elsewhere."""
     encounter = chosen_encounter(result) if encounter is None else encounter
     if encounter is None or result.encounters.recording[encounter] != recording:
         return None

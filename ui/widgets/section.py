@@ -1,4 +1,4 @@
-"""Tables of the report's sections on pages."""
+"""Tables of report sections, drawn on pages."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ui.widgets.text import plain
 
 
 def draw_table_of(block: Table, *, key: str, explanation: str) -> None:
-    """Draw a table with its notes below.
+    """Draw a report section's table with its notes below.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Columns of the report's tables on pages: headings, formats, help texts."""
+"""Columns of report tables on pages: headings, formats, help texts."""
 
 from __future__ import annotations
 
@@ -53,20 +53,20 @@ MOST_ROWS: Final = 5000
 
 
 def heading(name: str) -> str:
-    """Return the heading of a column, "X lag (s)" for ``lag_s_x``."""
+    """Return a column's heading, such as "X lag (s)" for ``lag_s_x``."""
     base, letter = _split(name)
     words = state.say(LOOKS.get(base, ColumnLook()).heading or base.replace("_", " "))
     return f"{letter.upper()} {words}" if letter else words[0].upper() + words[1:]
 
 
 def columns_of(file: str, *names: str) -> dict[str, TableColumn]:
-    """Return the named columns of a report's file (all if none is named) for `draw_table`."""
+    """Return the columns of a report's file for `draw_table`. Without names: all columns."""
     columns = {column.name: column for column in report_columns()[file]}
     return {name: _column(columns[name]) for name in names or columns}
 
 
 def as_shown(table: pd.DataFrame) -> pd.DataFrame:
-    """Return rows of a report's table for `columns_of`, with values in words.
+    """Convert values of a report's table to words, for use with `columns_of`.
 
     Booleans are "yes" and "no".
     """
@@ -82,7 +82,7 @@ def as_shown(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def rows_told(n_rows: int, which: str) -> str:
-    """Return a note if a table lists only some rows, such as the "first", else an empty text."""
+    """Return a note if a table shows only some of its rows, such as the "first", else ""."""
     if n_rows <= MOST_ROWS:
         return ""
     return f"The {which} {MOST_ROWS:,} of {n_rows:,} are listed; Export has them all."

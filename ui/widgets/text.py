@@ -1,4 +1,4 @@
-"""Names from files as plain text, and phrases that several pages share."""
+"""Escape names from files as plain text, and build phrases that several pages share."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _NOTHING: Final = ":small[]"
 
 
 def plain(text: object) -> str:
-    r"""Return Markdown that Streamlit shows as the literal text, without links.
+    r"""Return Markdown that Streamlit shows as the literal text, without turning it into links.
 
     Streamlit links apparent addresses even if their characters are escaped. It looks at one
     stretch of text at a time, so an empty piece of another kind within it prevents the link.
@@ -36,7 +36,7 @@ def plain(text: object) -> str:
 
 
 def short_names(result: Result) -> dict[str, str]:
-    """Return the shortened names of both systems by letter, not escaped.
+    """Return shortened names of both systems by letter, not escaped.
 
     They are X and Y if the short names are alike or could be taken for these letters.
     """
@@ -47,7 +47,7 @@ def short_names(result: Result) -> dict[str, str]:
 
 
 def docs_link(text: str, anchor: str, *, doc: str = "metrics") -> str:
-    """Return Markdown of a link from any page to a section of the documentation in the app.
+    """Return a Markdown link to a section of the documentation in the app.
 
     The link is relative, so it also works if the app is served below a path: all pages are
     siblings.

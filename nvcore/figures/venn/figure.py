@@ -1,4 +1,4 @@
-"""Draw the Venn diagram: circles, counts, weights of failures, a mark for each encounter."""
+"""Venn diagram: circles, counts, severity of failures, and a mark for each encounter."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def venn_figure(
     objects: Objects,
     encounters: pd.DataFrame | None = None,
 ) -> go.Figure:
-    """Plot encounters by the systems that detect them, with the weights of failures.
+    """Plot encounters by the systems that detect them, with the severity of failures.
 
     A click on a region gives its category as `customdata`. A click on a mark gives the most
     informative row of the frames table.
@@ -132,7 +132,7 @@ def venn_figure(
 def _labels(
     venn: Venn, names: tuple[str, str], encounters: pd.DataFrame | None, look: ChartLook
 ) -> Labels:
-    """Return counts with words and weights, and the systems with theirs."""
+    """Return labels of the regions (count, words, severities) and of both systems."""
     inside, beside = {}, {}
     for kind in REGIONS:
         count = f"{venn.counts()[kind.value]:,}"
@@ -158,7 +158,7 @@ def _labels(
 
 
 def _weights(encounters: pd.DataFrame | None, kind: Category) -> list[LabelLine]:
-    """Return the weights of the failures in a region, a line for each system that fails there.
+    """Return a label line with the severity of each system that fails in a region.
 
     A system may fail in some frames of an encounter that it detects. Over all regions the weights
     add up to its severity.
@@ -197,7 +197,7 @@ def _fill(
 def _marks(
     part: pd.DataFrame, kind: Category, plan: VennPlan, look: ChartLook, noun: str
 ) -> go.Scatter:
-    """Return a mark for each encounter of a region, in the style of the system that fails."""
+    """Return a mark for each encounter of a region, styled after the system that fails in it."""
     x_s, y_s = (part[f"severity_s_{letter}"].to_numpy() for letter in "xy")
     fails = [x_s > y_s, y_s > x_s, x_s > 0]
     if kind is Category.NEITHER:
@@ -232,7 +232,7 @@ def _marks(
 def _label_texts(
     venn: Venn, plan: VennPlan, labels: Labels, look: ChartLook
 ) -> list[dict[str, Any]]:
-    """Return names, and counts with words in each region, or beside a narrow one with a line."""
+    """Return annotations with names and counts. Those of a narrow region stand beside it."""
     circles, frame = plan.circles, plan.frame
     texts = []
     for kind in labels.inside:
@@ -264,7 +264,7 @@ def _text(
 
 
 def _clicks(venn: Venn, plan: VennPlan) -> go.Scatter:
-    """Return invisible markers of categories over the whole diagram except on marks."""
+    """Return invisible, clickable markers of the categories wherever no encounter is marked."""
     circles, (left, right, bottom, top) = plan.circles, plan.frame
     across, up = np.linspace(left, right, GRID[0]), np.linspace(bottom, top, GRID[1])
     x, y = (grid.ravel() for grid in np.meshgrid(across, up))

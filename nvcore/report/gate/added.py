@@ -1,4 +1,4 @@
-"""Contributions of subjects to gate rules about their measures."""
+"""Facts that subjects contribute to gate rules about their measures."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from nvcore.notes import Note
 
 @dataclass(frozen=True)
 class RulesOf:
-    """Contribution of a subject to rules about its measures.
+    """Facts that a subject contributes to gate rules about its measures.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Details on the outcome of a rule: the encounters and findings that it counts."""
+"""Details of a rule's outcome: the encounters and findings that the rule counts."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ MAX_LISTED: Final = 10
 def explain(
     outcomes: Iterable[RuleOutcome], result: Result, findings: Sequence[Finding]
 ) -> list[RuleOutcome]:
-    """Return the outcomes with their details (`RuleOutcome.details`)."""
+    """Add details to the outcomes of rules (`RuleOutcome.details`)."""
     return [replace(outcome, details=_details(outcome, result, findings)) for outcome in outcomes]
 
 
@@ -70,7 +70,7 @@ def _details(outcome: RuleOutcome, result: Result, findings: Sequence[Finding]) 
 def encounters_of(
     result: Result, category: Category, is_member: np.ndarray | None = None
 ) -> list[str]:
-    """Return recording, track and frames of a category's encounters, the first `MAX_LISTED`.
+    """Describe the first `MAX_LISTED` encounters of a category by recording, track and frames.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def encounters_of(
 def _listed(
     result: Result, is_listed: np.ndarray, *, is_open: np.ndarray | None = None
 ) -> list[str]:
-    """Return the first `MAX_LISTED` of these encounters, with marks on open ones."""
+    """Describe the first `MAX_LISTED` of the selected encounters, marking open ones."""
     rows = np.flatnonzero(is_listed)
     encounters, frame = result.encounters, result.dataset.frames["frame"].to_numpy()
     recordings = result.dataset.recordings["name"].to_numpy()

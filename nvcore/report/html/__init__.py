@@ -1,4 +1,4 @@
-"""The comparison as one HTML file that needs neither program nor network.
+"""The comparison as one HTML file that works without this program and offline.
 
     with_pictures = session_pictures(session, dataset)
     write_html_report(result, session, findings, Path("report.html"), pictures=with_pictures)
@@ -58,7 +58,7 @@ def write_html_report(
     inscription: Inscription = NO_INSCRIPTION,
     progress: Progress = no_progress,
 ) -> None:
-    """Write the report and replace an existing file.
+    """Write the HTML report, replacing an existing file.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def _render(
     inscription: Inscription,
     progress: Progress,
 ) -> str:
-    """Return the page as text."""
+    """Compute the report's contents and return its HTML."""
     progress(0.0, "testing the differences")
     evidence, companions = judge_both(result, protocol)
     subgroups = subgroup_table(result, protocol=protocol)

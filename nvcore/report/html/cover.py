@@ -1,4 +1,4 @@
-"""The first page of the report: for whoever reads no other."""
+"""First page of the report: a summary for readers who stop there."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ N_PHOTOS: Final = 2
 
 @dataclass(frozen=True)
 class Cover:
-    """The first page.
+    """Contents of the report's first page.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class Cover:
     objects: Objects
 
     def say(self, note: Note | None) -> str:
-        """Word a note of a tile, without a capital."""
+        """Render a tile's note without capitalizing it. None gives ""."""
         return "" if note is None else phrase(note, self.objects)
 
 
@@ -80,7 +80,7 @@ def cover_of(
     inscription: Inscription,
     names: str,
 ) -> Cover:
-    """The first page.
+    """Return the contents of the report's first page.
 
     Parameters
     ----------
@@ -130,7 +130,10 @@ def _facts(result: Result) -> tuple[tuple[str, str], ...]:
 
 
 def _two_kinds(photos: Sequence[Photo]) -> tuple[Photo, ...]:
-    """The first frame, and the first of another kind if there is one."""
+    """Return the first frame and, if there is one, the first with another title.
+
+    Otherwise the first two frames.
+    """
     others = [photo for photo in photos[1:] if photo.title != photos[0].title] or photos[1:]
     return (*photos[:1], *others[: N_PHOTOS - 1])
 

@@ -58,7 +58,7 @@ SHOWN_AS: Final[dict[str, Callable[[Any], str]]] = {
 
 
 def photo(result: Result, moment: Moment, pictures: RecordingPictures) -> Photo:
-    """Return a moment's frame with all boxes, on a light background without a picture."""
+    """Draw all boxes on a moment's frame, on a light background if there is no picture."""
     frames, row = result.dataset.frame_columns, moment.row
     recording = int(frames.recording[row])
     source, index = pictures.sources.get(recording), -1
@@ -93,7 +93,7 @@ def photo(result: Result, moment: Moment, pictures: RecordingPictures) -> Photo:
 
 
 def _measures(result: Result, row: int) -> str:
-    """Return the similarity of both systems in a frame, and the causes of its loss."""
+    """Return the similarity of both systems in a frame, and the causes of lost similarity."""
     texts = [
         f"{letter.upper()} {system.similarity[row]:.2f} (lost to misses "
         f"{system.loss_miss[row]:.3f}, to false alarms {system.loss_false[row]:.3f})"
@@ -103,7 +103,7 @@ def _measures(result: Result, row: int) -> str:
 
 
 def _pedestrians(result: Result, row: int) -> Table | None:
-    """Return the costliest pedestrians of a frame, or None if nobody is annotated."""
+    """Return a table of the costliest pedestrians in a frame, or None if nobody is annotated."""
     pedestrians = frame_summary(result, row).pedestrians
     if pedestrians.empty:
         return None
@@ -121,7 +121,10 @@ def _pedestrians(result: Result, row: int) -> Table | None:
 
 
 def _small_jpeg(canvas: Canvas, width: int) -> bytes:
-    """Encode a JPEG within `width`, `MOST_HEIGHT_PX` and `MOST_BYTES` by reducing quality."""
+    """Encode a JPEG, limiting its size to `width`, `MOST_HEIGHT_PX` and `MOST_BYTES`.
+
+    Tries lower qualities until the file is small enough. The last one is used in any case.
+    """
     scale = min(1.0, width / canvas.shape[1], MOST_HEIGHT_PX / canvas.shape[0])
     shrunk = cv2.resize(canvas, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
     content = b""
@@ -133,7 +136,10 @@ def _small_jpeg(canvas: Canvas, width: int) -> bytes:
 
 
 def _box_about(result: Result, moment: Moment) -> np.ndarray | None:
-    """Return x, y, w, h of the moment's subject: a pedestrian, or the weightiest false alarm."""
+    """Return the box (x, y, w, h) of the moment's pedestrian or most salient false alarm.
+
+    None if there is no such box in the frame.
+    """
     if moment.encounter >= 0:
         try:
             return encounter_box(result, moment.encounter, moment.row)

@@ -1,4 +1,4 @@
-"""Render sections as one HTML page that works without program and network."""
+"""Render sections as one HTML page that works without this program and offline."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def render_page(
     fingerprint: str,
     **more: Any,
 ) -> str:
-    """Return the page as text. The same content gives the same bytes.
+    """Return the HTML of a page. Equal content gives equal bytes.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def _environment() -> Environment:
 
 
 def css_text(text: str, most: int) -> Markup:
-    """Return a safe CSS string of the text, cut to `most` characters."""
+    """Return a safe CSS string of the text, truncated to `most` characters."""
     signs = (
         sign if sign == " " or (sign.isascii() and sign.isalnum()) else f"\\{ord(sign):x} "
         for sign in shortened(text, most)
@@ -106,18 +106,21 @@ def css_text(text: str, most: int) -> Markup:
 
 
 def _number_cell(text: str) -> str:
-    """Return a number with a minus for its hyphen, on one line with its unit."""
+    """Format a number with a true minus sign and a no-break space before "pp"."""
     return true_minus(text).replace(" pp", "\N{NO-BREAK SPACE}pp")
 
 
 def _is_short(block: Table) -> bool:
-    """Return whether a printed table is kept on one page. Longer ones would leave a page empty."""
+    """Return whether a table is short enough to print without a page break inside."""
     n_signs = sum(len(cell) for row in block.rows for cell in row)
     return len(block.rows) < SHORT_ROWS and n_signs < SHORT_SIGNS
 
 
 def _cell_class(cell: str, *, is_number: bool) -> str:
-    """Return CSS classes for alignment and for breaks in hashes and paths, not in short names."""
+    """Return the CSS class that sets a cell's alignment and line breaks.
+
+    Hashes and paths may break anywhere, short names nowhere.
+    """
     if is_number:
         return "right between" if " to " in cell else "right"
     if max(map(len, cell.split()), default=0) > LONG_WORD:

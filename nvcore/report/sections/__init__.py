@@ -1,4 +1,4 @@
-"""Sections of a comparison, each a function that returns a `nvcore.report.section.Section`."""
+"""Sections of a comparison. Each function returns a `nvcore.report.section.Section`."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ AS_SET_SECTIONS: Final = (
 
 
 def result_sections(result: Result) -> list[Section]:
-    """Return the sections on the measures of X and Y, those of subjects included."""
+    """Return the sections on the measures of X and Y, including those of subjects."""
     sections = [
         scorecard_section(result),
         encounters_section(result),
@@ -50,7 +50,7 @@ def result_sections(result: Result) -> list[Section]:
 
 
 def with_cautions(sections: Iterable[Section], result: Result) -> list[Section]:
-    """Put paragraphs first that say why the numbers of a section mean little."""
+    """Prepend cautions to sections whose numbers mean little in this comparison."""
     is_unequal, is_short = are_unequal(result), result.is_short
     as_set = {*AS_SET_SECTIONS, *(of.anchor for of in chain(*contributed("sections")))}
     cautious = []

@@ -69,7 +69,7 @@ N_HEAVIEST: Final = 10
 
 
 def encounters_section(result: Result) -> Section:
-    """Return who detects which pedestrians, how the others are missed, and what a fusion gives."""
+    """Return the section on who detects which pedestrians, how others are missed, and fusion."""
     encounters = weighed_encounters(result)
     counts = result.venn.counts()
 
@@ -109,7 +109,7 @@ def encounters_section(result: Result) -> Section:
 
 
 def _categories(result: Result) -> Table:
-    """Return the number of encounters and the severity in each Venn category."""
+    """Return a table of the number and severity of encounters by Venn category."""
     counts = result.venn.counts()
     severities = [result.severity_of(system) for _, system in result.sides]
     undefined = {Category.DISTANT: None}  # distant encounters have no weight
@@ -141,7 +141,7 @@ def _miss_classes(result: Result) -> Table:
 
 
 def _heaviest(result: Result, encounters: pd.DataFrame) -> Table:
-    """Return the encounters whose failures have the largest severity."""
+    """Return a table of the encounters whose failures have the largest severity."""
     time_s = result.dataset.frames["time_s"].to_numpy()
     columns: Columns = {
         "Recording": "recording",
@@ -158,7 +158,10 @@ def _heaviest(result: Result, encounters: pd.DataFrame) -> Table:
 
 
 def _weightings(result: Result, encounters: pd.DataFrame) -> tuple[Fold, ...]:
-    """Return the heaviest encounter as height, horizon and distance weigh it, if one is missed."""
+    """Return how height, horizon and distance weight the encounter with the severest failure.
+
+    Empty if no encounter is missed.
+    """
     heaviest = encounters[encounters["severity_s"] > 0].head(1)
     if heaviest.empty:
         return ()
@@ -188,7 +191,7 @@ def _weightings(result: Result, encounters: pd.DataFrame) -> tuple[Fold, ...]:
 
 
 def by_class(result: Result) -> Table | None:
-    """Return who detects the encounters of each class, or None if none has a class."""
+    """Return a table of detected encounters by class, or None if no encounter has a class."""
     counts = class_counts(result).reset_index()
     if counts.empty:
         return None
@@ -227,7 +230,7 @@ def _origin_of(classes: EncounterClasses, name: str) -> str:
 
 
 def _boxes(result: Result) -> Table:
-    """Return the number of truth boxes by who matches them."""
+    """Return a table of the number of truth boxes that both, one or neither system matches."""
     boxes = result.boxes
     head = ("Matched by both", "Only by X", "Only by Y", "By neither")
     rows = [[f"{n:,}" for n in (boxes.both, boxes.x_only, boxes.y_only, boxes.neither)]]
@@ -237,7 +240,7 @@ def _boxes(result: Result) -> Table:
 
 
 def _fusion(fusion: pd.DataFrame) -> Table:
-    """Return each system alone, and both as one system."""
+    """Return a table of the results of each system alone and of both fused to one."""
     names = {"x": "X alone", "y": "Y alone", "x_or_y": "X or Y", "x_and_y": "X and Y"}
     columns: Columns = {
         "System": lambda row: names[row["system"]],
@@ -250,7 +253,7 @@ def _fusion(fusion: pd.DataFrame) -> Table:
 
 
 def only_one_section(result: Result) -> Section:
-    """Return the encounters that only one system detects, the largest severity first."""
+    """Return the section on encounters that only one system detects, severest failure first."""
     rows = _detected_by_one(result)
     columns: Columns = {
         "Detected by": lambda row: CATEGORY_WORDS[Category(row["category"])],
@@ -275,7 +278,7 @@ def only_one_section(result: Result) -> Section:
 
 
 def _detected_by_one(result: Result) -> pd.DataFrame:
-    """Return rows of the encounters that one system detects, with the failure of the other."""
+    """Return encounters that only one system detects, with the failure of the other."""
     table = encounters_table(result).reset_index(drop=True)
     is_x_only, is_y_only = (table["category"] == f"{letter}_only" for letter in "xy")
     of_other = {

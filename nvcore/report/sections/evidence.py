@@ -1,4 +1,4 @@
-"""Sections on how sure the differences are: tests, subgroups, plans, curves, settings, frames."""
+"""Sections on how sure differences are: tests, subgroups, plans, curves, stability, frames."""
 
 from __future__ import annotations
 
@@ -90,14 +90,14 @@ AT_ONCE: Final = 20_000
 
 
 def verdict_section(result: Result, conclusion: Verdict) -> Section:
-    """Return the section on the basis of the headline, which is on the first page."""
+    """Return the section on what the headline is based on. The headline is on the first page."""
     introduction = about("sections.verdict", result)
     blocks = (Topics(conclusion.topics),)
     return Section("verdict", "What the verdict rests on", introduction, blocks)
 
 
 def significance_section(result: Result, evidence: pd.DataFrame) -> Section:
-    """Return every difference with its interval and p-value, and how these were computed."""
+    """Return the section on each difference with its interval, p-value and method."""
     evidence = as_shown(result, evidence)
     columns: Columns = {
         "Measure": lambda row: row["label"] + ARROWS[row["better"]],
@@ -123,12 +123,15 @@ def significance_section(result: Result, evidence: pd.DataFrame) -> Section:
 
 
 def _basis(row: Row) -> str:
-    """Return the number of units of the evidence in a row."""
+    """Return the number and kind of units behind a row of evidence, such as "12 recordings"."""
     return f"{row['n']:,} {row['unit']}"
 
 
 def _values_and_evidence(corrected: str) -> Columns:
-    """Return columns with the values of a measure, their difference, interval and p-values."""
+    """Return table columns for a measure's values, difference, interval and p-values.
+
+    `corrected` is the heading of the corrected p-value.
+    """
 
     def value(letter: str) -> Callable[[Row], str]:
         return lambda row: number(row[letter], evidence_form(row["figure"]))
@@ -154,7 +157,9 @@ def _evidence(corrected: str) -> Columns:
 def plan_measures(
     result: Result, evidence: pd.DataFrame, protocol: Protocol, *, progress: Progress
 ) -> dict[str, Plan]:
-    """Return a plan for each measure without a claimed difference, by key, or {} without a pilot.
+    """Plan a study for each measure without a significant difference, by key.
+
+    {} if the recordings are too few for a pilot.
 
     Parameters
     ----------
@@ -194,7 +199,7 @@ def _has_pilot(evidence: pd.DataFrame) -> bool:
 
 
 def plan_section(result: Result, evidence: pd.DataFrame, plans: Mapping[str, Plan]) -> Section:
-    """Return a row for each plan of `plan_measures`, or the reason for having none."""
+    """Return the section on the plans of `plan_measures`, or on why there are none."""
     blocks: tuple[Block, ...]
     if not _has_pilot(evidence):
         blocks = (Paragraphs((Note("sections.no_pilot", n=MIN_PILOT),)),)
@@ -235,7 +240,7 @@ def _plan_row(plan: Plan) -> dict[str, str]:
 
 
 def subgroups_section(result: Result, subgroups: pd.DataFrame) -> Section:
-    """Return every measure for groups of encounters, and the system that detects more of each."""
+    """Return the section on all measures for groups of encounters, with who detects more."""
     is_detected = subgroups["figure"] == DETECTED
     is_shown = subgroups[["low", "p"]].notna().any(axis=1) | (subgroups["factor"] == ALL)
     n_left_out = int((np.isfinite(subgroups["x"]) & ~is_shown).sum())
@@ -276,14 +281,14 @@ _GROUP: Final[Columns] = {"Factor": "factor", "Group": _group}
 
 
 def _by_subgroup(rows: pd.DataFrame) -> Table:
-    """Return one measure for all encounters and for the groups."""
+    """Return a table of one measure for all encounters and for each group."""
     title = f"{capitalised(rows['label'].iloc[0])}, by subgroup"
     columns = {**_GROUP, "From": _basis, **_values_and_evidence("p (Holm)")}
     return listing(title, rows, columns, notes=_group_notes(rows))
 
 
 def _group_notes(rows: pd.DataFrame) -> list[str]:
-    """Return each note once, with the groups that it concerns."""
+    """Return each distinct note once, preceded by the groups that have it."""
     groups: dict[str, list[str]] = {}
     for row in rows.to_dict("records"):
         for note in filter(None, row["note"].split("; ")):
@@ -295,7 +300,7 @@ def _group_notes(rows: pd.DataFrame) -> list[str]:
 
 
 def detection_section(result: Result, protocol: Protocol) -> Section:
-    """Return the curves of both systems under a protocol, and their measures."""
+    """Return the section on the detection curves of X and Y under a protocol, with measures."""
     introduction, title = about("sections.detection", result), "Detection curves"
     try:
         curves = [
@@ -368,7 +373,9 @@ def stability_section(
     is_wanted: bool | None,
     progress: Progress = no_progress,
 ) -> Section:
-    """Return all maps of the verdict in a table and one of them drawn, or why there are none.
+    """Return the section on the verdict's stability: a table of all maps, one drawn as a figure.
+
+    If the maps are not computed, the section says why.
 
     Parameters
     ----------
@@ -420,7 +427,7 @@ def stability_section(
 
 
 def _holds(row: SurveyRow) -> bool:
-    """Return whether the verdict holds in all of the plausible range."""
+    """Return whether the verdict holds throughout the plausible range of the settings."""
     stability = row.stability
     if stability is None or stability.verdict == "undefined":
         return False
@@ -428,13 +435,13 @@ def _holds(row: SurveyRow) -> bool:
 
 
 def _at_equal_alarms(rows: Sequence[SurveyRow]) -> tuple[str, ...]:
-    """Return the better system at thresholds that are fair to both."""
+    """Describe which system is better at thresholds with equal false alarms, for each map."""
     maps = [stability.stability for stability in rows if stability.stability is not None]
     return tuple(filter(None, (describe_equal_alarms(stability) for stability in maps)))
 
 
 def _chance_of_each(rows: Sequence[SurveyRow], evidence: pd.DataFrame) -> tuple[str, ...]:
-    """Return the significance of each criterion's difference as analysed."""
+    """Describe for each criterion whether the difference as analysed is significant."""
     maps = {row.criterion: row.stability for row in rows if row.stability is not None}
     texts = {criterion: describe_chance(a_map, evidence) for criterion, a_map in maps.items()}
     return tuple(
@@ -445,7 +452,7 @@ def _chance_of_each(rows: Sequence[SurveyRow], evidence: pd.DataFrame) -> tuple[
 
 
 def frames_section(result: Result, photos: Sequence[Photo], troubles: Sequence[str]) -> Section:
-    """Return the evidence frames. A reason that all blank ones share is given once."""
+    """Return the section of evidence frames. If all are blank, the reason is given only once."""
     blocks: list[Block] = []
     if troubles:
         blocks.append(Paragraphs(("Some pictures cannot be shown.", *troubles)))

@@ -1,4 +1,4 @@
-"""Sections on the basis of the measures: findings, files, recordings, settings, how to read."""
+"""Sections on the inputs of the measures: findings, files, recordings, settings, reading aid."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ MOST_FILES: Final = 60
 
 
 def audit_section(result: Result, findings: Sequence[Finding]) -> Section:
-    """Return the findings of the audit."""
+    """Return the section on the findings of the audit."""
     columns: Columns = {
         "Severity": lambda row: row["severity"].value,
         "About": "subject",
@@ -60,7 +60,7 @@ def audit_section(result: Result, findings: Sequence[Finding]) -> Section:
 
 
 def inputs_section(result: Result, pictures: pd.DataFrame) -> Section:
-    """Return files with hashes and conversions, recordings, pictures, and skipped rows.
+    """Return the section on input files, conversions, recordings, pictures and skipped rows.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def _files(result: Result) -> list[Block]:
 
 
 def span_in_use(result: Result, name: str) -> str:
-    """Return the setting in use, px: "48", or "48 to 57.6" where recordings differ."""
+    """Return a setting's value in use, px, such as "48", or "48 to 57.6" if recordings differ."""
     values = in_use(result.params, name, result.dataset.frame_columns)
     if not len(values):
         return NOT_SET
@@ -157,7 +157,7 @@ def _picture_of(which: str) -> Cell:
 
 
 def parameters_section(result: Result) -> Section:
-    """Return every setting with its meaning, and the constants."""
+    """Return the section on all settings with their meanings, and on the constants."""
     stated = result.params.stated(result.dataset)
     rows = [_setting(result, name) for name in SETTINGS if name in stated]
     columns: Columns = {
@@ -186,7 +186,7 @@ def parameters_section(result: Result) -> Section:
 
 
 def _setting(result: Result, name: str) -> Row:
-    """Return a row of the parameters. A setting without a value has the value in use instead."""
+    """Return the table row of a setting. If it is not set, the row shows the value in use."""
     setting, value = SETTINGS[name], getattr(result.params, name)
     shown = _value(value)
     if value is None:
@@ -210,7 +210,7 @@ def _value(value: Any) -> str:
 
 
 def reading_section(result: Result) -> Section:
-    """Return how to read the report: X, Y, truth, match and encounter."""
+    """Return the section that explains the report's terms: X, Y, truth, match and encounter."""
     notes = (
         Note("sections.systems"),
         Note("sections.truth"),

@@ -57,7 +57,7 @@ N_WORST: Final = 3
 
 
 def scorecard_section(result: Result) -> Section:
-    """Return all measures side by side."""
+    """Return the section with a table of all measures of X and Y."""
     rows = scorecard_cells(result, indent=PART, mark=" *" if result.is_short else "")
     remarks = [note for of in contributed("remarks") for note in of.note(result)]
     measures = table(
@@ -74,7 +74,7 @@ def scorecard_section(result: Result) -> Section:
 
 
 def similarity_section(result: Result) -> Section:
-    """Return mean similarity by recording, lost similarity over time, and the worst intervals."""
+    """Return the section on similarity: by recording, lost over time, and the worst intervals."""
     recordings = recordings_table(result)
 
     def of_recordings() -> go.Figure:
@@ -109,7 +109,7 @@ def similarity_section(result: Result) -> Section:
 
 
 def _by_recording(result: Result, recordings: pd.DataFrame) -> Table:
-    """Return the recordings in their order, those in which X and Y differ most if they are many."""
+    """Return a table of the recordings. Of many, only those in which X and Y differ most."""
     notes = []
     if len(recordings) > MAX_ROWS:
         apart = (recordings["mean_similarity_x"] - recordings["mean_similarity_y"]).abs()
@@ -131,7 +131,7 @@ def _by_recording(result: Result, recordings: pd.DataFrame) -> Table:
 
 
 def _windows(result: Result) -> Fold:
-    """Return lost similarity and the worst window of every recording."""
+    """Return a table of each recording's lost similarity and worst window."""
     windows = windows_table(result)
     columns: Columns = {
         f"{letter.upper()}: {label}": (f"{name}_{letter}", form)
@@ -174,7 +174,7 @@ def _frames(row: Row) -> str:
 
 
 def saliency_section(result: Result) -> Section:
-    """Return the derivation of saliency, and the largest events."""
+    """Return the section on how saliency is computed, with the largest events."""
     worst = pd.concat([worst_events(result, letter, n=N_WORST) for letter in "xy"])
 
     def plane() -> go.Figure:
@@ -202,7 +202,7 @@ def saliency_section(result: Result) -> Section:
 
 
 def false_alerts_section(result: Result) -> Section:
-    """Return false alarms and episodes of both systems."""
+    """Return the section on both systems' false alarms and the episodes that they form."""
     introduction = about(
         "sections.false_alerts",
         result,
@@ -243,7 +243,10 @@ def _longest_episodes(result: Result) -> pd.DataFrame:
 
 
 def classes_section(result: Result) -> Section:
-    """Return the classes that X and Y read, as matrices, for results with `has_classes`."""
+    """Return the section with confusion matrices of the classes that X and Y read.
+
+    For results with `has_classes` only.
+    """
     counted = classes_table(result)
     blocks: list[Block] = []
     for letter, system in result.sides:

@@ -1,4 +1,4 @@
-"""Verdict of a comparison: a headline and notes by topic that claim no more than the data show."""
+"""Verdict on a comparison: a headline and notes by topic, claiming only what the data show."""
 
 from __future__ import annotations
 
@@ -53,13 +53,13 @@ class Point:
 
     @property
     def key(self) -> str:
-        """Key by which other points refer to this one."""
+        """Key by which other points refer to this one: its topic."""
         return self.topic
 
 
 @dataclass(frozen=True)
 class PointOf:
-    """A point that a subject adds.
+    """A topic that a subject adds to the verdict.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class PointOf:
 
 @dataclass(frozen=True)
 class Verdict:
-    """Verdict of a comparison.
+    """Verdict on a comparison: headline, notes by topic, and claims.
 
     Attributes
     ----------
@@ -112,12 +112,12 @@ class Verdict:
 
     @property
     def in_short(self) -> str:
-        """Headline in one short sentence, without its reason."""
+        """Headline as one short sentence, without its reason."""
         return capitalised(phrase(self.headline, self.objects, "short"))
 
     @property
     def reason(self) -> str:
-        """Reason for the headline: the basis of its claims, or why it claims no more."""
+        """Reason for the headline: what its claims are based on, or why it claims no more."""
         return capitalised(phrase(self.headline, self.objects, "because"))
 
     @property
@@ -142,7 +142,7 @@ def verdict(
     companions: Companions | None = None,
     plan: tuple[Note, ...] = (),
 ) -> Verdict:
-    """Return which differences between X and Y may be claimed, and what the measures show.
+    """Decide which differences between X and Y may be claimed, and describe the measures.
 
     If X and Y are set to different operating points, the headline says so, and claims are about
     both at equal false alarms, provided that a threshold gives these. The points tell which system
@@ -228,7 +228,7 @@ def verdict(
 
 
 def _doubt(serious: Sequence[Finding]) -> Note:
-    """Return the findings that the verdict depends on by their caveats, or else as a count."""
+    """Return a note with the caveats of these findings. Findings without a caveat are counted."""
     known = {**caveats().warned, **caveats().lesser}
     codes = [finding.code for finding in serious]
     return Note(

@@ -86,7 +86,7 @@ def _conclusion(
 
 
 def _remarks(result: Result, claims: Sequence[Claim]) -> list[Note]:
-    """Return the remarks of subjects on claims about these measures."""
+    """Return what subjects add to claims about their measures."""
     measures = [measure_of(claim.key) for claim in claims]
     remarks = (subject.of_claims(result, measures) for subject in contributed("remarks"))
     return [remark for remark in remarks if remark is not None]
@@ -95,7 +95,7 @@ def _remarks(result: Result, claims: Sequence[Claim]) -> list[Note]:
 def _better(
     result: Result, claims: Sequence[Claim], evidence: pd.DataFrame, n_with_values: int
 ) -> list[Note]:
-    """Return in which measures each system is better, the first differences with their values."""
+    """Say in which measures each system is better, giving values for the first `n_with_values`."""
     of_key = {row["figure"]: row for row in evidence.to_dict("records")}
     first_winner = claims[0].winner if claims else ""
     with_values = {claim.key for claim in claims[:n_with_values]}

@@ -45,7 +45,7 @@ EPISODES: Final = "false_alert_episodes"
 
 
 class QualityMeasure(NamedTuple):
-    """A measure that the verdict puts side by side.
+    """A measure that the verdict compares, with the format of its values.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ QUALITIES: Final = (
 
 
 def operating_points(result: Result, companions: Companions | None) -> tuple[Note, ...]:
-    """Return the operating points of X and Y, if they are or were unequal."""
+    """Describe the operating points of X and Y, or return nothing if they were always equal."""
     if result.as_set is not None:
         return (Note("verdict.equal_numbers", setting=equal_setting(result)),)
     if not are_unequal(result):
@@ -83,7 +83,7 @@ def operating_points(result: Result, companions: Companions | None) -> tuple[Not
 
 
 def question(result: Result, evidence: pd.DataFrame | None) -> tuple[Note, ...]:
-    """Return the primary measure and how it is tested, or nothing if no measure has a p."""
+    """Return the primary measure and whether it was tested, or nothing without any p-value."""
     if evidence is None or not np.isfinite(evidence["p_corrected"]).any():
         return ()
     primary = primary_of(result.dataset)
@@ -98,7 +98,10 @@ def question(result: Result, evidence: pd.DataFrame | None) -> tuple[Note, ...]:
 
 
 def encounters(result: Result, evidence: pd.DataFrame | None, support: Support) -> tuple[Note, ...]:
-    """Return which system detects more encounters, with p by recordings unless it is withheld."""
+    """Return how many encounters each system detects, with a test over recordings.
+
+    The test is omitted if its claim is withheld.
+    """
     venn, test = result.venn, None
     if evidence is not None and ENCOUNTERS not in support.withheld:
         row = evidence[evidence["figure"] == ENCOUNTERS].iloc[0]
@@ -116,7 +119,7 @@ def encounters(result: Result, evidence: pd.DataFrame | None, support: Support) 
 
 
 def weights(result: Result) -> tuple[Note, ...]:
-    """Return the severity of encounters that only one system detects, and the worst failure."""
+    """Return the severity of encounters that only one system detects, and the severest failure."""
     venn = result.venn
     of_x, of_y = (result.severity_of(system) for _, system in result.sides)
     costs = [
@@ -150,7 +153,7 @@ def _worst_failure(result: Result) -> tuple[Note, ...]:
 
 
 def measures(result: Result, evidence: pd.DataFrame | None) -> tuple[Note, ...]:
-    """Return in which of the other measures X or Y is better, and which are equal."""
+    """Return in which of the other measures X or Y is better, and in which they are equal."""
     qualities: dict[str, list[Note]] = {"x": [], "y": [], "both": []}
     for key, form, unit in QUALITIES:
         x, y = _values(key, result, evidence)
@@ -176,13 +179,13 @@ def measures(result: Result, evidence: pd.DataFrame | None) -> tuple[Note, ...]:
 
 
 def _extent(result: Result) -> str:
-    """Return the time over which episodes are counted, and which frames if not all."""
+    """Return the recording time in which episodes are counted, and which frames are evaluated."""
     every = every_nth(result.dataset.frame_columns)
     return f" in {duration_text(result.duration_s)}{every and f', {every}'}"
 
 
 def _far_away(result: Result) -> tuple[Note, ...]:
-    """Return the share of saliency about pedestrians who count, if below half for a system."""
+    """Return relevant pedestrians' share of saliency if it is below half for either system."""
     shares = {letter: relevant_share(system) for letter, system in result.sides}
     if not any(share < HALF for share in shares.values()):
         return ()
@@ -195,7 +198,7 @@ def _far_away(result: Result) -> tuple[Note, ...]:
 
 
 def _values(key: str, result: Result, evidence: pd.DataFrame | None) -> tuple[float, float]:
-    """Return a measure of X and Y, NaN where it is undefined."""
+    """Return the values of a measure for X and Y, NaN where undefined."""
     if key != MISS_RATE:
         is_defined = key != EPISODES or bool(result.duration_s)
         return values_of(key, result) if is_defined else (np.nan, np.nan)
@@ -204,7 +207,7 @@ def _values(key: str, result: Result, evidence: pd.DataFrame | None) -> tuple[fl
 
 
 def chance(result: Result, evidence: pd.DataFrame | None, support: Support) -> tuple[Note, ...]:
-    """Return differences that are more than chance, and why others that seem so are not claimed."""
+    """Return significant differences, and why other apparent ones are not claimed."""
     if evidence is None:
         return ()
     of_key = {row["figure"]: row for row in evidence.to_dict("records")}
@@ -235,7 +238,7 @@ def _shown(result: Result, claim: Claim, row: Mapping[Hashable, Any]) -> Note:
 
 
 def strict_pairing(result: Result, strict: Result) -> tuple[Note, ...]:
-    """Return the measures in which strict pairing puts the other system first."""
+    """Return the measures in which strict pairing reverses who is better."""
     better: dict[str, list[Note]] = {"x": [], "y": []}
     for key, form, unit in QUALITIES:
         if is_turned_strictly(key, result, strict):
@@ -249,7 +252,7 @@ def strict_pairing(result: Result, strict: Result) -> tuple[Note, ...]:
 
 
 def thresholds(result: Result) -> tuple[Note, ...]:
-    """Return the systems that have scores but no confidence threshold."""
+    """Name the systems that have scores but no confidence threshold."""
     systems = [
         letter
         for letter, system in result.sides

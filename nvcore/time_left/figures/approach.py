@@ -1,4 +1,4 @@
-"""Every urgent encounter from the first sight to contact, with the last chance and who was sure."""
+"""Plot of each urgent encounter from first sight to contact, with last chance and confirmations."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def approach_plot(
     first: int = 0,
     most: int = MOST_ROWS,
 ) -> go.Figure:
-    """A line for each urgent encounter, from the first annotated frame to contact.
+    """Plot each urgent encounter as a line from the first annotated frame to contact.
 
     The last chance is a bar; right of it, in the band, it is too late to stop. Filled marks: X and
     Y confirm the pedestrian. Open marks, right of contact: never. A click gives frame and
@@ -107,7 +107,7 @@ def approach_plot(
 
 
 def _lines(part: pd.DataFrame, row: np.ndarray, reach: float, theme: Theme) -> list[go.Scatter]:
-    """Draw the band that is too late, and a line per encounter, dotted after its last frame."""
+    """Return a line for each encounter, dotted after its last frame, and the "too late" bands."""
     look, zero = LOOK[theme], np.zeros(len(part))
     start = np.minimum(part["first_s"].to_numpy(), reach)
     stop, chance = np.maximum(part["last_s"].to_numpy(), 0), part["ttc_s"].to_numpy()
@@ -131,7 +131,7 @@ def _lines(part: pd.DataFrame, row: np.ndarray, reach: float, theme: Theme) -> l
 
 
 def _reach_s(urgent: pd.DataFrame) -> float:
-    """Left end of the axis: the same for all rows, so that it stays from one part to the next."""
+    """Return the left end of the time axis, seconds. It is the same for all parts of the plot."""
     most = max(MOST_S, np.ceil(1.2 * urgent["ttc_s"].max()))  # the last chances are always on it
     return float(min(most, np.ceil(urgent["first_s"].max())))
 
@@ -147,12 +147,12 @@ def _labels(result: Result, part: pd.DataFrame) -> list[str]:
 
 
 def _places(part: pd.DataFrame, frame_row: np.ndarray) -> np.ndarray:
-    """Return what a click gives, (n, 2): row of the frames table, row of the encounter."""
+    """Return what a click on each mark selects: rows of frames and encounters, shape (n, 2)."""
     return np.column_stack([frame_row, part.index.to_numpy()])
 
 
 def responses_text(result: Result, encounters: np.ndarray) -> list[str]:
-    """For the mouse: a line for what each system made of the urgent encounter.
+    """Return hover texts with a line for each system's response to an urgent encounter.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def responses_text(result: Result, encounters: np.ndarray) -> list[str]:
 
 
 def _texts(result: Result, part: pd.DataFrame, frame_row: np.ndarray, what: str) -> list[str]:
-    """For the mouse: the moment, and what both systems made of the encounter."""
+    """Return hover texts on a moment of each encounter and on both systems' responses."""
     frames = result.dataset.frames
     columns = (part[name] for name in ("track", "recording", "ttc_s", "speed_kmh"))
     moments = (frames[name].to_numpy()[frame_row] for name in ("frame", "time_s"))
@@ -181,7 +181,7 @@ def _texts(result: Result, part: pd.DataFrame, frame_row: np.ndarray, what: str)
 
 
 def _last_chances(result: Result, part: pd.DataFrame, row: np.ndarray, theme: Theme) -> go.Scatter:
-    """A bar for each."""
+    """Return a bar for each encounter's last chance."""
     urgent_row, ink = part["urgent_row"].to_numpy(), LOOK[theme].ink
     line = {"width": 3, "color": ink}
     return marks(
@@ -197,7 +197,7 @@ def _last_chances(result: Result, part: pd.DataFrame, row: np.ndarray, theme: Th
 def _system_marks(
     result: Result, part: pd.DataFrame, letter: str, reach: float, theme: Theme
 ) -> list[go.Scatter]:
-    """Draw where a system confirms the pedestrians, and whom it never confirms."""
+    """Return filled marks where a system confirms pedestrians, open ones where it never does."""
     look, system, confirms = (
         LOOK[theme],
         result.system(letter),
@@ -234,7 +234,7 @@ def _system_marks(
 
 
 def _impacts(part: pd.DataFrame, theme: Theme) -> list[dict[str, Any]]:
-    """Draw impact speeds in two columns right of the plot, muted where the car stops."""
+    """Return impact speeds as two columns of text right of the plot, muted if the car stops."""
     look = LOOK[theme]
     columns = {"x": 48, "y": RIGHT_PX - 16}
     side: dict[str, Any] = {"xref": "paper", "x": 1, "xanchor": "right", "size": 12}

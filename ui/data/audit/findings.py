@@ -1,4 +1,4 @@
-"""Data page: what the audit found, worst first, with corrections to apply."""
+"""Data page: findings of the audit, worst first, with buttons that apply corrections."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ MOST_SHOWN: Final = 4
 
 
 def draw() -> None:
-    """Draw what is open, and all findings about it."""
+    """Draw the name of the open session and all audit findings about it."""
     findings = worst_first(input_findings())
     label, n = state.opened().label, len(state.recording_names())
     which = filter_text() or f"{n:,} recording{'s' if n > 1 else ''}"
@@ -67,7 +67,7 @@ def draw() -> None:
 
 
 def _counts(findings: Sequence[Finding]) -> str:
-    """Return the number of findings of each severity, and what that means for the numbers."""
+    """Return the number of findings by severity. Those about pictures are counted separately."""
     words = []
     of_numbers = [finding for finding in findings if not finding.is_of_pictures]
     for severity, (singular, plural) in KINDS.items():
@@ -100,7 +100,7 @@ def _draw_one(finding: Finding, number: int) -> None:
 
 
 def _draw_ways(finding: Finding, number: int) -> None:
-    """Draw the suggested fixes, with a button for each that needs only the session."""
+    """Draw suggested fixes, with buttons for those that only change the session."""
     opened = state.opened()
     ways = [(step, applied(opened.session, step, opened.dataset.systems)) for step in finding.steps]
     steps = [step for step, session in ways if session is None]
@@ -118,7 +118,7 @@ def _draw_ways(finding: Finding, number: int) -> None:
 
 
 def _draw_weighting(finding: Finding, number: int) -> None:
-    """The buttons that have all boxes weighed alike."""
+    """Draw buttons that make all boxes weighted in the same way, by height or by distance."""
     with st.container(horizontal=True):
         st.button(
             "Weigh by height",
@@ -141,7 +141,7 @@ def _draw_weighting(finding: Finding, number: int) -> None:
 
 
 def _draw_threshold(finding: Finding, number: int) -> None:
-    """The button that sets the threshold which the finding names."""
+    """Draw a button that sets the threshold suggested by the finding."""
     value = dict(finding.suggestion)["threshold"]
     letters = dict(zip(state.systems(), "xy", strict=True))
     letter = letters.get(finding.subject)
@@ -156,7 +156,7 @@ def _draw_threshold(finding: Finding, number: int) -> None:
 
 
 def _draw_correction(finding: Finding, number: int) -> None:
-    """The button that corrects the boxes of a system."""
+    """Draw a button that corrects the boxes of a system."""
     words = ", ".join(f"{name} {value:g}" for name, value in finding.suggestion)
     is_wanted = button(
         "Apply to the session",

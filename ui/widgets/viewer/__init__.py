@@ -1,4 +1,4 @@
-"""Frame viewer: picture, boxes of truth, X and Y, trace strip and playback controls.
+"""Frame viewer: picture, boxes of truth, X and Y, curves over time, and playback controls.
 
 This Streamlit component fetches pictures and boxes from the routes itself. Python sends traces and
 marks, and receives the row that the viewer settles on.
@@ -44,7 +44,10 @@ WORDS = ("a_one", "one", "Nobody", "feet_are")
 
 
 class ListedBox(NamedTuple):
-    """List entry: row within the recording (-1 elsewhere), box x, y, w, h in px (None: no box)."""
+    """Entry of a list: row within the recording, and box x, y, w, h in px.
+
+    Row -1: the entry is in another recording. Box None: the entry has no box.
+    """
 
     row: int
     box: tuple[float, float, float, float] | None
@@ -234,13 +237,13 @@ def _pack_visible(visible: VisiblePictures) -> dict[str, Any]:
 
 
 def settled_in(key: str, *, recording: int, n_rows: int, seek: tuple[int, int]) -> int:
-    """Return the row that `viewer` of this key is going to return, before it is drawn."""
+    """Return the row that the `viewer` with this key will return, before it is drawn."""
     settled = store.sent(key, "settled")
     return settled_row(settled, recording=recording, n_rows=n_rows, seek=seek)
 
 
 def _tell_choice(key: str, on_choose: Callable[[int], None] | None) -> None:
-    """Pass on the chosen encounter. The receiver checks what the browser sent."""
+    """Pass the selected encounter to `on_choose`, which must validate what the browser sent."""
     encounter = store.sent(key, "chosen", "encounter")
     if on_choose is not None and isinstance(encounter, int) and not isinstance(encounter, bool):
         on_choose(encounter)
@@ -253,13 +256,13 @@ def _tell_look(key: str, on_look: Callable[[Look], None] | None) -> None:
 
 
 def n_plays_in(key: str) -> int | None:
-    """Return how often the clip in this `viewer` was played to its end (None: not known)."""
+    """Return how often this `viewer` played its clip to the end, or None if not known."""
     n_plays = store.sent(key, "settled", "n_plays")
     return n_plays if isinstance(n_plays, int) and n_plays >= 0 else None
 
 
 def settled_row(settled: Any, *, recording: int, n_rows: int, seek: tuple[int, int]) -> int:
-    """Return the row that the browser reports, if it belongs to this recording and this `seek`.
+    """Return the row reported by the browser, if it is current, else the row of `seek`.
 
     A row from before Python's newest `seek`, or from another recording, is out of date. The row of
     `seek` then applies.
@@ -273,7 +276,7 @@ def settled_row(settled: Any, *, recording: int, n_rows: int, seek: tuple[int, i
 
 
 def colours_of(theme: Theme) -> dict[str, dict[str, Any]]:
-    """Return colours and lines of X, Y and the truth, on the picture and on the page around it."""
+    """Return colours and line styles of X, Y and truth, for the picture and the page around it."""
     scheme = scheme_of(theme)
     styles = {letter: scheme.style(letter) for letter in "xy"}
     return {
