@@ -193,7 +193,7 @@ def categories_of(codes: np.ndarray, names: Any) -> pd.Categorical[Any]:
 
 
 def integers_of(values: np.ndarray, is_known: np.ndarray) -> Any:
-    """Return a column of integers in which values that are not known are missing."""
+    """Return a column of integers, with unknown ones marked as missing."""
     # floats cannot represent large ids such as timestamps
     return pd.arrays.IntegerArray(values.astype(np.int64), ~is_known)
 

@@ -95,7 +95,7 @@ class Scene:
     corridor: float
 
     def is_before(self, name: str, encounter: np.ndarray, row: np.ndarray) -> np.ndarray:
-        """Return whether a frame row in `seen` precedes the given rows, bool, shape (n,).
+        """Return whether an event in `seen` precedes the given frame rows, bool, shape (n,).
 
         ``confirmed_row``: the driver has seen the encounters by then. ``known_row``: by then it is
         known whether the driver sees them.
@@ -305,7 +305,7 @@ def _with_kinds(
 
 
 def _of_dataset(table: pd.DataFrame, dataset: Dataset) -> pd.DataFrame:
-    """Return the log rows of the dataset's recordings, with each recording's name as its number.
+    """Return the log rows of the dataset's recordings, replacing recording names by numbers.
 
     Finds recordings that the session renamed under their original names, too.
     """

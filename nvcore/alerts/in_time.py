@@ -77,7 +77,7 @@ def slack_at_onset(
     *,
     reaction_s: float,
 ) -> pd.DataFrame:
-    """Return the time that the driver has left to react at an alert's onset and still stop.
+    """Return how long the driver may take to react to an alert and still stop, by encounter.
 
     Time to contact less the time that braking takes, at the onset. Time to contact is measured with
     noise, so the least value of all frames up to the onset counts: an alert after the last chance
@@ -256,7 +256,7 @@ class InTime:
         return "stretches of these recordings" if self.units.kind == BLOCKS else self.units.kind
 
     def of_hundred(self, kind: str) -> pd.DataFrame:
-        """Split 100 urgent encounters by whether the driver sees unaided and by who alerts in time.
+        """Split 100 urgent encounters by whether the driver sees unaided and who helps in time.
 
         Returns
         -------

@@ -59,7 +59,7 @@ CLAIMABLE: Final = {
 
 
 def claimable_key(name: str) -> str:
-    """Return the key of a measure of `CLAIMABLE` by its name or key.
+    """Look up the key of a measure in `CLAIMABLE` by its name or key.
 
     Raises
     ------
@@ -107,7 +107,7 @@ def words_of(params: Params, counts: Mapping[str, int], units: str) -> dict[str,
 
 
 def counted() -> dict[str, Callable[[Result], np.ndarray]]:
-    """Return functions that select the encounters subjects count, by the name in labels and `per`.
+    """Return functions that select encounters for subjects' counts, by name in labels and `per`.
 
     Each is bool, shape (n_encounters,).
     """
@@ -135,7 +135,7 @@ def measure_of(key: str) -> Measure:
 
 
 def applies_to(result: Result, measure: Measure) -> bool:
-    """Return whether a measure applies to a comparison, for example as encounters are urgent."""
+    """Return whether a measure applies to a comparison. Some need urgent encounters."""
     return measure.applies is None or measure.applies(result)
 
 

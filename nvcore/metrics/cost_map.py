@@ -169,10 +169,7 @@ def map_cost(
 def _weigh_rows(
     truth: BoxColumns, frames: FrameColumns, params: Params, recording: int, foot_px: np.ndarray
 ) -> tuple[np.ndarray, Basis, int, float]:
-    """Return the weight at each foot row, what it is based on, its number of boxes, and a height.
-
-    The values are those of `CostMap`.
-    """
+    """Return `k`, `basis`, `n_boxes` and `height_px` of `CostMap` for these foot rows."""
     nan = float("nan")
     if params.proximity == "none":
         return np.ones(len(foot_px)), "none", 0, nan

@@ -104,7 +104,7 @@ def find_events(
     *,
     k_miss: np.ndarray | None = None,
 ) -> pd.DataFrame:
-    """Find saliency events: longest runs of listed frames in which one pedestrian qualifies.
+    """Find saliency events: maximal runs of listed frames in which one pedestrian qualifies.
 
     ``saliency = weight * recency`` in seconds, 0 is best. The weight is the event's duration, or
     with ``saliency_weight="risk"`` the sum of ``D(G, S) / (W/2) * time step`` over its frames.

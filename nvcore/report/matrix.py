@@ -82,7 +82,7 @@ def winner_of(pair: Mapping[Hashable, Any], measure: PairMeasure) -> str:
 
 
 def pair_cells(pair: Mapping[Hashable, Any], measure: PairMeasure) -> tuple[str, ...]:
-    """Return both values, difference, interval, p, corrected p, with dashes where undefined."""
+    """Format the values of a pair, their difference, interval and p-values. Dashes if undefined."""
     form, of_measure = evidence_form(measure.key), measure.evidence
     x, y = pair[f"{measure.value}_x"], pair[f"{measure.value}_y"]
     return (

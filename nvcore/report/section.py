@@ -161,7 +161,7 @@ class Photo:
 
 @dataclass(frozen=True)
 class Photos:
-    """Frames in rows: two per row on screen, three on paper. Paper has only the first `printed`."""
+    """Frames in rows of two on screen, three in print. Only the first `printed` are printed."""
 
     kind: ClassVar[str] = "photos"
     photos: tuple[Photo, ...]
@@ -170,7 +170,7 @@ class Photos:
 
 @dataclass(frozen=True)
 class Fold:
-    """Blocks that unfold on a click. Paper contains them only if they are unfolded.
+    """Blocks that unfold on a click. Print contains them only if they are unfolded.
 
     Attributes
     ----------

@@ -93,7 +93,7 @@ def effect_text(row: Mapping[Hashable, Any]) -> str:
 
 
 def every_nth(frames: FrameColumns) -> str:
-    """Return which frames are evaluated ("every 10th frame"), or an empty string for all."""
+    """Return which frames are evaluated ("every 10th frame"), or "" if all are."""
     steps = [round(float(step)) for step in frames.sampling_step]
     sampled = sorted({step for step in steps if step > 1})
     if not sampled:
@@ -133,7 +133,7 @@ def at_best(dataset: Dataset) -> tuple[Note, ...]:
 
 
 def missed(result: Result) -> Note:
-    """Return how many encounters X, Y and both do not detect."""
+    """Return how many encounters X misses, Y misses, and both miss."""
     e = result.exclusivity
     return Note(
         "encounters.missed",

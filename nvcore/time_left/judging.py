@@ -268,7 +268,7 @@ class Judgement:
 
     @cached_property
     def time_left(self) -> pd.DataFrame:
-        """Table of `judge_time_left`."""
+        """Result of `judge_time_left`."""
         return judge_time_left(self.urgency, self.confirmed, self.frames, self.params)
 
 

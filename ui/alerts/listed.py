@@ -101,7 +101,7 @@ def draw_beside_viewer(
     key: str,
     name: str,
 ) -> None:
-    """Draw a table beside the viewer, which shows the selected row.
+    """Draw a table beside the viewer. The viewer shows the selected row.
 
     Parameters
     ----------

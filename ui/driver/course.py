@@ -44,7 +44,7 @@ NOT_KNOWN: Final = "In no frame is it known how detectable this {one} is"
 
 
 def draw(result: Result, encounter: int) -> None:
-    """Draw the selected pedestrian. A new one starts at the frame when the driver must see them."""
+    """Draw the selected pedestrian, at first in the frame by which the driver must see them."""
     course = detectability_course(result, encounter)
     name = state.workspace().n_opened, name_of(result, encounter)
     is_new = store.DRIVER_SHOWN.get()[0] != name

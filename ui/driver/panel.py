@@ -108,7 +108,7 @@ def _draw_features(features: pd.DataFrame | None, at: int, why_none: str) -> Non
 
 
 def _by(run: EstimateRun | None, part: pd.Series | None) -> str:
-    """Return ", estimator of" and its adaptation period, or "" if the estimator is unknown."""
+    """Return ", estimator of 7.5 s" with the adaptation period, or "" if it is unknown."""
     if run is None or part is None:
         return ""
     return f", estimator of {basis.period_words(run, part['period_s'])}"
@@ -132,7 +132,10 @@ def _draw_outside(
 
 
 def _has_no_period(own: pd.Series | None, clock: AdaptationClock | None) -> bool:
-    """Whether neither the run nor, without a run, the clock knows an earlier change of light."""
+    """Whether no change of light is known before the frame.
+
+    The run tells, or without a run the clock.
+    """
     if own is not None:
         return bool(np.isnan(own["period_s"]))
     return clock is not None and bool(np.isnan(clock.period_s[state.row()]))

@@ -65,7 +65,7 @@ def draw(result: Result) -> DriverRegion | None:
 
 
 def draw_over_threshold(result: Result) -> None:
-    """Draw, folded, how many encounters X and Y must warn of, against the driver's threshold."""
+    """Plot what the driver leaves to X and Y against the detectability threshold, folded."""
     with st.expander("Over the threshold"):
         figure = driver_threshold_plot(
             over_driver_threshold(result),

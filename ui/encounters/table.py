@@ -76,7 +76,7 @@ def draw_order() -> Order:
 
 
 def draw_switch() -> None:
-    """Draw the switch between main and all columns, clear of the tools above the table."""
+    """Draw the switch that shows all columns, apart from the tools above the table."""
     st.toggle(
         "All columns",
         key=store.ALL_COLUMNS.key,

@@ -38,7 +38,7 @@ def draw(
     idle: frozenset[str] = frozenset(),
     is_folded: bool = False,
 ) -> None:
-    """Draw the sidebar, after the page that uses its values, with the error message `wrong`.
+    """Draw the sidebar with the error message `wrong`. Call this after drawing the page.
 
     Settings of the page's `own` stages come first, except settings for which the page has
     `controls`. Settings are quiet (grey) if nothing that the page has `shown` depends on them, or
@@ -178,7 +178,7 @@ def _horizon() -> None:
 
 
 def _proximity_plot() -> None:
-    """Draw the weight over the pedestrians' heights."""
+    """Plot the proximity weight against the heights of pedestrians."""
     dataset, theme = state.opened().dataset, state.theme()
     names = state.params().only_for(PROXIMITY)
     figure = kept_figure(  # it stays while other sliders move

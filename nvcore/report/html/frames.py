@@ -93,7 +93,7 @@ def photo(result: Result, moment: Moment, pictures: RecordingPictures) -> Photo:
 
 
 def _measures(result: Result, row: int) -> str:
-    """Return the similarity of both systems in a frame, and the causes of its loss."""
+    """Return the similarity of both systems in a frame, and the causes of lost similarity."""
     texts = [
         f"{letter.upper()} {system.similarity[row]:.2f} (lost to misses "
         f"{system.loss_miss[row]:.3f}, to false alarms {system.loss_false[row]:.3f})"
