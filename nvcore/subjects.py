@@ -134,7 +134,7 @@ class Subject:
 
 @cache
 def subjects() -> dict[str, tuple[str, Subject]]:
-    """Return the package and the `Subject` of each subject, by name."""
+    """Map each subject's name to its package and its `Subject`."""
     known = {package: import_module(package).SUBJECT for package in SUBJECTS}
     return {subject.name: (package, subject) for package, subject in known.items()}
 

@@ -161,7 +161,7 @@ def compare(
 
 
 def _next_steps(session_file: Path | None, out: Path | None) -> list[str]:
-    """Return suggested commands that show more, with a session file if it matches this command."""
+    """Return suggestions of commands that show more, each with its purpose."""
     from nvcore.report.files import SESSION_FILE
     from nvcore.report.terminal import WIDTH
 

@@ -60,7 +60,7 @@ def picture_px_beside(features: Path) -> tuple[int, int] | None:
 
 
 def _beside(features: Path, entry: Callable[[dict[str, Any]], T | None]) -> T | None:
-    """Return an entry of the record that matches a feature file's content, or None."""
+    """Look up an entry of the record next to a feature file. Return None if it is outdated."""
     if not features.is_file():
         return None
     digest = hashlib.sha256(features.read_bytes()).hexdigest()

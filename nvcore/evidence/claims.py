@@ -114,7 +114,7 @@ def find_claims(
 def decided_on(
     result: Result, evidence: pd.DataFrame | None, companions: Companions | None
 ) -> tuple[Result, pd.DataFrame | None]:
-    """Return the comparison that claims are about, and its evidence or None.
+    """Return the comparison on which claims are based, and its evidence if known.
 
     At unequal operating points this is the comparison at equal false alarms.
     """

@@ -153,7 +153,7 @@ def _boxes_by_recording(dataset: Dataset) -> tuple[dict[str, Any], np.ndarray]:
 
 
 def _texts(codes: np.ndarray, texts: Iterable[object]) -> pd.Categorical:
-    """Return a categorical of texts given by codes, with sorted categories."""
+    """Return the texts that integer codes index, as a categorical with sorted categories."""
     names = pd.Index([*map(str, texts)], dtype=object)
     found = pd.Categorical.from_codes(codes, names, validate=False)
     return found.reorder_categories(names.sort_values())

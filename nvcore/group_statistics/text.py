@@ -75,7 +75,7 @@ def render_groups(comparison: GroupComparison) -> str:
 
 
 def cells_of(comparison: GroupComparison) -> dict[str, list[tuple[str, ...]]]:
-    """Return rows of text for each non-empty table, headings first, suitable tests with a star."""
+    """Return each non-empty table as rows of text. A star marks the tests that suit the data."""
     rows = (_group_rows, _test_rows, _pair_rows, _check_rows, _size_rows)
     return {
         name: [*rows_of(comparison)]

@@ -205,7 +205,7 @@ def find_coded(encounters: Encounters, dataset: Dataset) -> dict[str, np.ndarray
 
 
 def find_crossing(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:
-    """Find pedestrians who cross from one side of the picture to the other, bool.
+    """Return which pedestrians cross from one side of the picture to the other, bool.
 
     They are at least `CROSSING_REACH` to the left of its middle once, and to the right once.
     """

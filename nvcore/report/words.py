@@ -58,7 +58,7 @@ def score_cells(rows: Iterable[ScoreRow], *, indent: str, mark: str = "") -> lis
 
 
 def scorecard_cells(result: Result, *, indent: str, mark: str = "") -> list[tuple[str, ...]]:
-    """Return table rows of the scorecard and the outcomes of encounters, as in `score_cells`."""
+    """Return table rows of the scorecard, then of the outcomes of encounters."""
     return [
         *score_cells(score_rows(result), indent=indent, mark=mark),
         (f"how the {count_text(result.venn.n_near, 'encounter')} went:", "", "", "", ""),

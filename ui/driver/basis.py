@@ -1,4 +1,4 @@
-"""Driver page: what an estimate is based on, what it was not trained on, or why it is missing."""
+"""Driver page: data behind an estimate, and conditions that its model does not know."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ def urgent_of(result: Result) -> pd.DataFrame:
 
 
 def draw(result: Result, urgent: pd.DataFrame) -> None:
-    """Plot each urgent encounter as a line. A click opens the frame."""
+    """Plot each urgent encounter as a line. A click opens that frame."""
     label = "Urgent encounters, the fastest impact first"
     first = choose_first(label, len(urgent), MOST_ROWS, "time_left_first", width=320)
     theme = state.theme()

@@ -215,7 +215,7 @@ def features_of_course(
 
 
 def saved_encounters(result: Result) -> pd.DataFrame:
-    """Return urgent encounters that only X or only Y confirms in time, and not the driver.
+    """Return urgent encounters that only one system confirms in time and the driver does not.
 
     Returns
     -------

@@ -59,7 +59,7 @@ def worse_at_most(evidence: Evidence, candidate: Side) -> float:
 def judge_noninferiority(
     evidence: Evidence, candidate: Side, margin: float, *, is_undecided: bool = False
 ) -> NonInferiority:
-    """Judge non-inferiority by the interval of the difference over recordings.
+    """Compare the margin with the confidence interval of a difference.
 
     It is shown if the whole 95 % interval of the difference is on the better side of the margin: a
     one-sided test at 2.5 %. Blocks of time show nothing, as they do not represent other recordings.
