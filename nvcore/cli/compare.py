@@ -134,15 +134,17 @@ def compare(
         steps.begin("what fusion would do")
         path = shown_paths(session.folder, session.sources, dataset.systems)
         shown = findings_shown(findings, path, dataset.compared())
+        next_steps = _next_steps(options["session_file"], out, is_full=full)
         if as_json:
             text = summary_json(result)
         elif full:
-            text = render_scorecard(result, planned_verdict(result, findings, session.protocol))
+            conclusion = planned_verdict(result, findings, session.protocol)
+            text = "\n".join([render_scorecard(result, conclusion), "", *next_steps])
         else:
             n_more = 2 * are_unequal(result) + (out is not None)  # lines on the error stream
             text = render_brief(
                 *(result, shown, planned_verdict(result, findings, session.protocol)),
-                next_steps=_next_steps(options["session_file"], out),
+                next_steps=next_steps,
                 most_lines=MOST_LINES - n_more,
             )
         if out is not None:
@@ -160,7 +162,7 @@ def compare(
     exit_on_findings(findings, strict)
 
 
-def _next_steps(session_file: Path | None, out: Path | None) -> list[str]:
+def _next_steps(session_file: Path | None, out: Path | None, *, is_full: bool) -> list[str]:
     """Return suggestions of commands that show more, each with its purpose."""
     from nvcore.report.files import SESSION_FILE
     from nvcore.report.terminal import WIDTH
@@ -181,6 +183,7 @@ def _next_steps(session_file: Path | None, out: Path | None) -> list[str]:
     ]
     if file is None:
         steps = [("add --full", steps[0][1]), ("add --out DIR", "tables, and a session file")]
+    steps = steps[is_full:]
     lines = [f"  {step}  # {shown}" for step, shown in steps]
     lines = [line if len(line) <= WIDTH else line.partition("  #")[0] for line in lines]
     return ["Next:", *lines]

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Final
 
 from nvcore.comparison import Result
 from nvcore.findings import Finding, Severity
-from nvcore.notes import Note, phrase
-from nvcore.report.decisive_moments import Moment, main_moments
 from nvcore.report.plan import planned_verdict
 from nvcore.report.terminal import (
-    NAME_WIDTH,
+    RECORDING_WIDTH,
     WIDTH,
     findings_count,
     fold,
     heading_lines,
     measure_notes,
+    moment_lines,
     table_lines,
 )
 from nvcore.report.verdict import Verdict
@@ -27,8 +26,6 @@ from nvcore.wording import one_line, shortened
 MOST_LINES: Final = 35
 MOST_FINDINGS: Final = 3
 """Maximum number of shown errors and warnings of the audit. Others are counted."""
-RECORDING_WIDTH: Final = 24
-"""Maximum length of a recording's name, and of a finding's subject."""
 FULL_ONLY: Final = ("Operating points", "Question", "Other measures")
 """Topics of the verdict that are omitted, as heading and scorecard cover most of them."""
 
@@ -75,14 +72,11 @@ def render_brief(
     moments: list[str] = []
     blocks = [audit, heading, table, decision, moments, [*next_steps]]
     room = most_lines - sum(len(block) + 1 for block in blocks if block) + 1
-    of_moments = [_moment(result, moment) for moment in main_moments(result)]
-    if of_moments:
-        of_moments[0] = ["Moments to look at:", *of_moments[0]]
     for block, optional in (
         (heading, [fold(note) for note in point]),
         (table, [fold(note) for note in measure_notes(result)]),
         (audit, of_audit),
-        (moments, of_moments),
+        (moments, moment_lines(result)),
         (
             decision,
             [fold(f"  {of}: {text}") for of, text in conclusion.topics if of not in FULL_ONLY],
@@ -112,25 +106,3 @@ def _audit(findings: Sequence[Finding]) -> list[list[str]]:
             where = finding.place
             parts[-1] += fold(f"    {where and f'First: {where}. '}{finding.advice}", 3)
     return parts
-
-
-def _moment(result: Result, moment: Moment) -> list[str]:
-    """Return where a moment is, which system misses whom, and what the miss costs."""
-    dataset, encounter = result.dataset, moment.encounter
-    frame = dataset.frames.iloc[moment.row]
-    recording = str(dataset.recordings["name"].iloc[int(frame["recording"])])
-    what: dict[str, Any] = {"reason": moment.text}
-    if moment.title.startswith("Only "):
-        letter = "y" if moment.loser == "x" else "x"
-        name = shortened(one_line(result.system(letter).name), NAME_WIDTH)
-        severity_s = result.system(moment.loser).failures["severity_s"]
-        what = {"winner": f"{name} ({letter.upper()})", "seconds": severity_s.iloc[encounter]}
-        what["track"] = result.encounters.track[encounter]
-    note = Note(
-        "terminal.moment",
-        recording=shortened(one_line(recording), RECORDING_WIDTH),
-        frame=int(frame["frame"]),
-        time_s=frame["time_s"],
-        **what,
-    )
-    return fold(f"  {phrase(note, result.objects)}")

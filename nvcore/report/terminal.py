@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Sequence
+from itertools import chain
+from typing import Any, Final
 
 import pandas as pd
 
@@ -12,11 +14,13 @@ from nvcore.dataset import Dataset
 from nvcore.evidence.operating_points import point_note
 from nvcore.findings import Finding, Severity
 from nvcore.metrics.proximity.horizon import estimate_horizons
-from nvcore.notes import Note, say
+from nvcore.notes import Note, phrase, say
 from nvcore.objects import Objects
+from nvcore.report.decisive_moments import Moment, main_moments
 from nvcore.report.plan import planned_verdict
-from nvcore.report.section import Block, Fold, Paragraphs, Section, Table
-from nvcore.report.sections import result_sections
+from nvcore.report.section import IN_THE_FILE, Block, Fold, Paragraphs, Section, Table
+from nvcore.report.sections import result_sections, with_cautions
+from nvcore.report.sections.results import significance_section
 from nvcore.report.verdict import Verdict
 from nvcore.report.words import (
     n_frames_text,
@@ -32,6 +36,8 @@ MOST_RECORDINGS = 40
 """Maximum number of recordings for printing pictures or estimated horizons."""
 WIDTH = 100
 """Maximum length of lines of text, in characters."""
+RECORDING_WIDTH: Final = 24
+"""Maximum length of a recording's name, and of a finding's subject."""
 NAME_WIDTH = 16
 """Maximum length of a system's name in a column heading. The full name is above the table."""
 
@@ -47,13 +53,17 @@ def render_scorecard(result: Result, conclusion: Verdict | None = None) -> str:
     conclusion = conclusion or planned_verdict(result)
     cells = scorecard_cells(result, indent="  ", mark=" *" if result.is_short else "")
     _, *sections = result_sections(result)  # the names of X and Y are above the scorecard
+    if conclusion.evidence is not None:
+        tests = significance_section(result, conclusion.evidence)
+        sections += with_cautions([tests], result)
     parts = [
         "\n".join(heading_lines(result)),
         "\n".join([*table_lines(result, cells), *measure_notes(result)]),
         *(render_section(section, result.objects) for section in sections),
         render_verdict(conclusion),
+        "\n".join(chain(*moment_lines(result))),
     ]
-    return "\n\n".join(parts)
+    return "\n\n".join(filter(None, parts))
 
 
 def render_section(section: Section, objects: Objects) -> str:
@@ -63,9 +73,11 @@ def render_section(section: Section, objects: Objects) -> str:
 
 
 def block_lines(blocks: Sequence[Block]) -> Iterator[str]:
-    """Yield the lines of paragraphs and tables, including folded ones."""
+    """Yield the lines of paragraphs and tables, without those that a report's CSV file has."""
     for block in blocks:
-        if isinstance(block, Fold):
+        if isinstance(block, Fold) and block.where != IN_THE_FILE:
+            yield f"  {block.title}: {block.where}"
+        elif isinstance(block, Fold):
             yield from block_lines(block.blocks)
         elif isinstance(block, Paragraphs):
             for text in block.texts:
@@ -83,7 +95,9 @@ def _rows(block: Table) -> list[str]:
     rows = block.rows
     if block.marks:
         marked = zip(rows, block.marks, strict=True)
-        rows = tuple((f"{first} {mark}".rstrip(), *others) for (first, *others), mark in marked)
+        rows = tuple(
+            (f"{first} ({mark})" if mark else first, *others) for (first, *others), mark in marked
+        )
     widths = [max(map(len, column)) for column in zip(block.head, *rows, strict=True)]
     return [
         "  ".join(
@@ -92,6 +106,36 @@ def _rows(block: Table) -> list[str]:
         ).rstrip()
         for row in (block.head, *rows)
     ]
+
+
+def moment_lines(result: Result) -> list[list[str]]:
+    """Return the lines of each moment to look at, the first with a heading."""
+    of_moments = [_moment(result, moment) for moment in main_moments(result)]
+    if of_moments:
+        of_moments[0] = ["Moments to look at:", *of_moments[0]]
+    return of_moments
+
+
+def _moment(result: Result, moment: Moment) -> list[str]:
+    """Return where a moment is, which system misses whom, and what the miss costs."""
+    dataset, encounter = result.dataset, moment.encounter
+    frame = dataset.frames.iloc[moment.row]
+    recording = str(dataset.recordings["name"].iloc[int(frame["recording"])])
+    what: dict[str, Any] = {"reason": moment.text}
+    if moment.title.startswith("Only "):
+        letter = "y" if moment.loser == "x" else "x"
+        name = shortened(one_line(result.system(letter).name), NAME_WIDTH)
+        severity_s = result.system(moment.loser).failures["severity_s"]
+        what = {"winner": f"{name} ({letter.upper()})", "seconds": severity_s.iloc[encounter]}
+        what["track"] = result.encounters.track[encounter]
+    note = Note(
+        "terminal.moment",
+        recording=shortened(one_line(recording), RECORDING_WIDTH),
+        frame=int(frame["frame"]),
+        time_s=frame["time_s"],
+        **what,
+    )
+    return fold(f"  {phrase(note, result.objects)}")
 
 
 def fold(text: str, most: int | None = None) -> list[str]:

@@ -85,7 +85,10 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
     assert {line.split()[-1] for line in rows} == {"higher", "lower", "–"}
     between = scorecard[end + 1 : begin]
     titles = [line for line in between if line and not line.startswith(" ")]
-    assert titles == ["Who detects whom", "Time left", "Similarity", "Saliency", "False alerts"]
+    assert titles == [
+        "Who detects whom", "Time left", "Similarity", "Saliency", "False alerts",
+        "Is the difference real",
+    ]  # fmt: skip
     assert [row(between, "Encounters by who", name)[:3] for name in COUNTED] == [
         ["1", "0.00", "0.00"], ["1", "0.00", "1.20"], ["0", "0.00", "0.00"], ["0", "0.00", "0.00"],
     ]  # fmt: skip
@@ -99,7 +102,8 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
     evidence = evidence_table(result)
     companions = find_companions(result, evidence)
     text = verdict(result, evidence=evidence, companions=companions)
-    conclusion = " ".join(" ".join(scorecard[begin:]).split())
+    last = scorecard.index("Moments to look at:")
+    conclusion = " ".join(" ".join(scorecard[begin:last]).split())
     assert conclusion == " ".join(
         [f"In short: {text.sentences[0]}", *(f"{topic}: {words}" for topic, words in text.topics)]
     )
@@ -298,8 +302,8 @@ def test_the_operating_points_of_all_numbers_are_said_once_above_them():
 def test_sections_are_marked_at_unequal_operating_points():
     result = at_thresholds()
     assert np.isfinite(result.mcnemar_p)
-    sections = render_scorecard(result).split("\n\n")[2:-1]
-    assert len(sections) == 5
+    sections = render_scorecard(result).split("\n\n")[2:-2]  # then verdict and moments
+    assert len(sections) == 6
     for section in sections:
         assert section.splitlines()[1].startswith("  As set, at unequal operating points")
 

@@ -123,7 +123,7 @@ def _render(
     conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
     before = [on_evidence.verdict_section(result, conclusion), *result_sections(result)]
     after = [
-        on_evidence.significance_section(result, evidence),
+        on_results.significance_section(result, evidence),
         on_evidence.plan_section(result, evidence, plans),
         on_evidence.subgroups_section(result, subgroups),
         detection,

@@ -185,9 +185,8 @@ def _weightings(result: Result, encounters: pd.DataFrame) -> tuple[Fold, ...]:
     title = "The heaviest encounter, weighted by height, horizon and distance"
     chart = Chart("weightings", over_time, "The heaviest encounter's weight over time, by each")
     rows = weightings.table.rename_axis("kind").reset_index()
-    return (
-        Fold(title, (chart, listing(title, rows, columns, notes=[Note("sections.weightings")]))),
-    )
+    unknown = [Note("sections.weightings")] if rows.isna().to_numpy().any() else []
+    return (Fold(title, (chart, listing(title, rows, columns, notes=unknown))),)
 
 
 def by_class(result: Result) -> Table | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
@@ -18,7 +18,6 @@ from nvcore.detection.curves import DetectionCurve, detection_curve
 from nvcore.detection.filtered_truth import filter_truth
 from nvcore.detection.miss_rate import explain_few
 from nvcore.errors import InputError
-from nvcore.evidence.bootstrap import INTERVAL_RULE
 from nvcore.evidence.measures import evidence_of
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
@@ -32,12 +31,11 @@ from nvcore.figures.detection import CurveKind, curve_plot, legend_text
 from nvcore.figures.forest import forest_in_words, subgroup_forest
 from nvcore.figures.stability import stability_map
 from nvcore.measures.of_encounters import DETECTED
-from nvcore.measures.table import as_shown, doubt_of, evidence_form, measure_of, repeated_by
+from nvcore.measures.table import doubt_of, evidence_form, measure_of, repeated_by
 from nvcore.notes import Note
 from nvcore.progress import Progress, no_progress, part_of
 from nvcore.protocols import Protocol
 from nvcore.report.decisive_moments import APART_S, MOST
-from nvcore.report.html.charts import interval_plot
 from nvcore.report.section import (
     IN_THE_FILE,
     Block,
@@ -56,9 +54,15 @@ from nvcore.report.section import (
     listing,
     table,
 )
-from nvcore.report.sections.results import MEASURES_HEAD, PART
+from nvcore.report.sections.results import (
+    MEASURES_HEAD,
+    PART,
+    basis_text,
+    evidence_columns,
+    measure_columns,
+)
 from nvcore.report.verdict import Verdict
-from nvcore.report.words import effect_text, score_cells
+from nvcore.report.words import score_cells
 from nvcore.stability.notes import (
     CRITERIA,
     PLANES,
@@ -69,12 +73,10 @@ from nvcore.stability.notes import (
 from nvcore.stability.survey import SurveyRow, survey_stability, survey_table
 from nvcore.tables.scorecard import curve_rows
 from nvcore.wording import (
-    ARROWS,
     UNDEFINED,
     capitalised,
     difference,
     duration_text,
-    interval_text,
     number,
     one_line,
     percent,
@@ -94,64 +96,6 @@ def verdict_section(result: Result, conclusion: Verdict) -> Section:
     introduction = about("sections.verdict", result)
     blocks = (Topics(conclusion.topics),)
     return Section("verdict", "What the verdict rests on", introduction, blocks)
-
-
-def significance_section(result: Result, evidence: pd.DataFrame) -> Section:
-    """Return the section on each difference with its interval, p-value and method."""
-    evidence = as_shown(result, evidence)
-    columns: Columns = {
-        "Measure": lambda row: row["label"] + ARROWS[row["better"]],
-        **_values_and_evidence("p (corrected)"),
-        "Effect": (effect_text, ""),
-    }
-    methods: Columns = {
-        "Measure": "label",
-        "From": _basis,
-        "Method": lambda row: row["method"] or UNDEFINED,
-        "Note": lambda row: row["note"] or UNDEFINED,
-    }
-    title, note, n = "Differences and tests", Note("sections.effects"), len(evidence)
-    intervals = partial(interval_plot, evidence, result.scheme("light"))
-    blocks: tuple[Block, ...] = (
-        listing(title, evidence, columns, notes=[note], printed=n),
-        Chart("intervals", intervals, "Differences with their 95 % intervals"),
-        Fold("Methods", (listing("Methods", evidence, methods),), "in significance.csv"),
-        *([Paragraphs((INTERVAL_RULE,))] if np.isfinite(evidence["low"]).any() else []),
-    )
-    introduction = about("sections.significance", result)
-    return Section("significance", "Is the difference real", introduction, blocks)
-
-
-def _basis(row: Row) -> str:
-    """Return the number and kind of units behind a row of evidence, such as "12 recordings"."""
-    return f"{row['n']:,} {row['unit']}"
-
-
-def _values_and_evidence(corrected: str) -> Columns:
-    """Return table columns for a measure's values, difference, interval and p-values.
-
-    `corrected` is the heading of the corrected p-value.
-    """
-
-    def value(letter: str) -> Callable[[Row], str]:
-        return lambda row: number(row[letter], evidence_form(row["figure"]))
-
-    return {"X": (value("x"), ""), "Y": (value("y"), ""), **_evidence(corrected)}
-
-
-def _evidence(corrected: str) -> Columns:
-    def apart(row: Row) -> str:
-        return difference(row["x"], row["y"], evidence_form(row["figure"]))
-
-    def interval(row: Row) -> str:
-        return interval_text(row["low"], row["high"], evidence_form(row["figure"]))
-
-    return {
-        "X − Y": (apart, ""),
-        "95 % interval": (interval, ""),
-        "p": ("p", ".2g"),
-        corrected: ("p_corrected", ".2g"),
-    }
 
 
 def plan_measures(
@@ -252,7 +196,7 @@ def subgroups_section(result: Result, subgroups: pd.DataFrame) -> Section:
         "Only X": ("x_only", "d"),
         "Only Y": ("y_only", "d"),
         "Neither": ("neither", "d"),
-        **_evidence("p (Holm)"),
+        **evidence_columns("p (Holm)"),
     }
     detected = listing("Encounters detected by subgroup", shown, columns, notes=_group_notes(shown))
     others = tuple(
@@ -283,7 +227,7 @@ _GROUP: Final[Columns] = {"Factor": "factor", "Group": _group}
 def _by_subgroup(rows: pd.DataFrame) -> Table:
     """Return a table of one measure for all encounters and for each group."""
     title = f"{capitalised(rows['label'].iloc[0])}, by subgroup"
-    columns = {**_GROUP, "From": _basis, **_values_and_evidence("p (Holm)")}
+    columns = {**_GROUP, "From": basis_text, **measure_columns("p (Holm)")}
     return listing(title, rows, columns, notes=_group_notes(rows))
 
 

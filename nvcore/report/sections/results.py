@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
+from nvcore.evidence.bootstrap import INTERVAL_RULE
 from nvcore.measures.entry import MeasureTable
+from nvcore.measures.table import as_shown, evidence_form
 from nvcore.metrics.kernels import ABSORB_SHARE
 from nvcore.metrics.linking import LINK_GAP, LINK_IOU
 from nvcore.notes import Note
@@ -32,6 +35,7 @@ from nvcore.report.section import (
 from nvcore.report.sections.inputs import span_in_use
 from nvcore.report.words import (
     classes_read,
+    effect_text,
     saliencies,
     saliency_caveat,
     score_cells,
@@ -44,7 +48,7 @@ from nvcore.tables.loss_strip import loss_strip
 from nvcore.tables.result import recordings_table, worst_events, worst_intervals
 from nvcore.tables.scorecard import score_rows
 from nvcore.tables.windows import windows_table, worst_windows_note
-from nvcore.wording import difference
+from nvcore.wording import ARROWS, UNDEFINED, difference, interval_text, number
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -276,3 +280,68 @@ def _classes(result: Result, counted: pd.DataFrame, letter: str) -> Callable[[],
         return classes_plot(counted, letter, name, theme=result.scheme("light"))
 
     return draw
+
+
+def significance_section(result: Result, evidence: pd.DataFrame) -> Section:
+    """Return the section on each difference with its interval, p-value and method."""
+    evidence = as_shown(result, evidence)
+    columns: Columns = {
+        "Measure": lambda row: row["label"] + ARROWS[row["better"]],
+        **measure_columns("p (corrected)"),
+        "Effect": (effect_text, ""),
+    }
+    methods: Columns = {
+        "Measure": "label",
+        "From": basis_text,
+        "Method": lambda row: row["method"] or UNDEFINED,
+        "Note": lambda row: row["note"] or UNDEFINED,
+    }
+    title, note, n = "Differences and tests", Note("sections.effects"), len(evidence)
+
+    def intervals() -> go.Figure:
+        from nvcore.report.html.charts import interval_plot
+
+        return interval_plot(evidence, result.scheme("light"))
+
+    blocks: tuple[Block, ...] = (
+        listing(title, evidence, columns, notes=[note], printed=n),
+        Chart("intervals", intervals, "Differences with their 95 % intervals"),
+        Fold("Methods", (listing("Methods", evidence, methods),), "in significance.csv"),
+        *([Paragraphs((INTERVAL_RULE,))] if np.isfinite(evidence["low"]).any() else []),
+    )
+    introduction = about("sections.significance", result)
+    return Section("significance", "Is the difference real", introduction, blocks)
+
+
+def basis_text(row: Row) -> str:
+    """Return the number and kind of units behind a row of evidence, such as "12 recordings"."""
+    return f"{row['n']:,} {row['unit']}"
+
+
+def measure_columns(corrected: str) -> Columns:
+    """Return table columns for a measure's values, difference, interval and p-values.
+
+    `corrected` is the heading of the corrected p-value.
+    """
+
+    def value(letter: str) -> Callable[[Row], str]:
+        return lambda row: number(row[letter], evidence_form(row["figure"]))
+
+    return {"X": (value("x"), ""), "Y": (value("y"), ""), **evidence_columns(corrected)}
+
+
+def evidence_columns(corrected: str) -> Columns:
+    """Return table columns for a measure's difference, interval and p-values."""
+
+    def apart(row: Row) -> str:
+        return difference(row["x"], row["y"], evidence_form(row["figure"]))
+
+    def interval(row: Row) -> str:
+        return interval_text(row["low"], row["high"], evidence_form(row["figure"]))
+
+    return {
+        "X − Y": (apart, ""),
+        "95 % interval": (interval, ""),
+        "p": ("p", ".2g"),
+        corrected: ("p_corrected", ".2g"),
+    }

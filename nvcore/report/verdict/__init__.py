@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import chain
 from typing import Final
 
@@ -97,6 +97,8 @@ class Verdict:
         Findings of the audit on which the verdict depends, or None.
     objects
         Names of the annotated objects in sentences.
+    evidence
+        Tests of the comparison as set (`nvcore.evidence.table.evidence_table`), or None.
     """
 
     headline: Note
@@ -105,6 +107,7 @@ class Verdict:
     basis: Basis
     doubt: Note | None
     objects: Objects
+    evidence: pd.DataFrame | None = field(default=None, compare=False, repr=False)
 
     def say(self, *notes: Note | None) -> str:
         """Render notes as sentences."""
@@ -224,6 +227,7 @@ def verdict(
         support.basis,
         doubt,
         result.objects,
+        evidence,
     )
 
 

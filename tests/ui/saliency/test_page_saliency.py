@@ -45,7 +45,7 @@ def test_the_number_of_each_system_is_taken_apart_and_its_events_are_listed():
 
 def test_the_page_says_what_saliency_is_with_the_settings_at_hand():
     page = opened()
-    assert "missing both can come out below missing one" in texts(page)
+    assert "missing both can have a lower saliency than missing one" in texts(page)
     assert "share that has passed of the recording" in texts(page)
     assert "tau" in tables(page)[0]
     page.session_state["new_params"] = {
