@@ -133,7 +133,7 @@ def _is_finished(out: Location, its_plan: Plan) -> bool:
 
 
 def write_batch(out: Location, key: str, tables: Mapping[str, pa.Table]) -> bytes:
-    """Write the tables of a batch, and return the content for its file in ``done``."""
+    """Write the tables of a batch and return the record of them for the folder ``done``."""
     files = {}
     for name, table in tables.items():
         content = _as_parquet(table)

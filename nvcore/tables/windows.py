@@ -1,4 +1,4 @@
-"""Lost similarity and the worst window of each recording and of all, for both systems."""
+"""Lost similarity and worst window of both systems, by recording and over all recordings."""
 
 from __future__ import annotations
 

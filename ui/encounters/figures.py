@@ -1,4 +1,4 @@
-"""Encounters page: how encounters are missed, whether by both systems, and effects of fusion."""
+"""Encounters page: miss classes, encounters that both systems miss, and the gain of a fusion."""
 
 from __future__ import annotations
 

@@ -409,7 +409,7 @@ def _range(
 
 
 def _give(name: str, unset: tuple[float, ...], limits: tuple[float, float]) -> tuple[float, ...]:
-    """Set a slider to the intended value, clipped to limits that depend on the data."""
+    """Set a slider to the value that the user chose last, clipped to the limits of the data."""
     low, high = limits
     wanted = _wish(name).get() or unset
     inside = tuple(min(max(end, low), high) for end in wanted)

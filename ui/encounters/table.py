@@ -76,7 +76,7 @@ def draw_order() -> Order:
 
 
 def draw_switch() -> None:
-    """Draw the switch that shows all columns, apart from the tools above the table."""
+    """Draw the switch between the main columns and all columns."""
     st.toggle(
         "All columns",
         key=store.ALL_COLUMNS.key,

@@ -175,7 +175,7 @@ class OutOfFold:
 
 @dataclass(frozen=True)
 class _Part:
-    """A regression to select and train, tested on the rows of one fold or on none."""
+    """A regression of the nested cross-validation, with its training rows and test rows, if any."""
 
     train: NDArray[np.bool_]
     test: NDArray[np.bool_]

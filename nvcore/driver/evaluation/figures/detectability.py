@@ -1,4 +1,4 @@
-"""Plots of detectability by the time since the light changed."""
+"""Plots of detectability over the time since the ambient light changed."""
 
 from __future__ import annotations
 
