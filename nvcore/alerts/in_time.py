@@ -256,7 +256,7 @@ class InTime:
         return "stretches of these recordings" if self.units.kind == BLOCKS else self.units.kind
 
     def of_hundred(self, kind: str) -> pd.DataFrame:
-        """Return urgent encounters, scaled to 100, by unaided drivers and systems that help in time.
+        """Return urgent encounters, scaled to 100, by unaided driver and systems that help in time.
 
         Returns
         -------

@@ -247,7 +247,7 @@ def _longest_episodes(result: Result) -> pd.DataFrame:
 
 
 def classes_section(result: Result) -> Section:
-    """Return the section with confusion matrices of true classes and the classes that X and Y report.
+    """Return the section with confusion matrices of true classes and those that X and Y report.
 
     For results with `has_classes` only.
     """
