@@ -131,9 +131,10 @@ def _size(plan: Plan, size: PlanSize) -> Note:
 def _level(plan: Plan) -> Note:
     if plan.noninferiority is not None:
         return Note("plan.level_of_margin")
+    of = {"has_equal_alarms": plan.has_equal_alarms}
     if plan.n_tests == 1:
-        return Note("plan.level_alone")
-    return Note("plan.level_corrected", n_tests=plan.n_tests, level=plan.level)
+        return Note("plan.level_alone", **of)
+    return Note("plan.level_corrected", n_tests=plan.n_tests, level=plan.level, **of)
 
 
 def _extent(size: PlanSize) -> Note | None:

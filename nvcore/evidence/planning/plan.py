@@ -109,6 +109,8 @@ class Plan:
         Number of recordings in which X and Y differ. None without a pilot.
     is_unequal
         True if X and Y have different operating points and the measure depends on them.
+    has_equal_alarms
+        True if studies are also compared at equal false alarms, with thresholds of their own.
     noninferiority
         Result of the test that the candidate is at most the margin worse. None: not asked.
     """
@@ -121,6 +123,7 @@ class Plan:
     sizes: tuple[PlanSize, ...]
     n_differing: int | None = None
     is_unequal: bool = False
+    has_equal_alarms: bool = False
     noninferiority: NonInferiority | None = None
 
     def __str__(self) -> str:
@@ -222,6 +225,7 @@ def plan_recordings(
         n_tests=asked.n_tests,
         sizes=(),
         is_unequal=is_unequal,
+        has_equal_alarms=pilot is not None and pilot.thresholds is not None,
         noninferiority=None
         if margin is None
         else judge_noninferiority(evidence, asked.candidate, margin, is_undecided=is_unequal),
