@@ -141,7 +141,7 @@ def test_kaist_s_recordings_and_frames_come_from_its_image_list(realdata: Path):
     assert summary["truth"]["boxes"] == len(people)
     # every 20th frame of a 20 Hz camera: a second each
     assert summary["duration_s"] == pytest.approx(2252)
-    assert "the truth of 16 recordings has pedestrians without track ids: they were linked" in told
+    assert "The truth of 16 recordings has pedestrians without track ids: they were linked" in told
 
 
 def test_no_detection_of_kaist_is_lost(realdata: Path):

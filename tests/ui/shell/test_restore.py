@@ -176,7 +176,7 @@ def test_a_map_goes_on_after_a_reload_of_its_page(gated):
     assert after.button_group(key="stability_criterion").value == "encounters"
     assert "stability_cancel" in keys(after)
     gate.is_open.set()
-    assert "As analysed, X detects more encounters" in texts(ended(after, verdict_map.JOB))
+    assert "As analysed, X detects 3 encounters more" in texts(ended(after, verdict_map.JOB))
 
 
 def test_after_a_reload_a_map_can_be_cancelled(gated):
