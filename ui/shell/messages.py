@@ -182,11 +182,7 @@ _LOG = logging.getLogger("nvcore.ui")
 
 
 def error_banner(error: Exception) -> bool:
-    """Draw an error in the data or a fault of the program. Return True to mark it as handled.
-
-    Errors of fragments and of button callbacks end here. The page as a whole has its own place
-    for errors in the data.
-    """
+    """Draw an error in the data or a fault of the program. Return True to mark it as handled."""
     if isinstance(error, NvcoreError):
         st.error(shown_error(error), icon=":material/error:")
         return True

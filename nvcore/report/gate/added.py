@@ -1,4 +1,4 @@
-"""Facts that subjects contribute to gate rules about their measures."""
+"""Notes and counts that subjects contribute to gate rules about their measures."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from nvcore.notes import Note
 
 @dataclass(frozen=True)
 class RulesOf:
-    """Facts that a subject contributes to gate rules about its measures.
+    """Notes and counts that a subject contributes to gate rules about its measures.
 
     Attributes
     ----------
     undefined
         Names of the measures whose value cannot support a rule.
-    facts
-        Facts about a measure in a comparison, whether or not its rule holds.
+    notes
+        Notes about a measure in a comparison, whether or not its rule holds.
     counted
         Encounters that a measure counts, by its name, listed by a failed rule. bool, shape
         (n_encounters,).
