@@ -66,7 +66,7 @@ class Figures:
     def __init__(self, result: Result, theme: Shade = "light"):
         self._result = result
         self._theme = result.scheme(theme)
-        self._names = result.x.name, result.y.name
+        self._names = result.names
 
     def __repr__(self) -> str:
         names = ", ".join(name for name in dir(self) if not name.startswith("_"))

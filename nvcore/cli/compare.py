@@ -134,19 +134,19 @@ def compare(
         steps.begin("what fusion would do")
         path = shown_paths(session.folder, session.sources, dataset.systems)
         shown = findings_shown(findings, path, dataset.compared())
-        next_steps = _next_steps(options["session_file"], out, is_full=full)
         if as_json:
             text = summary_json(result)
-        elif full:
-            conclusion = planned_verdict(result, findings, session.protocol)
-            text = "\n".join([render_scorecard(result, conclusion), "", *next_steps])
         else:
-            n_more = 2 * are_unequal(result) + (out is not None)  # lines on the error stream
-            text = render_brief(
-                *(result, shown, planned_verdict(result, findings, session.protocol)),
-                next_steps=next_steps,
-                most_lines=MOST_LINES - n_more,
-            )
+            conclusion = planned_verdict(result, findings, session.protocol)
+            next_steps = _next_steps(options["session_file"], out, is_full=full)
+            if full:
+                text = "\n".join([render_scorecard(result, conclusion), "", *next_steps])
+            else:
+                n_more = 2 * are_unequal(result) + (out is not None)  # lines on the error stream
+                room = MOST_LINES - n_more
+                text = render_brief(
+                    result, shown, conclusion, next_steps=next_steps, most_lines=room
+                )
         if out is not None:
             kinds: dict[str, Any] = {"tables": tables or "csv", "matches": matches}
             write_report(result, session, out, findings, progress=steps, **kinds)

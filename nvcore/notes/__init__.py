@@ -94,8 +94,12 @@ def phrase(note: Note, objects: Objects, form: str = TEXT) -> str:
 
 def has_form(note: Note, form: str) -> bool:
     """Return whether a note's entry has a template of this form, such as ``short``."""
-    topic, _, name = note.key.partition(".")
-    return form in entries(topic)[name]
+    return form in _entry(note.key)
+
+
+def _entry(key: str) -> dict[str, Any]:
+    topic, _, name = key.partition(".")
+    return entries(topic)[name]
 
 
 @cache
@@ -108,8 +112,7 @@ def entries(topic: str) -> dict[str, dict[str, Any]]:
 
 @cache
 def _template(key: str, form: str) -> Template:
-    topic, _, name = key.partition(".")
-    entry = entries(topic)[name]
+    entry = _entry(key)
     return _environment().from_string(" ".join(entry.get(form, entry[TEXT]).split()))
 
 

@@ -148,7 +148,7 @@ def fit_saliency(
     saliency = [_of_recordings(_events(result, result.params), result.params, delay_s)[rows]]
     steps = list(_front_settings(result))
     for n_done, front in enumerate(steps, 1):
-        x, y = result.x.name, result.y.name
+        x, y = result.names
         compared = compare(result.dataset, front, x=x, y=y, previous=result)
         for weight in WEIGHTS:
             weighted = replace(front, saliency_weight=weight)

@@ -9,6 +9,7 @@ from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.measures.entry import Measure
 from nvcore.notes import Note
+from nvcore.subjects import contributed
 
 
 @dataclass(frozen=True)
@@ -31,3 +32,8 @@ class Remarks:
     limits: Callable[[Result], tuple[Note, ...]]
     of_claims: Callable[[Result, Sequence[Measure]], Note | None]
     recordings: tuple[str, Callable[[Dataset], list[str]]]
+
+
+def remarks_on(result: Result) -> list[Note]:
+    """Return the remarks of all subjects for below the scorecard."""
+    return [note for of in contributed("remarks") for note in of.note(result)]

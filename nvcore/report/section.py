@@ -247,15 +247,17 @@ def worded(blocks: Iterable[Block], objects: Objects) -> tuple[Block, ...]:
     return tuple(_worded(block, objects) for block in blocks)
 
 
-def _worded(block: Block, objects: Objects) -> Block:
-    def texts(of: Iterable[Text]) -> tuple[str, ...]:
-        return tuple(say(text, objects) if isinstance(text, Note) else text for text in of)
+def worded_texts(texts: Iterable[Text], objects: Objects) -> tuple[str, ...]:
+    """Render the notes among texts as sentences."""
+    return tuple(say(text, objects) if isinstance(text, Note) else text for text in texts)
 
+
+def _worded(block: Block, objects: Objects) -> Block:
     if isinstance(block, Paragraphs):
-        return Paragraphs(texts(block.texts))
+        return Paragraphs(worded_texts(block.texts, objects))
     if isinstance(block, Table):
         head, hints = (tuple(map(objects.say, of)) for of in (block.head, block.hints))
-        title, notes = objects.say(block.title), texts(block.notes)
+        title, notes = objects.say(block.title), worded_texts(block.notes, objects)
         return replace(block, title=title, head=head, hints=hints, notes=notes)
     if isinstance(block, Fold):
         title = objects.say(block.title)

@@ -18,7 +18,17 @@ from nvcore.notes import Note, phrase, say
 from nvcore.objects import Objects
 from nvcore.report.decisive_moments import Moment, main_moments
 from nvcore.report.plan import planned_verdict
-from nvcore.report.section import IN_THE_FILE, Block, Fold, Paragraphs, Section, Table
+from nvcore.report.remarks import remarks_on
+from nvcore.report.section import (
+    IN_THE_FILE,
+    Block,
+    Fold,
+    Paragraphs,
+    Section,
+    Table,
+    Text,
+    worded_texts,
+)
 from nvcore.report.sections import result_sections, with_cautions
 from nvcore.report.sections.results import significance_section
 from nvcore.report.verdict import Verdict
@@ -28,9 +38,8 @@ from nvcore.report.words import (
     scorecard_cells,
 )
 from nvcore.scoring import SystemResult
-from nvcore.subjects import contributed
 from nvcore.tables.inputs import inputs_table
-from nvcore.wording import capitalised, count_text, one_line, shortened
+from nvcore.wording import aligned, capitalised, count_text, one_line, shortened
 
 MOST_RECORDINGS = 40
 """Maximum number of recordings for printing pictures or estimated horizons."""
@@ -52,14 +61,13 @@ def render_scorecard(result: Result, conclusion: Verdict | None = None) -> str:
     """
     conclusion = conclusion or planned_verdict(result)
     cells = scorecard_cells(result, indent="  ", mark=" *" if result.is_short else "")
-    _, *sections = result_sections(result)  # the names of X and Y are above the scorecard
+    sections = result_sections(result)
     if conclusion.evidence is not None:
-        tests = significance_section(result, conclusion.evidence)
-        sections += with_cautions([tests], result)
+        sections.append(significance_section(result, conclusion.evidence))
     parts = [
         "\n".join(heading_lines(result)),
         "\n".join([*table_lines(result, cells), *measure_notes(result)]),
-        *(render_section(section, result.objects) for section in sections),
+        *(render_section(section, result.objects) for section in with_cautions(sections, result)),
         render_verdict(conclusion),
         "\n".join(chain(*moment_lines(result))),
     ]
@@ -98,14 +106,7 @@ def _rows(block: Table) -> list[str]:
         rows = tuple(
             (f"{first} ({mark})" if mark else first, *others) for (first, *others), mark in marked
         )
-    widths = [max(map(len, column)) for column in zip(block.head, *rows, strict=True)]
-    return [
-        "  ".join(
-            cell.rjust(width) if i in block.right else cell.ljust(width)
-            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in (block.head, *rows)
-    ]
+    return aligned([block.head, *rows], block.right)
 
 
 def moment_lines(result: Result) -> list[list[str]]:
@@ -299,12 +300,9 @@ def measure_notes(result: Result) -> list[str]:
     Remarks of subjects are included.
     """
     little = [Note("sections.means_little")] if result.is_short else []
-    remarks = [note for of in contributed("remarks") for note in of.note(result)]
     sampling = sampling_note(result.dataset.frame_columns)
-    said = [say(note, result.objects) for note in (*little, *remarks)]
-    return [
-        one_line(note) for note in (*said[: len(little)], sampling, *said[len(little) :]) if note
-    ]
+    notes: list[Text] = [*little, *([sampling] if sampling else []), *remarks_on(result)]
+    return [one_line(text) for text in worded_texts(notes, result.objects)]
 
 
 def _head(letter: str, system: SystemResult) -> str:

@@ -78,6 +78,11 @@ def interval_cell(of: Evidence, notes: Footnotes) -> tuple[str, str]:
     return interval, ""
 
 
+def difference_cell(of: Evidence) -> str:
+    """Return the difference between X and Y with its sign."""
+    return difference(of.x, of.y, evidence_form(of.figure))
+
+
 def effect_text(row: Mapping[Hashable, Any]) -> str:
     """Return a row's effect size as text, with the kind of effect size.
 

@@ -12,9 +12,9 @@ from nvcore.evidence.subgroup_table import judge_groups
 from nvcore.evidence.subgroups import class_groups
 from nvcore.measures.table import evidence_form
 from nvcore.metrics.encounter_classes import shown_class
-from nvcore.report.words import interval_cell
+from nvcore.report.words import difference_cell, interval_cell
 from nvcore.time_left.steps import is_in_time, time_left_in
-from nvcore.wording import Footnotes, difference, number
+from nvcore.wording import Footnotes, number
 
 SHARE: Final = "in_time_by_unit"
 IMPACT: Final = "mean_impact_kmh"
@@ -45,15 +45,11 @@ class OfClass(NamedTuple):
         impact, impact_mark = interval_cell(self.impact, notes)
         form = evidence_form(self.impact.figure)
         cells = (
-            *(f"{self.in_time_x:,}", f"{self.in_time_y:,}", _apart(self.share), share),
+            *(f"{self.in_time_x:,}", f"{self.in_time_y:,}", difference_cell(self.share), share),
             *(number(value, form) for value in (self.impact.x, self.impact.y)),
-            *(_apart(self.impact), impact),
+            *(difference_cell(self.impact), impact),
         )
         return cells, " ".join(dict.fromkeys(filter(None, (share_mark, impact_mark))))
-
-
-def _apart(of: Evidence) -> str:
-    return difference(of.x, of.y, evidence_form(of.figure))
 
 
 def time_left_by_class(result: Result) -> tuple[OfClass, ...]:

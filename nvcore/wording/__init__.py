@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from string import ascii_lowercase
@@ -99,12 +99,20 @@ def count_text(n: int, noun: str, plural: str | None = None) -> str:
     return f"{n:,} {noun if n == 1 else plural or noun + 's'}"
 
 
-def aligned(rows: Iterable[Sequence[str]]) -> list[str]:
-    """Format rows of cells as lines. The first column is left-aligned, the others right-aligned."""
+def aligned(rows: Iterable[Sequence[str]], right: Collection[int] | None = None) -> list[str]:
+    """Format rows of cells as lines.
+
+    Parameters
+    ----------
+    right
+        Indices of the right-aligned columns. None: all but the first.
+    """
     shown = [tuple(one_line(cell) for cell in row) for row in rows]
-    first, *others = ([*column] for column in zip(*shown, strict=True))
-    columns = [[cell.ljust(max(map(len, first))) for cell in first]]
-    columns += [[cell.rjust(max(map(len, column))) for cell in column] for column in others]
+    columns = []
+    for index, column in enumerate(zip(*shown, strict=True)):
+        is_right = index > 0 if right is None else index in right
+        align, width = str.rjust if is_right else str.ljust, max(map(len, column))
+        columns.append([align(cell, width) for cell in column])
     return ["  ".join(cells).rstrip() for cells in zip(*columns, strict=True)]
 
 

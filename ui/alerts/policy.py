@@ -31,7 +31,7 @@ def judged(result: Result) -> Result:
     def make() -> Result:
         changed: dict[str, Any] = {"alerts": "policy"}
         params = replace(result.params, **changed)
-        x, y = result.x.name, result.y.name
+        x, y = result.names
         with_alerts = compare(result.dataset, params, x=x, y=y, previous=result)
         return replace(with_alerts, as_set=result.as_set)
 

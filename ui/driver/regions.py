@@ -35,7 +35,7 @@ COLUMNS: Final = {
 def draw(result: Result) -> DriverRegion | None:
     """Draw the diagram and a list of its regions. Return the selected region, or None for all."""
     left, right = st.columns([2, 3], gap="medium")
-    names = result.x.name, result.y.name
+    names = result.names
     with left:
         figure = driver_venn_plot(
             driver_in(result).venn, names, theme=state.theme(), objects=result.objects
@@ -69,7 +69,7 @@ def draw_over_threshold(result: Result) -> None:
     with st.expander("Over the threshold"):
         figure = driver_threshold_plot(
             over_driver_threshold(result),
-            (result.x.name, result.y.name),
+            result.names,
             threshold=result.params.driver_threshold,
             theme=state.theme(),
             objects=result.objects,

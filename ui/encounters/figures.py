@@ -27,7 +27,7 @@ MANY_BOXES: Final = 300_000
 
 def draw_classes(result: Result, encounters: pd.DataFrame) -> None:
     """Draw miss classes and lead times of the encounters that pass the filters."""
-    names, theme = (result.x.name, result.y.name), state.theme()
+    names, theme = result.names, state.theme()
     left, right = st.columns(2, gap="medium")
     with left:
         draw_chart(

@@ -117,7 +117,7 @@ def _rule(result: Result) -> str:
 
 def by_recording(result: Result) -> None:
     """Plot each recording's mean similarity for X and Y. A click opens the recording."""
-    names = (result.x.name, result.y.name)
+    names = result.names
     if count_recordings(result) == 1:
         x, y = (f"{system.summary.mean:.3f}" for _, system in result.sides)
         st.markdown(f"There is one recording: mean similarity X {x}, Y {y} (1 is best).")

@@ -36,7 +36,7 @@ SEVERITIES: Final = {"severity_s_x": "X (s)", "severity_s_y": "Y (s)"}
 
 def draw(result: Result) -> None:
     """Draw the diagram, and buttons as an alternative to clicking in it."""
-    names, theme = (result.x.name, result.y.name), state.theme()
+    names, theme = result.names, state.theme()
     encounters, key = _weighed(result)
     figure = kept_figure(
         "venn",

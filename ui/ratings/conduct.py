@@ -58,7 +58,7 @@ def draw(result: Result) -> None:
 def _begin(result: Result) -> None:
     dataset = result.dataset
     names = state.recording_names()
-    both = [result.x.name, result.y.name]
+    both = [*result.names]
     st.header("Start a rating session")
     st.caption(
         "Every participant sees every clip once, in an order of their own that is balanced over "

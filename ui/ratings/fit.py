@@ -68,7 +68,7 @@ def _with(result: Result, settings: Params) -> Result:
     """The comparison with these settings."""
     if settings == result.params:
         return result
-    x, y = result.x.name, result.y.name
+    x, y = result.names
     return compare(result.dataset, settings, x=x, y=y, previous=result)
 
 

@@ -203,7 +203,7 @@ def _training(share: float) -> str:
 
 
 def _against_saliency(result: Result, clips: pd.DataFrame) -> None:
-    names = (result.x.name, result.y.name)
+    names = result.names
     with st.spinner("Correlating"):
         correlations = state.workspace().cached(
             "rating_correlations",

@@ -75,7 +75,7 @@ def choose(result: Result) -> RatingSource | None:
         return None
     if (ratings["system"] != "").all():
         return RatingSource(ratings, "", source == SIMULATED)
-    names = (result.x.name, result.y.name)
+    names = result.names
     system = st.radio(
         "The ratings do not say whose boxes were shown. It was",
         names,

@@ -46,9 +46,7 @@ def typed(result: Result) -> pd.DataFrame | None:
         column_config={
             "participant": st.column_config.TextColumn("Participant", max_chars=MOST_NAME),
             "clip": st.column_config.SelectboxColumn("Clip", options=state.recording_names()),
-            "system": st.column_config.SelectboxColumn(
-                "Boxes of", options=[result.x.name, result.y.name]
-            ),
+            "system": st.column_config.SelectboxColumn("Boxes of", options=[*result.names]),
             "rating": st.column_config.NumberColumn("Rating (higher = more annoying)"),
         },
     )
@@ -108,11 +106,7 @@ def _ask_for_rows(result: Result) -> None:
 
 def _missing_rows(before: pd.DataFrame, person: str, result: Result) -> pd.DataFrame:
     """Rows of the participant for the clips that have none yet."""
-    clips = [
-        (name, system)
-        for system in (result.x.name, result.y.name)
-        for name in state.recording_names()
-    ]
+    clips = [(name, system) for system in result.names for name in state.recording_names()]
     mine = before[before["participant"] == person]
     has_row = set(zip(mine["clip"], mine["system"], strict=True))
     unrated = [clip for clip in clips if clip not in has_row]

@@ -96,7 +96,7 @@ def draw_events(result: Result, recording: int | None) -> None:
 
 def draw_recordings(result: Result) -> None:
     """Plot X against Y by recording: saliency, and saliency with similarity."""
-    names, theme = (result.x.name, result.y.name), state.theme()
+    names, theme = result.names, state.theme()
     left, right = st.columns(2, gap="medium")
     with left:
         draw_chart(

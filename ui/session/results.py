@@ -32,7 +32,7 @@ from ui.session.state import Cached
 
 def comparison_key(result: Result, protocol: Protocol | None = None) -> tuple[object, ...]:
     """Cache key of the evidence, for the open data."""
-    names = result.x.name, result.y.name
+    names = result.names
     is_as_set = result.as_set is None
     protocol = protocol or state.protocol()
     return (result.params, is_as_set, *names, protocol, result.dataset.primary)

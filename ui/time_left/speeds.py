@@ -29,7 +29,7 @@ def draw(result: Result) -> None:
         st.caption("No encounter is urgent at any speed.")
         return
     st.markdown("  \n".join(plain(state.say(order)) for order in orders(curve)))
-    names, theme = (result.x.name, result.y.name), state.theme()
+    names, theme = result.names, state.theme()
     speed_kmh = time_left_in(result).assumed_speed_kmh
     help_text = state.say(
         "Each speed in place of all others, those of recordings as well, with the approach as "

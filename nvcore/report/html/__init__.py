@@ -121,8 +121,10 @@ def _render(
     progress(0.3, "tables")
     plan = verdict_plan(result, evidence, companions, plans=plans)
     conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
-    before = [on_evidence.verdict_section(result, conclusion), *result_sections(result)]
-    after = [
+    sections = [
+        on_evidence.verdict_section(result, conclusion),
+        on_results.scorecard_section(result),
+        *result_sections(result),
         on_results.significance_section(result, evidence),
         on_evidence.plan_section(result, evidence, plans),
         on_evidence.subgroups_section(result, subgroups),
@@ -131,7 +133,7 @@ def _render(
     ]
     progress(0.4, MAPS)
     maps = part_of(progress, 0.4, 0.6)
-    after.append(
+    sections.append(
         on_evidence.stability_section(result, evidence, is_wanted=stability, progress=maps)
     )
     photos = [*_photos(result, pictures, part_of(progress, 0.6, 0.9))]
@@ -140,7 +142,7 @@ def _render(
         f"{one_line(str(recordings.iloc[number]))}: {one_line(why)}"
         for number, why in pictures.troubles.items()
     ]
-    after += [
+    sections += [
         on_evidence.frames_section(result, photos, troubles),
         only_one_section(result),
         on_inputs.audit_section(result, findings),
@@ -159,7 +161,7 @@ def _render(
     return render_page(
         "comparison.html",
         result.objects,
-        sections=[*before, *with_cautions(after, result)],
+        sections=with_cautions(sections, result),
         title=inscription.title or compared,
         version=__version__,
         fingerprint=result.dataset.fingerprint,

@@ -15,7 +15,6 @@ from nvcore.report.sections.encounters import encounters_section
 from nvcore.report.sections.results import (
     false_alerts_section,
     saliency_section,
-    scorecard_section,
     similarity_section,
 )
 from nvcore.subjects import contributed
@@ -37,29 +36,36 @@ AS_SET_SECTIONS: Final = (
 
 
 def result_sections(result: Result) -> list[Section]:
-    """Return the sections on the measures of X and Y, including those of subjects."""
-    sections = [
-        scorecard_section(result),
+    """Return the sections on the measures of X and Y, including those of subjects.
+
+    The scorecard is not among them, as the terminal has its own table of all measures.
+    """
+    return [
         encounters_section(result),
         *(of.make(result) for of in chain(*contributed("sections")) if of.applies(result)),
         similarity_section(result),
         saliency_section(result),
         false_alerts_section(result),
     ]
-    return with_cautions(sections, result)
 
 
 def with_cautions(sections: Iterable[Section], result: Result) -> list[Section]:
     """Prepend cautions to sections whose numbers mean little in this comparison."""
-    is_unequal, is_short = are_unequal(result), result.is_short
-    as_set = {*AS_SET_SECTIONS, *(of.anchor for of in chain(*contributed("sections")))}
-    cautious = []
-    for section in sections:
-        notes = []
-        if is_unequal and section.anchor in as_set:
-            notes.append(Note("verdict.unequal_above", alarms=alarms_as_set(result)))
-        if is_short and section.anchor in CAUTIONS:
-            notes.append(CAUTIONS[section.anchor])
-        first = tuple(Paragraphs((note,)) for note in notes)
-        cautious.append(replace(section, blocks=(*first, *section.blocks)))
-    return cautious
+    cautions: dict[str, list[Note]] = {}
+    if are_unequal(result):
+        as_set = Note("verdict.unequal_above", alarms=alarms_as_set(result))
+        of_subjects = (of.anchor for of in chain(*contributed("sections")))
+        cautions |= {anchor: [as_set] for anchor in (*AS_SET_SECTIONS, *of_subjects)}
+    if result.is_short:
+        for anchor, note in CAUTIONS.items():
+            cautions[anchor] = [*cautions.get(anchor, []), note]
+    return [
+        replace(
+            section,
+            blocks=(
+                *(Paragraphs((note,)) for note in cautions.get(section.anchor, [])),
+                *section.blocks,
+            ),
+        )
+        for section in sections
+    ]

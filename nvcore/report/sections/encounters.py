@@ -13,7 +13,6 @@ from nvcore.comparison import Result
 from nvcore.evidence.subgroup_table import judge_groups
 from nvcore.evidence.subgroups import class_groups
 from nvcore.measures.entry import MeasureTable
-from nvcore.measures.table import evidence_form
 from nvcore.metrics.encounter_classes import (
     CHILD,
     CROSSING,
@@ -40,7 +39,7 @@ from nvcore.report.section import (
     spaced,
     table,
 )
-from nvcore.report.words import fusion_gains, interval_cell, lead, misses
+from nvcore.report.words import difference_cell, fusion_gains, interval_cell, lead, misses
 from nvcore.schema import CATEGORY_TEXT, CATEGORY_WORDS, MISS_CLASS_TEXT, Category
 from nvcore.tables.encounters.miss_classes import class_counts, fusion_table
 from nvcore.tables.encounters.severity import weighed_encounters
@@ -48,14 +47,13 @@ from nvcore.tables.encounters.weightings import compare_weightings
 from nvcore.tables.moments import encounter_moments
 from nvcore.tables.result import encounters_table
 from nvcore.tables.scorecard import score_rows
-from nvcore.wording import UNDEFINED, Footnotes, capitalised, count_text, difference, number
+from nvcore.wording import UNDEFINED, Footnotes, capitalised, count_text, number
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
 
 SHARE: Final = "encounters_detected_by_unit"
 NO_INTERVAL: Final = (UNDEFINED, "")
-CLASSES: Final = Note("sections.by_class")
 ORIGINS: Final = {
     CROSSING: "Was on both sides of the picture's middle.",
     IN_ROAD: "At most 3.5 m beside the camera's axis in half of the frames, by height.",
@@ -201,7 +199,7 @@ def by_class(result: Result) -> Table | None:
 
     def apart(row: Row) -> str:
         of = judged.get(row["class"])
-        return UNDEFINED if of is None else difference(of.x, of.y, evidence_form(SHARE))
+        return UNDEFINED if of is None else difference_cell(of)
 
     columns: Columns = {
         "Class": lambda row: shown_class(row["class"]),
@@ -214,7 +212,12 @@ def by_class(result: Result) -> Table | None:
     }
     classes = classes_of(result.dataset)
     return replace(
-        listing("By class of {one}", counts, columns, notes=[*footnotes.lines(), CLASSES]),
+        listing(
+            "By class of {one}",
+            counts,
+            columns,
+            notes=[*footnotes.lines(), Note("sections.by_class")],
+        ),
         marks=tuple(intervals.get(name, NO_INTERVAL)[1] for name in counts["class"]),
         hints=tuple(_origin_of(classes, name) for name in counts["class"]),
     )

@@ -160,9 +160,9 @@ def plan_section(result: Result, evidence: pd.DataFrame, plans: Mapping[str, Pla
         advice = [Note("plan.optimistic"), Note("plan.fresh")]
         advice += [Note("plan.unequal")] if are_unequal(result) else []
         rows = [_plan_row(plan) for plan in plans.values()]
-        columns: Columns = {"Measure": "Measure"}
-        columns |= {head: (head, "") for head in rows[0] if head != "Measure"}
-        blocks = (listing(title, rows, columns, notes=reasons), Paragraphs(tuple(advice)))
+        head, cells = tuple(rows[0]), [tuple(row.values()) for row in rows]
+        planned = table(title, head, cells, right=range(1, len(head)), notes=reasons)
+        blocks = (planned, Paragraphs(tuple(advice)))
     return Section("plan", QUESTION.rstrip("?"), about("sections.plan", result), blocks)
 
 

@@ -16,6 +16,7 @@ from nvcore.metrics.kernels import ABSORB_SHARE
 from nvcore.metrics.linking import LINK_GAP, LINK_IOU
 from nvcore.notes import Note
 from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE
+from nvcore.report.remarks import remarks_on
 from nvcore.report.section import (
     MAX_ROWS,
     Block,
@@ -41,7 +42,6 @@ from nvcore.report.words import (
     score_cells,
     scorecard_cells,
 )
-from nvcore.subjects import contributed
 from nvcore.tables.classes import classes_table, names_classes
 from nvcore.tables.influence import leads
 from nvcore.tables.loss_strip import loss_strip
@@ -63,7 +63,7 @@ N_WORST: Final = 3
 def scorecard_section(result: Result) -> Section:
     """Return the section with a table of all measures of X and Y."""
     rows = scorecard_cells(result, indent=PART, mark=" *" if result.is_short else "")
-    remarks = [note for of in contributed("remarks") for note in of.note(result)]
+    remarks = remarks_on(result)
     measures = table(
         "Measures of X and Y",
         MEASURES_HEAD,
@@ -158,11 +158,9 @@ def _windows(result: Result) -> Fold:
 def _intervals(result: Result) -> Table:
     worst = pd.concat([worst_intervals(result, letter, n=N_WORST) for letter in "xy"])
     columns: Columns = {
-        "System": _system,
-        "Recording": "recording",
+        **_PLACE,
         "Frames": _frames,
-        "Start (s)": ("start_s", ".2f"),
-        "Duration (s)": ("duration_s", ".2f"),
+        **_SPAN,
         "Depth (s)": ("depth_s", ".3f"),
         "Lowest": ("min_similarity", ".3f"),
     }
@@ -177,6 +175,10 @@ def _frames(row: Row) -> str:
     return f"{row['first_frame']} to {row['last_frame']}"
 
 
+_PLACE: Final[Columns] = {"System": _system, "Recording": "recording"}
+_SPAN: Final[Columns] = {"Start (s)": ("start_s", ".2f"), "Duration (s)": ("duration_s", ".2f")}
+
+
 def saliency_section(result: Result) -> Section:
     """Return the section on how saliency is computed, with the largest events."""
     worst = pd.concat([worst_events(result, letter, n=N_WORST) for letter in "xy"])
@@ -187,11 +189,9 @@ def saliency_section(result: Result) -> Section:
         return plane_plot(result, theme=result.scheme("light"))
 
     columns: Columns = {
-        "System": _system,
-        "Recording": "recording",
+        **_PLACE,
         "{One}": "track",
-        "Start (s)": ("start_s", ".2f"),
-        "Duration (s)": ("duration_s", ".2f"),
+        **_SPAN,
         "Passed at its end": ("tau", ".3f"),
         "Recency": ("recency", ".3f"),
         "Saliency (s)": ("saliency_s", ".3f"),
@@ -216,11 +216,9 @@ def false_alerts_section(result: Result) -> Section:
     )
     rows = score_cells(score_rows(result, MeasureTable.FALSE_ALERTS), indent=PART)
     columns: Columns = {
-        "System": _system,
-        "Recording": "recording",
+        **_PLACE,
         "Frames": _frames,
-        "Start (s)": ("start_s", ".2f"),
-        "Duration (s)": ("duration_s", ".2f"),
+        **_SPAN,
         "Boxes": ("n_boxes", "d"),
     }
     blocks: tuple[Block, ...] = (

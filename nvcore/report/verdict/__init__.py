@@ -187,7 +187,7 @@ def verdict(
         and finding.code not in told  # the headline says it
     ]
     doubt = _doubt(serious) if serious else None
-    others = {*result.dataset.systems} - {result.x.name, result.y.name}
+    others = {*result.dataset.systems} - {*result.names}
     codes = {finding.code for finding in findings if finding.subject not in others}
     of_codes = [note for code, note in NO_COMPARISON.items() if code in codes]
     if any(finding.severity is Severity.ERROR for finding in serious):

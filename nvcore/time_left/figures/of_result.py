@@ -31,7 +31,7 @@ def over_speed(result: Result, measure: OverSpeed = "share_in_time", *, theme: T
     view = time_left_in(result)
     return over_speed_plot(
         view.over_speed,
-        (result.x.name, result.y.name),
+        result.names,
         speed_kmh=view.assumed_speed_kmh,
         theme=theme,
         measure=measure,
