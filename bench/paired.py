@@ -1,7 +1,6 @@
-"""Ratios that hold on a busy machine: opening beside reading, nvcore beside evaluators of COCO and
-beside an earlier version of itself.
+"""Ratios that hold on a busy machine: opening beside reading, nvcore beside evaluators of COCO.
 
-    python -m bench.paired [--quick] [--only SECTION] [--before CHECKOUT] [--rounds N] [--out FILE]
+    python -m bench.paired [--quick] [--only SECTION] [--rounds N] [--out FILE]
 
 What is compared runs one right after the other, round after round; each ratio is taken within a
 round, and the table has the median of the rounds. With ``--out`` it writes its sections of that
@@ -20,7 +19,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from bench.tables import commit, seconds_text, table
+from bench.tables import seconds_text, table
 from bench.web.tables import put_section
 from bench.workers import ROOT, TOOLS_PYTHON, run_worker
 
@@ -52,13 +51,6 @@ frames*: 4 pedestrians and about 5 detections a frame. *Pictures as COCO's*: abo
 four area ranges, as its drop-in class cannot be told to take one; the others evaluate one. Load of
 the machine when it began: {load:.1f}.
 """
-EARLIER = """\
-## Beside an earlier version
-
-`analyse`, two systems, of commit {before} and of this one on the same sets, in processes that take
-turns (median of 5 runs); what the earlier one did not compute yet is part of the ratio. *Ratio*:
-the median of {rounds} rounds (lowest to highest). Load of the machine when it began: {load:.1f}.
-"""
 
 
 def opening_section(n_frames: int, rounds: int) -> str:
@@ -87,30 +79,6 @@ def opening_section(n_frames: int, rounds: int) -> str:
         )
     text = OPENING.format(rounds=rounds, load=load, csv=MOST_CSV, parquet=MOST_PARQUET)
     return f"{text}\n{table(['frames', *steps, 'ratio', 'of load', 'peak'], rows)}\n"
-
-
-def earlier_section(before: Path, sizes: Sequence[int], rounds: int) -> str:
-    """`analyse` of this checkout and of an earlier one, each by its own `bench.ours`."""
-    load = os.getloadavg()[0]
-    rows = []
-    with tempfile.TemporaryDirectory() as folder:
-        for n in sizes:
-            path = Path(folder) / f"{n}.npz"
-            _run("bench.sets", str(n), str(path))
-            took: dict[Path, list[float]] = {before: [], ROOT: []}
-            for _ in range(rounds):
-                for root, seconds in took.items():
-                    flags = ("--only-analyse",) if root == ROOT else ()
-                    python = Path(sys.executable)
-                    figures = run_worker(python, "bench.ours", str(path), *flags, root=root)
-                    if "failed" in figures:
-                        return f"{EARLIER.splitlines()[0]}\n\nNot measured: {figures['failed']}\n"
-                    seconds.append(_seconds(figures))
-            ratios = [ours / earlier for earlier, ours in zip(*took.values(), strict=True)]
-            spread = f"{median(ratios):.2f} ({min(ratios):.2f} to {max(ratios):.2f})"
-            rows.append([f"{n:,}", *(seconds_text(median(of)) for of in took.values()), spread])
-    text = EARLIER.format(before=commit(before), rounds=rounds, load=load)
-    return f"{text}\n{table(['frames', 'before', 'now', 'ratio'], rows)}\n"
 
 
 def evaluators_section(sizes: dict[str, int], rounds: int, repeat: int) -> str:
@@ -176,8 +144,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--only", choices=("opening", "evaluators", "earlier"), default="")
-    parser.add_argument("--before", type=Path, help="a checkout of an earlier version")
+    parser.add_argument("--only", choices=("opening", "evaluators"), default="")
     parser.add_argument("--rounds", type=int, help="default: 3; 1 if quick")
     parser.add_argument("--out", type=Path)
     options = parser.parse_args()
@@ -187,10 +154,6 @@ def main() -> None:
         "opening": lambda: opening_section(20_000 if quick else 1_000_000, rounds),
         "evaluators": lambda: evaluators_section(sizes, rounds, 2 if quick else 5),
     }
-    if options.before:
-        before = options.before.resolve()
-        frames = (10_000,) if quick else (100_000, 1_000_000)
-        sections["earlier"] = lambda: earlier_section(before, frames, rounds)
     for name, make in sections.items():
         if options.only in ("", name):
             section = make()

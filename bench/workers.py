@@ -13,17 +13,14 @@ TOOLS_PYTHON = ROOT / ".venv-bench" / "tools" / "bin" / "python"
 """Interpreter with the tools of requirements-bench.txt."""
 
 
-def run_worker(python: Path, *arguments: str, root: Path = ROOT) -> dict[str, Any]:
-    """Figures of one worker: the last line that it prints; ``{"failed": why}`` if it fails.
-
-    `root` is the checkout whose modules it runs.
-    """
+def run_worker(python: Path, *arguments: str) -> dict[str, Any]:
+    """Figures of one worker: the last line that it prints; ``{"failed": why}`` if it fails."""
     if not python.exists():
         return {"failed": "not installed; `make bench` installs it"}
     process = subprocess.run(
         [str(python), "-m", *arguments],
-        cwd=root,
-        env={**os.environ, "PYTHONPATH": str(root)},
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
         check=False,

@@ -45,17 +45,15 @@ def folder_of_set(parent: Path, n: int, *, one_recording: bool = False) -> Path:
 
 
 @contextmanager
-def serve(
-    folder: Path, port: int, *, root: Path = ROOT, script: Path | None = None
-) -> Iterator[tuple[str, int]]:
+def serve(folder: Path, port: int, *, script: Path | None = None) -> Iterator[tuple[str, int]]:
     """Address and process of the app of a checkout, or of another script, started on a folder."""
-    command = [sys.executable, "-m", "streamlit", "run", str(script or root / "app.py")]
+    command = [sys.executable, "-m", "streamlit", "run", str(script or ROOT / "app.py")]
     command += [f"--server.port={port}", "--server.address=127.0.0.1", "--server.headless=true"]
     command += ["--", "--local-root", str(folder)]
     server = subprocess.Popen(
         command,
-        cwd=root,
-        env={**os.environ, "PYTHONPATH": str(root)},
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )

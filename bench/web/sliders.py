@@ -1,9 +1,9 @@
 """Sliders in a browser: painted frames while one is dragged, and the time to rest after a key.
 
-    python -m bench.web.sliders [--frames 0 100000] [--before CHECKOUT] [--repeat 12] [--out FILE]
+    python -m bench.web.sliders [--frames 0 100000] [--repeat 12] [--out FILE]
 
-Of this checkout, of an earlier one (``--before``) and of an app that has nothing but a slider, in
-one run; 0 frames stand for the sample. Prints one line of JSON, and with ``--out`` writes the
+Of the dashboard and of an app that has nothing but a slider, in one run; 0 frames stand for the
+sample. Prints one line of JSON, and with ``--out`` writes the
 section "Sliders" of that page.
 """
 
@@ -19,13 +19,12 @@ from typing import Any
 from playwright.sync_api import Browser, Page
 
 from bench.measure import report
-from bench.tables import commit, table
+from bench.tables import table
 from bench.web.__main__ import go_to, open_set, settle
-from bench.web.server import ROOT, folder_of_set, open_chromium, serve
+from bench.web.server import folder_of_set, open_chromium, serve
 from bench.web.tables import put_section
 
 EMPTY = Path(__file__).with_name("empty_app.py")
-THIS, BEFORE, NOTHING = "this checkout", "before", "empty app"
 SLIDERS = ("alpha", "midpoint", "threshold_x")
 DRAG_S, WARM = 3.0, 2
 REACH = 0.12
@@ -36,8 +35,8 @@ The sidebar's sliders in headless Chromium {version}, without a GPU, server and 
 machine, 1280x800. *Painted*: frames of the browser per second while the handle goes to and fro for
 {seconds:g} s; *with new numbers*: those in which numbers or lines of the page had changed, at most
 as many as the slider has steps on its way. *Key*: from a press of an arrow key on alpha to the
-first frame with a changed number or line, and until the page is at rest, median of {n}. Before:
-{before}. Load of the machine when it began: {load:.1f}.
+first frame with a changed number or line, and until the page is at rest, median of {n}.
+Load of the machine when it began: {load:.1f}.
 """
 
 # What a person sees change: numbers of the scorecard, lines of the time plot, any text of the rest.
@@ -134,8 +133,11 @@ def press(page: Page, repeat: int) -> tuple[float, float] | None:
     return first, rest
 
 
-def measure(browser: Browser, url: str, n: int, repeat: int, *, is_empty: bool) -> dict[str, Any]:
-    figures: dict[str, Any] = {}
+def measure(
+    browser: Browser, url: str, n: int, repeat: int, *, is_empty: bool
+) -> dict[str, dict[str, Any]]:
+    """Measure each slider and the key, by page."""
+    figures: dict[str, dict[str, Any]] = {}
     page = browser.new_page(viewport={"width": 1280, "height": 800})
     if n:
         open_set(page, url)
@@ -146,31 +148,28 @@ def measure(browser: Browser, url: str, n: int, repeat: int, *, is_empty: bool) 
         if n or title != "Overview":
             go_to(page, title)
         settle(page)
-        for key in ("alpha",) if is_empty else SLIDERS:
-            figures[f"{title}, {key}"] = drag(page, key)
-        figures[f"{title}, key"] = press(page, repeat)
+        of = {key: drag(page, key) for key in (("alpha",) if is_empty else SLIDERS)}
+        figures[title] = {**of, "key": press(page, repeat)}
     page.close()
     return figures
 
 
 def section(figures: dict[str, Any]) -> str:
     """The section of docs/benchmarks.md."""
-    head = ["", "painted per s", "with new numbers per s", "key: first change", "at rest"]
+    head = ["painted per s, with new numbers", *SLIDERS, "key: first change, at rest"]
     rows = []
-    for name, by_set in figures["apps"].items():
-        for n, measured in by_set.items():
-            for place, of in measured.items():
-                if place.endswith(", key"):
-                    cells = ["", "", *("–" if of is None else f"{s:.2f} s" for s in of or (0, 0))]
-                else:
-                    cells = [f"{of['painted']:.0f}", f"{of['changed']:.0f}", "", ""]
-                where = f"{n:,} frames, {place}" if n else place
-                rows.append([f"{name}: {where}", *cells])
+    for name, measured in figures["apps"].items():
+        cells = []
+        for key in SLIDERS:
+            of = measured.get(key)
+            cells.append(f"{of['painted']:.0f}, {of['changed']:.0f}" if of else "")
+        pressed = measured["key"]
+        cells.append(", ".join(f"{s:.2f} s" for s in pressed) if pressed else "–")
+        rows.append([name, *cells])
     how = METHOD.format(
         version=figures["chromium"],
         seconds=DRAG_S,
         n=figures["repeat"],
-        before=figures["before"] or "not measured",
         load=figures["load"],
     )
     return f"{HEADING}\n\n{how}\n{table(head, rows)}\n"
@@ -179,28 +178,22 @@ def section(figures: dict[str, Any]) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--frames", type=int, nargs="+", default=[0, 100_000])
-    parser.add_argument("--before", type=Path, help="an earlier checkout")
     parser.add_argument("--repeat", type=int, default=12)
     parser.add_argument("--port", type=int, default=8660)
     parser.add_argument("--out", type=Path)
     options = parser.parse_args()
-    figures: dict[str, Any] = {
-        "load": os.getloadavg()[0],
-        "repeat": options.repeat,
-        "before": commit(options.before) if options.before else "",
-    }
-    roots = {THIS: ROOT} | ({BEFORE: options.before.resolve()} if options.before else {})
-    apps: dict[str, dict[int, Any]] = {name: {} for name in (*roots, NOTHING)}
+    figures: dict[str, Any] = {"load": os.getloadavg()[0], "repeat": options.repeat}
+    apps: dict[str, dict[str, Any]] = {}
     with open_chromium() as (browser, parent):
         figures["chromium"] = browser.version
         for n in options.frames:
             folder = folder_of_set(parent, n)
-            for name, root in roots.items():
-                with serve(folder, options.port, root=root) as (url, _):
-                    apps[name][n] = measure(browser, url, n, options.repeat, is_empty=False)
-                print(name, n, apps[name][n], file=sys.stderr)
+            with serve(folder, options.port) as (url, _):
+                for title, of in measure(browser, url, n, options.repeat, is_empty=False).items():
+                    apps[f"{n:,} frames, {title}" if n else title] = of
+            print(n, apps, file=sys.stderr)
         with serve(parent, options.port, script=EMPTY) as (url, _):
-            apps[NOTHING][0] = measure(browser, url, 0, options.repeat, is_empty=True)
+            (apps["empty app"],) = measure(browser, url, 0, options.repeat, is_empty=True).values()
     figures["apps"] = apps
     if options.out:
         put_section(options.out, section(figures))
