@@ -166,16 +166,17 @@ def test_a_cut_video_says_how_many_pictures_can_be_read(tmp_path: Path):
     assert note.text == f"{video.n} pictures of 100 can be read: the file is damaged or cut off"
 
 
-def test_damage_in_the_middle_costs_only_the_pictures_there(tmp_path: Path):
+@pytest.mark.parametrize("lost", [1, 50])
+def test_a_damaged_picture_costs_only_itself(tmp_path: Path, lost: int):
     path = write_numbered_video(tmp_path / "a.avi", "mjpeg", pixels="yuvj420p")
     content = bytearray(path.read_bytes())
     starts = [at for at in range(len(content)) if content[at : at + 3] == b"\xff\xd8\xff"]
-    content[starts[50] : starts[51] - 8] = bytes(starts[51] - 8 - starts[50])
+    content[starts[lost] : starts[lost + 1] - 8] = bytes(starts[lost + 1] - 8 - starts[lost])
     path.write_bytes(content)
     video = Video(path)
-    with pytest.raises(MediaError, match="picture 50 cannot be decoded: the video is damaged"):
-        video.read(50)
-    assert [number_in(video.read(index)) for index in (49, 51, 99)] == [49, 51, 99]
+    with pytest.raises(MediaError, match=f"picture {lost} cannot be decoded: the video is damag"):
+        video.read(lost)
+    assert [number_in(video.read(index)) for index in (0, lost + 1, 99)] == [0, lost + 1, 99]
 
 
 PLAYLIST = "#EXTM3U\n#EXT-X-TARGETDURATION:10\n#EXTINF:10,\n{}\n#EXT-X-ENDLIST\n"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Collection
 from pathlib import Path
 
 import av
@@ -24,7 +25,6 @@ from video_files import (
 
 from nvcore.errors import MediaError
 from nvcore.pictures import open_pictures
-from nvcore.pictures.h264 import FieldPairs
 from nvcore.pictures.notes import PictureNote, PictureTrait
 from nvcore.pictures.timing import frame_rate, time_notes, usual_step
 from nvcore.pictures.video import Video
@@ -111,6 +111,20 @@ def test_two_fields_are_one_picture(tmp_path: Path, ending: str, packets: str):
     video = Video(path)
     assert numbers_of(video) == played(path) == [*range(24)]
     assert (video.fps, video.notes) == (25, ())
+
+
+@pytest.mark.parametrize("whole", [range(1, 24), range(12), {*range(24)} - {13}])
+def test_some_frames_may_be_two_fields(tmp_path: Path, whole: Collection[int]):
+    path = field_pictures(tmp_path / "a.mp4", whole=whole)
+    video = Video(path)
+    assert numbers_of(video) == played(path) == [*range(24)]
+    assert (video.fps, video.notes) == (25, ())
+
+
+def test_the_rate_of_fields_is_that_of_the_stream_where_the_container_takes_them_for_frames(
+    tmp_path: Path,
+):
+    assert Video(field_pictures(tmp_path / "a.ts", per_second=25)).fps == 25
 
 
 @pytest.mark.parametrize("share", [0.2, 0.6])
@@ -341,29 +355,3 @@ def test_the_commonest_step_is_told_of_any_times(times: list[int], step: float, 
 )
 def test_the_rate_is_that_of_the_step_where_the_stated_one_differs(step_s, stated, rate):
     assert frame_rate(step_s, stated) == pytest.approx(rate)
-
-
-def test_damaged_headers_of_h264_end_in_some_answer():
-    generator = np.random.default_rng(5)
-    head = bytes.fromhex("014d001effe10007674d001eda111201000468ce3880")
-    for _ in range(300):
-        content = bytearray(head + generator.bytes(60))
-        for place in generator.integers(0, len(content), 8):
-            content[place] = generator.integers(256)
-        for extradata in (bytes(content), b"\0\0\1" + bytes(content[8:]), b""):
-            fields = FieldPairs(extradata)
-            assert fields.may_occur in (True, False)
-            assert fields.is_second(bytes(content)) in (True, False)
-
-
-def test_a_field_of_another_frame_or_of_the_same_lines_completes_none():
-    def packet(number: int, bits: str) -> bytes:
-        digits = f"100010001{number:04b}{bits}".ljust(40, "1")  # a slice up to its parity
-        return b"\0\0\1\x61" + int(digits, 2).to_bytes(5)
-
-    top, bottom, frame = "10", "11", "0"
-    fields = FieldPairs(bytes.fromhex("000001674d001eda111200000168ce3880"))
-    order = [(1, top), (1, bottom), (2, bottom), (2, top), (3, top), (4, bottom), (4, frame)]
-    order += [(4, top), (5, top), (5, top), (5, bottom), (5, top)]
-    seconds = [fields.is_second(packet(number, bits)) for number, bits in order]
-    assert seconds == [False, True, False, True, *[False] * 6, True, False]
