@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
@@ -21,17 +20,16 @@ from nvcore.pictures.containers import (
     open_container,
     picture_streams,
 )
-from nvcore.pictures.h264 import LOOKED_AT, FieldPairs
 from nvcore.pictures.mp4 import is_short
 from nvcore.pictures.notes import MOST_PLACES, PictureNote, PictureTrait
 from nvcore.pictures.timing import frame_rate, time_notes, usual_step
 
 _WIDE_GAP: Final = 1.5
 """Times the usual step from which on a step is a gap."""
-_PACKED: Final = re.compile(rb"DivX\d+(Build|b)\d+p")
-"""In MPEG-4 of two pictures a packet: their order and times are not those of the packets."""
 _UNCODED_BYTES: Final = 19
-"""Most that a picture of MPEG-4 has which is not coded."""
+"""Size of the largest packet of MPEG-4 that may hold no picture of its own."""
+_UNKNOWN: Final = int(np.iinfo(np.int64).min)
+"""Stands for a presentation time that is missing."""
 
 
 @dataclass(frozen=True)
@@ -73,20 +71,17 @@ class _Packets:
     Attributes
     ----------
     shown_at, decoded_at
-        Presentation and decoding times, int64; where they are missing, the number of the packet.
+        Presentation times, `_UNKNOWN` where they are missing, and decoding times, where they are
+        missing the number of the packet; int64.
     is_key, is_place, is_hidden
         Key pictures; those of them that can be sought: MPEG need not say the time of a picture that
         begins within a part; pictures that are decoded but not shown.
-    have_times
-        Whether the pictures shown have presentation times, all different, and are near the order
-        of these.
-    is_packed, may_be_uncoded
-        Whether packets hold pictures of others; whether some may only say that the picture before
-        is to be shown again.
+    are_pictures
+        Whether each packet shown seems to be a picture: all have presentation times, which differ
+        and nearly follow the order of decoding. Not where MPEG-4 begins without a key picture, or
+        where a packet is so small that its picture may lie in the one before, or be that one again.
     is_partial
         Whether the file ends early.
-    n_read, n_second_fields
-        Packets that were read, and those of them that are not listed as they complete a frame.
     """
 
     shown_at: NDArray[np.int64]
@@ -94,12 +89,8 @@ class _Packets:
     is_key: NDArray[np.bool_]
     is_place: NDArray[np.bool_]
     is_hidden: NDArray[np.bool_]
-    have_times: bool
-    is_packed: bool
-    may_be_uncoded: bool
+    are_pictures: bool
     is_partial: bool
-    n_read: int
-    n_second_fields: int
 
 
 def list_pictures(
@@ -125,8 +116,6 @@ def list_pictures(
         codec, n_stated, tick_s = stream.codec_context, stream.frames, float(stream.time_base or 1)
         is_reordered = bool(codec.has_b_frames)
         fps = float(stream.average_rate or 0) or None
-        if packets.n_second_fields:  # the container counts fields
-            fps = float(codec.framerate or 0) or None
         # AVI has no presentation times: with reordered pictures they are guesses
         is_avi = container_format == "avi"
         is_guess = is_avi and is_reordered and codec.name in ("h264", "hevc")
@@ -138,17 +127,23 @@ def list_pictures(
     is_cut = packets.is_partial or is_cut_off(path, container_format)
     if container_format == "mov" and not n_stated:
         is_cut = is_cut or is_short(path)
-    elif container_format == "mov" and n_stated != packets.n_read:
+    elif container_format == "mov" and n_stated != len(packets.is_key):
         # an edit list shows samples twice or leaves them out: they are in the file all the same
         is_cut = is_cut or _n_packets(path, container_format, name) < n_stated
     keys = seeks = np.empty(0, np.int64)
-    is_sure = packets.have_times and not packets.is_packed and not is_guess
-    if codec.name == "mpeg4" and not packets.is_key[:1].all():
-        is_sure = False  # its decoder begins before the first key picture, with other times
+    is_sure, n_listed = not is_guess, len(packets.shown_at)
+    is_shown, is_leading = _is_shown(packets)
+    fps_of_frames = None
+    if must_decode or (
+        len(time_notes(packets.decoded_at)) if is_guess else not packets.are_pictures
+    ):
+        given = _decoded_times(path, container_format, name)
+        is_given = np.isin(packets.shown_at, given)
+        if codec.name == "h264" and (is_shown & ~is_given).any():  # the container counts fields
+            fps_of_frames = float(codec.framerate or 0) or None
+        is_shown, n_listed = is_shown & is_given, len(given)
+        is_sure = is_sure and bool(n_listed == is_shown.sum() and (np.diff(given) > 0).all())
     if is_sure:
-        is_shown, is_leading = _is_shown(packets)
-        if must_decode or packets.may_be_uncoded:
-            is_shown &= np.isin(packets.shown_at, _decoded_times(path, container_format, name))
         n_listed = int(np.count_nonzero(is_shown))
         moments = np.sort(packets.decoded_at[is_shown | is_leading])[is_leading.sum() :]
         if is_cut or not (is_avi or n_stated):  # else all is there, and a gap is no loss
@@ -157,9 +152,7 @@ def list_pictures(
         is_cut = is_cut or len(times) < n_listed
         keys, seeks = _keys(packets, is_shown, times, by_shown=container_format == "matroska")
     else:
-        moments, n_listed = np.sort(packets.decoded_at), len(packets.shown_at)
-        if not is_guess or time_notes(packets.decoded_at):
-            n_listed = len(_decoded_times(path, container_format, name))
+        moments = np.sort(packets.decoded_at)
         # among the last ones of a cut file a lost one may be missing
         times = np.arange(n_listed - REORDERED if is_cut else n_listed)
     if not len(times):
@@ -167,7 +160,7 @@ def list_pictures(
 
     shown, times_s, notes = np.arange(len(times)), None, []
     chunks = None
-    if is_avi and (is_sure or is_guess) and not packets.is_packed and len(moments) == n_listed:
+    if is_avi and (is_sure or is_guess) and len(moments) == n_listed:
         # the time of decoding is the number of the chunk, that of showing a guess
         moments = moments[: len(times)]
         if is_reordered and len(moments) > 1:  # some encoders fill their delay behind the first one
@@ -185,14 +178,14 @@ def list_pictures(
         times_s = (moments - moments[0]) * tick_s
         notes += time_notes(moments)
         is_even = not any(note.trait is PictureTrait.UNEVEN for note in notes)
-        if is_even and not (packets.n_second_fields and fps):
-            fps = frame_rate(usual_step(moments) * tick_s, fps)
+        if fps_of_frames or is_even:
+            fps = fps_of_frames or frame_rate(usual_step(moments) * tick_s, fps)
     elif is_guess:
         notes += time_notes(packets.decoded_at)
     if is_cut:
         n_total = n_stated
         if n_stated and is_sure and not is_avi:  # those never shown are stated, too
-            n_total = max(0, n_stated - packets.n_read + n_listed)
+            n_total = max(0, n_stated - len(packets.is_key) + n_listed)
         notes.insert(0, PictureNote(PictureTrait.CUT, len(shown), n_total))
     if others:
         notes.append(PictureNote(PictureTrait.OTHER_STREAMS, len(others), names=others))
@@ -201,13 +194,8 @@ def list_pictures(
 
 def _read_packets(container: Any, stream: Any) -> _Packets:
     """As far as the file can be read; of the two fields of a frame only the first."""
-    extradata, coding = stream.codec_context.extradata or b"", stream.codec_context.name
-    fields = FieldPairs(extradata) if coding == "h264" else None
-    if fields is not None and not fields.may_occur:
-        fields = None
-    is_mpeg4, is_vp8 = coding == "mpeg4", coding == "vp8"
-    is_packed = is_mpeg4 and bool(_PACKED.search(extradata))
-    n_read, n_second_fields, is_partial, may_be_uncoded = 0, 0, False, False
+    coding = stream.codec_context.name
+    is_mpeg4, is_vp8, is_partial, are_pictures = coding == "mpeg4", coding == "vp8", False, True
     is_stream = container.format.name in ("mpeg", "mpegts")
     rows: list[tuple[int | None, int | None, bool, bool, bool]] = []
     partial: list[bool] = []
@@ -216,18 +204,11 @@ def _read_packets(container: Any, stream: Any) -> _Packets:
             size = packet.size
             if not size:
                 continue
-            n_read += 1
-            is_hidden = packet.is_discard
-            if is_mpeg4:
-                is_packed = is_packed or (n_read == 1 and bool(_PACKED.search(bytes(packet))))
-                may_be_uncoded |= size <= _UNCODED_BYTES
+            is_hidden, is_key = packet.is_discard, packet.is_keyframe
+            if is_mpeg4:  # its decoder begins before the first key picture, with other times
+                are_pictures &= size > _UNCODED_BYTES and (is_key or bool(rows))
             elif is_vp8:  # some pictures only help to decode others, as this bit says
                 is_hidden = is_hidden or not memoryview(packet)[0] & 16
-            elif fields is not None and fields.is_second(bytes(memoryview(packet)[:LOOKED_AT])):
-                n_second_fields += 1
-                partial[-1] |= packet.is_corrupt
-                continue
-            is_key = packet.is_keyframe
             is_place = is_key and (not is_stream or packet.pos is not None)
             rows.append((packet.pts, packet.dts, is_key, is_place, is_hidden))
             partial.append(packet.is_corrupt)
@@ -236,24 +217,20 @@ def _read_packets(container: Any, stream: Any) -> _Packets:
     if any(partial[-2:]):  # the file ends within the last packet, or within what it lies in
         is_partial = True
         rows.pop()
-        n_read -= 1
-    shown = [pts for pts, _, _, _, is_hidden in rows if not is_hidden]
-    have_times = None not in shown and len(set(shown)) == len(shown)
-    if have_times:  # joined files may begin again with earlier times
-        order = np.argsort(np.array(shown, np.int64))
-        have_times = bool((np.abs(order - np.arange(len(order))) <= REORDERED).all())
+    shown_at = np.array([_UNKNOWN if row[0] is None else row[0] for row in rows], np.int64)
+    is_hidden = np.array([row[4] for row in rows], bool)
+    order = np.argsort(shown_at[~is_hidden])  # joined files may begin again with earlier times
     return _Packets(
-        np.array([n if row[0] is None else row[0] for n, row in enumerate(rows)], np.int64),
+        shown_at,
         np.array([n if row[1] is None else row[1] for n, row in enumerate(rows)], np.int64),
         np.array([row[2] for row in rows], bool),
         np.array([row[3] for row in rows], bool),
-        np.array([row[4] for row in rows], bool),
-        have_times,
-        is_packed,
-        may_be_uncoded,
+        is_hidden,
+        are_pictures
+        and _UNKNOWN not in shown_at[~is_hidden]
+        and bool((np.diff(shown_at[~is_hidden][order]) > 0).all())
+        and bool((np.abs(order - np.arange(len(order))) <= REORDERED).all()),
         is_partial,
-        n_read,
-        n_second_fields,
     )
 
 
@@ -267,7 +244,7 @@ def _is_shown(packets: _Packets) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         return is_shown, np.zeros_like(is_shown)
     start = int(np.argmax(packets.is_key))
     is_shown[:start] = False
-    is_before = packets.shown_at < packets.shown_at[start]
+    is_before = (packets.shown_at < packets.shown_at[start]) & (packets.shown_at != _UNKNOWN)
     return is_shown & ~is_before, is_shown & is_before
 
 
@@ -284,8 +261,9 @@ def _keys(
     by_shown
         Whether the file's index has presentation times.
     """
-    group = np.cumsum(packets.is_place) - 1
-    key_times = packets.shown_at[packets.is_place]
+    is_place = packets.is_place & (is_shown | packets.is_hidden)  # no second field of a key picture
+    group = np.cumsum(is_place) - 1
+    key_times = packets.shown_at[is_place]
     is_of_key = is_shown & (group >= 0)
     is_of_key[is_of_key] = packets.shown_at[is_of_key] >= key_times[group[is_of_key]]
     never = np.iinfo(np.int64).max
@@ -293,7 +271,7 @@ def _keys(
     np.minimum.at(first, group[is_of_key], packets.shown_at[is_of_key])
     is_used = first < never
     keys = np.searchsorted(times, first[is_used])
-    seeks = (packets.shown_at if by_shown else packets.decoded_at)[packets.is_place][is_used]
+    seeks = (packets.shown_at if by_shown else packets.decoded_at)[is_place][is_used]
     order = np.argsort(keys, kind="stable")
     return keys[order], seeks[order]
 
@@ -332,14 +310,14 @@ def _n_packets(path: Path, container_format: str, name: str) -> int:
     return n_packets
 
 
-def _decoded_times(path: Path, container_format: str, name: str) -> list[int]:
-    """Presentation times of the pictures that the decoder gives, -1: it says none."""
+def _decoded_times(path: Path, container_format: str, name: str) -> NDArray[np.int64]:
+    """Presentation times of the pictures that the decoder gives, in its order."""
     container, stream = open_container(path, container_format, name)
     times: list[int] = []
     with container, suppress(av.error.FFmpegError):  # as far as the file can be read
         for frame in decoded(container, stream):
-            times.append(-1 if frame.pts is None else frame.pts)
-    return times
+            times.append(_UNKNOWN if frame.pts is None else frame.pts)
+    return np.array(times, np.int64)
 
 
 def decoded(container: Any, stream: Any) -> Iterator[Any]:

@@ -28,6 +28,9 @@ from nvcore.wording import one_line
 _NEAR: Final = 8
 """Pictures before the wanted one that are kept on the way, for steps backwards."""
 
+_SAME_STEP: Final = 1.25
+"""Times the least step between pictures: times are rounded in a container."""
+
 
 class Video:
     """Pictures of a video; see `nvcore.pictures.base.Pictures`. Picture i is the i-th shown."""
@@ -52,8 +55,10 @@ class Video:
                 check_samples(path, self.name)
             self._table = list_pictures(path, self._format, self.name)
             first = self._find(0)
-            if first is None and self._format in ("mpegts", "mpeg"):  # it may begin in the middle
+            begins_late = first is None and self._format in ("mpegts", "mpeg")
+            if begins_late or (first is not None and self._has_fields()):
                 self._table = list_pictures(path, self._format, self.name, must_decode=True)
+                self._recent.clear()
                 first = self._find(0)
         except (av.error.FFmpegError, OSError) as error:
             raise MediaError(DAMAGED, file=self.name) from error
@@ -142,6 +147,26 @@ class Video:
                 return picture
         self._seek(None)
         return self._forward(index, len(self._table.times))[0]
+
+    def _has_fields(self) -> bool:
+        """Whether a decoder makes one picture of two packets, which are the fields of a frame.
+
+        The packets nearest in time are such pairs, if there are any: then it does not give the
+        second of a pair. Two pairs are tried, as a picture may be damaged.
+        """
+        steps = np.diff(self._table.times.astype(np.float64))
+        seconds = np.flatnonzero(steps <= _SAME_STEP * steps.min(initial=np.inf))[:4:2] + 1
+        if not self._table.is_sure or not len(seconds):
+            return False
+        try:
+            return all(
+                self._find(position - 1) is not None
+                and self._forward(position, position - 1)[0] is None
+                for position in map(int, seconds)
+            )
+        except (MediaError, av.error.FFmpegError, OSError):
+            self._let_go()
+            return False
 
     def _seek(self, time: int | None) -> None:
         """Go to a key picture; None: to the start of the file."""

@@ -154,45 +154,58 @@ def _unit(head: int, bits: str, content: bytes = b"") -> bytes:
     return b"\0\0\1" + bytes([head]) + re.sub(rb"\0\0(?=[\0-\3])", b"\0\0\3", payload)
 
 
-def field_pictures(path: Path, n: int = 24, *, packets: str = "both times") -> Path:
+def field_pictures(
+    path: Path,
+    n: int = 24,
+    *,
+    packets: str = "both times",
+    whole: Collection[int] = (),
+    per_second: int = 50,
+) -> Path:
     """H.264 of n numbered frames, each two pictures: one of its even and one of its odd lines.
 
     No encoder at hand writes it: each block of 16 x 16 samples stands in it uncompressed.
     `packets` have both their times, the first of two has ("first time"), or both are in one
-    ("joined").
+    ("joined"). Frames that are `whole` are one picture. The container counts so many fields
+    `per_second`, the stream 50.
     """
     across, down = WIDTH // 16, 2  # blocks of a field
     sequence = "01001101" + "0" * 8 + f"{30:08b}" + _ue(0) + _ue(0) + _ue(2) + _ue(1) + "0"
-    sequence += _ue(across - 1) + _ue(down - 1) + "00" + "1" + "0" + "0"
+    sequence += _ue(across - 1) + _ue(down - 1) + "00" + "1" + "0"
+    sequence += "1" + "0000" + f"1{1:032b}{50:032b}1" + "0000"  # 50 fields per second
     picture = _ue(0) + _ue(0) + "00" + _ue(0) + _ue(0) + _ue(0) + "000" + "1" * 3 + "000"
     headers = _unit(0x67, sequence) + _unit(0x68, picture)
-    fields = []
+    pictures: list[tuple[int, bytes]] = []  # half frames before each, and its content
     for frame in range(n):
-        rows = numbered(frame)[:1].clip(16, 235)
+        row = numbered(frame)[:1].clip(16, 235)
         blocks = [
-            bytes(rows[:, 16 * column : 16 * column + 16].repeat(16, 0)) + b"\x80" * 128
+            bytes(row[:, 16 * column : 16 * column + 16].repeat(16, 0)) + b"\x80" * 128
             for column in range(across)
-        ] * down
-        for bottom in range(2):
-            is_first = frame == bottom == 0
-            slices = _ue(0) + _ue(7) + _ue(0) + f"{frame % 16:04b}1{bottom}"
+        ]
+        for field in (None,) if frame in whole else (0, 1):
+            is_first = frame == 0 and not field
+            slices = _ue(0) + _ue(7) + _ue(0) + f"{frame % 16:04b}"
+            slices += "0" if field is None else f"1{field}"
             slices += (_ue(0) + "00" if is_first else "0") + _ue(0) + _ue(25)
-            content = b"\x0d\0".join(blocks)  # the kind of block, filled up to whole bytes
+            # the kind of block, filled up to whole bytes
+            content = b"\x0d\0".join(blocks * (2 * down if field is None else down))
             coded = _unit(0x65 if is_first else 0x61, slices, content)
-            fields.append((headers if not bottom else b"") + coded)
+            pictures.append((2 * frame + (field or 0), (b"" if field else headers) + coded))
     if packets == "joined":
-        fields = [b"".join(pair) for pair in zip(fields[::2], fields[1::2], strict=True)]
+        halves = [content for _, content in pictures]
+        joined = map(b"".join, zip(halves[::2], halves[1::2], strict=True))
+        pictures = [(2 * frame, content) for frame, content in enumerate(joined)]
     raw = path.with_suffix(".h264")
-    raw.write_bytes(b"".join(fields))
+    raw.write_bytes(b"".join(content for _, content in pictures))
     with av.open(str(raw), format="h264") as old, av.open(str(path), "w") as new:
         stream = new.add_stream_from_template(old.streams.video[0])
-        for number, field in enumerate(fields):
-            packet = av.Packet(field)
-            packet.stream, packet.time_base = stream, Fraction(1, 50)
-            packet.duration = 2 if packets == "joined" else 1
-            packet.pts = packet.dts = packet.duration * number
-            if packets == "first time" and number % 2:
+        ends = [*(at for at, _ in pictures[1:]), 2 * n]
+        for (at, content), end in zip(pictures, ends, strict=True):
+            packet = av.Packet(content)
+            packet.stream, packet.time_base = stream, Fraction(1, per_second)
+            packet.duration, packet.pts, packet.dts = end - at, at, at
+            if packets == "first time" and at % 2:
                 packet.pts = None
-            packet.is_keyframe = number == 0
+            packet.is_keyframe = at == 0
             new.mux(packet)
     return path
