@@ -1,8 +1,9 @@
-"""Figures: tables and results in, Plotly figures out; pure, one module for each figure."""
+"""Figures: tables and results in, Plotly figures out; pure, one module for each family."""
 
 from nvcore.extras import needs
 
 with needs("report", "figures need"):
+    from nvcore.figures.classes import classes_plot
     from nvcore.figures.cost_map import cost_plot
     from nvcore.figures.detection import CurveKind, curve_plot, legend_text
     from nvcore.figures.encounters import (
@@ -15,7 +16,7 @@ with needs("report", "figures need"):
     from nvcore.figures.inputs import false_alarm_plot, proximity_plot, score_plot
     from nvcore.figures.over_time.lanes import lanes_figure
     from nvcore.figures.over_time.losses import loss_plot
-    from nvcore.figures.over_time.similarity import similarity_plot
+    from nvcore.figures.over_time.similarity import TimeLayout, similarity_plot
     from nvcore.figures.over_time.strip import loss_strip_plot
     from nvcore.figures.paired import recordings_plot
     from nvcore.figures.saliency import parts_plot, plane_plot, recency_plot
@@ -27,6 +28,8 @@ with needs("report", "figures need"):
 __all__ = [
     "CONFIG",
     "CurveKind",
+    "TimeLayout",
+    "classes_plot",
     "cost_plot",
     "curve_plot",
     "false_alarm_plot",
