@@ -28,8 +28,8 @@ def still_line(x: Any, y: Any, name: str, *, showlegend: bool | None = False, **
 
 
 def marks(x: Any, y: Any, texts: Any, *, hover: str = HOVER, **more: Any) -> go.Scatter:
-    """Markers, each with a text for the mouse."""
-    return go.Scatter(x=x, y=y, mode="markers", text=texts, hovertemplate=hover, **more)
+    """Markers, each with a text for the mouse; `more` may hold another ``mode``."""
+    return go.Scatter(x=x, y=y, text=texts, hovertemplate=hover, **{"mode": "markers", **more})
 
 
 def system_marker(letter: str, size: float, theme: Theme, *, rim: float = 1) -> dict[str, Any]:
