@@ -20,7 +20,9 @@ def with_gaps(*corners: np.ndarray) -> np.ndarray:
     return path
 
 
-def still_line(x: Any, y: Any, name: str, *, showlegend: bool | None = False, **more: Any) -> Any:
+def still_line(
+    x: Any, y: Any, name: str | None, *, showlegend: bool | None = False, **more: Any
+) -> Any:
     """A line that does not answer to the mouse; `more` holds ``line`` or a ``fillcolor``."""
     return go.Scatter(
         x=x, y=y, name=name, mode="lines", hoverinfo="skip", showlegend=showlegend, **more

@@ -7,11 +7,15 @@ import pytest
 from figure_parts import shape, trace, words
 
 from nvcore.detectors.base import Detections
-from nvcore.detectors.figures.boxes import boxes_plot
-from nvcore.detectors.figures.confidence import confidence_plot, traces_plot, training_plot
-from nvcore.detectors.figures.pictures import pictures_plot
-from nvcore.detectors.figures.score_map import score_map_plot
-from nvcore.detectors.figures.tree import tree_plot
+from nvcore.detectors.figures import (
+    boxes_plot,
+    confidence_plot,
+    pictures_plot,
+    score_map_plot,
+    traces_plot,
+    training_plot,
+    tree_plot,
+)
 from nvcore.detectors.icf.detector import ScoreMap
 from nvcore.detectors.icf.displays import MOST_CELLS, CoarseMap, Node, Tree, WindowPath, coarse_map
 from nvcore.detectors.icf.pyramid import PyramidLevel

@@ -8,10 +8,15 @@ import numpy as np
 import streamlit as st
 
 from nvcore.detection import WindowGrid
-from nvcore.detectors.figures.confidence import confidence_plot, traces_plot, training_plot
-from nvcore.detectors.figures.pictures import pictures_plot
-from nvcore.detectors.figures.score_map import MapOf, score_map_plot
-from nvcore.detectors.figures.tree import tree_plot
+from nvcore.detectors.figures import (
+    MapOf,
+    confidence_plot,
+    pictures_plot,
+    score_map_plot,
+    traces_plot,
+    training_plot,
+    tree_plot,
+)
 from nvcore.detectors.icf.displays import usable_scales
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.errors import NvcoreError, ParameterError
