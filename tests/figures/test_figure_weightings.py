@@ -9,8 +9,8 @@ from builders import Box, make_dataset
 from figure_parts import trace, words
 
 from nvcore.comparison import compare
+from nvcore.figures import weightings_plot
 from nvcore.figures.style import LOOK
-from nvcore.figures.weightings import weightings_plot
 from nvcore.tables.encounters.weightings import compare_weightings
 
 CURVES = ["by height", "by horizon", "by distance"]
