@@ -207,9 +207,10 @@ def recordings_plot(
     theme: Theme,
     measure: ByRecording = "mean_similarity",
 ) -> go.Figure:
-    """Plot X and Y joined by a line for each recording; `customdata` is the recording's row.
+    """Plot X and Y joined by a line for each recording.
 
     The more X is better, the higher a recording stands. The subtitle says in how many it is better.
+    `customdata` is the recording's row.
 
     Parameters
     ----------
