@@ -10,6 +10,7 @@ with needs("report", "figures need"):
         lead_time_plot,
         miss_classes_plot,
         position_map,
+        weightings_plot,
     )
     from nvcore.figures.inputs import false_alarm_plot, proximity_plot, score_plot
     from nvcore.figures.maps import classes_plot, cost_plot, stability_map
@@ -20,7 +21,6 @@ with needs("report", "figures need"):
     from nvcore.figures.saliency import parts_plot, plane_plot, recency_plot
     from nvcore.figures.style import CONFIG
     from nvcore.figures.venn import venn_figure
-    from nvcore.figures.weightings import weightings_plot
 
 __all__ = [
     "CONFIG",

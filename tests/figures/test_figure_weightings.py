@@ -9,8 +9,8 @@ from figure_parts import trace, words
 from places import SAMPLE
 
 from nvcore.comparison import Result, compare
+from nvcore.figures.encounters import weightings_plot
 from nvcore.figures.style import LOOK
-from nvcore.figures.weightings import weightings_plot
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.tables.encounters.weightings import compare_weightings
