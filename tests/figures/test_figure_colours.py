@@ -9,7 +9,7 @@ from builders import at, make_dataset
 from nvcore.api.figures import Figures
 from nvcore.comparison import Result, compare
 from nvcore.figures.style import LOOK, which_is_which
-from nvcore.figures.venn.figure import AREAS
+from nvcore.figures.venn import AREAS
 from nvcore.overlay import annotate
 from nvcore.overlay.brush import X_RGB, Y_RGB
 from nvcore.palette import STYLES, Scheme, scheme_for

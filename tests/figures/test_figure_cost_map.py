@@ -7,7 +7,7 @@ import pytest
 from builders import make_dataset
 from figure_parts import trace
 
-from nvcore.figures.cost_map import cost_plot
+from nvcore.figures.maps import cost_plot
 from nvcore.metrics.cost_map import map_cost
 from nvcore.objects import PEDESTRIAN
 from nvcore.params import Params

@@ -7,8 +7,9 @@ import pandas as pd
 import pytest
 from figure_parts import trace, words
 
+from nvcore.figures import dots
 from nvcore.figures import encounters as module
-from nvcore.figures import paired
+from nvcore.figures.dots import recordings_plot
 from nvcore.figures.encounters import (
     fusion_plot,
     lead_bins,
@@ -16,7 +17,6 @@ from nvcore.figures.encounters import (
     miss_classes_plot,
     position_map,
 )
-from nvcore.figures.paired import recordings_plot
 from nvcore.objects import PEDESTRIAN
 
 NAMES = ("FIR", "NIR")
@@ -201,7 +201,7 @@ def test_a_small_difference_looks_small_and_no_recording_lies_outside_the_axis()
 def test_of_many_recordings_those_with_the_largest_differences_are_drawn(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(paired, "MAX_RECORDINGS", 2)
+    monkeypatch.setattr(dots, "MAX_RECORDINGS", 2)
     pairs = recordings((0.8, 0.9), (0.9, 0.4), (0.5, 0.5))
     figure = recordings_plot(pairs, NAMES, theme="light")
     assert trace(figure, "X: FIR").customdata.tolist() == [1, 0]

@@ -11,7 +11,7 @@ from figure_parts import trace, words
 from nvcore.comparison import Result
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.subgroups import ALL
-from nvcore.figures.forest import forest_in_words, subgroup_forest
+from nvcore.figures.dots import forest_in_words, subgroup_forest
 from nvcore.figures.style import LOOK
 from nvcore.measures.table import EVIDENCE_KEYS
 

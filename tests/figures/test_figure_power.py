@@ -7,7 +7,7 @@ from drives import quiet_drives
 
 from nvcore.arguments.plan import PlanArguments
 from nvcore.evidence.planning import plan_recordings
-from nvcore.figures.power import power_plot
+from nvcore.figures.dots import power_plot
 
 
 def test_each_assumption_has_its_line_with_the_interval_of_the_simulation():

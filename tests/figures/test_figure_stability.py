@@ -11,7 +11,7 @@ from figure_parts import shape, trace, words
 from scenes import draw_scene
 
 from nvcore.comparison import compare
-from nvcore.figures.stability import stability_map
+from nvcore.figures.maps import stability_map
 from nvcore.palette import X_COLOUR, Y_COLOUR
 from nvcore.params import Params
 from nvcore.stability.map import StabilityMap, map_stability

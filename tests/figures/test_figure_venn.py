@@ -14,8 +14,7 @@ from builders import at, make_dataset, result_of
 from drives import at_thresholds
 from figure_parts import shape, trace, words
 
-from nvcore.figures.venn import MOST_MARKS, circles_of, overlap_area, venn_figure
-from nvcore.figures.venn.plan import MIN_SIZE, REGIONS
+from nvcore.figures.venn import MIN_SIZE, MOST_MARKS, REGIONS, circles_of, overlap_area, venn_figure
 from nvcore.metrics.venn import Venn
 from nvcore.objects import PEDESTRIAN
 from nvcore.schema import CATEGORY_WORDS

@@ -9,7 +9,8 @@ import plotly.graph_objects as go
 from nvcore.driver.comparison.judging import DriverVenn
 from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.figures.marks import marks
-from nvcore.figures.style import HIDDEN_AXIS, LOOK, draw, empty_figure, faded, plain, written
+from nvcore.figures.style import LOOK, ChartLook, draw, empty_figure, faded, plain, written
+from nvcore.figures.venn import Frame, filled, square_axes
 from nvcore.objects import Objects
 from nvcore.palette import Theme
 from nvcore.wording import count_text
@@ -27,7 +28,7 @@ PLACES: Final[dict[DriverRegion, tuple[float, float]]] = {
     DriverRegion.Y: (0.95, -0.6),
     DriverRegion.NOBODY: (1.6, 0.9),
 }
-"""Where each region's count stands."""
+"""Place of each region's count."""
 CLICK_PX: Final = 44
 
 
@@ -47,22 +48,17 @@ def driver_venn_plot(
     if not venn.n_known:
         return empty_figure("It is not known of any encounter who sees it.", theme=theme)
     look = LOOK[theme]
-    regions = list(PLACES)
-    counts = [venn.counts[region] for region in regions]
     texts = [
-        f"{count_text(count, 'encounter')}<br>{objects.say(DRIVER_REGION_TEXT[region])}"
-        for region, count in zip(regions, counts, strict=True)
+        f"{count_text(venn.counts[region], 'encounter')}<br>{objects.say(text)}"
+        for region, text in DRIVER_REGION_TEXT.items()
+        if region in PLACES
     ]
-    points = marks(
-        [PLACES[region][0] for region in regions],
-        [PLACES[region][1] for region in regions],
-        texts,
-        customdata=[region.value for region in regions],
-        marker={"opacity": 0, "size": CLICK_PX, "color": "#000"},
-    )
+    x, y = zip(*PLACES.values(), strict=True)
+    look_of_marks = {"opacity": 0, "size": CLICK_PX, "color": "#000"}
+    points = marks(x, y, texts, customdata=[*PLACES], marker=look_of_marks)
     numbers = [
-        written(f"<b>{count:,}</b>", size=17, color=look.ink, x=x, y=y)
-        for count, (x, y) in zip(counts, PLACES.values(), strict=True)
+        written(f"<b>{venn.counts[region]:,}</b>", size=17, color=look.ink, x=x, y=y)
+        for region, (x, y) in PLACES.items()
     ]
     n_unknown, n_distant = (
         venn.counts[region] for region in (DriverRegion.UNKNOWN, DriverRegion.DISTANT)
@@ -75,32 +71,22 @@ def driver_venn_plot(
         f"{n_unknown:,} unknown, {n_distant:,} distant; circles are not to scale",
         height=HEIGHT_PX,
         showlegend=False,
-        shapes=[_circle(who, theme) for who in CENTRES],
-        annotations=[*_labels(names, theme), *numbers],
-        xaxis=HIDDEN_AXIS | {"range": [-2.0, 2.0], "constrain": "domain"},
-        yaxis=HIDDEN_AXIS | {"range": [-1.45, 1.65], "constrain": "domain", "scaleanchor": "x"},
+        shapes=[_circle(who, look) for who in CENTRES],
+        annotations=[*_labels(names, look), *numbers],
+        **square_axes((-2.0, 2.0), (-1.45, 1.65)),
     )
 
 
-def _circle(who: str, theme: Theme) -> dict[str, Any]:
-    look = LOOK[theme]
+def _circle(who: str, look: ChartLook) -> dict[str, Any]:
     colour = look.muted if who == "driver" else look.of(who)
     dash = "dot" if who == "driver" else look.dash(who)
+    line = {"color": colour, "width": 2.5, "dash": dash}
     x, y = CENTRES[who]
-    return {
-        "type": "circle",
-        "layer": "below",
-        "x0": x - RADIUS,
-        "x1": x + RADIUS,
-        "y0": y - RADIUS,
-        "y1": y + RADIUS,
-        "fillcolor": faded(colour, 0.14),
-        "line": {"color": colour, "width": 2.5, "dash": dash},
-    }
+    box = Frame(x - RADIUS, x + RADIUS, y - RADIUS, y + RADIUS)
+    return filled("circle", box, line, faded(colour, 0.14))
 
 
-def _labels(names: tuple[str, str], theme: Theme) -> list[dict[str, Any]]:
-    look = LOOK[theme]
+def _labels(names: tuple[str, str], look: ChartLook) -> list[dict[str, Any]]:
     x, y = (f"{letter.upper()} {plain(name)}" for letter, name in zip("xy", names, strict=True))
     return [
         written("Driver", size=14, color=look.muted, x=0, y=1.48, yanchor="bottom"),
