@@ -13,10 +13,8 @@ with needs("report", "figures need"):
     )
     from nvcore.figures.forest import subgroup_forest
     from nvcore.figures.inputs import false_alarm_plot, proximity_plot, score_plot
-    from nvcore.figures.over_time.lanes import lanes_figure
-    from nvcore.figures.over_time.losses import loss_plot
-    from nvcore.figures.over_time.similarity import similarity_plot
-    from nvcore.figures.over_time.strip import loss_strip_plot
+    from nvcore.figures.lanes import lanes_figure, loss_strip_plot
+    from nvcore.figures.over_time import loss_plot, similarity_plot
     from nvcore.figures.paired import recordings_plot
     from nvcore.figures.saliency import parts_plot, plane_plot, recency_plot
     from nvcore.figures.stability import stability_map

@@ -13,8 +13,8 @@ from nvcore.alerts.episodes import AlertKind
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
 from nvcore.figures.marks import marks, still_line, system_marker, with_gaps
-from nvcore.figures.over_time.similarity import end_of, time_range
-from nvcore.figures.style import LEFT_PX, LOOK, axis, draw, empty_figure, plain, rows_axis
+from nvcore.figures.over_time import time_axis
+from nvcore.figures.style import LEFT_PX, LOOK, draw, empty_figure, plain, rows_axis
 from nvcore.palette import Theme
 from nvcore.wording import count_text
 
@@ -76,6 +76,6 @@ def alerts_over_time(result: Result, recording: int, theme: Theme) -> go.Figure:
         hoverdistance=-1,
         showlegend=False,
         margin={"l": LEFT_PX},
-        xaxis=axis(theme, ticksuffix=" s", range=time_range(end_of(result, recording))),
+        xaxis=time_axis(result, recording, theme, ticksuffix=" s"),
         yaxis=rows_axis(theme, labels, fixedrange=True, showgrid=False),
     )

@@ -87,7 +87,7 @@ def similarity_section(result: Result) -> Section:
         return recordings_plot(recordings, result.names, theme=result.scheme("light"))
 
     def of_losses() -> go.Figure:
-        from nvcore.figures.over_time.strip import loss_strip_plot
+        from nvcore.figures.lanes import loss_strip_plot
 
         return loss_strip_plot(result, loss_strip(result), theme=result.scheme("light"))
 

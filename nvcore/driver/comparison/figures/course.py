@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from nvcore.driver.illumination import LightSource
 from nvcore.driver.illumination.clock import AdaptationClock
 from nvcore.figures.marks import marks, still_line
-from nvcore.figures.over_time.similarity import decimate
+from nvcore.figures.over_time import decimate
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, faded, written
 from nvcore.objects import Objects
 from nvcore.palette import Shade, Theme, scheme_of
