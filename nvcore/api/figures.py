@@ -14,7 +14,7 @@ from nvcore.errors import InputError
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.figures.classes import classes_plot
 from nvcore.figures.cost_map import cost_plot
-from nvcore.figures.detection import CurveKind, curve_plot, legend_text
+from nvcore.figures.curves import CurveKind, curve_plot, legend_text
 from nvcore.figures.encounters import (
     fusion_plot,
     lead_time_plot,

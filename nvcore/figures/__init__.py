@@ -4,7 +4,7 @@ from nvcore.extras import needs
 
 with needs("report", "figures need"):
     from nvcore.figures.cost_map import cost_plot
-    from nvcore.figures.detection import CurveKind, curve_plot, legend_text
+    from nvcore.figures.curves import CurveKind, curve_plot, legend_text
     from nvcore.figures.encounters import (
         fusion_plot,
         lead_time_plot,

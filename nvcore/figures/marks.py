@@ -87,3 +87,9 @@ def rule(
 def system_line(letter: str, theme: Theme) -> dict[str, Any]:
     """A system's line in its colour and dash."""
     return {"width": 2.4, "color": LOOK[theme].of(letter), "dash": LOOK[theme].dash(letter)}
+
+
+def curve_line(x: Any, y: Any, texts: Any, **looks: Any) -> go.Scatter:
+    """Return a line with a marker at each value, each with a text for the mouse."""
+    trace = marks(x, y, texts, cliponaxis=False, **looks)
+    return trace.update(mode="lines+markers")

@@ -27,7 +27,7 @@ from nvcore.evidence.planning.plan import Plan, plan_recordings
 from nvcore.evidence.planning.thresholds import vary_thresholds
 from nvcore.evidence.subgroups import ALL
 from nvcore.evidence.units import WHOLE, find_units
-from nvcore.figures.detection import CurveKind, curve_plot, legend_text
+from nvcore.figures.curves import CurveKind, curve_plot, legend_text
 from nvcore.figures.forest import forest_in_words, subgroup_forest
 from nvcore.figures.stability import stability_map
 from nvcore.measures.of_encounters import DETECTED
