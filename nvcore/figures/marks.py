@@ -91,5 +91,4 @@ def system_line(letter: str, theme: Theme) -> dict[str, Any]:
 
 def curve_line(x: Any, y: Any, texts: Any, **looks: Any) -> go.Scatter:
     """Return a line with a marker at each value, each with a text for the mouse."""
-    trace = marks(x, y, texts, cliponaxis=False, **looks)
-    return trace.update(mode="lines+markers")
+    return marks(x, y, texts, **{"cliponaxis": False, **looks}).update(mode="lines+markers")
