@@ -110,11 +110,7 @@ def detectability_course_plot(
         traces += lines
         subtitle += f"; {UNKNOWN if np.isnan(clock.level).all() else LIGHT[clock.source][1]}"
     title = f"share of drivers who see the {objects.singular}"
-    form: dict[str, Any] = {
-        "range": [-0.09, 1.04],
-        "fixedrange": True,
-        "domain": [0.5 if clock else 0, 1],
-    }
+    form: dict[str, Any] = {"range": [-0.09, 1.04], "fixedrange": True}
     figure = draw(
         traces,
         theme,
