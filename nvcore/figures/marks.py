@@ -54,3 +54,43 @@ def line_up(figure: go.Figure, x: float, name: str, theme: Theme) -> None:
     """Add a line over the whole height at `x`."""
     line = {"color": LOOK[theme].ink, "width": 1.5}
     figure.add_shape(type="line", name=name, x0=x, x1=x, yref="paper", y0=0, y1=1, line=line)
+
+
+def row_texts(template: str, **columns: Any) -> list[str]:
+    """Fill a template once for each row of columns of one length; a text holds for all rows.
+
+    Examples
+    --------
+    >>> row_texts("{who} {track}: {left:.1f} s", who="pedestrian", track=[3, 8], left=[1.25, 0])
+    ['pedestrian 3: 1.2 s', 'pedestrian 8: 0.0 s']
+    """
+    texts = {name: value for name, value in columns.items() if isinstance(value, str)}
+    names = [name for name in columns if name not in texts]
+    rows = zip(*(columns[name] for name in names), strict=True)
+    return [template.format(**texts, **dict(zip(names, row, strict=True))) for row in rows]
+
+
+def rule(
+    figure: go.Figure,
+    direction: str,
+    at: float,
+    *,
+    ref: str | None = None,
+    over: str = "paper",
+    **looks: Any,
+) -> None:
+    """Draw a line at one value of the axis `direction` ("x" or "y"), over all of `over`."""
+    other = "y" if direction == "x" else "x"
+    ends = {f"{direction}0": at, f"{direction}1": at, f"{direction}ref": ref}
+    ends |= {f"{other}0": 0, f"{other}1": 1, f"{other}ref": over}
+    figure.add_shape(type="line", **looks, **ends)
+
+
+def system_line(letter: str, theme: Theme) -> dict[str, Any]:
+    """A system's line in its colour and dash."""
+    return {"width": 2.4, "color": LOOK[theme].of(letter), "dash": LOOK[theme].dash(letter)}
+
+
+def curve_line(x: Any, y: Any, texts: Any, **looks: Any) -> go.Scatter:
+    """Return a line with a marker at each value, each with a text for the mouse."""
+    return marks(x, y, texts, **{"cliponaxis": False, **looks}).update(mode="lines+markers")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nvcore.figures.over_time.similarity import decimate, evenly
+from nvcore.figures.over_time import decimate, evenly
 from nvcore.figures.style import EDGE_PX, HEADING_PX, empty_figure, layout, plain
 from nvcore.wording import count_text
 
