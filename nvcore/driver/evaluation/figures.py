@@ -17,7 +17,7 @@ from nvcore.wording import count_text, minus, number, percent
 with needs("report", "figures need"):
     import plotly.graph_objects as go
 
-    from nvcore.figures.marks import HOVER, marks, still_line
+    from nvcore.figures.marks import HOVER, curve_line, marks, row_texts, still_line
     from nvcore.figures.style import (
         HEADING_PX,
         LOOK,
@@ -72,12 +72,11 @@ def estimator_errors_plot(
         if rows[column].isna().all() or (is_published and not has_published):
             continue
         colour = look.muted if is_published or column == "constant" else look.ink
-        texts = [
-            f"{name}<br>{period:g} s: {error:.4f}"
-            for period, error in zip(rows["period_s"], rows[column], strict=True)
-        ]
-        line = {"dash": dash, "width": 1.2 if is_published else 2.2}
-        traces.append(_over_periods(rows, column, texts, colour, line, symbol=symbol, name=name))
+        at, error = rows["period_s"], rows[column]
+        texts = row_texts("{name}<br>{at:g} s: {error:.4f}", name=name, at=at, error=error)
+        line = {"color": colour, "dash": dash, "width": 1.2 if is_published else 2.2}
+        marker = {"color": colour, "symbol": symbol, "size": 8}
+        traces.append(curve_line(at, error, texts, name=name, line=line, marker=marker))
     return draw(
         traces,
         theme,
@@ -220,9 +219,17 @@ def detectability_plot(periods: pd.DataFrame, *, theme: Theme) -> go.Figure:
         f"<br>{percent(row['share_zero'])} seen by nobody, {percent(row['share_one'])} by everybody"
         for row in periods.to_dict("records")
     ]
-    spread = {"type": "data", "array": periods["sd"], "thickness": 1, "width": 4}
+    ink = LOOK[theme].ink
+    means = curve_line(
+        periods["period_s"],
+        periods["mean"],
+        texts,
+        error_y={"type": "data", "array": periods["sd"], "thickness": 1, "width": 4},
+        line={"color": ink, "width": 2.2},
+        marker={"color": ink, "size": 8},
+    )
     return draw(
-        _over_periods(periods, "mean", texts, LOOK[theme].ink, {"width": 2.2}, error_y=spread),
+        means,
         theme,
         title="Detectability after a change of light",
         subtitle=f"mean and standard deviation of "
@@ -280,29 +287,6 @@ def detectability_histograms_plot(histograms: pd.DataFrame, *, theme: Theme) -> 
         annotations=titles,
         yaxis=_fixed(theme, "pedestrians", rangemode="tozero", tickformat=",d"),
         **axes,
-    )
-
-
-def _over_periods(
-    rows: pd.DataFrame,
-    column: str,
-    texts: Sequence[str],
-    colour: str,
-    line: dict[str, Any],
-    *,
-    symbol: str | None = None,
-    **more: Any,
-) -> go.Scatter:
-    """Return a line with a mark at each period; `more` belongs to the trace."""
-    return marks(
-        rows["period_s"],
-        rows[column],
-        texts,
-        mode="lines+markers",
-        line={"color": colour, **line},
-        marker={"color": colour, "size": 8, "symbol": symbol},
-        cliponaxis=False,
-        **more,
     )
 
 
