@@ -143,25 +143,22 @@ def boxes_plot(
     traces.append(_outlines(sides[is_counting], "detected", color=look.y, width=2.4))
     if ignored is not None:
         traces.append(_outlines(ignored, "ignored", color=look.truth, width=1.5, dash="dot"))
-    iou = iou_with(sides, truth)
-    middle = sides[:, :2] + sides[:, 2:] / 2
-    across_px = sides[:, 2:].min(axis=1) * BOXES_PX / own_size[1]  # of a box on the screen, about
-    for name, is_shown in (("gone", is_gone), ("counting", is_counting)):  # these on top
+    iou, middle = iou_with(sides, truth), sides[:, :2] + sides[:, 2:] / 2
+
+    def in_the_middle(name: str, is_shown: NDArray[np.bool_]) -> dict[str, Any]:
         row, counts = np.flatnonzero(is_shown), name == "counting"
         texts = [
             box_text(boxes, k, iou=iou[k], is_counting=counts, states=states) for k in row.tolist()
         ]
-        place = {"x": middle[row, 0], "y": middle[row, 1], "texts": texts}
-        if counts:
-            mark_px, rim = (
-                np.clip(across_px[row] / 2, *MARK_PX),
-                {"width": 1, "color": look.surface},
-            )
-            place |= {
-                "marker": {"size": mark_px, "color": look.y, "line": rim},
-                "showlegend": False,
-            }
-        traces.append((marks if counts else click_markers)(name=name, customdata=row, **place))
+        x, y = middle[row].T
+        return {"x": x, "y": y, "texts": texts, "name": name, "customdata": row}
+
+    across_px = sides[is_counting, 2:].min(axis=1) * BOXES_PX / own_size[1]  # on the screen, about
+    marker = {"size": np.clip(across_px / 2, *MARK_PX), "color": look.y}
+    marker["line"] = {"width": 1, "color": look.surface}
+    traces.append(click_markers(**in_the_middle("gone", is_gone)))
+    on_top = in_the_middle("counting", is_counting)
+    traces.append(marks(**on_top, showlegend=False, marker=marker))
     return draw(
         traces,
         theme,
@@ -586,11 +583,8 @@ def _question(node: Node) -> str:
     size = f"{node.right - node.left} × {node.bottom - node.top} px"
     if node.minus is None:
         return f"mean of {plain(node.channel)}<br>over {size}<br>{node.threshold:.3f}?"
-    other = plain(node.minus[0])
-    return (
-        f"mean of {plain(node.channel)} minus<br>that of {other} (dotted), {size}"
-        f"<br>{minus(f'{node.threshold:.3f}')}?"
-    )
+    both = f"{plain(node.channel)} minus<br>that of {plain(node.minus[0])} (dotted)"
+    return f"mean of {both}, {size}<br>{minus(f'{node.threshold:.3f}')}?"
 
 
 def _window(
@@ -602,21 +596,25 @@ def _window(
     across = SHAPE * down
     left, top = place[0] - GAP - across * width, place[1] + down * height / 2
     inside = {"width": 1.5, "color": look.x}
-    sides: list[tuple[Sequence[int], dict[str, Any]]] = [
-        ((0, 0, width, height), {"name": "window", "line": {"width": 1, "color": look.muted}}),
-        (
-            (node.left, node.top, node.right, node.bottom),
-            {"name": "rectangle", "fillcolor": faded(look.x, 0.5), "line": inside},
-        ),
+    looks: dict[str, dict[str, Any]] = {
+        "window": {"line": {"width": 1, "color": look.muted}},
+        "rectangle": {"fillcolor": faded(look.x, 0.5), "line": inside},
+        "subtracted": {"line": {**inside, "dash": "dot"}},
+    }
+    rectangles: list[Sequence[Any]] = [
+        ("window", 0, 0, width, height),
+        ("rectangle", node.left, node.top, node.right, node.bottom),
+        *([] if node.minus is None else [("subtracted", *node.minus[1:])]),
     ]
-    if node.minus is not None:
-        sides.append((node.minus[1:], {"name": "subtracted", "line": {**inside, "dash": "dot"}}))
     return [
         {
             "type": "rect",
-            **{f"x{end}": left + across * x for end, x in enumerate((x0, x1))},
-            **{f"y{end}": top - down * y for end, y in enumerate((y0, y1))},
-            **more,
+            "name": name,
+            "x0": left + across * x0,
+            "x1": left + across * x1,
+            "y0": top - down * y0,
+            "y1": top - down * y1,
+            **looks[name],
         }
-        for (x0, y0, x1, y1), more in sides
+        for name, x0, y0, x1, y1 in rectangles
     ]
