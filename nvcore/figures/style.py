@@ -87,7 +87,7 @@ class ChartLook:
     x: str
     y: str
     truth: str
-    scheme: Scheme = Scheme("light")
+    scheme: Scheme
 
     def of(self, letter: str) -> str:
         """Return the colour of system "x" or "y", or of the "truth"."""
@@ -103,11 +103,6 @@ class ChartLook:
         return self.scheme.style(letter).symbol
 
 
-def _look(shade: Shade, ink: str, muted: str, grid: str, pale: str, surface: str) -> ChartLook:
-    systems = X_COLOUR[shade], Y_COLOUR[shade], TRUTH_COLOUR[shade]
-    return ChartLook(ink, muted, grid, pale, surface, *systems, Scheme(shade))
-
-
 class _Looks(dict[Theme, ChartLook]):
     """Looks of both shades, and of each scheme: that of its shade in the systems' own colours."""
 
@@ -120,9 +115,14 @@ class _Looks(dict[Theme, ChartLook]):
         return look
 
 
+PAGES: Final[dict[Shade, tuple[str, str, str, str, str]]] = {
+    "light": ("#1F2630", "#57606A", "#E4E8ED", "#CBD2DA", "#FFFFFF"),
+    "dark": ("#E6EAF0", "#A3AEBB", "#2A323D", "#46515F", "#151A21"),
+}
+"""Ink, muted ink, grid, pale lines and surface of a page."""
 LOOK: Final = _Looks(
-    light=_look("light", "#1F2630", "#57606A", "#E4E8ED", "#CBD2DA", "#FFFFFF"),
-    dark=_look("dark", "#E6EAF0", "#A3AEBB", "#2A323D", "#46515F", "#151A21"),
+    (of, ChartLook(*page, X_COLOUR[of], Y_COLOUR[of], TRUTH_COLOUR[of], Scheme(of)))
+    for of, page in PAGES.items()
 )
 
 
