@@ -12,7 +12,7 @@ from figure_parts import trace, words
 
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import DetectionCurve
-from nvcore.figures.detection import MAX_POINTS, CurveKind, curve_plot, legend_text
+from nvcore.figures.curves import MAX_POINTS, CurveKind, curve_plot, legend_text
 from nvcore.objects import PEDESTRIAN
 from nvcore.published import PublishedPoint
 

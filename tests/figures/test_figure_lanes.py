@@ -7,9 +7,9 @@ import pytest
 from builders import at, make_dataset, result_of
 from figure_parts import shape, trace, words
 
-from nvcore.figures.over_time import lanes
-from nvcore.figures.over_time.lanes import lane_order, lanes_figure
-from nvcore.figures.over_time.similarity import similarity_plot
+from nvcore.figures import lanes
+from nvcore.figures.lanes import lane_order, lanes_figure
+from nvcore.figures.over_time import similarity_plot
 
 TRUTH = [at(i, 50, track=3) for i in range(6)]
 

@@ -8,7 +8,7 @@ from builders import Place, at, make_dataset, result_of
 from figure_parts import trace, words
 
 from nvcore.comparison import Result
-from nvcore.figures.over_time.strip import MAX_CLICKS, loss_strip_plot
+from nvcore.figures.lanes import MAX_STRIP_CLICKS, loss_strip_plot
 from nvcore.tables.loss_strip import loss_strip
 
 
@@ -38,7 +38,7 @@ def test_with_many_recordings_neighbours_share_a_click_and_the_worst_frame_stays
     strip = loss_strip(result)
     figure = loss_strip_plot(result, strip, theme="dark")
     clicks = trace(figure, "frames")
-    assert len(clicks.x) <= MAX_CLICKS
+    assert len(clicks.x) <= MAX_STRIP_CLICKS
     assert set(60 * np.arange(50) + np.arange(50)) <= set(clicks.customdata.tolist())
     assert "50 recordings" in words(figure)
     few = loss_strip_plot(result, loss_strip(result, most=10), theme="dark")

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nvcore.comparison import Result
-from nvcore.figures.over_time.losses import keep_peaks, loss_plot
+from nvcore.figures.over_time import keep_peaks, loss_plot
 
 
 def failing() -> Result:

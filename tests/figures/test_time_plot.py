@@ -8,8 +8,8 @@ from builders import Place, at, make_dataset, result_of
 from figure_parts import shape, trace, words
 
 from nvcore.comparison import Result
-from nvcore.figures.over_time import similarity as time_plot
-from nvcore.figures.over_time.similarity import similarity_plot
+from nvcore.figures import over_time as time_plot
+from nvcore.figures.over_time import similarity_plot
 
 
 def missed_by_y(**more: int) -> Result:

@@ -12,7 +12,7 @@ from figure_parts import shape, trace, words
 
 from nvcore.api.figures import Figures
 from nvcore.comparison import Result, compare
-from nvcore.figures.over_time.lanes import lanes_figure
+from nvcore.figures.lanes import lanes_figure
 from nvcore.figures.style import LOOK
 from nvcore.time_left.encounters import urgent_encounters
 from nvcore.time_left.figures import margins

@@ -9,9 +9,9 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
+from nvcore.figures.lanes import Lanes, Strip
 from nvcore.figures.marks import click_markers, marks, still_line
-from nvcore.figures.over_time.lanes import Lanes, Strip
-from nvcore.figures.over_time.similarity import decimate, evenly
+from nvcore.figures.over_time import decimate, evenly
 from nvcore.figures.style import LOOK, axis, faded
 from nvcore.palette import Theme
 from nvcore.time_left.encounters import contact_at, nearest_contact
@@ -23,12 +23,9 @@ MOST_S: Final = 6.0
 """Time to contact up to which it is drawn, unless the car needs longer to stop."""
 POINTS: Final = 2000
 CLICKS: Final = 300
-STRIP_PX: Final = 84
-GAP_PX: Final = 12
-"""Height of the strip, and of the room between it and the lanes."""
 
 
-def contact_strip(result: Result, recording: int, lanes_px: int, theme: Theme) -> Strip:
+def contact_strip(result: Result, recording: int, theme: Theme) -> Strip | None:
     """Least time to contact in each frame, above the lanes; filled where it is too late to stop.
 
     A click gives frame and encounter: `customdata` is the row in ``dataset.frames`` and that in
@@ -39,23 +36,17 @@ def contact_strip(result: Result, recording: int, lanes_px: int, theme: Theme) -
     needed_s = needed_time(speed_kmh, result.params)
     reach_s = max(MOST_S, float(np.ceil(1.2 * needed_s.max(initial=0))))
     if not (nearest["ttc_s"] < reach_s).any():
-        return Strip()
-    whole_px = lanes_px + GAP_PX + STRIP_PX
-    across = axis(
-        theme,
-        "time to<br>contact (s)",
-        range=[0, reach_s],
-        domain=[1 - STRIP_PX / whole_px, 1],
-        fixedrange=True,
-        tickvals=np.arange(3) * np.floor(reach_s / 3),
-    )
+        return None
     return Strip(
-        height_px=GAP_PX + STRIP_PX,
         words=f"; above them the least time to contact, up to {reach_s:g} s",
-        traces=tuple(_traces(result, recording, nearest, needed_s, reach_s, theme)),
-        xaxis={"anchor": "y2"},
-        yaxis={"domain": [0, lanes_px / whole_px]},
-        more={"yaxis2": across},
+        traces=_traces(result, recording, nearest, needed_s, reach_s, theme),
+        axis=axis(
+            theme,
+            "time to<br>contact (s)",
+            range=[0, reach_s],
+            fixedrange=True,
+            tickvals=np.arange(3) * np.floor(reach_s / 3),
+        ),
     )
 
 
