@@ -14,9 +14,10 @@ from nvcore.evidence.planning.notes import ASSUMPTIONS
 from nvcore.evidence.planning.plan import Plan
 from nvcore.evidence.subgroups import ALL
 from nvcore.figures.marks import (
-    HOVER,
     click_markers,
+    curve_line,
     marks,
+    row_texts,
     still_line,
     system_marker,
     with_gaps,
@@ -234,10 +235,8 @@ def recordings_plot(
     x, y = values[largest].T
     labels = [plain(name, max_length=24) for name in recordings["recording"].to_numpy()[largest]]
     rows, place = recordings.index.to_numpy()[largest], np.arange(len(largest), dtype=float)
-    text = [
-        f"{label}<br>X {value_x:.3f}   Y {value_y:.3f}   X − Y {value_x - value_y:+.3f}"
-        for label, value_x, value_y in zip(labels, x, y, strict=True)
-    ]
+    template = "{label}<br>X {x:.3f}   Y {y:.3f}   X − Y {gain:+.3f}"
+    text = row_texts(template, label=labels, x=x, y=y, gain=x - y)
     systems = [
         marks(
             along,
@@ -302,17 +301,14 @@ def power_plot(plan: Plan, *, theme: Theme) -> go.Figure:
             f"{point.n_studies:,} studies ({percent(point.low)} to {percent(point.high)})"
             for point in points
         ]
-        line = go.Scatter(
-            x=[point.n_recordings for point in points],
-            y=[point.power for point in points],
+        line = curve_line(
+            [point.n_recordings for point in points],
+            [point.power for point in points],
+            texts,
             error_y=interval,
-            mode="lines+markers",
-            cliponaxis=False,
             line={"color": colour, "width": 1.5, "dash": dash},
             marker={"color": colour, "symbol": symbol, "size": 7},
             name=name,
-            text=texts,
-            hovertemplate=HOVER,
             showlegend=True,
         )
         traces.append(line)

@@ -9,7 +9,7 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
-from nvcore.figures.marks import HOVER, marks, still_line
+from nvcore.figures.marks import marks, still_line
 from nvcore.figures.style import (
     LOOK,
     axis,
@@ -346,19 +346,12 @@ def weightings_plot(
         k = curves[f"k_{kind}"].to_numpy()
         if np.isnan(k).all():
             continue
-        line = go.Scatter(
-            x=time_s,
-            y=k,
-            mode="lines",
-            name=f"by {kind}",
-            line={"dash": dash, "width": width, "color": getattr(look, colour)},
-            text=[
-                f"frame {frame}, {second:.2f} s<br>k by {kind} {number(value, '.2f')}"
-                for frame, second, value in zip(curves["frame"], time_s, k, strict=True)
-            ],
-            hovertemplate=HOVER,
-        )
-        traces.append(line)
+        texts = [
+            f"frame {frame}, {second:.2f} s<br>k by {kind} {number(value, '.2f')}"
+            for frame, second, value in zip(curves["frame"], time_s, k, strict=True)
+        ]
+        line = {"dash": dash, "width": width, "color": getattr(look, colour)}
+        traces.append(marks(time_s, k, texts, mode="lines", name=f"by {kind}", line=line))
     for letter, system in result.sides:
         detected, rim = curves[curves[f"matched_{letter}"]], {"width": 2, "color": look.of(letter)}
         lane = marks(
