@@ -30,12 +30,8 @@ from nvcore.wording import count_text, number
 
 LABELS: Final = {"x": "X", "y": "Y", "x_or_y": "X or Y", "x_and_y": "X and Y"}
 CLASS_WORDS: Final = {
-    MissClass.NEVER: "never",
-    MissClass.LATE: "late",
-    MissClass.DROPOUT: "dropout",
-    MissClass.LOST_EARLY: "lost early",
-    MissClass.BRIEF: "brief",
-    MissClass.NONE: "no failure",
+    kind: "no failure" if kind is MissClass.NONE else kind.value.replace("_", " ")
+    for kind in MissClass
 }
 NEST_PX: Final = 10
 """Difference in size between a mark and the one inside it."""
