@@ -9,7 +9,7 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
-from nvcore.figures.marks import HOVER, marks, still_line
+from nvcore.figures.marks import marks, still_line
 from nvcore.figures.style import (
     LOOK,
     axis,
@@ -30,12 +30,8 @@ from nvcore.wording import count_text, number
 
 LABELS: Final = {"x": "X", "y": "Y", "x_or_y": "X or Y", "x_and_y": "X and Y"}
 CLASS_WORDS: Final = {
-    MissClass.NEVER: "never",
-    MissClass.LATE: "late",
-    MissClass.DROPOUT: "dropout",
-    MissClass.LOST_EARLY: "lost early",
-    MissClass.BRIEF: "brief",
-    MissClass.NONE: "no failure",
+    kind: "no failure" if kind is MissClass.NONE else kind.value.replace("_", " ")
+    for kind in MissClass
 }
 NEST_PX: Final = 10
 """Difference in size between a mark and the one inside it."""
@@ -346,19 +342,12 @@ def weightings_plot(
         k = curves[f"k_{kind}"].to_numpy()
         if np.isnan(k).all():
             continue
-        line = go.Scatter(
-            x=time_s,
-            y=k,
-            mode="lines",
-            name=f"by {kind}",
-            line={"dash": dash, "width": width, "color": getattr(look, colour)},
-            text=[
-                f"frame {frame}, {second:.2f} s<br>k by {kind} {number(value, '.2f')}"
-                for frame, second, value in zip(curves["frame"], time_s, k, strict=True)
-            ],
-            hovertemplate=HOVER,
-        )
-        traces.append(line)
+        texts = [
+            f"frame {frame}, {second:.2f} s<br>k by {kind} {number(value, '.2f')}"
+            for frame, second, value in zip(curves["frame"], time_s, k, strict=True)
+        ]
+        line = {"dash": dash, "width": width, "color": getattr(look, colour)}
+        traces.append(marks(time_s, k, texts, mode="lines", name=f"by {kind}", line=line))
     for letter, system in result.sides:
         detected, rim = curves[curves[f"matched_{letter}"]], {"width": 2, "color": look.of(letter)}
         lane = marks(

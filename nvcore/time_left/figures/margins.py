@@ -10,7 +10,7 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
-from nvcore.figures.marks import marks, still_line, system_marker
+from nvcore.figures.marks import marks, row_texts, rule, still_line, system_marker
 from nvcore.figures.style import CLEAR, LOOK, axis, draw, empty_figure, plain, system_label, written
 from nvcore.palette import Theme
 from nvcore.time_left.encounters import QUADRANTS, count_in_time
@@ -79,15 +79,13 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
     ]
     line = {"color": look.muted, "width": 1, "dash": "dot"}
     traces = [still_line(diagonal, diagonal, "X as early as Y", showlegend=None, line=line)]
-    texts = [
-        f"{result.objects.singular} {track}, {plain(recording)}<br>{of_both}"
-        for of_both, track, recording in zip(
-            responses_text(result, urgent.index.to_numpy()),
-            urgent["track"],
-            urgent["recording"],
-            strict=True,
-        )
-    ]
+    texts = row_texts(
+        "{noun} {track}, {recording}<br>{of_both}",
+        noun=result.objects.singular,
+        track=urgent["track"],
+        recording=urgent["recording"].map(plain),
+        of_both=responses_text(result, urgent.index.to_numpy()),
+    )
     rows = np.column_stack([urgent["urgent_row"].to_numpy(), urgent.index.to_numpy()])
     clear = {"color": CLEAR, "symbol": "circle", "size": 9}
     looks = {
@@ -129,11 +127,9 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
         xaxis=along,
         yaxis=up,
     )
-    for letter, other in ("xy", "yx"):  # the last chance: a margin of 0
-        sides = {f"{letter}0": 0, f"{letter}1": 0, f"{other}ref": "paper", f"{other}0": 0}
+    for letter in "xy":  # the last chance: a margin of 0
         line = {"color": look.ink, "width": 1.2}
-        shape = {"type": "line", "name": f"last chance {letter}", "line": line, "layer": "below"}
-        figure.add_shape(**shape, **sides, **{f"{other}1": 1})
+        rule(figure, letter, 0, name=f"last chance {letter}", line=line, layer="below")
     # of a corner where a mark stands the legend has the word
     figure.update_layout(
         annotations=[
