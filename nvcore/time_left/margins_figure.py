@@ -22,7 +22,7 @@ from nvcore.figures.style import (
 )
 from nvcore.palette import Theme
 from nvcore.time_left.encounters import QUADRANTS, count_in_time
-from nvcore.time_left.figures.approach import NO_URGENT, responses_text
+from nvcore.time_left.figures import NO_URGENT, responses_text
 from nvcore.wording import count_text, minus
 
 WORDS: Final = {
