@@ -12,10 +12,9 @@ from nvcore.driver.comparison.encounters import (
     driver_venn_table,
     over_driver_threshold,
 )
-from nvcore.driver.comparison.figures import driver_threshold_plot
+from nvcore.driver.comparison.figures import driver_threshold_plot, driver_venn_plot
 from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
-from nvcore.driver.comparison.venn_figure import driver_venn_plot
 from nvcore.wording import capitalised
 from ui.session import state, store
 from ui.widgets.charts import clicked_chart, draw_chart

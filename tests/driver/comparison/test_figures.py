@@ -6,10 +6,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from nvcore.driver.comparison.figures import detectability_course_plot, driver_threshold_plot
+from nvcore.driver.comparison.figures import (
+    detectability_course_plot,
+    driver_threshold_plot,
+    driver_venn_plot,
+)
 from nvcore.driver.comparison.judging import DriverVenn
 from nvcore.driver.comparison.kinds import DriverRegion
-from nvcore.driver.comparison.venn_figure import driver_venn_plot
 from nvcore.driver.illumination import Light, LightSource
 from nvcore.driver.illumination.clock import adaptation_clock, unknown_clock, with_change
 from nvcore.figures.style import LOOK
