@@ -14,10 +14,9 @@ from nvcore.api.figures import Figures
 from nvcore.comparison import Result, compare
 from nvcore.figures.lanes import lanes_figure
 from nvcore.figures.style import LOOK
-from nvcore.time_left import margins_figure as margins
+from nvcore.time_left import figures as margins
 from nvcore.time_left.encounters import urgent_encounters
-from nvcore.time_left.figures import approach_plot, over_speed_plot
-from nvcore.time_left.margins_figure import margins_plot
+from nvcore.time_left.figures import approach_plot, margins_plot, over_speed_plot
 from nvcore.time_left.steps import time_left_in
 
 LAST_CHANCE = 29
