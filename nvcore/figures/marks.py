@@ -87,10 +87,10 @@ def rule(
 
 
 def system_line(letter: str, theme: Theme) -> dict[str, Any]:
-    """A system's line in its colour and dash."""
+    """Return a system's line in its colour and dash."""
     return {"width": 2.4, "color": LOOK[theme].of(letter), "dash": LOOK[theme].dash(letter)}
 
 
 def curve_line(x: Any, y: Any, texts: Any, **looks: Any) -> go.Scatter:
     """Return a line with a marker at each value, each with a text for the mouse."""
-    return marks(x, y, texts, **{"cliponaxis": False, **looks}).update(mode="lines+markers")
+    return marks(x, y, texts, **{"mode": "lines+markers", "cliponaxis": False, **looks})
