@@ -145,7 +145,7 @@ def system_label(letter: str, name: str) -> str:
 
 
 def which_is_which(theme: Theme) -> str:
-    """Return who X and Y are as the end of a subtitle without a legend; empty if not known."""
+    """Return who X and Y are, if known, as the end of a subtitle without a legend."""
     x, y = scheme_of(theme).names
     return f"; {system_label('x', x)}, {system_label('y', y)}" if x and y else ""
 
@@ -163,7 +163,7 @@ def loss_scale(theme: Theme) -> list[tuple[float, str]]:
 
 
 def axis(theme: Theme, title: str = "", **more: Any) -> dict[str, Any]:
-    """Return an axis; `title` says the quantity and its unit."""
+    """Return an axis whose `title` says the quantity and its unit."""
     look = LOOK[theme]
     return {
         "title": {"text": title, "font": {"size": 12, "color": look.muted}, "standoff": 8},
@@ -189,7 +189,7 @@ def begins_at(low: float) -> str:
 
 
 def take_heading(figure: go.Figure) -> tuple[str, str]:
-    """Take title and subtitle out of a figure, with their room; both as HTML.
+    """Take title and subtitle, as HTML, out of a figure with their room.
 
     As text of the page that the figure is on they wrap.
     """
@@ -214,7 +214,7 @@ def counts_axis(theme: Theme, **more: Any) -> dict[str, Any]:
 def rows_axis(
     theme: Theme, labels: Sequence[str], *, room: float = 0.6, **more: Any
 ) -> dict[str, Any]:
-    """Return an upright axis of labelled rows, the first on top; `room` is above and below."""
+    """Return an upright axis of labelled rows, the first on top, with `room` above and below."""
     rows: dict[str, Any] = {
         "range": [len(labels) - (1 - room), -room],
         "tickvals": np.arange(len(labels)),
