@@ -69,7 +69,7 @@ class Subject:
     figures
         Figures of `nvcore.api.figures.Figures`, by name.
     lanes
-        Content in and above the lanes of the timeline (`nvcore.figures.over_time.lanes.Lanes`).
+        Content in and above the lanes of the timeline (`nvcore.figures.lanes.Lanes`).
     points
         Points of the verdict (`nvcore.report.verdict.PointOf`).
     sections

@@ -29,7 +29,7 @@ def _section(result: Result) -> Section:
     has_urgency = alerts_in(result).has_urgency
 
     def trade_off() -> go.Figure:
-        from nvcore.alerts.figures.trade_off import alert_trade_off
+        from nvcore.alerts.figures import alert_trade_off
 
         return alert_trade_off(result, theme=result.scheme("light"))
 
@@ -62,7 +62,7 @@ def _in_time(result: Result) -> tuple[Block, ...]:
         return ()
 
     def shares_in_time() -> go.Figure:
-        from nvcore.alerts.figures.in_time import alerts_in_time
+        from nvcore.alerts.figures import alerts_in_time
 
         return alerts_in_time(result, theme=result.scheme("light"))
 

@@ -4,34 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from nvcore import figures
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import detection_curve
 from nvcore.detection.operating_point import false_alarm_curve, score_histogram
 from nvcore.errors import InputError
 from nvcore.evidence.subgroup_table import subgroup_table
-from nvcore.figures.classes import classes_plot
-from nvcore.figures.cost_map import cost_plot
-from nvcore.figures.detection import CurveKind, curve_plot, legend_text
-from nvcore.figures.encounters import (
-    fusion_plot,
-    lead_time_plot,
-    miss_classes_plot,
-    position_map,
-)
-from nvcore.figures.forest import subgroup_forest
-from nvcore.figures.inputs import false_alarm_plot, proximity_plot, score_plot
-from nvcore.figures.over_time.lanes import lanes_figure
-from nvcore.figures.over_time.losses import loss_plot
-from nvcore.figures.over_time.similarity import TimeLayout, similarity_plot
-from nvcore.figures.over_time.strip import loss_strip_plot
-from nvcore.figures.paired import recordings_plot
-from nvcore.figures.saliency import parts_plot, recency_plot
-from nvcore.figures.stability import stability_map
-from nvcore.figures.venn import venn_figure
-from nvcore.figures.weightings import weightings_plot
 from nvcore.metrics.cost_map import map_cost
 from nvcore.palette import Shade
 from nvcore.scoring import SystemResult
@@ -66,11 +47,10 @@ class Figures:
     def __init__(self, result: Result, theme: Shade = "light"):
         self._result = result
         self._theme = result.scheme(theme)
-        self._names = result.names
+        self._worded: dict[str, Any] = {"theme": self._theme, "objects": result.objects}
 
     def __repr__(self) -> str:
-        names = ", ".join(name for name in dir(self) if not name.startswith("_"))
-        return f"<figures: {names}>"
+        return f"<figures: {', '.join(name for name in dir(self) if not name.startswith('_'))}>"
 
     def __dir__(self) -> list[str]:
         own = [name for name in vars(Figures) if not name.startswith("_")]
@@ -83,10 +63,12 @@ class Figures:
         raise AttributeError(f"there is no figure {name!r}; there are {', '.join(dir(self))}")
 
     def dark(self) -> Figures:
-        """The same figures for a dark page."""
+        """Return the same figures for a dark page."""
         return Figures(self._result, "dark")
 
-    def timeline(self, recording: Recording = 0, *, layout: TimeLayout = "time") -> go.Figure:
+    def timeline(
+        self, recording: Recording = 0, *, layout: figures.TimeLayout = "time"
+    ) -> go.Figure:
         """Similarity of X and Y over time, with low intervals and saliency events.
 
         Parameters
@@ -96,63 +78,55 @@ class Figures:
             right, mirrored as in the paper's figure 8. ``"side_by_side"``: the same, with
             similarity growing to the right for both.
         """
-        return similarity_plot(self._result, self._row(recording), theme=self._theme, layout=layout)
+        return figures.similarity_plot(
+            self._result, self._row(recording), theme=self._theme, layout=layout
+        )
 
     def losses(self, recording: Recording = 0) -> go.Figure:
-        """What each frame loses to misses and to false alarms, 0 is best."""
-        return loss_plot(self._result, self._row(recording), theme=self._theme)
+        """Loss of each frame to misses and to false alarms, 0 is best."""
+        return figures.loss_plot(self._result, self._row(recording), theme=self._theme)
 
     def loss_strip(self) -> go.Figure:
-        """Where to look first: over the time of every recording, what the worse system loses."""
-        return loss_strip_plot(self._result, loss_strip(self._result), theme=self._theme)
+        """Loss of the worse system over the time of every recording: where to look first."""
+        return figures.loss_strip_plot(self._result, loss_strip(self._result), theme=self._theme)
 
     def lanes(self, recording: Recording = 0) -> go.Figure:
-        """When each pedestrian of a recording was matched or missed by X and by Y."""
-        return lanes_figure(self._result, self._row(recording), theme=self._theme)
+        """Frames in which X and Y match or miss each pedestrian of a recording."""
+        return figures.lanes_figure(self._result, self._row(recording), theme=self._theme)
 
     def venn(self) -> go.Figure:
         """Encounters by who detects them."""
-        return venn_figure(
-            self._result.venn, self._names, theme=self._theme, objects=self._result.objects
-        )
+        return figures.venn_figure(self._result.venn, self._result.names, **self._worded)
 
     def miss_classes(self) -> go.Figure:
-        """How many encounters each system fails in which way."""
-        return miss_classes_plot(
-            encounters_table(self._result),
-            self._names,
-            theme=self._theme,
-            objects=self._result.objects,
-        )
+        """Number of encounters that each system fails, by the way of failing."""
+        encounters = encounters_table(self._result)
+        return figures.miss_classes_plot(encounters, self._result.names, **self._worded)
 
     def lead_time(self) -> go.Figure:
-        """How much earlier X matches a pedestrian than Y, in seconds."""
-        return lead_time_plot(
-            encounters_table(self._result), theme=self._theme, objects=self._result.objects
-        )
+        """Seconds by which X matches a pedestrian earlier than Y."""
+        return figures.lead_time_plot(encounters_table(self._result), **self._worded)
 
     def positions(self) -> go.Figure:
-        """Where in the picture each system misses encounters."""
-        return position_map(
-            encounters_table(self._result), theme=self._theme, objects=self._result.objects
-        )
+        """Places in the picture where each system misses encounters."""
+        return figures.position_map(encounters_table(self._result), **self._worded)
 
     def fusion(self) -> go.Figure:
-        """What ``X or Y`` and ``X and Y`` would gain and cost."""
-        return fusion_plot(fusion_table(self._result), theme=self._theme)
+        """Gain and cost of ``X or Y`` and ``X and Y``."""
+        return figures.fusion_plot(fusion_table(self._result), theme=self._theme)
 
     def recordings(self) -> go.Figure:
         """Mean similarity of X and Y in every recording."""
-        return recordings_plot(recordings_table(self._result), self._names, theme=self._theme)
+        recordings = recordings_table(self._result)
+        return figures.recordings_plot(recordings, self._result.names, theme=self._theme)
 
     def saliency(self) -> go.Figure:
         """Saliency of X and Y in every recording, in seconds, 0 is best."""
-        return recordings_plot(
-            recordings_table(self._result), self._names, theme=self._theme, measure="saliency"
-        )
+        recordings, names = recordings_table(self._result), self._result.names
+        return figures.recordings_plot(recordings, names, theme=self._theme, measure="saliency")
 
     def weightings(self, encounter: int | None = None) -> go.Figure:
-        """The weight of one pedestrian over time, as height, horizon and distance tell it.
+        """Weight of one pedestrian over time, by height, by horizon and by distance.
 
         Parameters
         ----------
@@ -170,40 +144,41 @@ class Figures:
         if not 0 <= encounter < n:
             raise InputError(f"there is no encounter {encounter}; there are {n:,}")
         weightings = compare_weightings(self._result, encounter)
-        return weightings_plot(self._result, encounter, weightings, theme=self._theme)
+        return figures.weightings_plot(self._result, encounter, weightings, theme=self._theme)
 
     def recency(self, recording: Recording | None = None) -> go.Figure:
-        """The recency curve with every event on it; of one recording, or of all."""
-        return recency_plot(self._result, theme=self._theme, recording=self._maybe_row(recording))
+        """Recency curve with every event of one recording, or of all."""
+        row = None if recording is None else self._row(recording)
+        return figures.recency_plot(self._result, theme=self._theme, recording=row)
 
     def saliency_parts(self, recording: Recording | None = None) -> go.Figure:
-        """The most salient events taken apart; of one recording, or of all."""
-        return parts_plot(self._result, theme=self._theme, recording=self._maybe_row(recording))
+        """Parts of the most salient events of one recording, or of all."""
+        row = None if recording is None else self._row(recording)
+        return figures.parts_plot(self._result, theme=self._theme, recording=row)
 
-    def curve(self, kind: CurveKind = "miss_rate") -> go.Figure:
-        """A detection curve of X and Y under the session's protocol.
+    def curve(self, kind: figures.CurveKind = "miss_rate") -> go.Figure:
+        """Detection curve of X and Y under the session's protocol.
 
         Parameters
         ----------
         kind
             ``"miss_rate"``, ``"precision_recall"``, ``"roc"`` or ``"f1"``.
         """
-        result, protocol = self._result, self._result.dataset.settings.protocol
+        result, settings = self._result, self._result.dataset.settings
         curves = [
-            detection_curve(result.dataset, system.name, result.params, protocol)
-            for _, system in result.sides
+            detection_curve(result.dataset, name, result.params, settings.protocol)
+            for name in result.names
         ]
         thresholds = [system.threshold for _, system in result.sides]
         summaries = map(summarise_curve, curves, thresholds)
-        return curve_plot(
+        return figures.curve_plot(
             curves,
             thresholds,
             kind,
-            theme=self._theme,
-            summaries=[legend_text(summary, kind) for summary in summaries],
+            summaries=[figures.legend_text(summary, kind) for summary in summaries],
             hint="",
-            published=result.dataset.settings.published,
-            objects=self._result.objects,
+            published=settings.published,
+            **self._worded,
         )
 
     def subgroups(self, measure: str = "encounters_detected") -> go.Figure:
@@ -216,60 +191,53 @@ class Figures:
         """
         protocol = self._result.dataset.settings.protocol
         table = subgroup_table(self._result, [measure], protocol=protocol)
-        return subgroup_forest(table, theme=self._theme)
+        return figures.subgroup_forest(table, theme=self._theme)
 
     def stability(
         self, plane: Plane = "alpha-midpoint", criterion: Criterion = "similarity"
     ) -> go.Figure:
-        """Who is better at other settings; see `nvcore.stability.map.map_stability`."""
-        return stability_map(map_stability(self._result, plane, criterion), theme=self._theme)
+        """Better system at other settings (`nvcore.stability.map.map_stability`)."""
+        survey = map_stability(self._result, plane, criterion)
+        return figures.stability_map(survey, theme=self._theme)
 
     def scores(self, letter: str = "x") -> go.Figure:
         """Scores of system ``"x"`` or ``"y"``, and which of them its threshold leaves."""
         system = self._system(letter)
-        return score_plot(
-            score_histogram(self._result.dataset, system.name),
-            letter=letter,
-            name=system.name,
-            threshold=system.threshold,
-            theme=self._theme,
-        )
+        histogram = score_histogram(self._result.dataset, system.name)
+        return figures.score_plot(histogram, **self._setting(letter, system))
 
     def false_alarms(self, letter: str = "x") -> go.Figure:
         """False alarms per minute that each threshold of system ``"x"`` or ``"y"`` leaves."""
         system = self._system(letter)
-        return false_alarm_plot(
-            false_alarm_curve(self._result.dataset, system.name, self._result.params),
-            letter=letter,
-            name=system.name,
-            threshold=system.threshold,
-            theme=self._theme,
-        )
+        curve = false_alarm_curve(self._result.dataset, system.name, self._result.params)
+        return figures.false_alarm_plot(curve, **self._setting(letter, system))
 
     def classes(self, letter: str = "x") -> go.Figure:
-        """What the matches of system ``"x"`` or ``"y"`` were taken for, by the truth's classes."""
-        system = self._system(letter)
-        return classes_plot(classes_table(self._result), letter, system.name, theme=self._theme)
+        """Classes that system ``"x"`` or ``"y"`` reads, by the class in the truth."""
+        name, table = self._system(letter).name, classes_table(self._result)
+        return figures.classes_plot(table, letter, name, theme=self._theme)
 
     def proximity(self) -> go.Figure:
-        """How much a pedestrian counts by how near it seems."""
-        return proximity_plot(self._result.dataset, self._result.params, theme=self._theme)
+        """Weight of a pedestrian by how near it seems."""
+        result = self._result
+        return figures.proximity_plot(result.dataset, result.params, theme=self._theme)
 
     def cost_map(self, recording: Recording = 0) -> go.Figure:
-        """What missing a pedestrian would cost, by where in the picture the feet are."""
+        """Cost of missing a pedestrian, by where in the picture the feet are."""
         result, row = self._result, self._row(recording)
-        frames = result.dataset.frame_columns
-        cost = map_cost(result.weighed_truth, frames, result.params, row)
-        return cost_plot(cost, theme=self._theme, objects=self._result.objects)
+        cost = map_cost(result.weighed_truth, result.dataset.frame_columns, result.params, row)
+        return figures.cost_plot(cost, **self._worded)
+
+    def _setting(self, letter: str, system: SystemResult) -> dict[str, Any]:
+        """Name and threshold of a system, as the figures of its scores take them."""
+        of = {"letter": letter, "name": system.name, "threshold": system.threshold}
+        return {**of, "theme": self._theme}
 
     def _system(self, letter: str) -> SystemResult:
         sides = dict(self._result.sides)
         if letter not in sides:
             raise InputError(f"expected the system 'x' or 'y', got {letter!r}")
         return sides[letter]
-
-    def _maybe_row(self, recording: Recording | None) -> int | None:
-        return None if recording is None else self._row(recording)
 
     def _row(self, recording: Recording) -> int:
         names = self._result.dataset.recordings["name"].tolist()

@@ -1,32 +1,30 @@
-"""Figures: tables and results in, Plotly figures out; pure, one module for each figure."""
+"""Figures: tables and results in, Plotly figures out; pure, one module for each family."""
 
 from nvcore.extras import needs
 
 with needs("report", "figures need"):
-    from nvcore.figures.cost_map import cost_plot
-    from nvcore.figures.detection import CurveKind, curve_plot, legend_text
+    from nvcore.figures.curves import CurveKind, curve_plot, legend_text
+    from nvcore.figures.dots import recordings_plot, subgroup_forest
     from nvcore.figures.encounters import (
         fusion_plot,
         lead_time_plot,
         miss_classes_plot,
         position_map,
+        weightings_plot,
     )
-    from nvcore.figures.forest import subgroup_forest
     from nvcore.figures.inputs import false_alarm_plot, proximity_plot, score_plot
-    from nvcore.figures.over_time.lanes import lanes_figure
-    from nvcore.figures.over_time.losses import loss_plot
-    from nvcore.figures.over_time.similarity import similarity_plot
-    from nvcore.figures.over_time.strip import loss_strip_plot
-    from nvcore.figures.paired import recordings_plot
+    from nvcore.figures.lanes import lanes_figure, loss_strip_plot
+    from nvcore.figures.maps import classes_plot, cost_plot, stability_map
+    from nvcore.figures.over_time import TimeLayout, loss_plot, similarity_plot
     from nvcore.figures.saliency import parts_plot, plane_plot, recency_plot
-    from nvcore.figures.stability import stability_map
     from nvcore.figures.style import CONFIG
     from nvcore.figures.venn import venn_figure
-    from nvcore.figures.weightings import weightings_plot
 
 __all__ = [
     "CONFIG",
     "CurveKind",
+    "TimeLayout",
+    "classes_plot",
     "cost_plot",
     "curve_plot",
     "false_alarm_plot",

@@ -1,4 +1,4 @@
-"""Scores with the threshold, false alarms by threshold, heights with the proximity sigmoid."""
+"""Inputs: scores and false alarms by threshold, and heights with the proximity weight."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ from nvcore.wording import count_text
 SMALL_PX: Final = 180
 """Height of the figure in the sidebar."""
 MAX_BOXES: Final = 200_000
-"""Boxes that the histogram of heights is made of, taken evenly from all."""
+"""Boxes in the histogram of heights, taken evenly from all."""
 LABEL_PX: Final = 30
-"""Room above the plot for the label of the threshold."""
+"""Space above the plot for the label of the threshold."""
 N_BINS: Final = 40
 N_CURVES: Final = 4
 """Sigmoids drawn where recordings differ in size."""
@@ -42,7 +42,7 @@ N_CURVES: Final = 4
 def score_plot(
     histogram: pd.DataFrame, *, letter: str, name: str, threshold: float | None, theme: Theme
 ) -> go.Figure:
-    """Scores of a system: those kept by the threshold solid, the others pale.
+    """Plot the scores of a system, those below the threshold pale.
 
     Parameters
     ----------
@@ -54,51 +54,44 @@ def score_plot(
     if histogram.empty:
         return empty_figure("The detections of this system have no scores.", theme=theme)
     look = LOOK[theme]
-    low, high = histogram["low"].to_numpy(), histogram["high"].to_numpy()
-    n = histogram["n"].to_numpy()
-    limit = -np.inf if threshold is None else threshold
-    is_kept = (low + high) / 2 >= limit
-    traces = []
-    for words, colour, rows in (
-        ("left out", look.pale, ~is_kept),
-        ("kept", look.of(letter), is_kept),
-    ):
-        traces.append(
-            go.Bar(
-                x=(low + high)[rows] / 2,
-                y=n[rows],
-                width=(high - low)[rows],
-                name=words,
-                marker={"color": colour, "line": {"width": 0}},
-                customdata=low[rows],
-                hovertemplate="%{y:,} detections with a score of %{customdata:.3f} or a little "
-                "more<extra></extra>",
-            )
+    low, high, n = (histogram[name].to_numpy() for name in ("low", "high", "n"))
+    is_kept = (low + high) / 2 >= (-np.inf if threshold is None else threshold)
+    bars = [
+        go.Bar(
+            x=(low + high)[rows] / 2,
+            y=n[rows],
+            width=(high - low)[rows],
+            name=words,
+            marker={"color": colour, "line": {"width": 0}},
+            customdata=low[rows],
+            hovertemplate="%{y:,} detections with a score of %{customdata:.3f} or a little "
+            "more<extra></extra>",
         )
+        for words, colour, rows in (
+            ("left out", look.pale, ~is_kept),
+            ("kept", look.of(letter), is_kept),
+        )
+    ]
     left_out = "" if threshold is None else "; pale: left out by the threshold"
     ends = [low[0], high[-1]] + ([] if threshold is None else [threshold])
-    figure = draw(
-        traces,
+    span = [min(ends), max(ends)]
+    return _with_threshold(
+        bars,
+        threshold,
         theme,
         title=f"Scores of {system_label(letter, name)}",
         subtitle=count_text(int(n.sum()), "detection") + left_out,
-        height=280,
         bargap=0,
         barmode="overlay",
-        showlegend=False,
-        xaxis=axis(
-            theme, f"score{begins_at(min(ends))}", range=[min(ends), max(ends)], showgrid=False
-        ),
+        xaxis=axis(theme, f"score{begins_at(span[0])}", range=span, showgrid=False),
         yaxis=axis(theme, "detections", rangemode="tozero", fixedrange=True),
     )
-    _threshold_line(figure, threshold, theme)
-    return figure
 
 
 def false_alarm_plot(
     curve: pd.DataFrame, *, letter: str, name: str, threshold: float | None, theme: Theme
 ) -> go.Figure:
-    """False alarms per minute of recording that each threshold leaves; 0 is best.
+    """Plot the false alarms per minute of recording that each threshold leaves: 0 is best.
 
     Parameters
     ----------
@@ -120,36 +113,35 @@ def false_alarm_plot(
         "%{customdata:,} detections kept<extra></extra>",
     )
     most = count_text(int(curve["n_false_alarms"].max()), "false alarm")
-    figure = draw(
+    return _with_threshold(
         line,
+        threshold,
         theme,
         title=f"False alarms of {system_label(letter, name)}",
         subtitle=f"{most} at the lowest threshold",
-        height=280,
         hovermode="x",
-        showlegend=False,
         xaxis=axis(theme, f"score threshold{begins_at(curve['threshold'].min())}"),
         yaxis=axis(theme, "false alarms per minute", rangemode="tozero", fixedrange=True),
     )
-    _threshold_line(figure, threshold, theme)
+
+
+def _with_threshold(traces: Any, threshold: float | None, theme: Theme, **settings: Any) -> Any:
+    """Draw a figure over scores, and the threshold of the system in it."""
+    # room for the label also without a threshold, so that the plots of X and Y stay level
+    margin = {"t": HEADING_PX + LABEL_PX}
+    figure = draw(traces, theme, height=280, showlegend=False, margin=margin, **settings)
+    if threshold is not None:
+        line_up(figure, threshold, "threshold", theme)
+        place = {"x": threshold, "y": 1, "yref": "paper", "yanchor": "bottom"}
+        write(figure, f"threshold {threshold:g}", size=12, color=LOOK[theme].ink, **place)
     return figure
 
 
-def _threshold_line(figure: go.Figure, threshold: float | None, theme: Theme) -> None:
-    # also without a threshold, so that the plots of X and Y stay level
-    figure.update_layout(margin_t=HEADING_PX + LABEL_PX)
-    if threshold is None:
-        return
-    line_up(figure, threshold, "threshold", theme)
-    place = {"x": threshold, "y": 1, "yref": "paper", "yanchor": "bottom"}
-    write(figure, f"threshold {threshold:g}", size=12, color=LOOK[theme].ink, **place)
-
-
 def proximity_plot(dataset: Dataset, params: Params, *, theme: Theme) -> go.Figure:
-    """The proximity weight over how near the pedestrians of the truth seem; small.
+    """Plot the proximity weight over how near the pedestrians of the truth seem, small.
 
-    By height or depth below the horizon in pixels, or by distance in metres, as `params` say.
-    Where the recordings' sizes make several sigmoids, the first `N_CURVES` are drawn.
+    Nearness is height or depth below the horizon in pixels, or distance in metres, as `params` say.
+    If the recordings' sizes make several sigmoids, the first `N_CURVES` are drawn.
     """
     objects = dataset.objects
     if params.proximity == "none":
@@ -212,7 +204,7 @@ def proximity_plot(dataset: Dataset, params: Params, *, theme: Theme) -> go.Figu
 def _sizes_and_curves(
     dataset: Dataset, params: Params
 ) -> tuple[np.ndarray, list[tuple[float, float]], str]:
-    """What the sigmoid is over, for the pedestrians; (zero, spread) of each; the axis' title."""
+    """Return the pedestrians' nearness, (zero, spread) of each sigmoid, and the axis' title."""
     truth, frames = weighing_truth(dataset, params), dataset.frame_columns
     rows = np.arange(0, len(truth), max(1, -(-len(truth) // MAX_BOXES)))
     rows = rows[~truth.ignore[rows]]

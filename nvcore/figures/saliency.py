@@ -1,4 +1,4 @@
-"""Saliency: the events on the recency curve, what makes up a number, and beside similarity."""
+"""Saliency: the events on the recency curve, the parts of the number, and beside similarity."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
-from nvcore.figures.marks import marks, still_line, with_gaps
+from nvcore.figures.marks import marks, row_texts, still_line, system_marker, with_gaps
 from nvcore.figures.style import (
     CLEAR,
     LOOK,
@@ -40,40 +40,31 @@ NO_EVENTS: Final = "No saliency events: no {one} is missed by more than the tole
 
 
 def _events_in(result: Result, letter: str, recording: int | None) -> pd.DataFrame:
-    """Events of one system in a recording; None: in all."""
+    """Return the events of one system in a recording, or in all, the most salient first."""
     events: pd.DataFrame = result.system(letter).events
     if recording is not None:
         events = events[events["recording"].to_numpy() == recording]
-    return events
+    return events.sort_values("saliency_s", ascending=False, kind="stable")
 
 
-def _most_salient(result: Result, letter: str, recording: int | None, most: int) -> pd.DataFrame:
-    """The most salient events of one system, in their order, with a text for each."""
-    events = _events_in(result, letter, recording)
-    events = events.sort_values("saliency_s", ascending=False, kind="stable").head(most)
+def _worded(result: Result, letter: str, events: pd.DataFrame) -> pd.DataFrame:
+    """Add recording's name, start_s and hover text to events of one system."""
     names = result.dataset.recordings["name"].to_numpy()[events["recording"].to_numpy()]
     start_s = result.dataset.frames["time_s"].to_numpy()[events["first_row"].to_numpy()]
+    events = events.assign(name=names, start_s=start_s)
     is_risk, noun = result.params.saliency_weight == "risk", result.objects.singular
     text = [
-        f"{letter.upper()} misses {noun} {track}<br>{plain(name)} at {start:.2f} s<br>"
-        + (f"for {duration:.2f} s, weight {weight:.2f} s<br>" if is_risk else "")
-        + f"{weight:.2f} s × recency {recency:.2f} = {saliency:.2f} s"
-        for name, track, start, duration, weight, recency, saliency in zip(
-            names,
-            events["track"],
-            start_s,
-            events["duration_s"],
-            events["weight_s"],
-            events["recency"],
-            events["saliency_s"],
-            strict=True,
-        )
+        f"{letter.upper()} misses {noun} {event.track}<br>{plain(event.name)} at "
+        f"{event.start_s:.2f} s<br>"
+        + (f"for {event.duration_s:.2f} s, weight {event.weight_s:.2f} s<br>" if is_risk else "")
+        + f"{event.weight_s:.2f} s × recency {event.recency:.2f} = {event.saliency_s:.2f} s"
+        for event in events.itertuples(index=False)
     ]
-    return events.assign(text=text, name=names, start_s=start_s)
+    return events.assign(text=text)
 
 
 def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) -> go.Figure:
-    """The recency curve with every event on it; larger marks weigh more before recency.
+    """Plot the recency curve with every event. Larger marks weigh more before recency.
 
     `customdata` is the row in ``dataset.frames`` of the event's first frame.
 
@@ -83,45 +74,45 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
         Row of ``dataset.recordings``; None: all of them.
     """
     params, look = result.params, LOOK[theme]
-    in_seconds = params.recency_unit == "seconds"
-    column = "rest_s" if in_seconds else "tau"
-    reach = _reach_s(result, recording) if in_seconds else 1.0
-    place = np.linspace(0, reach, CURVE_POINTS)
+    systems = {letter: _events_in(result, letter, recording) for letter in "xy"}
     scope = "encounter" if params.saliency_scope == "encounter" else "recording"
-    line = {"color": look.muted, "width": 1.5}
-    traces = [still_line(place, recency_weight(place, place, params), "recency", line=line)]
-    counts = []
-    weights_s = {letter: _events_in(result, letter, recording)["weight_s"] for letter in "xy"}
-    most_s = np.concatenate(list(weights_s.values())).max(initial=1e-9)
-    is_many = max(map(len, weights_s.values())) > MANY_EVENTS
-    for letter, system in result.sides:
-        events = _most_salient(result, letter, recording, MAX_EVENTS)
-        n_events = len(weights_s[letter])
-        drawn = f" ({len(events):,} drawn)" if len(events) < n_events else ""
-        counts.append(f"{letter.upper()} {count_text(n_events, 'event')}{drawn}")
-        marker = {
-            "color": CLEAR if is_many else faded(look.of(letter), 0.35),
-            "symbol": look.symbol(letter),
-            "size": (3 if is_many else 5)
-            + (8 if is_many else 15) * np.sqrt(events["weight_s"].to_numpy() / most_s),
-            "line": {"width": 1.2, "color": look.of(letter)},
-        }
-        traces.append(
-            marks(
-                events[column].to_numpy(),
-                events["recency"].to_numpy(),
-                events["text"].tolist(),
-                customdata=events["first_row"].to_numpy(),
-                name=system_label(letter, system.name),
-                marker=marker,
-            )
-        )
-    if in_seconds:
+    if params.recency_unit == "seconds":
+        # up to the longest time left after an event, or to where recency has faded
+        faded_s = params.recency_midpoint_s + 5 * params.recency_spread_s
+        column = "rest_s"
+        reach = np.concatenate([events[column] for events in systems.values()]).max(initial=faded_s)
         quantity = f"time from the end of the event to the end of its {scope} (s)"
         along = axis(theme, quantity, range=[1.02 * reach, -0.03 * reach], fixedrange=True)
     else:
+        column, reach = "tau", 1.0
         quantity = f"end of the event in its {scope} (share of the duration)"
         along = axis(theme, quantity, tickformat=".0%", range=[-0.02, 1.03], fixedrange=True)
+    place = np.linspace(0, reach, CURVE_POINTS)
+    line = {"color": look.muted, "width": 1.5}
+    traces = [still_line(place, recency_weight(place, place, params), "recency", line=line)]
+    counts = []
+    most_s = np.concatenate([events["weight_s"] for events in systems.values()]).max(initial=1e-9)
+    is_many = max(map(len, systems.values())) > MANY_EVENTS
+    for letter, system in result.sides:
+        n_events = len(systems[letter])
+        events = _worded(result, letter, systems[letter].head(MAX_EVENTS))
+        drawn = f" ({len(events):,} drawn)" if len(events) < n_events else ""
+        counts.append(f"{letter.upper()} {count_text(n_events, 'event')}{drawn}")
+        relative = np.sqrt(events["weight_s"].to_numpy() / most_s)
+        mark = marks(
+            events[column].to_numpy(),
+            events["recency"].to_numpy(),
+            events["text"].tolist(),
+            customdata=events["first_row"].to_numpy(),
+            name=system_label(letter, system.name),
+            marker={
+                "color": CLEAR if is_many else faded(look.of(letter), 0.35),
+                "symbol": look.symbol(letter),
+                "size": 3 + 8 * relative if is_many else 5 + 15 * relative,
+                "line": {"width": 1.2, "color": look.of(letter)},
+            },
+        )
+        traces.append(mark)
     return draw(
         traces,
         theme,
@@ -134,18 +125,10 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
     )
 
 
-def _reach_s(result: Result, recording: int | None) -> float:
-    """Longest time left after an event, or where recency has faded, seconds."""
-    params = result.params
-    faded_s = params.recency_midpoint_s + 5 * params.recency_spread_s
-    rests_s = (_events_in(result, letter, recording)["rest_s"] for letter in "xy")
-    return max(faded_s, *(float(rest_s.max()) for rest_s in rests_s if len(rest_s)))
-
-
 def parts_plot(
     result: Result, *, theme: Theme, recording: int | None = None, n: int = N_PARTS
 ) -> go.Figure:
-    """The most salient events taken apart: how long (pale), and what recency leaves (solid).
+    """Plot the parts of the most salient events: duration (pale), and with recency (solid).
 
     `customdata` is the row in ``dataset.frames`` of the event's first frame.
 
@@ -156,49 +139,44 @@ def parts_plot(
     n
         Events of each system.
     """
-    look, short = LOOK[theme], result.objects.say("{short}")
+    params, short = result.params, result.objects.say("{short}")
     traces: list[go.Bar] = []
     labels: list[str] = []
     for letter, system in result.sides:
-        events = _most_salient(result, letter, recording, n)
+        events = _worded(result, letter, _events_in(result, letter, recording).head(n))
         place = len(labels) + np.arange(len(events), dtype=float)
-        for name, track, start in zip(
-            events["name"], events["track"], events["start_s"], strict=True
-        ):
-            where = "" if recording is not None else f"{plain(name, max_length=20)}, "
-            labels.append(f"{where}{short} {plain(track, max_length=8)}, from {start:.1f} s")
-        colour = look.of(letter)
+        labels += [
+            ("" if recording is not None else f"{plain(event.name, max_length=20)}, ")
+            + f"{short} {plain(event.track, max_length=8)}, from {event.start_s:.1f} s"
+            for event in events.itertuples(index=False)
+        ]
+        colour = LOOK[theme].of(letter)
         for column, fill in (("weight_s", faded(colour, 0.22)), ("saliency_s", colour)):
-            marker = {"color": fill, "line": {"width": 1, "color": colour}, "cornerradius": 2}
-            traces.append(
-                go.Bar(
-                    x=events[column].to_numpy(),
-                    y=place,
-                    width=0.72,
-                    orientation="h",
-                    customdata=events["first_row"].to_numpy(),
-                    hovertext=events["text"].tolist(),
-                    hovertemplate="%{hovertext}<extra></extra>",
-                    name=system_label(letter, system.name),
-                    legendgroup=letter,
-                    showlegend=column == "saliency_s",
-                    marker=marker,
-                )
+            bars = go.Bar(
+                x=events[column].to_numpy(),
+                y=place,
+                width=0.72,
+                orientation="h",
+                customdata=events["first_row"].to_numpy(),
+                hovertext=events["text"].tolist(),
+                hovertemplate="%{hovertext}<extra></extra>",
+                name=system_label(letter, system.name),
+                legendgroup=letter,
+                showlegend=column == "saliency_s",
+                marker={"color": fill, "line": {"width": 1, "color": colour}, "cornerradius": 2},
             )
+            traces.append(bars)
     if not labels:
         return empty_figure(result.objects.say(NO_EVENTS), theme=theme)
-    is_risk = result.params.saliency_weight == "risk"
-    what = (
-        "only the largest counts"
-        if result.params.saliency_aggregate == "max"
-        else "their sum counts"
-    )
+    is_largest = params.saliency_aggregate == "max"
+    what = "only the largest counts" if is_largest else "their sum counts"
     return draw(
         traces,
         theme,
         title="The number taken apart",
         subtitle=f"{count_text(len(labels), 'largest event')}; pale: "
-        f"{'weighted distance' if is_risk else 'duration'}, solid: × recency",
+        + ("weighted distance" if params.saliency_weight == "risk" else "duration")
+        + ", solid: × recency",
         height=150 + 24 * len(labels),
         barmode="overlay",
         xaxis=axis(theme, f"seconds ({what})", rangemode="tozero"),
@@ -207,7 +185,7 @@ def parts_plot(
 
 
 def plane_plot(result: Result, *, theme: Theme) -> go.Figure:
-    """Mean similarity by saliency: a mark for each recording and system, X and Y joined by a line.
+    """Plot mean similarity by saliency, with X and Y of each recording joined by a line.
 
     Large open marks are the means over recordings. `customdata` is a row in ``dataset.frames``: the
     first frame of the system's most salient event of the recording, else the recording's first.
@@ -216,95 +194,65 @@ def plane_plot(result: Result, *, theme: Theme) -> go.Figure:
     recordings = recordings[recordings["n_frames"] > 0]
     if recordings.empty:
         return empty_figure("There is no recording to compare.", theme=theme)
-    is_many = len(recordings) > MANY_RECORDINGS
-    place = {letter: _place(recordings, letter) for letter in "xy"}
-    joined = still_line(
-        with_gaps(place["x"][0], place["y"][0]),
-        with_gaps(place["x"][1], place["y"][1]),
-        "the same recording",
-        line={"width": 0.75 if is_many else 2, "color": LOOK[theme].pale},
-    )
-    traces = [joined]
-    for letter in "xy":
-        traces.append(_recording_marks(result, recordings, letter, is_small=is_many, theme=theme))
-    if len(recordings) > 1:
-        for letter in "xy":
-            traces.append(_mean_mark(letter, *place[letter].mean(axis=1), theme=theme))
-    n_better = [
-        np.count_nonzero((place[own][0] > place[other][0]) & (place[own][1] < place[other][1]))
-        for own, other in ("xy", "yx")
+    is_many, look = len(recordings) > MANY_RECORDINGS, LOOK[theme]
+    (x_similarity, x_saliency), (y_similarity, y_saliency) = place = [
+        recordings[[f"mean_similarity_{letter}", f"saliency_{letter}"]].to_numpy(dtype=float).T
+        for letter in "xy"
     ]
-    lowest = min(float(similarity.min()) for similarity, _ in place.values())
-    start = min(lowest - 0.02, 0.9)
+    joined = still_line(
+        with_gaps(x_similarity, y_similarity),
+        with_gaps(x_saliency, y_saliency),
+        "the same recording",
+        line={"width": 0.75 if is_many else 2, "color": look.pale},
+    )
+    of_recordings, means = [], []
+    for (letter, system), points in zip(result.sides, place, strict=True):
+        rows = result.dataset.frame_columns.first[:-1].copy()
+        events = system.events.sort_values("saliency_s", kind="stable")
+        rows[events["recording"].to_numpy()] = events["first_row"].to_numpy()  # the last one stays
+        text = row_texts(
+            "{name}: {system}<br>mean similarity {similarity:.3f}<br>saliency {saliency_s:.2f} s",
+            name=recordings["recording"].map(plain),
+            system=letter.upper(),
+            similarity=points[0],
+            saliency_s=points[1],
+        )
+        marker = system_marker(letter, 5 if is_many else 10, theme, rim=0 if is_many else 1)
+        marker["opacity"] = 0.6 if is_many else 1
+        mark = marks(
+            points[0],
+            points[1],
+            text,
+            cliponaxis=False,
+            customdata=rows[recordings.index.to_numpy()],
+            name=system_label(letter, system.name),
+            marker=marker,
+        )
+        of_recordings.append(mark)
+        (x, y), rim = points.mean(axis=1), {"width": 2.5, "color": look.of(letter)}
+        mark = marks(
+            [x],
+            [y],
+            [
+                f"{letter.upper()}, mean of the recordings<br>mean similarity {x:.3f}<br>"
+                f"saliency {y:.2f} s"
+            ],
+            name=f"mean of {letter.upper()}",
+            cliponaxis=False,
+            marker={"color": CLEAR, "symbol": look.symbol(letter), "size": 20, "line": rim},
+        )
+        means.append(mark)
+    n_x = np.count_nonzero((x_similarity > y_similarity) & (x_saliency < y_saliency))
+    n_y = np.count_nonzero((y_similarity > x_similarity) & (y_saliency < x_saliency))
+    start = min(float(x_similarity.min()) - 0.02, float(y_similarity.min()) - 0.02, 0.9)
+    title = "mean similarity (1 = perfect)" + begins_at(start)
     return draw(
-        traces,
+        [joined, *of_recordings, *(means if len(recordings) > 1 else [])],
         theme,
         title="Similarity and saliency of the recordings",
         subtitle=f"{count_text(len(recordings), 'recording')}; best is bottom right; better in "
-        f"both: X in {n_better[0]:,}, Y in {n_better[1]:,}",
+        f"both: X in {n_x:,}, Y in {n_y:,}",
         height=420,
-        xaxis=axis(
-            theme,
-            "mean similarity (1 = perfect)" + begins_at(start),
-            range=[start, 1.005],
-            fixedrange=True,
-        ),
+        xaxis=axis(theme, title, range=[start, 1.005], fixedrange=True),
         yaxis=axis(theme, "saliency (s, 0 = nothing to notice)", rangemode="tozero"),
     )
-
-
-def _place(recordings: pd.DataFrame, letter: str) -> np.ndarray:
-    """Mean similarity and saliency (s) of a system in the recordings; shape (2, n_recordings)."""
-    place: np.ndarray = recordings[[f"mean_similarity_{letter}", f"saliency_{letter}"]].to_numpy(
-        dtype=float
-    )
-    return place.T
-
-
-def _recording_marks(
-    result: Result, recordings: pd.DataFrame, letter: str, *, is_small: bool, theme: Theme
-) -> go.Scatter:
-    """A mark for each recording, which opens the system's most salient event in it."""
-    look = LOOK[theme]
-    similarity, saliency_s = _place(recordings, letter)
-    rows = result.dataset.frame_columns.first[:-1].copy()
-    events = result.system(letter).events.sort_values("saliency_s", kind="stable")
-    rows[events["recording"].to_numpy()] = events["first_row"].to_numpy()  # the last one stays
-    text = [
-        f"{plain(name)}: {letter.upper()}<br>mean similarity {value:.3f}<br>"
-        f"saliency {seconds:.2f} s"
-        for name, value, seconds in zip(
-            recordings["recording"], similarity, saliency_s, strict=True
-        )
-    ]
-    return marks(
-        similarity,
-        saliency_s,
-        text,
-        cliponaxis=False,
-        customdata=rows[recordings.index.to_numpy()],
-        name=system_label(letter, result.system(letter).name),
-        marker={
-            "opacity": 0.6 if is_small else 1,
-            "color": look.of(letter),
-            "symbol": look.symbol(letter),
-            "size": 5 if is_small else 10,
-            "line": {"width": 0 if is_small else 1, "color": look.surface},
-        },
-    )
-
-
-def _mean_mark(letter: str, x: float, y: float, *, theme: Theme) -> go.Scatter:
-    """The mean of a system over recordings: a large open mark."""
-    look = LOOK[theme]
-    marker = {
-        "color": CLEAR,
-        "symbol": look.symbol(letter),
-        "size": 20,
-        "line": {"width": 2.5, "color": look.of(letter)},
-    }
-    text = (
-        f"{letter.upper()}, mean of the recordings<br>mean similarity {x:.3f}<br>saliency {y:.2f} s"
-    )
-    name = f"mean of {letter.upper()}"
-    return marks([x], [y], [text], name=name, cliponaxis=False, marker=marker)

@@ -1,4 +1,4 @@
-"""What all figures share: colours, dashes, text, and the layout for the light and dark theme."""
+"""Shared look of figures: colours, dashes, texts, axes and layout, for light and dark pages."""
 
 from __future__ import annotations
 
@@ -25,10 +25,9 @@ FONT: Final = "Source Sans, Source Sans Pro, sans-serif"
 LEFT_PX: Final = 84
 """Left margin of the figures over time, so that they line up below each other."""
 MAX_NAME: Final = 32
-"""Characters of a name from a file that are shown."""
+"""Maximum number of characters that are shown of a name from a file."""
 EMPTY_LINE: Final = 42
 """Characters in a line of a figure without data: it may be in the sidebar."""
-
 CONFIG: Final[dict[str, Any]] = {
     "displayModeBar": False,
     "displaylogo": False,
@@ -37,25 +36,27 @@ CONFIG: Final[dict[str, Any]] = {
     "showTips": False,
 }
 """Plotly's configuration for every figure: no tool bar, double click resets the view."""
-
 LOSS_COLOURS: Final[dict[Shade, tuple[str, ...]]] = {
     "light": ("#F1F3F6", "#D3B8E0", "#9A5FB5", "#4A1162"),
     "dark": ("#222933", "#5C3A73", "#A56CC4", "#F4DCFF"),
 }
-"""From nothing lost to most; neither X's colour nor Y's."""
+"""Colours from nothing lost to most; neither X's nor Y's."""
 LABEL_GAP_PX: Final = 5
-"""Between the label of a row and what is drawn in it, which may begin at the axis."""
+"""Gap between the label of a row and its marks, which may begin at the axis."""
 HEADING_PX: Final = 54
 """Height of a figure's title and subtitle."""
 EDGE_PX: Final = 8
-"""Between a figure's edge and what is drawn; labels and legend push the plot further in, which
-takes as long as drawing it a second time: what is known of them is left free from the start."""
+"""Gap between a figure's edge and its marks.
+
+Labels and legend push the plot further in, which takes as long as drawing it a second time. So the
+space that is known to be needed is left free from the start.
+"""
 AXIS_PX: Final = 45
 """Height of an axis's labels and title."""
 LEGEND_PX: Final = 52
-"""Height of a legend in one row, with what is left free around it."""
+"""Height of a legend in one row, with the gaps around it."""
 LETTER_PX: Final = 7.3
-"""Width of a letter of a label, about."""
+"""Approximate width of a letter of a label."""
 HIDDEN_AXIS: Final = {"visible": False, "fixedrange": True}
 CLEAR: Final = "rgba(0,0,0,0)"
 LEGEND: Final[dict[str, Any]] = {
@@ -68,7 +69,10 @@ LEGEND: Final[dict[str, Any]] = {
     "font": {"size": 12},
     "bgcolor": CLEAR,
 }
-"""In as many rows as it needs, on the left, below the heading."""
+"""Legend on the left below the heading, in as many rows as it needs."""
+ENTITIES: Final = str.maketrans(
+    {"&": "&amp;", "<": "&lt;", ">": "&gt;", "{": "&#123;", "$": "&#36;"}
+)
 
 
 @dataclass(frozen=True)
@@ -83,29 +87,24 @@ class ChartLook:
     x: str
     y: str
     truth: str
-    scheme: Scheme = Scheme("light")
-
-    def dash(self, letter: str) -> str:
-        """Plotly's dash of "x", "y" or the "truth"."""
-        return "dot" if letter == "truth" else self.scheme.style(letter).dash
-
-    def symbol(self, letter: str) -> str:
-        """Plotly's mark of "x" or "y"."""
-        return self.scheme.style(letter).symbol
+    scheme: Scheme
 
     def of(self, letter: str) -> str:
-        """Colour of system "x" or "y", or of the "truth"."""
+        """Return the colour of system "x" or "y", or of the "truth"."""
         colour: str = getattr(self, letter)
         return colour
 
+    def dash(self, letter: str) -> str:
+        """Return Plotly's dash of system "x" or "y", or of the "truth"."""
+        return "dot" if letter == "truth" else self.scheme.style(letter).dash
 
-def _look(shade: Shade, ink: str, muted: str, grid: str, pale: str, surface: str) -> ChartLook:
-    systems = X_COLOUR[shade], Y_COLOUR[shade], TRUTH_COLOUR[shade]
-    return ChartLook(ink, muted, grid, pale, surface, *systems, Scheme(shade))
+    def symbol(self, letter: str) -> str:
+        """Return Plotly's mark of system "x" or "y"."""
+        return self.scheme.style(letter).symbol
 
 
 class _Looks(dict[Theme, ChartLook]):
-    """The looks of both shades; of a scheme that of its shade, with the systems' own colours."""
+    """Looks of both shades, and of each scheme: that of its shade in the systems' own colours."""
 
     def __missing__(self, theme: Theme) -> ChartLook:
         scheme = scheme_of(theme)
@@ -116,20 +115,22 @@ class _Looks(dict[Theme, ChartLook]):
         return look
 
 
+PAGES: Final[dict[Shade, tuple[str, str, str, str, str]]] = {
+    "light": ("#1F2630", "#57606A", "#E4E8ED", "#CBD2DA", "#FFFFFF"),
+    "dark": ("#E6EAF0", "#A3AEBB", "#2A323D", "#46515F", "#151A21"),
+}
+"""Ink, muted ink, grid, pale lines and surface of a page."""
 LOOK: Final = _Looks(
-    light=_look("light", "#1F2630", "#57606A", "#E4E8ED", "#CBD2DA", "#FFFFFF"),
-    dark=_look("dark", "#E6EAF0", "#A3AEBB", "#2A323D", "#46515F", "#151A21"),
-)
-ENTITIES: Final = str.maketrans(
-    {"&": "&amp;", "<": "&lt;", ">": "&gt;", "{": "&#123;", "$": "&#36;"}
+    (of, ChartLook(*page, X_COLOUR[of], Y_COLOUR[of], TRUTH_COLOUR[of], Scheme(of)))
+    for of, page in PAGES.items()
 )
 
 
 def plain(text: object, *, max_length: int = MAX_NAME) -> str:
-    """A name from a file as text that Plotly takes for nothing else.
+    """Escape a name from a file for Plotly, and cut long names in the middle.
 
-    Markup, hover templates (``%{x}``) and formulas (``$...$``) lose their meaning, characters
-    that cannot be seen become spaces, long names are cut in the middle.
+    Markup, hover templates (``%{x}``) and formulas (``$...$``) lose their meaning; invisible
+    characters become spaces.
     """
     printable = "".join(char if char.isprintable() else " " for char in str(text)).strip()
     if len(printable) > max_length:
@@ -139,30 +140,30 @@ def plain(text: object, *, max_length: int = MAX_NAME) -> str:
 
 
 def system_label(letter: str, name: str) -> str:
-    """How a system is called in legends: "X: FIR", as plain text."""
+    """Return a system's name in legends, such as "X: FIR", as plain text."""
     return f"{letter.upper()}: {plain(name)}" if name else letter.upper()
 
 
 def which_is_which(theme: Theme) -> str:
-    """Who X and Y are, as the end of a subtitle where no legend says it; empty: not known."""
+    """Return who X and Y are, if known, as the end of a subtitle without a legend."""
     x, y = scheme_of(theme).names
     return f"; {system_label('x', x)}, {system_label('y', y)}" if x and y else ""
 
 
 def faded(colour: str, opacity: float) -> str:
-    """A colour ``#RRGGBB`` with an opacity of 0..1."""
+    """Return a colour ``#RRGGBB`` with an opacity of 0..1."""
     red, green, blue = rgb(colour)
     return f"rgba({red},{green},{blue},{opacity:g})"
 
 
 def loss_scale(theme: Theme) -> list[tuple[float, str]]:
-    """Plotly's colour scale of losses and costs, 0 first."""
+    """Return Plotly's colour scale of losses and costs, 0 first."""
     colours = LOSS_COLOURS[scheme_of(theme).shade]
     return list(zip(np.linspace(0, 1, len(colours)).tolist(), colours, strict=True))
 
 
 def axis(theme: Theme, title: str = "", **more: Any) -> dict[str, Any]:
-    """One axis; `title` says the quantity and its unit."""
+    """Return an axis whose `title` says the quantity and its unit."""
     look = LOOK[theme]
     return {
         "title": {"text": title, "font": {"size": 12, "color": look.muted}, "standoff": 8},
@@ -177,7 +178,7 @@ def axis(theme: Theme, title: str = "", **more: Any) -> dict[str, Any]:
 
 
 def begins_at(low: float) -> str:
-    """End of the title of an axis that does not begin at 0; empty: it does.
+    """Return the end of the title of an axis, which says where it begins unless at 0.
 
     Examples
     --------
@@ -187,31 +188,13 @@ def begins_at(low: float) -> str:
     return f", from {low:.2g}" if low > 0 else ""
 
 
-def heading(title: str, subtitle: str, *, theme: Theme) -> str:
-    """Title with a smaller second line."""
-    second = f"font-size:12.5px;color:{LOOK[theme].muted}"
-    return f'{title}<br><span style="{second}">{subtitle}</span>' if subtitle else title
-
-
-def split_heading(text: str | None) -> tuple[str, str]:
-    """Title and subtitle of a `heading`; empty without.
-
-    Examples
-    --------
-    >>> split_heading(heading("Similarity", "60 frames", theme="light"))
-    ('Similarity', '60 frames')
-    """
-    title, _, second = (text or "").partition("<br><span")
-    return title, second.partition(">")[2].removesuffix("</span>")
-
-
 def take_heading(figure: go.Figure) -> tuple[str, str]:
-    """Take title and subtitle out of a figure, with their room; both as HTML.
+    """Take title and subtitle, as HTML, out of a figure with their room.
 
     As text of the page that the figure is on they wrap.
     """
     layout = figure.layout
-    title, subtitle = split_heading(layout.title.text)
+    title, _, second = (layout.title.text or "").partition("<br><span")
     if title:
         height, top = layout.height - HEADING_PX, layout.margin.t - HEADING_PX
         if layout.legend.yref == "container":
@@ -220,21 +203,20 @@ def take_heading(figure: go.Figure) -> tuple[str, str]:
             top = EDGE_PX  # above the plot it makes the room that it needs
         layout.update(margin_t=top, height=height)
     figure.update_layout(title_text=None)
-    return title, subtitle
+    return title, second.partition(">")[2].removesuffix("</span>")
 
 
 def counts_axis(theme: Theme, **more: Any) -> dict[str, Any]:
-    """An upright axis of encounters counted, from 0."""
+    """Return an upright axis of a number of encounters, from 0."""
     return axis(theme, "encounters", rangemode="tozero", fixedrange=True, tickformat=",d", **more)
 
 
 def rows_axis(
     theme: Theme, labels: Sequence[str], *, room: float = 0.6, **more: Any
 ) -> dict[str, Any]:
-    """An upright axis of rows with a label each, the first on top; `room` above it and below."""
-    ends = [len(labels) - (1 - room), -room]
+    """Return an upright axis of labelled rows, the first on top, with `room` above and below."""
     rows: dict[str, Any] = {
-        "range": ends,
+        "range": [len(labels) - (1 - room), -room],
         "tickvals": np.arange(len(labels)),
         "ticktext": labels,
         "ticklabelstandoff": LABEL_GAP_PX,
@@ -245,30 +227,32 @@ def rows_axis(
 def layout(
     theme: Theme, *, title: str = "", subtitle: str = "", height: int = 320, **more: Any
 ) -> dict[str, Any]:
-    """Layout of a figure: transparent, title and legend on the left above the plot.
+    """Return the layout of a figure: transparent, title and legend on the left above the plot.
 
     Parameters
     ----------
     title, subtitle
-        What is shown, and how much stands behind it; names in them went through `plain`.
+        Content of the figure, and how much stands behind it; names in them went through `plain`.
     more
-        Further layout settings, such as axes; they replace those given here, of margin and legend
-        each by itself.
+        Further layout settings, such as axes. They replace those given here; margin and legend are
+        merged.
     """
     look, top = LOOK[theme], EDGE_PX + (HEADING_PX if title else 0)
     labels = more.get("yaxis", {}).get("ticktext", ())
     left = EDGE_PX + LABEL_GAP_PX + LETTER_PX * max(map(len, labels)) if len(labels) else EDGE_PX
     bottom = AXIS_PX if more.get("xaxis", {}).get("title", {}).get("text") else EDGE_PX
     margin = {"l": left, "r": 2 * EDGE_PX, "t": top, "b": bottom}
+    font = {"family": FONT, "size": 13, "color": look.ink}
+    second = f'<br><span style="font-size:12.5px;color:{look.muted}">{subtitle}</span>'
     return {
         "height": height,
         "autosize": True,
         "template": "none",
         "paper_bgcolor": CLEAR,
         "plot_bgcolor": CLEAR,
-        "font": {"family": FONT, "size": 13, "color": look.ink},
+        "font": font,
         "title": {
-            "text": heading(title, subtitle, theme=theme),
+            "text": f"{title}{second if subtitle else ''}",
             "font": {"size": 16, "color": look.ink},
             "x": 0,
             "xref": "container",
@@ -283,7 +267,7 @@ def layout(
         "hoverlabel": {
             "bgcolor": look.surface,
             "bordercolor": look.pale,
-            "font": {"family": FONT, "size": 13, "color": look.ink},
+            "font": font,
             "align": "left",
         },
         "hovermode": "closest",
@@ -292,25 +276,25 @@ def layout(
 
 
 def draw(traces: Any, theme: Theme, **settings: Any) -> go.Figure:
-    """A figure of traces with its `layout`."""
+    """Return a figure of traces with its `layout`."""
     return go.Figure(traces, layout(theme, **settings))
 
 
 def empty_figure(text: str, *, theme: Theme, height: int = 200) -> go.Figure:
-    """A figure without data: one sentence that says why, and what to do; it is its name as well."""
-    hidden = {"xaxis": HIDDEN_AXIS, "yaxis": HIDDEN_AXIS}
-    figure = draw([], theme, height=height, meta=("", text), **hidden)
+    """Draw a figure without data: a sentence that says why, and what to do, also as its name."""
+    axes = {"xaxis": HIDDEN_AXIS, "yaxis": HIDDEN_AXIS}
+    figure = draw([], theme, height=height, meta=("", text), **axes)
     lines, place = "<br>".join(wrap(text, EMPTY_LINE)), {"x": 0.5, "y": 0.5}
     write(figure, lines, size=14, color=LOOK[theme].muted, xref="paper", yref="paper", **place)
     return figure
 
 
 def written(text: str, *, size: float, color: str, **place: Any) -> dict[str, Any]:
-    """A text for a layout's ``annotations``; without an arrow unless `place` has one."""
+    """Return a text for a layout's ``annotations``, without an arrow unless `place` has one."""
     font = {"size": size, "color": color}
     return {"text": text, "showarrow": False, "font": font, **place}
 
 
 def write(figure: go.Figure, text: str, *, size: float, color: str, **place: Any) -> None:
-    """A text in a figure; many are quicker by `written`: Plotly checks all for each new one."""
+    """Add a text to a figure. Many are faster by `written`: Plotly checks all for each new one."""
     figure.add_annotation(**written(text, size=size, color=color, **place))

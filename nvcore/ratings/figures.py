@@ -1,9 +1,9 @@
-"""Ratings of people against saliency (paper, figure 9), and how far participants agree."""
+"""Ratings of people against saliency (paper, figure 9), and the agreement of participants."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -20,7 +20,7 @@ from nvcore.figures.style import (
     plain,
     rows_axis,
     system_label,
-    write,
+    written,
 )
 from nvcore.palette import Theme
 from nvcore.ratings.agreement import Agreement
@@ -42,7 +42,7 @@ def rating_plot(
     *,
     theme: Theme,
 ) -> go.Figure:
-    """Saliency of every clip against its mean rank, with the line through the clips.
+    """Plot the saliency of every clip against its mean rank, with the line through the clips.
 
     The line has its 95 % interval as a band; the clips farthest from it are named, five at most, by
     the rule of `nvcore.ratings.trend.Trend`.
@@ -58,51 +58,54 @@ def rating_plot(
     """
     if clips.empty:
         return empty_figure("No clip has both a rating and a saliency.", theme=theme)
-    trend = fit_trend(clips)
-    traces = [] if trend is None else _trend_traces(trend, theme)
+    trend, look = fit_trend(clips), LOOK[theme]
+    traces, highest_s, texts = [], clips["saliency_s"].max(), []
+    if trend is not None:
+        traces += _trend_traces(trend, theme)
+        highest_s = max(highest_s, trend.most_s.max())
+        texts = _outlier_names(clips, trend, names, look.ink)
     for letter, name in zip("xy", names, strict=True):
         mine = clips[clips["system"] == name].head(MOST_CLIPS)
-        text = [
-            f"{plain(clip)}, boxes of {letter.upper()}<br>mean rank {rank:.1f} of "
-            f"{count_text(n, 'rating')}<br>saliency {saliency:.2f} s"
-            for clip, rank, n, saliency in zip(
-                mine["clip"], mine["mean_rank"], mine["n_ratings"], mine["saliency_s"], strict=True
-            )
+        hover = [
+            f"{plain(row['clip'])}, boxes of {letter.upper()}<br>mean rank {row['mean_rank']:.1f} "
+            f"of {count_text(row['n_ratings'], 'rating')}<br>saliency {row['saliency_s']:.2f} s"
+            for row in mine.to_dict("records")
         ]
         traces.append(
             marks(
                 mine["mean_rank"],
                 mine["saliency_s"],
-                text,
+                hover,
                 cliponaxis=False,
                 name=system_label(letter, name),
                 customdata=mine.index.to_numpy(),
                 marker=system_marker(letter, 10, theme),
             )
         )
-    highest_s = [clips["saliency_s"].max(), *([] if trend is None else [trend.most_s.max()])]
-    first = next(
-        (f"; {told_in_words(correlation)}" for correlation in correlations if not correlation.note),
+    correlation = next(
+        (
+            f"; {of.name} {of.value:.2f} (95 %: {of.low:.2f} to {of.high:.2f})"
+            for of in correlations
+            if not of.note
+        ),
         "",
     )
     ends = [np.floor(clips["mean_rank"].min() - 0.5), np.ceil(clips["mean_rank"].max() + 0.5)]
-    figure = draw(
+    return draw(
         traces,
         theme,
         title="Saliency against the ratings",
-        subtitle=f"{count_text(len(clips), 'clip')}{first}",
+        subtitle=f"{count_text(len(clips), 'clip')}{correlation}",
         height=420,
+        annotations=texts,
         xaxis=axis(theme, f"mean rank (1 = least annoying){begins_at(ends[0])}", range=ends),
         # from 0, however far down the interval reaches: there is no saliency below
-        yaxis=axis(theme, "saliency (s)", range=[0, 1.06 * max(highest_s) or 1]),
+        yaxis=axis(theme, "saliency (s)", range=[0, 1.06 * highest_s or 1]),
     )
-    if trend is not None:
-        _name_outliers(figure, clips, trend, names, theme)
-    return figure
 
 
 def _trend_traces(trend: Trend, theme: Theme) -> list[go.Scatter]:
-    """The interval as a band, and the line on it."""
+    """Return the interval as a band, and the line on it."""
     look = LOOK[theme]
     band = still_line(
         np.concatenate([trend.rank, trend.rank[::-1]]),
@@ -119,42 +122,25 @@ def _trend_traces(trend: Trend, theme: Theme) -> list[go.Scatter]:
     return [band, still_line(trend.rank, trend.saliency_s, per_rank, showlegend=True, line=line)]
 
 
-def _name_outliers(
-    figure: go.Figure, clips: pd.DataFrame, trend: Trend, names: tuple[str, str], theme: Theme
-) -> None:
-    """The names of the outliers, the farthest first."""
+def _outlier_names(
+    clips: pd.DataFrame, trend: Trend, names: tuple[str, str], color: str
+) -> list[dict[str, Any]]:
+    """Return the names of the outliers as annotations, the farthest first."""
     order = np.argsort(-np.abs(trend.residual_s), kind="stable")
-    middle = clips["mean_rank"].mean()
-    for index in [i for i in order if trend.is_outlier[i]][:MOST_NAMES]:
+    texts = []
+    for index in order[trend.is_outlier[order]][:MOST_NAMES]:
         clip = clips.iloc[index]
-        letter = "X" if clip["system"] == names[0] else "Y"
-        is_left = clip["mean_rank"] < middle
-        write(
-            figure,
-            f"{plain(clip['clip'], max_length=24)}, {letter}",
-            size=12,
-            color=LOOK[theme].ink,
-            name="outlier",
-            x=clip["mean_rank"],
-            y=clip["saliency_s"],
-            xanchor="left" if is_left else "right",
-            xshift=6 if is_left else -6,
-            yshift=11 if trend.residual_s[index] > 0 else -11,  # away from the line and its clips
-        )
-
-
-def told_in_words(correlation: Correlation) -> str:
-    """The coefficient with its interval, such as ``Pearson's r 0.81 (95 %: 0.55 to 0.93)``."""
-    if not np.isfinite(correlation.value):
-        return f"{correlation.name} –: {correlation.note}"
-    if not np.isfinite(correlation.low):
-        return f"{correlation.name} {correlation.value:.2f} ({correlation.note})"
-    interval = f"95 %: {correlation.low:.2f} to {correlation.high:.2f}"
-    return f"{correlation.name} {correlation.value:.2f} ({interval})"
+        text = f"{plain(clip['clip'], max_length=24)}, {'X' if clip['system'] == names[0] else 'Y'}"
+        side = ("left", 6) if clip["mean_rank"] < clips["mean_rank"].mean() else ("right", -6)
+        place = {"x": clip["mean_rank"], "y": clip["saliency_s"]}
+        place |= dict(zip(("xanchor", "xshift"), side, strict=True))
+        place["yshift"] = 11 if trend.residual_s[index] > 0 else -11  # away from line and clips
+        texts.append(written(text, size=12, color=color, name="outlier", **place))
+    return texts
 
 
 def participants_plot(agreement: Agreement, *, theme: Theme) -> go.Figure:
-    """How well each participant's ranks agree with the mean of the others', lowest on top."""
+    """Plot the agreement of each participant's ranks with the mean of the others', lowest first."""
     people = agreement.participants
     judged = people[np.isfinite(people["agreement"])].sort_values("agreement", kind="stable")
     if judged.empty:
@@ -164,11 +150,8 @@ def participants_plot(agreement: Agreement, *, theme: Theme) -> go.Figure:
     participants = judged.head(MOST_PARTICIPANTS)
     look = LOOK[theme]
     is_outlier = participants["is_outlier"]
-    marker = {
-        "color": np.where(is_outlier, look.ink, look.muted),
-        "symbol": np.where(is_outlier, "x", "circle"),
-        "size": 10,
-    }
+    marker = {"color": np.where(is_outlier, look.ink, look.muted), "size": 10}
+    marker["symbol"] = np.where(is_outlier, "x", "circle")
     labels = [plain(name, max_length=24) for name in participants["participant"]]
     n_odd = int(judged["is_outlier"].sum())
     odd = f"; {n_odd or 'none'} ranking differently (marked x)" if agreement.knows_outliers else ""

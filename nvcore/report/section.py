@@ -113,8 +113,8 @@ class Chart:
     name
         Identifier within the page.
     draw
-        Return the figure in the light theme. The light core has no Plotly, so nothing is drawn or
-        imported before.
+        Return the figure in the light theme. The light core has no Plotly, so draw with
+        ``nvcore.figures``, which is imported at first use.
     words
         Content of the figure, in one sentence.
     """

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import base64
+
+import cv2
 import numpy as np
 import pytest
 from figure_parts import shape, trace, words
 
 from nvcore.detectors.base import Detections
-from nvcore.detectors.figures.boxes import boxes_plot
-from nvcore.detectors.figures.confidence import confidence_plot, traces_plot, training_plot
-from nvcore.detectors.figures.pictures import pictures_plot
-from nvcore.detectors.figures.score_map import score_map_plot
-from nvcore.detectors.figures.tree import tree_plot
+from nvcore.detectors.figures import (
+    boxes_plot,
+    confidence_plot,
+    pictures_plot,
+    score_map_plot,
+    traces_plot,
+    training_plot,
+    tree_plot,
+)
 from nvcore.detectors.icf.detector import ScoreMap
-from nvcore.detectors.icf.displays import MOST_CELLS, CoarseMap, Node, Tree, WindowPath, coarse_map
+from nvcore.detectors.icf.displays import MOST_CELLS, Node, Tree, WindowPath, coarse_map
 from nvcore.detectors.icf.pyramid import PyramidLevel
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.figures.style import LOOK, faded
@@ -30,30 +37,46 @@ BOXES = Detections(
 )
 NODE = Node("gradient", 2, 4, 8, 10, None, 0.25)
 TREE = Tree(NODE, Node("U", 0, 0, 4, 8, ("V", 12, 0, 16, 8), -0.1), NODE, (-0.5, 0.1, 0.2, 1.5))
+FLOOR = np.array([-0.5, -0.6, -0.7])
+REJECTED = WindowPath(np.array([0.5, -1.0, -1.5]), FLOOR, 2, np.zeros(3, int))
 
 
-def test_boxes_that_count_and_those_that_went_are_told_apart():
-    counts = np.array([True, False, False])
-    figure = boxes_plot(GREY, BOXES, counts, theme="light", threshold=0.4, truth=np.zeros((2, 4)))
+def drawn(is_counting=(True, True, True), **more):
+    """The boxes of a frame; `more` replaces theme and threshold."""
+    settings = {"theme": "light", "threshold": 0, **more}
+    return boxes_plot(GREY, BOXES, np.array(is_counting), **settings)
+
+
+def test_chosen_counting_and_suppressed_boxes_are_told_apart():
+    theme, truth = Scheme("light", 0, 2), np.zeros((2, 4))
+    figure = drawn((True, False, False), theme=theme, threshold=0.4, truth=truth, chosen=0)
+    look = LOOK[Scheme("dark", 0, 2)]
     assert trace(figure, "detected").x[:4].tolist() == [10, 20, 20, 10]
+    assert trace(figure, "detected").y[:4].tolist() == [5, 5, 25, 25]
     assert trace(figure, "suppressed boxes").x[:2].tolist() == [12, 22]
     assert trace(figure, "counting").customdata.tolist() == [0]
     assert trace(figure, "gone").customdata.tolist() == [1]  # the third is below
+    assert trace(figure, "gone").text[0].endswith(": suppressed")
     assert "2 boxes before suppression, 1 after; the truth has 2" in words(figure)
-    assert trace(figure, "detected").line.color == LOOK["dark"].y
     assert figure.layout.images[0].source.startswith("data:image/jpeg;base64,")
+    chosen, truth, detected = (trace(figure, name) for name in ("chosen", "truth", "detected"))
+    assert len({part.line.color for part in (chosen, truth, detected)}) == 3
+    assert detected.line.color == look.y
+    assert chosen.fill == "toself"  # not by its colour alone
+    assert detected.line.dash is None  # long dashes leave a corner of a small box
+    assert trace(figure, "counting").marker.size[0] == 8
+    swatch = trace(figure, "suppressed")
+    assert swatch.showlegend
+    assert swatch.line.color == faded(look.y, 0.7)
+    assert not trace(figure, "suppressed boxes").showlegend
 
 
 def test_it_is_said_what_the_boxes_are_in_a_comparison():
     states = np.array([DetectionState.MATCHED, DetectionState.FALSE_ALARM, DetectionState.ABSORBED])
     truth = np.array([[10.0, 5, 10, 40], [40, 5, 4, 4], [60, 5, 4, 4]])
-    figure = boxes_plot(
-        GREY, BOXES, np.ones(3, bool), theme="light", threshold=0, truth=truth,
-        ignored=np.array([[50.0, 20, 20, 20]]), states=states.astype(np.int8),
-    )  # fmt: skip
-    assert "3 after: 1 matched, 1 false, 1 on ignored truth; the truth has 3, 2 missed" in words(
-        figure
-    )
+    figure = drawn(truth=truth, ignored=np.array([[50.0, 20, 20, 20]]), states=states)
+    text = "3 after: 1 matched, 1 false, 1 on ignored truth; the truth has 3, 2 missed"
+    assert text in words(figure)
     assert trace(figure, "counting").text[:2] == (
         "score 0.9, 10 × 20 px, IoU with the truth 0.50: matched",
         "score 0.5, 10 × 20 px, IoU with the truth 0.36: a false alarm",  # 160 of 440
@@ -62,75 +85,43 @@ def test_it_is_said_what_the_boxes_are_in_a_comparison():
     assert trace(figure, "ignored").x[:2].tolist() == [50, 70]
 
 
-def test_chosen_detected_and_suppressed_boxes_can_be_told_apart():
-    figure = boxes_plot(
-        GREY, BOXES, np.array([True, False, False]), theme=Scheme("light", 0, 2), threshold=0.4,
-        truth=np.zeros((1, 4)), chosen=0,
-    )  # fmt: skip
-    chosen, truth, detected = (trace(figure, name) for name in ("chosen", "truth", "detected"))
-    assert len({part.line.color for part in (chosen, truth, detected)}) == 3
-    assert chosen.fill == "toself"  # not by its colour alone
-    assert detected.line.dash is None  # long dashes leave a corner of a small box
-    assert trace(figure, "counting").marker.size[0] == 8
-    swatch = trace(figure, "suppressed")
-    assert swatch.showlegend
-    assert swatch.line.color == faded(LOOK[Scheme("dark", 0, 2)].y, 0.7)
-    assert not trace(figure, "suppressed boxes").showlegend
-
-
 def test_boxes_are_drawn_in_pixels_of_the_recording():
-    figure = boxes_plot(
-        GREY, BOXES, np.ones(3, bool), theme="dark", threshold=0, size=(160.0, 60.0), chosen=2
-    )
+    figure = drawn(size=(160.0, 60.0), chosen=2)
     assert trace(figure, "chosen").x[:2].tolist() == [100, 116]
     assert tuple(figure.layout.xaxis.range) == (0, 160)
     assert tuple(figure.layout.yaxis.range) == (60, 0)
-
-
-def test_no_box_is_no_error():
     none = Detections(*np.empty((5, 0)))
-    figure = boxes_plot(GREY, none, np.empty(0, bool), theme="light", threshold=0)
-    assert "0 boxes before suppression, 0 after" in words(figure)
-
-
-def of_scale(score: np.ndarray, depth: np.ndarray) -> CoarseMap:
-    return coarse_map(ScoreMap(PyramidLevel(2.0, 40, 30, 2.0, 2.0), score, depth))
+    empty = boxes_plot(GREY, none, np.empty(0, bool), theme="light", threshold=0)
+    assert "0 boxes before suppression, 0 after" in words(empty)
 
 
 def test_a_window_stands_at_its_middle_in_the_picture():
     settings = IcfSettings(window_width=16, window_height=24, stride=4, least_area=4,
                            object_width=10, object_height=20)  # fmt: skip
-    score = np.array([[np.nan, 1.5, np.nan]])
-    depth = np.array([[3, 100, 0]], np.int32)
-    figure = score_map_plot(of_scale(score, depth), settings, GREY, theme="light")
-    (heat,) = figure.data
+    level = PyramidLevel(2.0, 40, 30, 2.0, 2.0)
+    score, depth = np.array([[np.nan, 1.5, np.nan]]), np.array([[3, 100, 0]], np.int32)
+    windows = coarse_map(ScoreMap(level, score, depth))
+    (heat,) = (figure := score_map_plot(windows, settings, GREY, theme="light")).data
     assert heat.x.tolist() == [16, 24, 32]
     assert heat.y.tolist() == [24]
     np.testing.assert_allclose(heat.z[0], [np.log10(3), 2, np.nan])
     assert "scale 2: 2 windows of 32 × 48 px, 1 came through" in words(figure)
-    confident = score_map_plot(of_scale(score, depth), settings, GREY, theme="dark",
-                               of="confidence")  # fmt: skip
-    np.testing.assert_allclose(confident.data[0].z[0], [np.nan, 1.5, np.nan])
+    (heat,) = score_map_plot(windows, settings, GREY, theme="dark", of="confidence").data
+    np.testing.assert_allclose(heat.z[0], [np.nan, 1.5, np.nan])
 
-
-def test_of_many_windows_the_highest_of_several_is_shown():
     depth = np.ones((3, 2 * MOST_CELLS + 1), np.int32)
-    depth[2, 7] = 1000
-    figure = score_map_plot(
-        of_scale(np.full(depth.shape, np.nan), depth), IcfSettings(), GREY, theme="light"
-    )
-    assert figure.data[0].z.shape == (1, 134)
-    assert figure.data[0].z[0, 2] == 3
+    depth[2, 7] = 1000  # of many windows the highest of several is shown
+    many = coarse_map(ScoreMap(level, np.full(depth.shape, np.nan), depth))
+    (heat,) = score_map_plot(many, IcfSettings(), GREY, theme="light").data
+    assert heat.z.shape == (1, 134)
+    assert heat.z[0, 2] == 3
 
 
 def test_the_line_of_a_rejected_window_goes_on_dotted():
-    path = WindowPath(
-        np.array([0.5, -1.0, -1.5]), np.array([-0.5, -0.6, -0.7]), 2, np.zeros(3, int)
-    )
-    figure = confidence_plot(path, theme="light")
+    figure = confidence_plot(REJECTED, theme="light")
     assert trace(figure, "this window").x.tolist() == [1, 2]
     assert trace(figure, "had it not been rejected").x.tolist() == [2, 3]
-    assert trace(figure, "rejected below").y.tolist() == [-0.5, -0.6, -0.7]
+    assert trace(figure, "rejected below").y.tolist() == FLOOR.tolist()
     assert trace(figure, "rejected").x == (2,)
     assert "rejected after 2 of 3 trees" in words(figure)
 
@@ -144,22 +135,23 @@ def test_a_window_that_comes_through_ends_with_its_confidence(floor: list[float]
 
 
 def test_traces_end_where_their_windows_are_rejected():
-    floor, leaf = np.array([-0.5, -0.6, -0.7]), np.zeros(3, int)
-    through = WindowPath(np.array([0.5, 1.0, 1.5]), floor, None, leaf)
-    rejected = WindowPath(np.array([0.1, -1.0, -1.5]), floor, 2, leaf)
-    figure = traces_plot([through, through], [rejected], theme="light")
+    through = WindowPath(np.array([0.5, 1.0, 1.5]), FLOOR, None, np.zeros(3, int))
+    figure = traces_plot([through, through], [REJECTED], theme="light")
     np.testing.assert_array_equal(trace(figure, "objects").x, [1, 2, 3, np.nan, 1, 2, 3, np.nan])
-    np.testing.assert_array_equal(trace(figure, "background").y, [0.1, -1.0, np.nan])
+    np.testing.assert_array_equal(trace(figure, "background").y, [0.5, -1.0, np.nan])
     assert trace(figure, "background, rejected").x == (2,)
-    assert trace(figure, "rejected below").y.tolist() == floor.tolist()
+    assert trace(figure, "objects, rejected").x == ()
+    assert trace(figure, "rejected below").y.tolist() == FLOOR.tolist()
     assert "2 of 2 objects came through; 1 window of background rejected" in words(figure)
     assert "0 of 0 objects" in words(traces_plot([], [], theme="dark"))
 
 
 def test_each_round_of_training_begins_anew():
     figure = training_plot(np.array([0.3, 0.2, 0.5, 0.4, 0.1]), np.array([2, 5]), theme="light")
-    assert trace(figure, "round 1: 2 trees").y.tolist() == [0.3, 0.2]
-    assert trace(figure, "round 2: 3 trees").x.tolist() == [1, 2, 3]
+    first, last = trace(figure, "round 1: 2 trees"), trace(figure, "round 2: 3 trees")
+    assert first.y.tolist() == [0.3, 0.2]
+    assert last.x.tolist() == [1, 2, 3]
+    assert (first.line.dash, last.line.dash) == ("dot", "solid")
 
 
 def test_a_tree_shows_its_questions_and_the_way_of_the_window():
@@ -170,14 +162,22 @@ def test_a_tree_shows_its_questions_and_the_way_of_the_window():
     assert "<b>+0.100</b>" in words(figure)
     thick = [part for part in figure.data if part.line.width == 3]
     assert [part.name for part in thick] == ["below", "at least"]
-    box, window = shape(figure, "subtracted"), figure.layout.shapes
+    box = shape(figure, "subtracted")
     assert box.line.dash == "dot"
-    assert [part.name for part in window].count("window") == 3
+    assert [part.name for part in figure.layout.shapes].count("window") == 3
+    window, inside = figure.layout.shapes[:2]  # of the first question, from 2, 4 to 8, 10
+    across, down = window.x1 - window.x0, window.y0 - window.y1
+    assert (down, window.x1) == pytest.approx((0.9, 4 - 0.06))  # left of the text of the question
+    assert window.y0 + window.y1 == pytest.approx(2 * 3)
+    assert (inside.x0 - window.x0) / across == pytest.approx(2 / 16)
+    assert (window.y0 - inside.y1) / down == pytest.approx(10 / 32)
 
 
 def test_pictures_stand_side_by_side_below_their_names():
-    figure = pictures_plot(dict.fromkeys("abc", GREY), theme="light", title="Channels",
-                           columns=2)  # fmt: skip
+    wide = np.tile(GREY, 8)
+    figure = pictures_plot(dict.fromkeys("abc", wide), theme="light", title="Steps", columns=2)
     lefts = [image.x for image in figure.layout.images]
     assert lefts[0] == lefts[2] == 0 < lefts[1]
     assert [text.text for text in figure.layout.annotations] == ["a", "b", "c"]
+    content = base64.b64decode(figure.layout.images[0].source.partition(",")[2])
+    assert cv2.imdecode(np.frombuffer(content, np.uint8), -1).shape == (30, 320)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -26,10 +24,15 @@ def test_scores_below_the_threshold_are_pale() -> None:
     assert trace(figure, "left out").y.tolist() == [5, 4]
     assert trace(figure, "kept").y.tolist() == [3, 2]
     assert shape(figure, "threshold").x0 == 0.5
-    assert "14 detections" in words(figure)
+    assert "14 detections; pale: left out by the threshold" in words(figure)
+    (label,) = figure.layout.annotations
     every = score_plot(HISTOGRAM, letter="y", name="NIR", threshold=None, theme="light")
     assert trace(every, "kept").y.tolist() == [5, 4, 3, 2]
     assert not every.layout.shapes
+    assert not every.layout.annotations
+    # the label has room where the page takes the heading off, also without a threshold
+    for layout in (figure.layout, every.layout):
+        assert layout.margin.t - HEADING_PX > 1.4 * label.font.size
 
 
 def test_a_system_without_scores_says_so() -> None:
@@ -51,17 +54,6 @@ def test_false_alarms_are_drawn_by_threshold() -> None:
 
 
 TRUTH = [at(0, 20, h=30, distance_m=40.0), at(0, 50, h=10, distance_m=60.0), at(0, 80, h=10)]
-
-
-@pytest.mark.parametrize("threshold", [None, 0.5])
-def test_the_label_of_the_threshold_has_room_where_the_page_takes_the_heading_off(
-    threshold: float | None,
-) -> None:
-    look: dict[str, Any] = {"letter": "x", "name": "FIR", "threshold": threshold, "theme": "light"}
-    for figure in (score_plot(HISTOGRAM, **look), false_alarm_plot(CURVE, **look)):
-        sizes = [text.font.size for text in figure.layout.annotations]
-        assert len(sizes) == (threshold is not None)
-        assert figure.layout.margin.t - HEADING_PX > 1.4 * max(sizes, default=12)
 
 
 def test_the_sigmoid_is_a_half_at_the_default_midpoint_of_a_tenth_of_the_height() -> None:

@@ -19,8 +19,13 @@ def missed(**params: object) -> Result:
     return result_of(make_dataset(truth, x, truth, places=places), **params)
 
 
-def test_events_stand_at_their_end_on_the_curve_of_recency() -> None:
-    figure = recency_plot(missed(), theme="light")
+@pytest.fixture(scope="module")
+def result() -> Result:
+    return missed()
+
+
+def test_events_stand_at_their_end_on_the_curve_of_recency(result: Result) -> None:
+    figure = recency_plot(result, theme="light")
     events = trace(figure, "X: x")
     # the most salient first: the later of two equally long ones
     assert events.x == pytest.approx([1.0, 0.4])
@@ -43,8 +48,7 @@ def test_marks_of_both_systems_have_one_scale() -> None:
     assert trace(figure, "Y: y").marker.size[0] == pytest.approx(5 + 15 / 2)
 
 
-def test_events_of_one_recording_alone_can_be_shown() -> None:
-    result = missed()
+def test_events_of_one_recording_alone_can_be_shown(result: Result) -> None:
     assert len(trace(recency_plot(result, theme="light", recording=0), "X: x").x) == 0
     assert len(trace(recency_plot(result, theme="light", recording=1), "X: x").x) == 2
     assert "No saliency events" in words(parts_plot(result, theme="light", recording=0))
@@ -52,25 +56,23 @@ def test_events_of_one_recording_alone_can_be_shown() -> None:
     assert figure.layout.yaxis.ticktext == ("ped 3, from 0.8 s",)  # without the recording's name
 
 
-def test_an_event_is_taken_apart_into_duration_and_what_recency_leaves() -> None:
-    figure = parts_plot(missed(), theme="light")
+def test_an_event_is_taken_apart_into_duration_and_what_recency_leaves(result: Result) -> None:
+    figure = parts_plot(result, theme="light")
     pale, solid = (part for part in figure.data if part.name == "X: x" and part.orientation == "h")
     assert pale.x == pytest.approx([0.2, 0.2])
     assert solid.x == pytest.approx([0.2 * 0.99331, 0.2 * 0.26894], abs=1e-5)
     assert solid.customdata.tolist() == [18, 12]
     assert figure.layout.yaxis.ticktext[0] == "r1, ped 3, from 0.8 s"
     assert figure.layout.yaxis.ticklabelstandoff > 0  # bars begin at the axis
-    assert "the largest counts" in figure.layout.xaxis.title.text
+    assert figure.layout.xaxis.title.text == "seconds (only the largest counts)"
+    assert "pale: duration, solid: × recency" in words(figure)
+    # a legend that one side of the plot holds would make Plotly push the plot away from it
+    assert (figure.layout.legend.xref, figure.layout.legend.yref) == ("container", "container")
 
 
-def test_the_axes_say_how_the_number_of_a_recording_is_made() -> None:
-    result = missed(saliency_aggregate="sum", saliency_scope="encounter")
-    assert "their sum counts" in parts_plot(result, theme="light").layout.xaxis.title.text
-    assert "in its encounter" in recency_plot(result, theme="light").layout.xaxis.title.text
-
-
-def test_every_recording_has_a_mark_for_each_system_and_a_line_between_the_two() -> None:
-    result = missed()
+def test_every_recording_has_a_mark_for_each_system_and_a_line_between_the_two(
+    result: Result,
+) -> None:
     figure = plane_plot(result, theme="light")
     x, y = trace(figure, "X: x"), trace(figure, "Y: y")
     # recording 0 is empty; in recording 1 X misses 4 of 10 frames in the middle of the picture
@@ -85,13 +87,11 @@ def test_every_recording_has_a_mark_for_each_system_and_a_line_between_the_two()
     assert mean.showlegend is not False  # a mark of its own kind: the legend explains it
     assert (mean.x[0], mean.y[0]) == pytest.approx((np.mean(x.x), np.mean(x.y)))
     assert "2 recordings; best is bottom right; better in both: X in 0, Y in 1" in words(figure)
-
-
-def test_a_mark_of_the_plane_opens_the_most_salient_event_else_the_recording() -> None:
-    figure = plane_plot(missed(), theme="light")
-    assert trace(figure, "X: x").customdata.tolist() == [0, 18]
-    assert trace(figure, "Y: y").customdata.tolist() == [0, 10]
-    assert "r1: X<br>mean similarity 0.640<br>saliency 0.20 s" in trace(figure, "X: x").text
+    # a mark opens the most salient event, else the recording
+    assert x.customdata.tolist() == [0, 18]
+    assert y.customdata.tolist() == [0, 10]
+    assert "r1: X<br>mean similarity 0.640<br>saliency 0.20 s" in x.text
+    assert (x.marker.size, x.marker.opacity) == (10, 1)
 
 
 def test_marks_of_many_recordings_are_small() -> None:
@@ -110,18 +110,16 @@ def test_without_frames_there_is_no_plane() -> None:
 
 
 def test_with_risk_and_seconds_marks_axes_and_texts_are_of_these() -> None:
-    result = missed(saliency_weight="risk", recency_unit="seconds", proximity="none")
+    result = missed(
+        saliency_weight="risk", recency_unit="seconds", proximity="none",
+        saliency_aggregate="sum", saliency_scope="encounter",
+    )  # fmt: skip
     figure = recency_plot(result, theme="light")
     events = trace(figure, "X: x")
     assert events.x.tolist() == pytest.approx([0.0, 0.6])
     assert "larger marks weigh more" in words(figure)
-    assert "end of the event to the end of its recording (s)" in figure.layout.xaxis.title.text
+    assert "end of the event to the end of its encounter (s)" in figure.layout.xaxis.title.text
     assert "for 0.20 s, weight 0.20 s<br>0.20 s × recency" in events.text[0]
-    assert "pale: weighted distance" in words(parts_plot(result, theme="light"))
-
-
-def test_the_legend_of_the_parts_takes_no_room_from_them_beside_long_labels() -> None:
-    """A legend that one side of the plot holds makes Plotly push the plot away from it."""
-    layout = parts_plot(missed(), theme="light").layout
-    assert (layout.legend.xref, layout.legend.yref) == ("container", "container")
-    assert layout.xaxis.title.text == "seconds (only the largest counts)"
+    parts = parts_plot(result, theme="light")
+    assert "pale: weighted distance" in words(parts)
+    assert "their sum counts" in parts.layout.xaxis.title.text

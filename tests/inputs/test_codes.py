@@ -16,7 +16,7 @@ from nvcore.codes import CodedInterval
 from nvcore.comparison import Result, compare
 from nvcore.errors import InputError, SessionError
 from nvcore.evidence.subgroups import find_subgroups
-from nvcore.figures.over_time.lanes import lanes_figure
+from nvcore.figures.lanes import lanes_figure
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.inputs.session_toml import read_session, write_session

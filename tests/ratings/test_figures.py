@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
+import pytest
 from figure_parts import trace, words
 
 from nvcore.ratings.agreement import Agreement
 from nvcore.ratings.figures import participants_plot, rating_plot
 from nvcore.ratings.trend import fit_trend
-from nvcore.ratings.validation import correlate
+from nvcore.ratings.validation import Correlation
 
 
 def clips(n: int = 12) -> pd.DataFrame:
@@ -26,64 +27,61 @@ def clips(n: int = 12) -> pd.DataFrame:
     )
 
 
+def drawn(table: pd.DataFrame, *correlations: Correlation):
+    return rating_plot(table, correlations, ("FIR", "NIR"), theme="light")
+
+
 def test_each_clip_stands_at_its_rank_and_saliency_with_the_coefficient_told() -> None:
-    table = clips()
-    correlations = correlate(table["saliency_s"].to_numpy(), table["mean_rank"].to_numpy())
-    figure = rating_plot(table, correlations, ("FIR", "NIR"), theme="light")
+    undefined = Correlation("Kendall's tau", np.nan, np.nan, np.nan, np.nan, "too few")
+    figure = drawn(clips(), undefined, Correlation("Pearson's r", 0.97, 0.9, 0.99, 0.0))
     of_x = trace(figure, "X: FIR")
     assert list(of_x.x) == [1, 3, 5, 7, 9, 11]
     assert list(of_x.y) == [1, 9, 25, 49, 81, 121]
-    assert "12 clips; Pearson's r 0.97 (95 %:" in words(figure)
-    assert "<b>" not in of_x.text[0]
+    assert "12 clips; Pearson's r 0.97 (95 %: 0.90 to 0.99)" in words(figure)
+    assert of_x.text[0] == (
+        "&lt;b&gt;drive 0, boxes of X<br>mean rank 1.0 of 5 ratings<br>saliency 1.00 s"
+    )
+    assert "No clip has both" in words(drawn(clips(0)))
 
 
 def test_the_plot_has_the_trend_with_its_interval_and_names_the_clip_far_from_it() -> None:
     table = clips()
-    noise = np.resize([0.1, -0.1, 0.05, -0.05], 12)
-    table["saliency_s"] = 2 * table["mean_rank"] + noise
+    table["saliency_s"] = 2 * table["mean_rank"] + np.resize([0.1, -0.1, 0.05, -0.05], 12)
     table.loc[3, "saliency_s"] = 30.0
-    figure = rating_plot(table, [], ("FIR", "NIR"), theme="light")
+    figure = drawn(table)
     (line,) = [part for part in figure.data if part.name.startswith("trend: ")]
     band = trace(figure, "interval of the trend")
     assert "s per rank (95 %:" in line.name
     half = len(line.x)
     assert (np.array(band.y[:half]) >= np.array(line.y)).all()
     assert (np.array(band.y[half:])[::-1] <= np.array(line.y)).all()
-    (named,) = [part for part in figure.layout.annotations if part.name == "outlier"]
+    (named,) = figure.layout.annotations
     assert named.text == "&lt;b&gt;drive 3, Y"
     assert (named.x, named.y) == (4.0, 30.0)
+    assert named.xanchor == "left"  # there is room on the right
     assert named.yshift > 0  # away from the line
     low, high = figure.layout.yaxis.range
     assert low == 0
-    assert high > max(30.0, max(band.y))
+    assert high == pytest.approx(1.06 * max(30.0, *band.y))
 
 
 def test_five_outliers_are_named_at_most_and_few_clips_have_no_trend() -> None:
     table = clips(64)
     table["saliency_s"] = np.where(np.arange(64) % 8 == 0, 200.0, table["mean_rank"])
     assert np.count_nonzero(fit_trend(table).is_outlier) == 8
-    figure = rating_plot(table, [], ("FIR", "NIR"), theme="light")
-    assert len([part for part in figure.layout.annotations if part.name == "outlier"]) == 5
-    few = rating_plot(clips(4), [], ("FIR", "NIR"), theme="light")
-    assert [part.name for part in few.data] == ["X: FIR", "Y: NIR"]
-
-
-def test_no_clips_say_so() -> None:
-    figure = rating_plot(clips().head(0), [], ("FIR", "NIR"), theme="dark")
-    assert "No clip has both" in words(figure)
+    assert len(drawn(table).layout.annotations) == 5
+    assert [part.name for part in drawn(clips(4)).data] == ["X: FIR", "Y: NIR"]
 
 
 def test_participants_who_go_another_way_are_marked() -> None:
     people = pd.DataFrame(
         {
             "participant": ["A", "B", "C"],
-            "n_rated": [5, 5, 5],
             "agreement": [0.9, -0.4, np.nan],
             "is_outlier": [False, True, False],
         }
     )
-    agreement = Agreement(4, 5, 0, 0.4, 0.02, "", people)
-    figure = participants_plot(agreement, theme="light")
+    figure = participants_plot(Agreement(4, 5, 0, 0.4, 0.02, "", people), theme="light")
     assert list(figure.data[0].x) == [-0.4, 0.9]
     assert list(figure.data[0].marker.symbol) == ["x", "circle"]
     assert list(figure.layout.yaxis.ticktext) == ["B", "A"]

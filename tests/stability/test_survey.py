@@ -12,7 +12,7 @@ from scenes import draw_scene
 
 from nvcore.comparison import Result, compare
 from nvcore.evidence.table import evidence_table
-from nvcore.figures.stability import stability_map
+from nvcore.figures.maps import stability_map
 from nvcore.params import Params
 from nvcore.stability.axes import Plane
 from nvcore.stability.map import map_stability

@@ -10,7 +10,7 @@ from builders import Box, make_dataset, result_of
 from limits import LABELS, limits_read, sign
 
 from nvcore.comparison import Result
-from nvcore.figures.classes import classes_plot
+from nvcore.figures.maps import classes_plot
 from nvcore.tables.classes import classes_table, has_classes, names_classes, read_share
 
 

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from nvcore.alerts.figures.episodes import alerts_over_time
+from nvcore.alerts.figures import alerts_over_time
 from nvcore.alerts.settings import ALERTS, IN_TIME, SPEEDING
 from nvcore.alerts.steps import alerts_in
 from ui.alerts.policy import find_idle

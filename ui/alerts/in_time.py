@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import streamlit as st
 
-from nvcore.alerts.figures.in_time import alerts_in_time
+from nvcore.alerts.figures import alerts_in_time
 from nvcore.alerts.in_time import DRIVER_WORDS
 from nvcore.alerts.notes import doubt_of_kind, in_time_by_kind
 from nvcore.alerts.steps import alerts_in

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import streamlit as st
 
-from nvcore.alerts.figures.trade_off import alert_trade_off
+from nvcore.alerts.figures import alert_trade_off
 from nvcore.alerts.measures import MEASURES
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result

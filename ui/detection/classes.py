@@ -5,7 +5,7 @@ from __future__ import annotations
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.figures.classes import classes_plot
+from nvcore.figures.maps import classes_plot
 from nvcore.report.words import classes_read
 from nvcore.tables.classes import classes_table, has_classes, names_classes
 from ui.session import state

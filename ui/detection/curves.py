@@ -13,7 +13,7 @@ from nvcore.detection.curves import DetectionCurve, detection_curve
 from nvcore.detection.miss_rate import explain_few
 from nvcore.detection.windows import WindowGrid, scale_steps, windows_per_image
 from nvcore.errors import ParameterError
-from nvcore.figures.detection import CurveKind, curve_plot, legend_text
+from nvcore.figures.curves import CurveKind, curve_plot, legend_text
 from nvcore.protocols import Protocol
 from nvcore.stages import MATCH
 from nvcore.tables.scorecard import curve_rows

@@ -1,4 +1,4 @@
-"""Detectors page: what an ICF model sees, and how it decides."""
+"""Detectors page: views into an ICF model and its decisions."""
 
 from __future__ import annotations
 
@@ -8,10 +8,7 @@ import numpy as np
 import streamlit as st
 
 from nvcore.detection import WindowGrid
-from nvcore.detectors.figures.confidence import confidence_plot, traces_plot, training_plot
-from nvcore.detectors.figures.pictures import pictures_plot
-from nvcore.detectors.figures.score_map import MapOf, score_map_plot
-from nvcore.detectors.figures.tree import tree_plot
+from nvcore.detectors import figures
 from nvcore.detectors.icf.displays import usable_scales
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.errors import NvcoreError, ParameterError
@@ -42,12 +39,12 @@ VIEWS: Final = {
     "training": "Training",
 }
 STRIDES: Final = range(1, 11)
-MAPS: Final[dict[MapOf, str]] = {"trees": "trees", "confidence": "confidence"}
+MAPS: Final[tuple[figures.MapOf, ...]] = ("trees", "confidence")
 
 
 @st.fragment
 def draw(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
-    """One of the views."""
+    """Draw the selected view."""
     st.header("Inside the model")
     view = choose_side_by_side(
         "What is shown", VIEWS, "detector_view", default="pictures", label_visibility="collapsed"
@@ -63,7 +60,7 @@ def draw(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
             _draw_traces(spec, inside, picture)
         else:
             draw_chart(
-                training_plot(inside.error, inside.round_ends, theme=state.theme().shade),
+                figures.training_plot(inside.error, inside.round_ends, theme=state.theme().shade),
                 "detector_training",
                 of=plain(asking.described(spec).about.name),
                 help="Share of the training's windows on the wrong side. Each round but the first "
@@ -74,17 +71,16 @@ def draw(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
 
 
 def _choose_scale(inside: Inside, picture: Picture) -> float:
-    """One of those at which the picture holds a window; ParameterError if there is none."""
+    """Draw the choice of a scale at which the picture holds a window, and return it."""
     scales = usable_scales(inside.settings, picture.shape[1], picture.shape[0])
     if not scales:
         raise ParameterError("the picture is smaller than the window at every scale")
     if len(scales) == 1:
         return scales[0]
-    usual = min(scales, key=lambda scale: abs(scale - 1))
     scale: float = st.select_slider(
         "Scale",
         scales,
-        usual,
+        min(scales, key=lambda scale: abs(scale - 1)),
         format_func=lambda scale: f"{scale:.3g}",
         key=f"detector_scale_{asking.key_of(scales)}",
         help="Divisor of the picture's size: below 1 it is enlarged, for smaller objects.",
@@ -98,14 +94,12 @@ def _draw_pictures(spec: DetectorSpec, inside: Inside, picture: Picture) -> None
     computed, steps, channels = asking.ask(
         "pictures", pictures_of, spec, picture, scale, key=key, most=asking.LARGE_KEPT
     )
-    subtitle = f"scale {computed:.3g}"
-    figure = pictures_plot(
-        steps, theme=shade, title="The picture, step by step", subtitle=subtitle, columns=3
-    )
+    title, subtitle = "The picture, step by step", f"scale {computed:.3g}"
+    figure = figures.pictures_plot(steps, theme=shade, title=title, subtitle=subtitle, columns=3)
     of = asking.on_frame(asking.described(spec).about)
     draw_chart(figure, "detector_steps", of=of)
     origin = "" if computed == scale else f", made from those of scale {computed:.3g} as in a run"
-    figure = pictures_plot(
+    figure = figures.pictures_plot(
         # the angles alone: in a narrow window whole names run into each other
         {name.removeprefix("gradient "): channel for name, channel in channels.items()},
         theme=shade,
@@ -125,7 +119,9 @@ def _draw_map(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
         of = choose_side_by_side("Colour", MAPS, "detector_map_of", default="trees")
     key = (*asking.place(), scale)
     windows = asking.ask("map", score_map, spec, picture, scale, key=key, most=asking.LARGE_KEPT)
-    figure = score_map_plot(windows, inside.settings, picture, theme=state.theme().shade, of=of)
+    figure = figures.score_map_plot(
+        windows, inside.settings, picture, theme=state.theme().shade, of=of
+    )
     n_trees = windows.n_features / 2 / max(windows.n_windows, 1)
     draw_chart(
         figure,
@@ -138,7 +134,7 @@ def _draw_map(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
 
 
 def _draw_windows_per_stride(settings: IcfSettings, picture: Picture) -> None:
-    """How many windows a picture of this size has, at all scales, with other strides."""
+    """Draw the number of windows in a picture of this size, at all scales, by stride."""
     height, width = picture.shape[:2]
     counts = [
         WindowGrid(settings.window_width, settings.window_height, stride, settings.scales)
@@ -165,7 +161,7 @@ def _draw_traces(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
     )
     about = asking.described(spec).about
     draw_chart(
-        traces_plot(objects, background, theme=asking.theme_of(about)),
+        figures.traces_plot(objects, background, theme=asking.theme_of(about)),
         "detector_traces",
         of=asking.on_frame(about),
         help=f"Objects: the window nearest to each of the truth's first {MOST_TRACES} boxes, where "
@@ -191,11 +187,11 @@ def _draw_window(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
     theme, of = asking.theme_of(about), asking.on_frame(about)
     left, right = st.columns(2, gap="medium")
     with left:
-        draw_chart(confidence_plot(path, theme=theme), "detector_confidence", of=of)
+        draw_chart(figures.confidence_plot(path, theme=theme), "detector_confidence", of=of)
     with right:
         number = st.number_input("Tree", 1, inside.n_trees, 1, 1, key="detector_tree", width=200)
         tree = asking.ask("tree", tree_of, spec, number - 1, key=number)
         leaf = int(np.asarray(path.leaf)[number - 1])
         window = inside.settings.window_width, inside.settings.window_height
-        figure = tree_plot(tree, theme=theme, window=window, number=number, leaf=leaf)
+        figure = figures.tree_plot(tree, theme=theme, window=window, number=number, leaf=leaf)
         draw_chart(figure, "detector_tree_plot", of=of)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from nvcore.columns import boxes_of_frame
 from nvcore.dataset import Dataset
 from nvcore.detectors.base import Detections
-from nvcore.detectors.figures.boxes import iou_with, sides_in
+from nvcore.detectors.figures import iou_with, sides_in
 from nvcore.metrics.matching import match_boxes
 from nvcore.params import Params
 from nvcore.pictures import Picture

@@ -11,7 +11,7 @@ import streamlit as st
 
 from nvcore.detectors.base import Detections
 from nvcore.detectors.candidates import MOST, counting, usual_threshold
-from nvcore.detectors.figures.boxes import box_text, boxes_plot
+from nvcore.detectors.figures import box_text, boxes_plot
 from nvcore.detectors.registry import run_settings
 from nvcore.figures.style import plain
 from nvcore.pictures import Picture

@@ -9,7 +9,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.driver.comparison.encounters import detectability_course, features_of_course
-from nvcore.driver.comparison.figures.course import detectability_course_plot
+from nvcore.driver.comparison.figures import detectability_course_plot
 from nvcore.driver.illumination.clock import AdaptationClock, unknown_clock, with_change
 from nvcore.figures.style import plain as figure_text
 from ui.driver import basis, panel, tunnel

@@ -12,8 +12,7 @@ from nvcore.driver.comparison.encounters import (
     driver_venn_table,
     over_driver_threshold,
 )
-from nvcore.driver.comparison.figures.over_threshold import driver_threshold_plot
-from nvcore.driver.comparison.figures.venn import driver_venn_plot
+from nvcore.driver.comparison.figures import driver_threshold_plot, driver_venn_plot
 from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.wording import capitalised

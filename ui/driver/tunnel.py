@@ -11,7 +11,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.driver.comparison.notes import simulated_change
 from nvcore.errors import NvcoreError
-from nvcore.figures.over_time.similarity import end_of
+from nvcore.figures.over_time import end_of
 from ui.driver.confined import simulate
 from ui.driver.known import OpenedRun, caution_of, clock_of, opened_run
 from ui.session import state, store

@@ -8,7 +8,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.figures.weightings import weightings_plot
+from nvcore.figures.encounters import weightings_plot
 from nvcore.schema import MissClass
 from nvcore.tables.encounters.weightings import KINDS, Weightings, compare_weightings
 from nvcore.wording import count_text

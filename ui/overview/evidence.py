@@ -14,7 +14,7 @@ from nvcore.evidence.operating_points import AS_SET, are_unequal, is_undecided
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.units import BLOCKS
-from nvcore.figures.forest import forest_in_words, subgroup_forest
+from nvcore.figures.dots import forest_in_words, subgroup_forest
 from nvcore.measures.table import EVIDENCE_KEYS, as_shown, evidence_form, inference_of
 from nvcore.report.words import effect_text
 from nvcore.wording import Footnotes, capitalised, difference, interval_text, minus, number

@@ -17,7 +17,7 @@ from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.planning import PLAN_KEYS, Plan, plan_recordings
 from nvcore.evidence.planning.pilot import too_few_for_pilot
 from nvcore.evidence.units import WHOLE, count_whole
-from nvcore.figures.power import power_plot
+from nvcore.figures.dots import power_plot
 from nvcore.measures.table import count_recordings, inference_of
 from nvcore.notes import Note
 from nvcore.progress import Progress, part_of

@@ -9,7 +9,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.figures.paired import recordings_plot
+from nvcore.figures.dots import recordings_plot
 from nvcore.measures.entry import MeasureTable
 from nvcore.measures.table import count_recordings
 from nvcore.notes import Note

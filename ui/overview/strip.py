@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from nvcore.comparison import Result
-from nvcore.figures.over_time.strip import loss_strip_plot
+from nvcore.figures.lanes import loss_strip_plot
 from nvcore.tables.loss_strip import loss_strip
 from ui.session import state
 from ui.shell.navigate import open_row

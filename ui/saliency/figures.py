@@ -8,7 +8,7 @@ import plotly.graph_objects as go
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.figures.paired import recordings_plot
+from nvcore.figures.dots import recordings_plot
 from nvcore.figures.saliency import parts_plot, plane_plot, recency_plot
 from nvcore.measures.table import has_several_recordings
 from nvcore.params import Params

@@ -9,8 +9,8 @@ import streamlit as st
 
 from nvcore.errors import ParameterError
 from nvcore.evidence.operating_points import moved_of
-from nvcore.figures.cost_map import cost_plot
 from nvcore.figures.inputs import proximity_plot
+from nvcore.figures.maps import cost_plot
 from nvcore.params import SETTINGS, settings_for
 from nvcore.params.traffic import count_contexts
 from nvcore.stages import MATCH, PROXIMITY, THRESHOLD, Setting, Stage

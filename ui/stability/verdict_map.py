@@ -10,7 +10,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.errors import InputError
-from nvcore.figures.stability import stability_map
+from nvcore.figures.maps import stability_map
 from nvcore.params import Params
 from nvcore.progress import Progress
 from nvcore.stability.axes import Plane

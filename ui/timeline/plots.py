@@ -10,9 +10,8 @@ import numpy as np
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.figures.over_time.lanes import lane_order, lanes_figure
-from nvcore.figures.over_time.losses import loss_plot
-from nvcore.figures.over_time.similarity import TimeLayout, similarity_plot
+from nvcore.figures.lanes import lane_order, lanes_figure
+from nvcore.figures.over_time import TimeLayout, loss_plot, similarity_plot
 from nvcore.stages import shown_results
 from ui.session import state, store
 from ui.session.chosen import choose_encounter, chosen_encounter

@@ -1,11 +1,11 @@
-"""A figure that only the report has, and Plotly for a page that works offline."""
+"""Figure of the report's intervals, and figures and Plotly for a page that works offline."""
 
 from __future__ import annotations
 
 import base64
 import gzip
 import json
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping
 from functools import cache
 from html import unescape
 from textwrap import wrap
@@ -24,6 +24,7 @@ from nvcore.figures.style import (
     plain,
     take_heading,
     which_is_which,
+    write,
 )
 from nvcore.measures.table import evidence_form, inference_of
 from nvcore.palette import Theme
@@ -32,32 +33,32 @@ from nvcore.wording import difference, minus
 
 INTERVAL_PX: Final = 56
 WORDS_PX: Final = 48
-"""Height of a measure's row with an interval, and without."""
+"""Height of a measure's row with an interval, and without one."""
 STRIP_PX: Final = (6, 28)
 """Top and bottom of the axis within its row."""
 WORDS_SHARE: Final = 0.47
 """Share of the width for the words left of the axes."""
 LINE: Final = 38
-"""Characters in a line of them."""
+"""Characters in a line of these words."""
 MARGIN_PX: Final = (62, 16)
 """Above and below the rows."""
 
 
 @cache
 def packed_plotly() -> str:
-    """Plotly's JavaScript, compressed, in base64: the page unpacks it."""
+    """Return Plotly's JavaScript, compressed, in base64: the page unpacks it."""
     return base64.b64encode(gzip.compress(get_plotlyjs().encode(), 9, mtime=0)).decode()
 
 
 def heading_apart(figure: go.Figure) -> tuple[go.Figure, str, str]:
-    """The figure without heading, its title and its subtitle: as text of the page they wrap."""
+    """Return a figure without heading, its title and its subtitle, which wrap on a page."""
     apart = go.Figure(figure)
     title, subtitle = map(unescape, take_heading(apart))
     return apart, title, subtitle
 
 
 def figure_json(figure: go.Figure) -> str:
-    """The figure as JSON that is safe inside a ``script`` element: it cannot end the element."""
+    """Return a figure as JSON that cannot end the ``script`` element that it is in."""
     # the standard library's encoder writes the same text on every machine
     text = json.dumps(json.loads(figure.to_json(engine="json")), separators=(",", ":"))
     for sign, escape in (("<", "\\u003c"), (">", "\\u003e"), ("&", "\\u0026")):
@@ -66,7 +67,7 @@ def figure_json(figure: go.Figure) -> str:
 
 
 def interval_plot(evidence: pd.DataFrame, theme: Theme = "light") -> go.Figure:
-    """Difference X - Y of every measure with its 95 % interval, each on an axis of its own.
+    """Draw the difference X - Y of every measure with its 95 % interval, each on its own axis.
 
     Right of the line X is better in all of them: where less is better, the axis runs backwards. A
     measure without interval has its difference in words and no place on an axis, because nothing
@@ -84,7 +85,8 @@ def interval_plot(evidence: pd.DataFrame, theme: Theme = "light") -> go.Figure:
     heights = np.where(has_interval, INTERVAL_PX, WORDS_PX)
     ends = np.cumsum(heights)
     total = float(ends[-1])
-    figure = go.Figure()
+    place = {"x": 0, "xref": "paper", "xanchor": "left", "yref": "paper", "yanchor": "top"}
+    figure, n_axes = go.Figure(), 0
     for row, top, has_ends in zip(
         defined.to_dict("records"), (ends - heights).tolist(), has_interval.tolist(), strict=True
     ):
@@ -92,69 +94,46 @@ def interval_plot(evidence: pd.DataFrame, theme: Theme = "light") -> go.Figure:
         lines = [plain(line, max_length=LINE) for line in wrap(f"{row['label']}:", LINE)]
         text = f"{'<br>'.join(lines)} <b>{minus(difference(row['difference'], 0, form))}</b>"
         if has_ends:
-            _add_axis(
-                figure, row, form, theme, [1 - (top + edge) / total for edge in STRIP_PX[::-1]]
-            )
+            domain = [1 - (top + edge) / total for edge in STRIP_PX[::-1]]
+            n_axes += 1
+            _add_axis(figure, row, theme, n_axes, domain)
         else:
             text += " (no interval can be given)"
-        figure.add_annotation(
-            text=text,
-            x=0,
-            xref="paper",
-            xanchor="left",
-            y=1 - (top + 4) / total,
-            yref="paper",
-            yanchor="top",
-            showarrow=False,
-            align="left",
-            font={"size": 12, "color": LOOK[theme].ink},
-        )
-    sides = "every axis has its own scale; right of the line X is better, left of it Y"
+        y, color = 1 - (top + 4) / total, LOOK[theme].ink
+        write(figure, text, size=12, color=color, y=y, align="left", **place)
+    about = "every axis has its own scale; right of the line X is better, left of it Y"
+    axes: dict[str, Any] = {}
+    if not n_axes:  # Plotly would draw its own
+        about = "too few data for any interval"
+        axes = {name: {"visible": False} for name in ("xaxis", "yaxis")}
     above, below = MARGIN_PX
-    # without any axis Plotly would draw its own
-    no_axes = (
-        {} if has_interval.any() else {"xaxis": {"visible": False}, "yaxis": {"visible": False}}
+    looks = layout(
+        theme,
+        title="Differences X − Y with 95 % intervals",
+        subtitle=about + which_is_which(theme),
+        height=int(above + total + below),
+        showlegend=False,
+        margin={"l": 24, "r": 24, "t": above, "b": below},
+        **axes,
     )
-    figure.update_layout(
-        layout(
-            theme,
-            title="Differences X − Y with 95 % intervals",
-            subtitle=(sides if has_interval.any() else "too few data for any interval")
-            + which_is_which(theme),
-            height=int(above + total + below),
-            showlegend=False,
-            margin={"l": 24, "r": 24, "t": above, "b": below},
-            **no_axes,
-        )
-    )
-    return figure
+    return figure.update_layout(looks)
 
 
 def _add_axis(
-    figure: go.Figure,
-    row: Mapping[Hashable, Any],
-    form: str,
-    theme: Theme,
-    domain: Sequence[float],
+    figure: go.Figure, row: Mapping[Hashable, Any], theme: Theme, number: int, domain: list[float]
 ) -> None:
-    """The interval and the difference of a measure."""
-    look: Any = LOOK[theme]
-    number = sum(trace.mode == "markers" for trace in figure.data) + 1
-    key = str(number) if number > 1 else ""
-    is_share = form.endswith("%")
-    low, high, middle = (
-        (100.0 if is_share else 1.0) * row[name] for name in ("low", "high", "difference")
-    )
+    """Add the interval and the difference of a measure, on axes of their own."""
+    look, key = LOOK[theme], str(number) if number > 1 else ""
+    is_share = evidence_form(row["figure"]).endswith("%")
+    unit, suffix = (100.0, " pp") if is_share else (1.0, "")
+    low, high, middle = (unit * row[name] for name in ("low", "high", "difference"))
     least = inference_of(row["figure"]).scale.least_reach
     reach = max(REACH * max(abs(low), abs(high), abs(middle)), least)
     sign = 1 if row["better"] == "higher" else -1
-    axes = {"xaxis": f"x{key}", "yaxis": f"y{key}"}
-    line = {"color": look.muted, "width": 3}
-    figure.add_scatter(x=[low, high], y=[0, 0], mode="lines", hoverinfo="skip", **axes, line=line)
     gain = sign * middle
     better = look.x if gain > 0 else look.y if gain < 0 else look.muted
+    of, line = {"xaxis": f"x{key}", "yaxis": f"y{key}"}, {"color": look.muted, "width": 3}
     marker = {"color": better, "size": 12, "symbol": "circle"}
-    figure.add_scatter(x=[middle], y=[0], mode="markers", hoverinfo="x", **axes, marker=marker)
     x_axis = axis(
         theme,
         range=[-sign * reach, sign * reach],
@@ -165,13 +144,10 @@ def _add_axis(
         zerolinecolor=look.muted,
         domain=[WORDS_SHARE, 1],
         anchor=f"y{key}",
-        ticksuffix=" pp" if is_share else "",
+        ticksuffix=suffix,
     )
-    y_axis = {
-        "visible": False,
-        "range": [-1, 1],
-        "fixedrange": True,
-        "domain": list(domain),
-        "anchor": f"x{key}",
-    }
+    y_axis = {"visible": False, "range": [-1, 1], "fixedrange": True, "domain": domain}
+    y_axis["anchor"] = f"x{key}"
+    figure.add_scatter(x=[low, high], y=[0, 0], mode="lines", hoverinfo="skip", line=line, **of)
+    figure.add_scatter(x=[middle], y=[0], mode="markers", hoverinfo="x", marker=marker, **of)
     figure.update_layout({f"xaxis{key}": x_axis, f"yaxis{key}": y_axis})

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
 
+import nvcore
 from nvcore.codes import NO_CODE
 from nvcore.comparison import Result
 from nvcore.evidence.subgroup_table import judge_groups
@@ -49,9 +50,6 @@ from nvcore.tables.result import encounters_table
 from nvcore.tables.scorecard import score_rows
 from nvcore.wording import UNDEFINED, Footnotes, capitalised, count_text, number
 
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
-
 SHARE: Final = "encounters_detected_by_unit"
 NO_INTERVAL: Final = (UNDEFINED, "")
 ORIGINS: Final = {
@@ -69,36 +67,28 @@ N_HEAVIEST: Final = 10
 def encounters_section(result: Result) -> Section:
     """Return the section on who detects which pedestrians, how others are missed, and fusion."""
     encounters = weighed_encounters(result)
-    counts = result.venn.counts()
-
-    def venn() -> go.Figure:
-        from nvcore.figures.venn import venn_figure
-
-        theme, objects = result.scheme("light"), result.objects
-        return venn_figure(
-            result.venn, result.names, theme=theme, encounters=encounters, objects=objects
-        )
-
-    def classes() -> go.Figure:
-        from nvcore.figures.encounters import miss_classes_plot
-
-        theme, objects = result.scheme("light"), result.objects
-        return miss_classes_plot(
-            encounters_table(result), result.names, theme=theme, objects=objects
-        )
-
-    in_words = ", ".join(f"{CATEGORY_WORDS[kind]} {counts[kind]}" for kind in Category)
+    counts, names = result.venn.counts(), result.names
+    look: dict[str, Any] = {"theme": result.scheme("light"), "objects": result.objects}
+    venn = Chart(
+        "venn",
+        lambda: nvcore.figures.venn_figure(result.venn, names, encounters=encounters, **look),
+        f"Encounters: {', '.join(f'{CATEGORY_WORDS[kind]} {counts[kind]}' for kind in Category)}",
+    )
+    classes = Chart(
+        "classes",
+        lambda: nvcore.figures.miss_classes_plot(encounters_table(result), names, **look),
+        "How many encounters each system fails in which way",
+    )
     missed, classes_table = _miss_classes(result), by_class(result)
     fusion = fusion_table(result)
-    classes_in_words = "How many encounters each system fails in which way"
     blocks: tuple[Block, ...] = (
         _categories(result),
-        Chart("venn", venn, f"Encounters: {in_words}"),
+        venn,
         _heaviest(result, encounters),
         *_weightings(result, encounters),
         *([Fold("By class of {one}", (classes_table,))] if classes_table else []),
         Paragraphs((*misses(result), lead(result))),
-        Fold(missed.title, (Chart("classes", classes, classes_in_words), missed)),
+        Fold(missed.title, (classes, missed)),
         Paragraphs(fusion_gains(fusion)),
         Fold("X and Y as one system; boxes by who matches them", (_fusion(fusion), _boxes(result))),
     )
@@ -166,11 +156,6 @@ def _weightings(result: Result, encounters: pd.DataFrame) -> tuple[Fold, ...]:
     encounter = int(heaviest.index[0])
     weightings = compare_weightings(result, encounter)
 
-    def over_time() -> go.Figure:
-        from nvcore.figures.weightings import weightings_plot
-
-        return weightings_plot(result, encounter, weightings, theme=result.scheme("light"))
-
     def kind(row: Row) -> str:
         return f"{row['kind']} (in use)" if row["kind"] == weightings.in_use else str(row["kind"])
 
@@ -181,7 +166,13 @@ def _weightings(result: Result, encounters: pd.DataFrame) -> tuple[Fold, ...]:
         **of_both("Severity {} (s)", "severity_s_{}", ".2f"),
     }
     title = "The heaviest encounter, weighted by height, horizon and distance"
-    chart = Chart("weightings", over_time, "The heaviest encounter's weight over time, by each")
+    chart = Chart(
+        "weightings",
+        lambda: nvcore.figures.weightings_plot(
+            result, encounter, weightings, theme=result.scheme("light")
+        ),
+        "The heaviest encounter's weight over time, by each",
+    )
     rows = weightings.table.rename_axis("kind").reset_index()
     unknown = [Note("sections.weightings")] if rows.isna().to_numpy().any() else []
     return (Fold(title, (chart, listing(title, rows, columns, notes=unknown))),)

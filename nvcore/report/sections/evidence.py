@@ -27,9 +27,8 @@ from nvcore.evidence.planning.plan import Plan, plan_recordings
 from nvcore.evidence.planning.thresholds import vary_thresholds
 from nvcore.evidence.subgroups import ALL
 from nvcore.evidence.units import WHOLE, find_units
-from nvcore.figures.detection import CurveKind, curve_plot, legend_text
-from nvcore.figures.forest import forest_in_words, subgroup_forest
-from nvcore.figures.stability import stability_map
+from nvcore.figures import CurveKind, curve_plot, legend_text, stability_map, subgroup_forest
+from nvcore.figures.dots import forest_in_words
 from nvcore.measures.of_encounters import DETECTED
 from nvcore.measures.table import doubt_of, evidence_form, measure_of, repeated_by
 from nvcore.notes import Note

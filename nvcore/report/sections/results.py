@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 import pandas as pd
 
+import nvcore
 from nvcore.comparison import Result
 from nvcore.evidence.bootstrap import INTERVAL_RULE
 from nvcore.measures.entry import MeasureTable
@@ -80,17 +81,7 @@ def scorecard_section(result: Result) -> Section:
 def similarity_section(result: Result) -> Section:
     """Return the section on similarity: by recording, lost over time, and the worst intervals."""
     recordings = recordings_table(result)
-
-    def of_recordings() -> go.Figure:
-        from nvcore.figures.paired import recordings_plot
-
-        return recordings_plot(recordings, result.names, theme=result.scheme("light"))
-
-    def of_losses() -> go.Figure:
-        from nvcore.figures.over_time.strip import loss_strip_plot
-
-        return loss_strip_plot(result, loss_strip(result), theme=result.scheme("light"))
-
+    theme = result.scheme("light")
     by_recording = _by_recording(result, recordings)
     introduction = about(
         "sections.similarity",
@@ -100,10 +91,17 @@ def similarity_section(result: Result) -> Section:
         midpoint_share=MIDPOINT_SHARE,
         spread_share=SPREAD_SHARE,
     )
-    in_words = "What the worse system loses over the time of every recording"
     blocks: tuple[Block, ...] = (
-        Chart("recordings", of_recordings, "Mean similarity of X and Y in every recording"),
-        Chart("loss-strip", of_losses, in_words),
+        Chart(
+            "recordings",
+            lambda: nvcore.figures.recordings_plot(recordings, result.names, theme=theme),
+            "Mean similarity of X and Y in every recording",
+        ),
+        Chart(
+            "loss-strip",
+            lambda: nvcore.figures.loss_strip_plot(result, loss_strip(result), theme=theme),
+            "What the worse system loses over the time of every recording",
+        ),
         Fold(by_recording.title, (by_recording,), "in recordings.csv"),
         Paragraphs(leads(result)),
         _windows(result),
@@ -182,12 +180,6 @@ _SPAN: Final[Columns] = {"Start (s)": ("start_s", ".2f"), "Duration (s)": ("dura
 def saliency_section(result: Result) -> Section:
     """Return the section on how saliency is computed, with the largest events."""
     worst = pd.concat([worst_events(result, letter, n=N_WORST) for letter in "xy"])
-
-    def plane() -> go.Figure:
-        from nvcore.figures.saliency import plane_plot
-
-        return plane_plot(result, theme=result.scheme("light"))
-
     columns: Columns = {
         **_PLACE,
         "{One}": "track",
@@ -196,10 +188,13 @@ def saliency_section(result: Result) -> Section:
         "Recency": ("recency", ".3f"),
         "Saliency (s)": ("saliency_s", ".3f"),
     }
-    in_words = "Mean similarity and saliency of X and Y in every recording"
     blocks: tuple[Block, ...] = (
         Paragraphs((*saliencies(result), *saliency_caveat(result.params))),
-        Chart("plane", plane, in_words),
+        Chart(
+            "plane",
+            lambda: nvcore.figures.plane_plot(result, theme=result.scheme("light")),
+            "Mean similarity and saliency of X and Y in every recording",
+        ),
         listing("The most salient events", worst, columns),
     )
     return Section("saliency", "Saliency", about("sections.saliency", result), blocks)
@@ -256,7 +251,6 @@ def classes_section(result: Result) -> Section:
         rows = counted[counted["system"] == letter]
         if rows.empty or not names_classes(result, system):
             continue
-        in_words = f"How many boxes of each class {letter.upper()} read as which"
         cells = rows[["truth_class", "read_class", "n"]].fillna({"read_class": "no class"})
         columns: Columns = {
             "Class in the truth": "truth_class",
@@ -264,20 +258,19 @@ def classes_section(result: Result) -> Section:
             "Boxes": ("n", "d"),
         }
         blocks += [
-            Chart(f"classes-{letter}", _classes(result, counted, letter), in_words),
+            _classes(result, counted, letter),
             listing(f"Classes read by {letter.upper()}", cells, columns),
         ]
     return Section("classes", "Classes", about("sections.classes", result), tuple(blocks))
 
 
-def _classes(result: Result, counted: pd.DataFrame, letter: str) -> Callable[[], go.Figure]:
-    def draw() -> go.Figure:
-        from nvcore.figures.classes import classes_plot
-
-        name = dict(result.sides)[letter].name
-        return classes_plot(counted, letter, name, theme=result.scheme("light"))
-
-    return draw
+def _classes(result: Result, counted: pd.DataFrame, letter: str) -> Chart:
+    name, theme = dict(result.sides)[letter].name, result.scheme("light")
+    return Chart(
+        f"classes-{letter}",
+        lambda: nvcore.figures.classes_plot(counted, letter, name, theme=theme),
+        f"How many boxes of each class {letter.upper()} read as which",
+    )
 
 
 def significance_section(result: Result, evidence: pd.DataFrame) -> Section:

@@ -8,7 +8,7 @@ from typing import Any
 import plotly.graph_objects as go
 import pytest
 
-from nvcore.figures.style import draw, heading
+from nvcore.figures.style import draw
 from ui.widgets import charts
 from ui.widgets.clicks import take_click
 
@@ -23,8 +23,11 @@ def told(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
 
 
 def figure() -> go.Figure:
-    text = heading("Lost & found", "<i>of 3</i>", theme="light")
-    return draw([go.Scatter(x=[1, 2], y=[3, 4])], "light", height=300, title=text)
+    trace, texts = (
+        go.Scatter(x=[1, 2], y=[3, 4]),
+        {"title": "Lost & found", "subtitle": "<i>of 3</i>"},
+    )
+    return draw(trace, "light", height=300, **texts)
 
 
 def test_a_figure_is_sent_with_its_heading_apart(told: dict[str, Any]):

@@ -1,9 +1,8 @@
-"""Charts as every page draws them, and clicks in them.
+"""Charts of the pages, and clicks in them.
 
-A Streamlit component around Plotly: a figure of Streamlit's own is thrown away and drawn anew
-whenever its data change, which takes several times as long. Every figure can be taken away, as
-picture, drawing or table, and where points can be clicked, keys do it as well: the browser does it
-all with what it has drawn, and it costs the server nothing.
+A Streamlit component around Plotly: Streamlit's own chart is drawn anew whenever its data change,
+which takes several times as long. Every figure can be saved as picture, drawing or table, and
+where points can be clicked, keys do it as well. All of that happens in the browser.
 """
 
 from __future__ import annotations
@@ -35,17 +34,7 @@ HEADING_PX: Final = 40
 
 @dataclass(frozen=True)
 class ReadyFigure:
-    """A figure as the browser takes it, and what the page says above it.
-
-    Attributes
-    ----------
-    title, subtitle
-        HTML.
-    height
-        Pixels.
-    spec
-        Plotly's JSON.
-    """
+    """A figure as Plotly's JSON, its height in pixels, and the HTML of its heading."""
 
     title: str
     subtitle: str
@@ -55,7 +44,7 @@ class ReadyFigure:
 
 @dataclass(frozen=True)
 class Clicked:
-    """A point that was clicked: its ``customdata`` and its trace."""
+    """A clicked point: its ``customdata`` and the number of its trace."""
 
     value: Any
     curve: int
@@ -72,18 +61,27 @@ def draw_chart(
     help: str | None = None,  # noqa: A002  # as Streamlit calls it
     of: str = "",
 ) -> None:
-    """Draw a chart; `on_click` is called before the page when a point is clicked or released.
+    """Draw a chart.
 
-    `help` stands behind a question mark beside the heading, text with links as `docs_link` writes
-    them; `of` says at the start of the subtitle what the page shows there, for those who see the
-    figure alone. `alt` says what the chart shows, for those who cannot see it. Along `time_axis`,
-    which is in seconds, the browser marks the frame that the viewer shows.
+    Parameters
+    ----------
+    on_click
+        Called before the page's script when a point is clicked or released.
+    is_clicked
+        Whether points can be clicked without `on_click`, too (`clicked_chart`).
+    alt
+        Alternative text, else the heading.
+    time_axis
+        Axis in seconds along which the browser marks the frame that the viewer shows.
+    help
+        Text behind a question mark beside the heading, with links as `docs_link` writes them.
+    of
+        Start of the subtitle: what the page shows, for those who see the figure alone.
     """
     ready = figure if isinstance(figure, ReadyFigure) else _ready(figure)
     subtitle = ready.subtitle
     if not subtitle.startswith(of):
         subtitle = "; ".join(filter(None, (of, subtitle)))
-    is_clicked = is_clicked or on_click is not None
     _COMPONENT(
         key=key,
         height=ready.height + (HEADING_PX if ready.title else 0),  # until its script has come
@@ -94,7 +92,7 @@ def draw_chart(
             "meta": [ready.title, subtitle, time_axis],
             "help": help,
             "alt": alt,
-            "isClicked": is_clicked,
+            "isClicked": is_clicked or on_click is not None,
             "plotly": f"{base_path()}{PLOTLY}",
         },
         on_clicked_change=partial(_tell, key, on_click),
@@ -102,7 +100,7 @@ def draw_chart(
 
 
 def clicked_chart(figure: go.Figure | ReadyFigure, key: str, **more: Any) -> Any:
-    """Draw a chart; the ``customdata`` of a point clicked since the last call, None: no click.
+    """Draw a chart and return ``customdata`` of a point clicked since the last call, or None.
 
     `more` as of `draw_chart`.
     """
@@ -113,20 +111,19 @@ def clicked_chart(figure: go.Figure | ReadyFigure, key: str, **more: Any) -> Any
 def kept_figure(
     kind: str, key: Hashable, make: Callable[[], go.Figure], *, most: int = 1
 ) -> ReadyFigure:
-    """A figure, made anew when `key` changes (see `state.cached`), ready to be drawn."""
+    """Return a figure ready to be drawn, made anew when `key` changes (see `state.cached`)."""
     return state.cached(kind, key, lambda: _ready(make()), most=most)
 
 
 def _ready(figure: go.Figure) -> ReadyFigure:
     title, subtitle, *_ = figure.layout.meta or take_heading(figure)
     figure.layout.meta = (title, subtitle)  # it may be drawn again
-    return ReadyFigure(
-        title, subtitle, int(figure.layout.height), plotly.io.to_json(figure, validate=False)
-    )
+    spec = plotly.io.to_json(figure, validate=False)
+    return ReadyFigure(title, subtitle, int(figure.layout.height), spec)
 
 
 def _tell(key: str, on_click: Callable[[Clicked], None] | None) -> None:
-    """Pass on what was clicked, if a browser can have meant it."""
+    """Pass on a click, unless its message is malformed."""
     clicked = store.sent(key, "clicked")
     if not isinstance(clicked, Mapping) or type(clicked.get("curve")) is not int:
         return

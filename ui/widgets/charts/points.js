@@ -1,7 +1,7 @@
 // A figure whose points can be clicked is worked by keys as well: arrows go from point to point,
 // Enter clicks. A second click on a point acts like the first.
 
-import { asText, axisKey } from "./figure.js";
+import { asText, axisKey, partOf } from "./figure.js";
 
 const STEP_OF_PAGE = 0.1;
 const MOST_IN_ROW = 0.5; // rows are rows if there are no more of them than this share of the points
@@ -10,6 +10,7 @@ const INSIDE_PX = 4;
 const HOVER_MS = 80; // Plotly answers a movement of the mouse within so long
 const LOOK_MS = 20;
 const LOOKS = 10;
+const DIRECTIONS = { ArrowRight: 1, ArrowLeft: -1, ArrowDown: 1, ArrowUp: -1, PageDown: 1, PageUp: -1, Home: 0, End: 0 };
 const spots = new WeakMap(); // the point that is marked
 
 function axesOf(plot, trace) {
@@ -74,16 +75,12 @@ function target(points, current, key) {
   const hasRows = rows.length > 1 && rows.length <= MOST_IN_ROW * points.length;
   const across = [...points].sort(hasRows ? along("y", "x") : along("x", "y"));
   const page = Math.max(Math.round(STEP_OF_PAGE * points.length), 1);
-  if (!current) return across[0];
-  if (key === "Home") return across[0];
+  if (!current || key === "Home") return across[0];
   if (key === "End") return across.at(-1);
-  if (key === "ArrowRight") return step(across, current, 1);
-  if (key === "ArrowLeft") return step(across, current, -1);
-  if (key === "PageDown") return step(across, current, page);
-  if (key === "PageUp") return step(across, current, -page);
-  const way = key === "ArrowDown" ? 1 : -1;
-  if (!hasRows) return step([...points].sort(along("y", "x")), current, way);
-  const row = rows[rows.indexOf(current.y) + way];
+  if (key.startsWith("Page")) return step(across, current, DIRECTIONS[key] * page);
+  if (key === "ArrowRight" || key === "ArrowLeft") return step(across, current, DIRECTIONS[key]);
+  if (!hasRows) return step([...points].sort(along("y", "x")), current, DIRECTIONS[key]);
+  const row = rows[rows.indexOf(current.y) + DIRECTIONS[key]];
   const inRow = points.filter((point) => point.y === row);
   return inRow.reduce((best, point) => (
     Math.abs(point.x - current.x) < Math.abs(best.x - current.x) ? point : best
@@ -100,14 +97,10 @@ function press(plot, { curve, index }) {
   plot.nvClick({ curve, value: value?.buffer ? [...value] : value });
 }
 
-function speaker() {
-  let box = document.querySelector(".nv-says");
-  if (box) return box;
-  box = document.createElement("div");
-  box.className = "nv-says";
+function say(text) {
+  const box = partOf(document.body, "nv-says");
   box.setAttribute("role", "status");
-  document.body.append(box);
-  return box;
+  box.textContent = text;
 }
 
 // Plotly writes its text beside the point that it thinks the mouse is at.
@@ -142,30 +135,21 @@ function wordsOf(plot, { curve, index }) {
 
 function mark(plot, points, point) {
   spots.set(plot, point);
-  let ring = plot.querySelector(".nv-mark");
-  if (!ring) {
-    ring = document.createElement("div");
-    ring.className = "nv-mark";
-    plot.append(ring);
-  }
+  const ring = partOf(plot, "nv-mark");
   ring.style.left = `${point.x}px`;
   ring.style.top = `${point.y}px`;
   hover(plot, point);
   setTimeout(() => {
     if (spots.get(plot) !== point || document.activeElement !== plot) return;
-    speaker().textContent = `${wordsOf(plot, point)} (${points.length} points)`;
+    say(`${wordsOf(plot, point)} (${points.length} points)`);
   }, HOVER_MS);
-}
-
-function isKey(key) {
-  return key.startsWith("Arrow") || ["Home", "End", "PageUp", "PageDown"].includes(key);
 }
 
 function onKey(event) {
   const plot = event.currentTarget;
   const isPress = event.key === "Enter" || event.key === " ";
   if (event.target !== plot || event.ctrlKey || event.metaKey || event.altKey) return;
-  if (!isPress && !isKey(event.key)) return;
+  if (!isPress && !(event.key in DIRECTIONS)) return;
   event.preventDefault();
   event.stopPropagation();
   const points = pointsOf(plot);
@@ -179,10 +163,6 @@ function onFocus(event) {
   const points = pointsOf(plot);
   if (!points.length || !plot.matches(":focus-visible")) return;
   mark(plot, points, marked(plot, points) ?? target(points, null, ""));
-}
-
-function onBlur(event) {
-  unhover(event.currentTarget);
 }
 
 // Presses what lies where the mouse was clicked. Plotly looks that up every now and then, not when the
@@ -217,11 +197,11 @@ export function makeReachable(plot) {
   hearClicks(plot);
   plot.addEventListener("keydown", onKey);
   plot.addEventListener("focus", onFocus);
-  plot.addEventListener("blur", onBlur);
+  plot.addEventListener("blur", () => unhover(plot));
   plot.on("plotly_afterplot", () => {
-    const point = marked(plot, pointsOf(plot));
-    if (!point || !plot.querySelector(".nv-mark")) return;
-    mark(plot, pointsOf(plot), point);
+    const points = pointsOf(plot);
+    const point = marked(plot, points);
+    if (point && plot.querySelector(".nv-mark")) mark(plot, points, point);
   });
 }
 

@@ -1,17 +1,20 @@
-"""Figures of stability maps."""
+"""Maps of settings, and of the cost of a miss over the picture."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 import numpy as np
+import plotly.graph_objects as go
 import pytest
 from builders import Place, at, make_dataset, result_of
 from figure_parts import shape, trace, words
 from scenes import draw_scene
 
 from nvcore.comparison import compare
-from nvcore.figures.stability import stability_map
+from nvcore.figures.maps import cost_plot, stability_map
+from nvcore.metrics.cost_map import map_cost
+from nvcore.objects import PEDESTRIAN
 from nvcore.palette import X_COLOUR, Y_COLOUR
 from nvcore.params import Params
 from nvcore.stability.map import StabilityMap, map_stability
@@ -24,10 +27,17 @@ def stability() -> StabilityMap:
     return map_stability(result, "alpha-midpoint", "similarity", n_points=9)
 
 
-def test_the_map_has_the_differences_in_the_systems_colours(stability: StabilityMap) -> None:
-    figure = stability_map(stability, theme="light")
+@pytest.fixture(scope="module")
+def figure(stability: StabilityMap) -> go.Figure:
+    return stability_map(stability, theme="light")
+
+
+def test_the_map_has_the_differences_in_the_systems_colours(
+    stability: StabilityMap, figure: go.Figure
+) -> None:
     heat = trace(figure, "difference")
     assert np.array_equal(heat.z, stability.difference.T)
+    assert "equal false alarms per frame" not in [part.name for part in figure.data]
     assert heat.x.tolist() == stability.axes[0].values.tolist()
     assert heat.y.tolist() == stability.axes[1].values.tolist()
     assert heat.zmax == -heat.zmin == np.abs(stability.difference).max()
@@ -38,8 +48,8 @@ def test_the_map_has_the_differences_in_the_systems_colours(stability: Stability
     assert figure.layout.yaxis.title.text == f"Counts half at (midpoint, px), from {start:.2g}"
 
 
-def test_a_click_gives_the_cell(stability: StabilityMap) -> None:
-    clicks = trace(stability_map(stability, theme="light"), "settings")
+def test_a_click_gives_the_cell(stability: StabilityMap, figure: go.Figure) -> None:
+    clicks = trace(figure, "settings")
     assert clicks.customdata.tolist() == list(range(stability.difference.size))
     for cell in (0, 13, stability.difference.size - 1):
         settings = stability.settings(cell)
@@ -50,9 +60,8 @@ def test_a_click_gives_the_cell(stability: StabilityMap) -> None:
 
 
 def test_the_analysed_setting_and_the_nearest_overturning_one_are_marked(
-    stability: StabilityMap,
+    stability: StabilityMap, figure: go.Figure
 ) -> None:
-    figure = stability_map(stability, theme="dark")
     marker = trace(figure, "as analysed")
     assert (marker.x, marker.y) == ((0.9,), (40.0,))
     assert stability.overturn is not None
@@ -66,8 +75,10 @@ def test_the_analysed_setting_and_the_nearest_overturning_one_are_marked(
     assert f"{stability.difference.size} settings" in text
 
 
-def test_the_line_of_no_difference_goes_around_ties(stability: StabilityMap) -> None:
-    line = trace(stability_map(stability, theme="light"), "verdict turns")
+def test_the_line_of_no_difference_goes_around_ties(
+    stability: StabilityMap, figure: go.Figure
+) -> None:
+    line = trace(figure, "verdict turns")
     assert (line.contours.start, line.contours.end, line.contours.coloring) == (0, 0, "none")
     assert np.array_equal(line.z, stability.difference.T)
     winner = stability.winner.copy()
@@ -77,9 +88,8 @@ def test_the_line_of_no_difference_goes_around_ties(stability: StabilityMap) -> 
     assert set(np.unique(line.z)) == {-1, 0, 1}
 
 
-def test_regions_are_named_where_they_are(stability: StabilityMap) -> None:
+def test_regions_are_named_where_they_are(stability: StabilityMap, figure: go.Figure) -> None:
     names = {"X better": "x", "Y better": "y"}
-    figure = stability_map(stability, theme="light")
     assert {note.text for note in figure.layout.annotations} == set(names)
     for note in figure.layout.annotations:
         i = int(np.flatnonzero(stability.axes[0].values == note.x)[0])
@@ -88,7 +98,8 @@ def test_regions_are_named_where_they_are(stability: StabilityMap) -> None:
 
 
 def test_a_name_stands_above_the_mark_of_the_only_cell_that_it_could_stand_in() -> None:
-    result = compare(draw_scene(44).dataset(), Params())
+    boxes = [at(0, 50, track=1)]
+    result = result_of(make_dataset(boxes, boxes, []))
     rules = map_stability(result, "saliency-rule", "saliency")
     present = rules.axes[0].present_index, rules.axes[1].present_index
     alone = np.full((2, 2), "y", dtype=object)
@@ -102,25 +113,25 @@ def test_a_name_stands_above_the_mark_of_the_only_cell_that_it_could_stand_in() 
 
 def test_equal_false_alarms_are_a_dashed_line_over_both_thresholds() -> None:
     # the same boxes with other scores: equal false alarms are equal shares of each system's scores
-    boxes = [at(f, c) for f in range(40) for c in (50, 10)]
+    boxes = [at(f, c) for f in range(8) for c in (50, 10)]
     x, y = (
         [box._replace(score=(i + 1) / (scale * len(boxes))) for i, box in enumerate(boxes)]
         for scale in (1, 2)
     )
-    result = result_of(make_dataset([at(f, 50) for f in range(40)], x, y))
-    stability = map_stability(result, "thresholds", "similarity")
+    result = result_of(make_dataset([at(f, 50) for f in range(8)], x, y))
+    stability = map_stability(result, "thresholds", "similarity", n_points=9)
     line = trace(stability_map(stability, theme="light"), "equal false alarms per frame")
     assert line.line.dash == "dash"
     assert line.y == pytest.approx(line.x / 2)
     for axis, along in zip(stability.axes, (line.x, line.y), strict=True):
         assert axis.values[0] <= along.min() <= along.max() <= axis.values[-1]
-    other = stability_map(map_stability(result, "edge-weight", "similarity"), theme="light")
-    assert "equal false alarms per frame" not in [part.name for part in other.data]
 
 
 def test_choices_are_named_on_their_axis() -> None:
     data = make_dataset([at(0, 50, w=20.0, track=1)], [at(0, 50, w=4.0)], [])
-    figure = stability_map(map_stability(result_of(data), "matching", "encounters"), theme="light")
+    figure = stability_map(
+        map_stability(result_of(data), "matching", "encounters", n_points=3), theme="light"
+    )
     assert figure.layout.yaxis.ticktext == ("overlap<br>of the boxes", "sideways<br>position")
     assert "verdict turns" not in [part.name for part in figure.data]
     frame = shape(figure, "plausible range")
@@ -146,7 +157,7 @@ def test_settings_of_each_recordings_own_are_a_line_between_the_ends() -> None:
     places = [Place([0], height=100), Place([0], height=300)]
     truth = [at(0, 50, recording=0), at(0, 50, recording=1)]
     result = compare(make_dataset(truth, truth, [], places=places), Params())
-    stability = map_stability(result, "alpha-midpoint", "similarity", n_points=5)
+    stability = map_stability(result, "alpha-midpoint", "similarity", n_points=3)
     marker = trace(stability_map(stability, theme="light"), "as analysed")
     assert (marker.x, marker.y, marker.mode) == ((0.9, 0.9), (10, 30), "markers+lines")
 
@@ -159,3 +170,16 @@ def test_an_undefined_map_says_why_and_one_with_undefined_cells_is_drawn(
     assert np.array_equal(trace(figure, "difference").z, partly.T, equal_nan=True)
     nothing = map_stability(result_of(make_dataset(n_frames=0)), "edge-weight", "similarity")
     assert "there are no frames" in words(stability_map(nothing, theme="dark"))
+
+
+def test_costs_lie_where_they_are_in_the_picture_and_its_upper_part_is_empty():
+    dataset = make_dataset([], n_frames=1, width=200.0, height=100.0, horizon=50.0)
+    settings = Params(proximity="horizon", midpoint=25.0, spread=5.0)
+    costs = map_cost(dataset.truth, dataset.frame_columns, settings, 0)
+    figure = cost_plot(costs, theme="dark", objects=PEDESTRIAN)
+    drawn = trace(figure, "cost")
+    assert drawn.z == pytest.approx(costs.cost, nan_ok=True, abs=1e-6)
+    assert np.isnan(drawn.z[drawn.y <= 50]).all()
+    assert (drawn.zmin, drawn.zmax) == (0, 1)
+    assert figure.layout.xaxis.range == pytest.approx((0, 200))
+    assert figure.layout.yaxis.range == pytest.approx((100, 0))  # rows are counted downwards

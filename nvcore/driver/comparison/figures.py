@@ -1,0 +1,383 @@
+"""Figures of the driver: detectability over time, counts over its threshold, who sees whom."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+
+from nvcore.driver.comparison.judging import DriverVenn
+from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
+from nvcore.driver.illumination import LightSource
+from nvcore.driver.illumination.clock import AdaptationClock
+from nvcore.figures.curves import mark_value
+from nvcore.figures.marks import (
+    marks,
+    row_texts,
+    rule,
+    still_line,
+    system_line,
+    system_marker,
+)
+from nvcore.figures.over_time import decimate
+from nvcore.figures.style import (
+    LOOK,
+    ChartLook,
+    axis,
+    counts_axis,
+    draw,
+    empty_figure,
+    faded,
+    plain,
+    system_label,
+    written,
+)
+from nvcore.figures.venn import Frame, filled, square_axes
+from nvcore.objects import Objects
+from nvcore.palette import Shade, Theme, scheme_of
+from nvcore.wording import count_text
+
+HEIGHT_PX: Final = 300
+WITH_LIGHT_PX: Final = 540
+ADAPTING_S: Final = (5.0, 10.0)
+"""Least and largest upper end of the axis of the adaptation: what matters comes first."""
+OUTSIDE_AT: Final = -0.06
+"""Height of the strokes of doubtful frames: below 0, where no estimate can be."""
+ROOM_S: Final = 0.5
+"""Time shown before and after the pedestrian."""
+SIMULATED: Final[dict[Shade, str]] = {"light": "#8E3A8A", "dark": "#D68FD0"}
+"""Neither X's nor Y's colour, nor the truth's."""
+LIGHT: Final = {
+    LightSource.METER: ("light (lx)", "light by the light meter"),
+    LightSource.PICTURE: (
+        "picture's mean",
+        "light by the pictures' mean luminance, a stand-in",
+    ),
+}
+"""Title of the axis of light, and words for the subtitle."""
+UNKNOWN: Final = "nothing is known of the light"
+MARK_PX: Final = 7
+RADIUS: Final = 0.9
+CENTRES: Final = {"driver": (0.0, 0.55), "x": (-0.52, -0.33), "y": (0.52, -0.33)}
+PLACES: Final[dict[DriverRegion, tuple[float, float]]] = {
+    DriverRegion.DRIVER_X_Y: (0.0, -0.02),
+    DriverRegion.DRIVER_X: (-0.55, 0.28),
+    DriverRegion.DRIVER_Y: (0.55, 0.28),
+    DriverRegion.DRIVER: (0.0, 1.0),
+    DriverRegion.X_Y: (0.0, -0.68),
+    DriverRegion.X: (-0.95, -0.6),
+    DriverRegion.Y: (0.95, -0.6),
+    DriverRegion.NOBODY: (1.6, 0.9),
+}
+"""Place of each region's count."""
+
+
+def detectability_course_plot(
+    course: pd.DataFrame,
+    *,
+    threshold: float,
+    theme: Theme,
+    objects: Objects,
+    clock: AdaptationClock | None = None,
+    simulated: pd.DataFrame | None = None,
+    caution: str = "",
+) -> go.Figure:
+    """Plot detectability with its standard deviation over time, above light and adaptation.
+
+    A click on a mark gives its row of the frames table as `customdata`.
+
+    Parameters
+    ----------
+    course
+        Of `nvcore.driver.comparison.encounters.detectability_course`.
+    threshold
+        Least detectability with which the driver sees the pedestrian, 0..1.
+    clock
+        Of the pedestrian's recording; None: nothing is known of the light.
+    simulated
+        Rows as of the course, with what `detectability` would be after a simulated change of light
+        (`nvcore.driver.simulation.simulate_change`), which is the clock's, too.
+    caution
+        Whose answers the estimates rest on, where some were simulated.
+    """
+    known, look = course[course["detectability"].notna()], LOOK[theme]
+    if known.empty:
+        text = f"It is not known how detectable this {objects.singular} is, in any frame."
+        return empty_figure(text, theme=theme)
+    is_early = known["is_up_to_relevant"]
+    traces = [
+        _band(known, theme),
+        _dots(known[is_early], "up to the first frame that counts", look.ink, "circle"),
+        _dots(known[~is_early], "later, or distant", look.ink, "circle-open"),
+        _outside(known, theme),
+    ]
+    if simulated is not None:
+        own = simulated["is_simulated"].astype(bool) & simulated["detectability"].notna()
+        drawn = course.assign(detectability=simulated["detectability"].to_numpy())[own.to_numpy()]
+        traces.append(_dots(drawn, "simulated", SIMULATED[scheme_of(theme).shade], "diamond"))
+    subtitle = f"{count_text(len(known), 'frame')} in which it is known, of {len(course):,}"
+    subtitle += f"; {caution}" if caution else ""
+    span = [float(course["time_s"].min()) - ROOM_S, float(course["time_s"].max()) + ROOM_S]
+    axes: dict[str, Any] = {}
+    if clock is not None:
+        lines, axes = _light(clock, span, theme)
+        traces += lines
+        subtitle += f"; {UNKNOWN if np.isnan(clock.level).all() else LIGHT[clock.source][1]}"
+    title = f"share of drivers who see the {objects.singular}"
+    form: dict[str, Any] = {"range": [-0.09, 1.04], "fixedrange": True}
+    figure = draw(
+        traces,
+        theme,
+        title="Detectability over time",
+        subtitle=subtitle,
+        height=WITH_LIGHT_PX if clock else HEIGHT_PX,
+        xaxis=axis(theme, "time (s)", range=span, anchor="y3" if clock else "y"),
+        yaxis=axis(theme, title, domain=[0.5 if clock else 0, 1], **form),
+        **axes,
+    )
+    figure.add_hline(
+        y=threshold,
+        line={"color": look.muted, "width": 1.5, "dash": "dash"},
+        annotation_text=f"sees from {threshold:g} on",
+        annotation_position="bottom right",
+    )
+    if clock is not None:
+        _mark_changes(figure, clock, span, theme)
+    return figure
+
+
+def _dots(frames: pd.DataFrame, name: str, colour: str, symbol: str) -> go.Scatter:
+    is_simulated = name == "simulated"
+    return marks(
+        frames["time_s"],
+        frames["detectability"],
+        None,
+        hover="simulated, " * is_simulated + "%{x:.2f} s: %{y:.2f}<extra></extra>",
+        customdata=frames["row"],
+        name=name,
+        showlegend=None if is_simulated else len(frames) > 0,
+        marker={"color": colour, "size": 6, "symbol": symbol},
+    )
+
+
+def _band(known: pd.DataFrame, theme: Theme) -> go.Scatter:
+    """Draw ± 1 standard deviation, split where frames lack one."""
+    frames = known[known["sd"].notna()]
+    stretch = np.cumsum(frames["row"].diff().ne(1))
+    x: list[float | None] = []
+    y: list[float | None] = []
+    for _, part in frames.groupby(stretch):  # a handful for each encounter
+        low, high = ((part["detectability"] + way * part["sd"]).clip(0, 1) for way in (-1, 1))
+        x += [*part["time_s"], *part["time_s"][::-1], None]
+        y += [*high, *low[::-1], None]
+    pale = faded(LOOK[theme].muted, 0.2)
+    return still_line(
+        x,
+        y,
+        "± 1 standard deviation",
+        showlegend=bool((known["sd"] > 0).any()),
+        fill="toself",
+        fillcolor=pale,
+        line={"color": pale, "width": 1},  # all there is of a single frame
+    )
+
+
+def _outside(known: pd.DataFrame, theme: Theme) -> go.Scatter:
+    """Mark frames whose estimates are outside the training range by strokes at the bottom."""
+    times = known["time_s"][known["is_outside"].astype(bool)]
+    line = {"width": 2, "color": LOOK[theme].muted}
+    return marks(
+        times,
+        np.full(len(times), OUTSIDE_AT),
+        None,
+        hover="",
+        hoverinfo="skip",
+        name="estimated outside the range of the training",
+        showlegend=len(times) > 0,
+        marker={"symbol": "line-ns", "size": 6, "line": line},
+    )
+
+
+def _light(
+    clock: AdaptationClock, span: list[float], theme: Theme
+) -> tuple[list[go.Scatter], dict[str, Any]]:
+    """Draw brightness, and the seconds since it became dark, over time, with their axes."""
+    is_inside = (clock.time_s >= span[0]) & (clock.time_s <= span[1])
+    bright = clock.level[clock.level > 0]
+    low, high = -1, 0  # exponents of ten that enclose all readings
+    if len(bright):
+        low, high = math.floor(np.log10(bright.min())), math.ceil(np.log10(bright.max()))
+    level = np.where(clock.level <= 0, 10.0**low, clock.level)  # 0 has no place on such an axis
+    traces = []
+    for values, place, name in (
+        (level, "y2", "light"),
+        (clock.period_s, "y3", "seconds since the change"),
+    ):
+        shown = np.where(is_inside, values, np.nan)
+        rows = decimate(np.nan_to_num(shown, nan=-1.0))
+        line = {"color": LOOK[theme].ink, "width": 1.5, "shape": "hv"}
+        traces.append(still_line(clock.time_s[rows], shown[rows], name, yaxis=place, line=line))
+    log: dict[str, Any] = {"type": "log", "dtick": 1, "exponentformat": "none", "fixedrange": True}
+    log |= {"range": [low, max(high, low + 1)], "domain": [0.25, 0.42]}
+    longest_s = float(np.nanmax(clock.period_s[is_inside], initial=0.0))
+    top = [0, float(np.clip(longest_s, *ADAPTING_S))]
+    period = axis(theme, "adapting (s)", domain=[0, 0.17], fixedrange=True, range=top)
+    return traces, {"yaxis2": axis(theme, LIGHT[clock.source][0], **log), "yaxis3": period}
+
+
+def _mark_changes(
+    figure: go.Figure, clock: AdaptationClock, span: list[float], theme: Theme
+) -> None:
+    """Draw a vertical line where it became dark, coloured if the change is simulated."""
+    place = {"xanchor": "left", "y": 0.42, "yref": "paper", "yanchor": "bottom"}
+    texts = []
+    for time_s in clock.change_s.tolist():
+        if span[0] <= time_s <= span[1]:
+            is_simulated = time_s == clock.simulated_s
+            colour = SIMULATED[scheme_of(theme).shade] if is_simulated else LOOK[theme].muted
+            rule(figure, "x", time_s, line={"color": colour, "width": 1.5, "dash": "dot"})
+            text = "simulated: dark" if is_simulated else "dark"
+            texts.append(written(text, size=12, color=colour, x=time_s, **place))
+    figure.layout.annotations = (*figure.layout.annotations, *texts)
+
+
+def driver_threshold_plot(
+    counts: pd.DataFrame,
+    names: tuple[str, str],
+    *,
+    threshold: float,
+    theme: Theme,
+    objects: Objects,
+) -> go.Figure:
+    """Draw encounters seen by the driver, useful alerts of X and of Y, and unprotected ones.
+
+    Parameters
+    ----------
+    counts
+        Of `nvcore.driver.comparison.encounters.over_driver_threshold`.
+    names
+        Names of X and Y.
+    threshold
+        `driver_threshold` as it is set, 0 to 1, marked.
+    """
+    if counts.empty:
+        text = f"Of no encounter is it known whether the driver sees the {objects.singular}."
+        return empty_figure(text, theme=theme)
+    looks = [("seen", "the driver sees", *_own("muted", "dot", "triangle-up-open", 1, theme))]
+    for letter, name in zip("xy", names, strict=True):
+        label = f"useful alerts of {system_label(letter, name)}"
+        marker = system_marker(letter, MARK_PX, theme)
+        looks.append((f"useful_{letter}", label, system_line(letter, theme), marker))
+    own = _own("ink", "longdash", "x-thin", 1.6, theme)
+    looks.append(("nobody", "unprotected by both", *own))
+    thresholds = counts["driver_threshold"].tolist()
+    lines = [
+        marks(
+            thresholds,
+            counts[column].tolist(),
+            row_texts(
+                "threshold {threshold:g}<br>{name}: {count}",
+                name=name,
+                threshold=thresholds,
+                count=[count_text(n, "encounter") for n in counts[column].tolist()],
+            ),
+            name=name,
+            mode="lines+markers",
+            cliponaxis=False,
+            line=line,
+            marker=marker,
+        )
+        for column, name, line, marker in looks
+    ]
+    n = count_text(int(counts["known"].iloc[0]), "near encounter")
+    words = "{n} of which it is known; the threshold decides {what} the driver sees"
+    x_title = f"threshold: share of drivers who would see the {objects.singular} (driver_threshold)"
+    form: dict[str, Any] = {"range": [0, 1], "fixedrange": True, "dtick": 0.1, "tickformat": ".1f"}
+    figure = draw(
+        lines,
+        theme,
+        title="Seen and warned of",
+        subtitle=objects.say(words, n=n),
+        height=360,
+        xaxis=axis(theme, x_title, **form),
+        yaxis=counts_axis(theme),
+    )
+    mark_value(figure, threshold, f"now {threshold:g}", theme, name="now", left_from=0.8)
+    return figure
+
+
+def _own(
+    colour: str, dash: str, symbol: str, rim: float, theme: Theme
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return a line and a marker that are neither X's nor Y's."""
+    shade = getattr(LOOK[theme], colour)
+    marker = {"color": shade, "size": MARK_PX, "symbol": symbol}
+    marker["line"] = {"width": rim, "color": shade}
+    return {"width": 1.8, "color": shade, "dash": dash}, marker
+
+
+def driver_venn_plot(
+    venn: DriverVenn, names: tuple[str, str], *, theme: Theme, objects: Objects
+) -> go.Figure:
+    """Draw a Venn diagram of the near encounters that the driver, X and Y see.
+
+    A click on a count gives its region (`nvcore.schema.DriverRegion`) as `customdata`. The circles
+    are of one size: three counts and their overlaps cannot be areas of circles.
+
+    Parameters
+    ----------
+    names
+        Names of X and Y.
+    """
+    if not venn.n_known:
+        return empty_figure("It is not known of any encounter who sees it.", theme=theme)
+    look = LOOK[theme]
+    texts = [
+        f"{count_text(venn.counts[region], 'encounter')}<br>"
+        + objects.say(DRIVER_REGION_TEXT[region])
+        for region in PLACES
+    ]
+    x, y = zip(*PLACES.values(), strict=True)
+    hidden = {"opacity": 0, "size": 44, "color": "#000"}
+    points = marks(x, y, texts, customdata=[*PLACES], marker=hidden)
+    numbers = [
+        written(f"<b>{venn.counts[region]:,}</b>", size=17, color=look.ink, x=x, y=y)
+        for region, (x, y) in PLACES.items()
+    ]
+    n_unknown, n_distant = (
+        venn.counts[region] for region in (DriverRegion.UNKNOWN, DriverRegion.DISTANT)
+    )
+    return draw(
+        points,
+        theme,
+        title=f"Who sees the {objects.singular}",
+        subtitle=f"{count_text(venn.n_known, 'near encounter')} of which it is known; not drawn: "
+        f"{n_unknown:,} unknown, {n_distant:,} distant; circles are not to scale",
+        height=400,
+        showlegend=False,
+        shapes=[_circle(who, look) for who in CENTRES],
+        annotations=[*_labels(names, look), *numbers],
+        **square_axes((-2.0, 2.0), (-1.45, 1.65)),
+    )
+
+
+def _circle(who: str, look: ChartLook) -> dict[str, Any]:
+    colour = look.muted if who == "driver" else look.of(who)
+    dash = "dot" if who == "driver" else look.dash(who)
+    line = {"color": colour, "width": 2.5, "dash": dash}
+    x, y = CENTRES[who]
+    box = Frame(x - RADIUS, x + RADIUS, y - RADIUS, y + RADIUS)
+    return filled("circle", box, line, faded(colour, 0.14))
+
+
+def _labels(names: tuple[str, str], look: ChartLook) -> list[dict[str, Any]]:
+    x, y = (f"{letter.upper()} {plain(name)}" for letter, name in zip("xy", names, strict=True))
+    return [
+        written("Driver", size=14, color=look.muted, x=0, y=1.48, yanchor="bottom"),
+        written(x, size=14, color=look.x, x=-1.05, y=-1.2, yanchor="top"),
+        written(y, size=14, color=look.y, x=1.05, y=-1.2, yanchor="top"),
+        written("none of them", size=12, color=look.muted, x=1.6, y=1.08, yanchor="bottom"),
+    ]

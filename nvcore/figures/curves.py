@@ -1,0 +1,483 @@
+"""Figures of detection curves, and what other curves share: logarithmic axes, marked values."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any, Final, Literal
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+
+from nvcore.detection.curve_summary import CurveSummary
+from nvcore.detection.curves import CurvePoint, DetectionCurve
+from nvcore.detection.miss_rate import FPPI_REFERENCES
+from nvcore.figures.marks import HOVER, click_markers, marks, rule, system_line, system_marker
+from nvcore.figures.style import (
+    LOOK,
+    axis,
+    begins_at,
+    draw,
+    empty_figure,
+    plain,
+    system_label,
+    write,
+)
+from nvcore.objects import Objects
+from nvcore.palette import Theme
+from nvcore.published import PublishedPoint
+from nvcore.wording import count_text, number
+
+CurveKind = Literal["miss_rate", "precision_recall", "roc", "roc_windows", "f1"]
+
+
+@dataclass(frozen=True)
+class CurveChart:
+    """Title of a kind of curve, measures and titles of its axes, and hover text of a point."""
+
+    title: str
+    x: str
+    y: str
+    x_title: str
+    y_title: str
+    hover: str
+
+
+WORDS: Final = {
+    "recall": "recall",
+    "miss_rate": "miss rate",
+    "precision": "precision",
+    "fppi": "false positives per image",
+    "fppw": "false positives per window",
+}
+KINDS: Final[dict[CurveKind, CurveChart]] = {
+    "miss_rate": CurveChart(
+        "Miss rate against false positives",
+        "fppi",
+        "miss_rate",
+        WORDS["fppi"],
+        "miss rate (0 is best)",
+        "miss rate {miss_rate:.3f}, {fppi:.3g} false positives per image<br>"
+        "precision {precision:.3f}",
+    ),
+    "precision_recall": CurveChart(
+        "Precision against recall",
+        "recall",
+        "precision",
+        "recall (1 is best)",
+        "precision (1 is best)",
+        "recall {recall:.3f}, precision {precision:.3f}<br>{fppi:.3g} false positives per image",
+    ),
+    "roc": CurveChart(
+        "Detection rate against false positives",
+        "fppi",
+        "recall",
+        WORDS["fppi"],
+        "detection rate (1 is best)",
+        "detection rate {recall:.3f}, {fppi:.3g} false positives per image<br>"
+        "precision {precision:.3f}",
+    ),
+    "roc_windows": CurveChart(
+        "Detection rate against false positives per window",
+        "fppw",
+        "recall",
+        WORDS["fppw"],
+        "detection rate (1 is best)",
+        "detection rate {recall:.3f}, {fppw:.3g} false positives per window<br>"
+        "{fppi:.3g} false positives per image, precision {precision:.3f}",
+    ),
+    "f1": CurveChart(
+        "F1 against the threshold",
+        "threshold",
+        "f1",
+        "score threshold",
+        "F1 (1 is best)",
+        "F1 {f1:.3f}<br>recall {recall:.3f}, precision {precision:.3f}<br>"
+        "{fppi:.3g} false positives per image",
+    ),
+}
+MEASURES: Final = ("threshold", "recall", "miss_rate", "precision", "f1", "fppi")
+"""Measures of each point of a curve."""
+MAX_POINTS: Final = 600
+"""Points of a curve that are drawn and can be clicked, evenly over the axis."""
+FPPI_RANGE: Final = (0.001, 1.0)
+"""The axis of false positives per image reaches so far at least."""
+RATE_TICKS: Final = (
+    *(0.001, 0.002, 0.005, 0.01, 0.02, 0.05),
+    *(0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0),
+)
+MOST_LOW_RATE: Final = 0.5
+"""The axis of miss rates reaches down to this at least, so that a flat curve looks flat."""
+UNIT_RANGE: Final = (-0.02, 1.02)
+"""Of axes from 0 to 1: marks at the ends are whole, and labels do not touch."""
+TO_CLICK: Final = "click a curve to set its threshold"
+IN_USE_PX: Final = 13
+PUBLISHED_PX: Final = 12
+PUBLISHED_SYMBOLS: Final = ("star", "triangle-up", "square", "cross", "x", "pentagon")
+EDGE_SHARE: Final = 0.09
+"""Of a logarithmic axis: from the lowest tick down to the edge."""
+MARGIN_SHARE: Final = 0.02
+"""Of a logarithmic axis: room at its low end, so that marks are whole and labels do not touch."""
+
+
+@dataclass(frozen=True)
+class LogScale:
+    """A logarithmic axis of rates, with an edge for zeros.
+
+    Attributes
+    ----------
+    ticks
+        Values with a label, increasing.
+    high
+        Its upper end.
+    edge_label
+        Label of the edge: "0", or "< 0.001" if small numbers stand there as well, or "" if nothing
+        does.
+    """
+
+    ticks: tuple[float, ...]
+    high: float
+    edge_label: str = ""
+
+    @classmethod
+    def of(cls, values: np.ndarray, ticks: Sequence[float], high: float) -> LogScale:
+        """Return the axis with these ticks and upper end for values of 0 or more.
+
+        Examples
+        --------
+        >>> LogScale.of(np.array([0.0, 0.5]), (0.01, 0.1, 1.0), 1.0).edge_label
+        '0'
+        >>> LogScale.of(np.array([0.0, 0.001]), (0.01, 0.1, 1.0), 1.0).edge_label
+        '< 0.01'
+        """
+        below = values[values < ticks[0] * (1 - 1e-9)]
+        label = f"< {_tick_label(ticks[0])}" if below.any() else "0" * (len(below) > 0)
+        return cls(tuple(ticks), high, label)
+
+    @property
+    def edge(self) -> float:
+        """Place of values below the lowest tick."""
+        low = self.ticks[0]
+        return float(low * (low / self.high) ** EDGE_SHARE)
+
+    def place(self, values: pd.Series) -> pd.Series:
+        """Return where values are drawn. Those below the lowest tick stand at the edge."""
+        return values.mask(values < self.ticks[0] * (1 - 1e-9), self.edge)
+
+    def axis(self) -> dict[str, Any]:
+        """Return settings of Plotly's axis."""
+        ticks, labels = [*self.ticks], [_tick_label(tick) for tick in self.ticks]
+        if self.edge_label:
+            ticks, labels = [self.edge, *ticks], [self.edge_label, *labels]
+        bottom = ticks[0] * (self.ticks[0] / self.high) ** MARGIN_SHARE
+        ends = [math.log10(bottom), math.log10(self.high)]
+        return {"type": "log", "range": ends, "tickvals": ticks, "ticktext": labels}
+
+
+def _tick_label(value: float) -> str:
+    text = f"{value:g}" if value > 0.00099 else f"{value:.0e}"
+    return text.replace("e-0", "e-")
+
+
+def _decades(low: float, high: float) -> tuple[float, ...]:
+    """Return powers of ten that hold both ends, both positive, in between."""
+    first, last = math.floor(math.log10(low) + 1e-9), math.ceil(math.log10(high) - 1e-9)
+    # 10.0**-4 is not 1e-4, and a tick beyond the end has no label
+    return tuple(float(f"1e{power}") for power in range(first, max(last, first + 1) + 1))
+
+
+def mark_value(
+    figure: go.Figure,
+    x: float,
+    text: str,
+    theme: Theme,
+    *,
+    name: str,
+    left_from: float,
+    y: float = 1,
+    colour: str = "ink",
+    dash: str | None = None,
+    layer: str | None = None,
+) -> None:
+    """Draw a line over the whole height at `x`, with a text beside it at the height `y`, 0 to 1.
+
+    Above `left_from` the text stands left of the line.
+    """
+    shade = getattr(LOOK[theme], colour)
+    rule(figure, "x", x, name=name, line={"color": shade, "width": 1.5, "dash": dash}, layer=layer)
+    anchor, shift = ("right", -4) if x > left_from else ("left", 4)
+    place = {"x": x, "xanchor": anchor, "xshift": shift}
+    place |= {"y": y, "yref": "paper", "yanchor": "top" if y > 0.5 else "bottom"}
+    write(figure, text, size=11, color=shade, **place)
+
+
+def legend_text(summary: CurveSummary, kind: CurveKind) -> str:
+    """Return the measure that belongs to a kind of curve for its legend, with why it is 0."""
+    if summary.why_undefined is not None:
+        return ""
+    if kind == "precision_recall":
+        return f"AP {summary.average_precision_coco:.3f}"
+    if kind == "f1":
+        return "" if np.isnan(summary.best_f1) else f"best {summary.best_f1:.3f}"
+    if kind != "miss_rate":
+        return ""
+    n_zero, n = summary.n_zero_references, len(FPPI_REFERENCES)
+    if not n_zero:
+        return f"LAMR {number(summary.log_average_miss_rate, '.1%')}"
+    why = "nothing missed" if n_zero == n else f"0 at {n_zero} of {n} references"
+    return f"LAMR 0 % ({why})"
+
+
+def curve_plot(
+    curves: Sequence[DetectionCurve],
+    thresholds: Sequence[float | None],
+    kind: CurveKind,
+    *,
+    theme: Theme,
+    objects: Objects,
+    summaries: Sequence[str] = ("", ""),
+    windows_per_image: float | None = None,
+    hint: str = TO_CLICK,
+    published: Sequence[PublishedPoint] = (),
+) -> go.Figure:
+    """Draw detection curves of X and Y with a large mark at the threshold in use.
+
+    What a logarithmic axis cannot show, such as 0, stands at its edge, where the tick says so; a
+    hollow mark stands where a miss rate gets there. A click gives the threshold: `customdata` is
+    the pair of the system's letter and the score.
+
+    Parameters
+    ----------
+    curves
+        Of X and Y (`nvcore.detection.curves.detection_curve`).
+    thresholds
+        Thresholds in use of X and Y; None: every detection counts.
+    summaries
+        What the legend says behind the names (`legend_text`).
+    windows_per_image
+        For false positives per window (`nvcore.detection.windows`).
+    hint
+        Last part of the subtitle.
+    published
+        Points of others; those of which the kind of curve needs more than is known are not drawn.
+    """
+    of = KINDS[kind]
+    why_empty = _why_empty(curves, kind, windows_per_image)
+    if why_empty:
+        return empty_figure(why_empty, theme=theme, height=300)
+    lines = [_points(_values(curve, windows_per_image), of) for curve in curves]
+    used = [
+        _points(_values(curve.at(threshold), windows_per_image), of)
+        for curve, threshold in zip(curves, thresholds, strict=False)
+    ]
+    others = {point.name: _points(point.values(), of) for point in published}
+    tables = [*lines, *used, *others.values()]
+    scales = _scales(of, *(np.concatenate([table[name] for table in tables]) for name in "xy"))
+    for table, (name, scale) in product(tables, scales.items()):
+        table[name] = scale.place(table[name])
+    lines = [_thinned(points, is_log="x" in scales) for points in lines]
+    layers = [
+        _of_system(
+            letter,
+            of,
+            points,
+            point,
+            scales.get("y"),
+            theme,
+            name=_legend(letter, curve, kind, summary),
+            is_ranked=curve.is_ranked,
+        )
+        for letter, curve, points, point, summary in zip(
+            "xy", curves, lines, used, summaries, strict=False
+        )
+    ]
+    traces = [trace for layer in zip(*layers, strict=True) for trace in layer if trace is not None]
+    for i, (name, point) in enumerate(others.items()):
+        if len(point):
+            symbol = PUBLISHED_SYMBOLS[i % len(PUBLISHED_SYMBOLS)]
+            traces.append(_published(plain(name), point, of, symbol, theme))
+    extent = f"{count_text(curves[0].n_truth, objects.singular, objects.plural)} in "
+    extent += count_text(curves[0].n_images, "image")
+    letters = [letter for letter, point in zip("XY", used, strict=False) if len(point)]
+    if letters:
+        which = "s: thresholds" if len(letters) > 1 else f": threshold of {letters[0]}"
+        extent += f"; large mark{which} in use"
+    if hint != TO_CLICK or any(np.isfinite(curve.threshold).any() for curve in curves):
+        extent += f"; {hint}"
+    axes = _axes(of, scales, theme)
+    return draw(traces, theme, title=of.title, subtitle=extent, height=420, **axes)
+
+
+def _why_empty(curves: Sequence[DetectionCurve], kind: CurveKind, windows: float | None) -> str:
+    if not curves or not curves[0].n_truth:
+        return "No box of the truth counts under this protocol."
+    if kind == "roc_windows" and windows is None:
+        return "Without a number of windows per image there are no false positives per window."
+    if not any(len(curve) for curve in curves):
+        return "There are no detections to draw."
+    if kind == "f1" and not any(np.isfinite(curve.threshold).any() for curve in curves):
+        return "There are no scores, so there is no threshold to change F1."
+    return ""
+
+
+def _values(of: DetectionCurve | CurvePoint, windows: float | None) -> dict[str, Any]:
+    """Return the measures of all points of a curve, or of one."""
+    values = {name: getattr(of, name) for name in MEASURES}
+    return {**values, "fppw": of.fppi / (windows or np.nan)}
+
+
+def _points(values: Mapping[str, Any], of: CurveChart) -> pd.DataFrame:
+    """Return the points that can be drawn, with their place in the columns x and y."""
+    columns = {name: np.atleast_1d(value) for name, value in values.items()}
+    points = pd.DataFrame(columns, dtype=float).reindex(columns=[*MEASURES, "fppw"])
+    points[["x", "y"]] = points[[of.x, of.y]].to_numpy()
+    drawn: pd.DataFrame = points[np.isfinite(points[["x", "y"]].to_numpy()).all(axis=1)]
+    return drawn
+
+
+def _thinned(points: pd.DataFrame, *, is_log: bool) -> pd.DataFrame:
+    """Return at most `MAX_POINTS` points and the first."""
+    if len(points) <= MAX_POINTS:
+        return points
+    along = np.log(points["x"].to_numpy()) if is_log else points["x"].to_numpy()
+    column = np.floor((along - along.min()) / (np.ptp(along) or 1.0) * (MAX_POINTS - 2))
+    is_last = np.append(np.diff(column) != 0, True)
+    is_last[0] = True
+    return points[is_last]
+
+
+def _scales(of: CurveChart, x: np.ndarray, y: np.ndarray) -> dict[str, LogScale]:
+    """Return the scales of logarithmic axes for the values of all points."""
+    scales = {}
+    if of.x in {"fppi", "fppw"}:
+        least, most = FPPI_RANGE
+        if of.x == "fppi":
+            most = max(most, x.max(initial=most))
+        elif (x > 0).any():
+            least, most = x.min(initial=np.inf, where=x > 0), x.max()
+        else:
+            least, most = 1e-6, 1e-3
+        ticks = _decades(least, most)
+        scales["x"] = LogScale.of(x, ticks, ticks[-1])
+    if of.y == "miss_rate":
+        least = min(y.min(initial=1.0, where=y > 0), MOST_LOW_RATE)
+        lowest = max((tick for tick in RATE_TICKS if tick <= least), default=RATE_TICKS[0])
+        scales["y"] = LogScale.of(y, [tick for tick in RATE_TICKS if tick >= lowest], 1.05)
+    return scales
+
+
+def _axes(of: CurveChart, scales: Mapping[str, LogScale], theme: Theme) -> dict[str, Any]:
+    x, y = axis(theme, of.x_title), axis(theme, of.y_title, range=UNIT_RANGE)
+    if "x" in scales:
+        x |= scales["x"].axis()
+        if scales["x"].edge_label:  # a line lower: in a narrow window it meets the lowest tick's
+            x |= {"ticktext": [f"<br>{x['ticktext'][0]}", *x["ticktext"][1:]], "tickangle": 0}
+    elif of.x == "recall":
+        x["range"] = UNIT_RANGE
+    if "y" in scales:
+        y |= scales["y"].axis()
+        if not scales["y"].edge_label:
+            y["title"]["text"] += begins_at(scales["y"].ticks[0])
+    return {"xaxis": x, "yaxis": y}
+
+
+def _legend(letter: str, curve: DetectionCurve, kind: CurveKind, summary: str) -> str:
+    """Return a system's text in the legend. It says why there is no curve."""
+    why = ""
+    if not len(curve):
+        why = "no detections"
+    elif not curve.is_ranked:
+        why = f"no scores: F1 {curve.f1[0]:.3f}" if kind == "f1" else "no scores: a point"
+        why = "points: some scores are missing" if len(curve) > 1 else why
+    return ", ".join(filter(None, (system_label(letter, curve.system), why, summary)))
+
+
+def _of_system(
+    letter: str,
+    of: CurveChart,
+    points: pd.DataFrame,
+    in_use: pd.DataFrame,
+    y_scale: LogScale | None,
+    theme: Theme,
+    *,
+    name: str,
+    is_ranked: bool,
+) -> tuple[go.Scatter | None, ...]:
+    """Return a system's curve, its first point at the lower edge, the point in use, and clicks."""
+    look = LOOK[theme]
+    # a line of a single point cannot be seen, and nothing at all would not be in the legend
+    line = go.Scatter(
+        x=points["x"] if len(points) else [None],
+        y=points["y"] if len(points) else [None],
+        mode="lines" if is_ranked and len(points) > 1 else "markers",
+        hoverinfo="skip",
+        name=name,
+        showlegend=True,
+        line=system_line(letter, theme),
+        marker={"color": look.of(letter), "symbol": look.symbol(letter), "size": 9},
+        cliponaxis=False,
+    )
+    at_edge = in_sight = None
+    first = points[points["y"] == y_scale.edge].head(1) if y_scale else points.head(0)
+    if len(first):
+        symbol = f"{look.symbol(letter)}-open"
+        at_edge = go.Scatter(
+            x=first["x"],
+            y=first["y"],
+            mode="markers",
+            name=f"{letter.upper()} at the edge",
+            hoverinfo="skip",
+            showlegend=False,
+            cliponaxis=False,
+            marker={"color": look.of(letter), "symbol": symbol, "size": 11, "line": {"width": 2}},
+        )
+    if len(in_use):  # not where a measure is undefined
+        in_sight = marks(
+            in_use["x"],
+            in_use["y"],
+            _texts(in_use, letter, of),
+            hover="in use: " + HOVER,
+            customdata=_clicked(in_use, letter),
+            name=f"{letter.upper()} as set",
+            showlegend=False,
+            cliponaxis=False,
+            marker=system_marker(letter, IN_USE_PX, theme, rim=2),
+        )
+    clicks = click_markers(
+        points["x"],
+        points["y"],
+        _texts(points, letter, of),
+        customdata=_clicked(points, letter),
+        name=f"{letter.upper()}, points",
+    )
+    return line, at_edge, in_sight, clicks
+
+
+def _texts(points: pd.DataFrame, letter: str, of: CurveChart) -> list[str]:
+    texts = []
+    for row in points.to_dict("records"):
+        score = row["threshold"]
+        where = f"score ≥ {score:.4g}" if np.isfinite(score) else "without scores"
+        texts.append(f"{letter.upper()}, {where}<br>{of.hover.format_map(row)}")
+    return texts
+
+
+def _clicked(points: pd.DataFrame, letter: str) -> list[list[str | float | None]]:
+    """Return the system and the score that a click sets, None if there is none to set."""
+    return [[letter, score if np.isfinite(score) else None] for score in points["threshold"]]
+
+
+def _published(
+    name: str, point: pd.DataFrame, of: CurveChart, symbol: str, theme: Theme
+) -> go.Scatter:
+    """Return a mark for a published point, in the legend by name."""
+    x, y = point[of.x].iloc[0], point[of.y].iloc[0]
+    text = f"{name}, as published<br>{WORDS[of.x]} {x:.3g}, {WORDS[of.y]} {y:.3g}"
+    look = LOOK[theme]
+    marker = {"color": look.ink, "size": PUBLISHED_PX, "symbol": symbol}
+    marker["line"] = {"color": look.surface, "width": 1}
+    label = f"{name} (published)"
+    return marks(point["x"], point["y"], [text], name=label, showlegend=True, marker=marker)

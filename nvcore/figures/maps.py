@@ -1,0 +1,402 @@
+"""Maps: settings where X or Y is better, the cost of a miss over the picture, classes read."""
+
+# ruff: noqa: PD011  (the values of a setting's axis are an array)
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import chain, product
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+from scipy.ndimage import binary_dilation, binary_erosion, distance_transform_edt
+
+from nvcore.figures.marks import click_markers, still_line
+from nvcore.figures.style import (
+    CLEAR,
+    HEADING_PX,
+    LOOK,
+    ChartLook,
+    axis,
+    begins_at,
+    draw,
+    empty_figure,
+    faded,
+    loss_scale,
+    plain,
+    system_label,
+    which_is_which,
+    written,
+)
+from nvcore.metrics.cost_map import CostMap
+from nvcore.objects import Objects, labels_in_order
+from nvcore.palette import Theme
+from nvcore.stability.axes import Axis
+from nvcore.stability.flips import combine_axes
+from nvcore.stability.map import StabilityMap
+from nvcore.stability.notes import (
+    CRITERIA,
+    QUANTITY,
+    UNDEFINED,
+    settings_text,
+    share_text,
+    winner_text,
+)
+from nvcore.tables.classes import read_share
+from nvcore.wording import count_text
+
+LEAST_SHARE: Final = 0.02
+"""Minimum share of the cells for naming a region in the map."""
+DEEP: Final = 0.7
+"""Minimum depth of a name's position, as a share of the region's greatest depth."""
+INSIDE_PX: Final = (620, 300)
+"""Approximate width and height of the map itself."""
+NAME_PX: Final = (74, 26)
+"""Approximate width and height of a region's name."""
+ROOMY_PX: Final = 3 * NAME_PX[1]
+"""Minimum height of a cell that can hold a name above a mark."""
+ROOM: Final = 0.08
+"""Space above and below a line, as a share of its largest difference."""
+COST_STEP: Final = 0.1
+"""Between the lines of equal cost."""
+NO_CLASS: Final = "no class"
+"""Column of the matches to which the system gives no class."""
+
+Points = list[tuple[float, float]]
+
+
+def stability_map(stability: StabilityMap, *, theme: Theme) -> go.Figure:
+    """Plot the difference between X and Y against one or two settings, coloured by who is better.
+
+    Two settings give a heat map with the line at which the verdict changes. One setting gives a
+    curve. The dotted frame is the plausible range. A click selects a setting: `customdata` is the
+    cell's flat index for `StabilityMap.settings`.
+    """
+    if not np.isfinite(stability.difference).any():
+        return empty_figure(
+            f"The comparison is undefined here: {UNDEFINED[stability.criterion]}.", theme=theme
+        )
+    is_map, look = len(stability.axes) == 2, LOOK[theme]
+    if is_map:
+        traces = _heat(stability, look)
+        x, y = np.meshgrid(*(setting.values for setting in stability.axes), indexing="ij")
+        xaxis, yaxis = (_map_axis(setting, theme) for setting in stability.axes)
+        settings: dict[str, Any] = {"height": 460, "xaxis": xaxis, "yaxis": yaxis}
+    else:
+        traces = _line(stability, look)
+        x, y = stability.axes[0].values, stability.difference
+        edge = (1 + ROOM) * (float(np.nanmax(np.abs(y))) or 1.0)
+        zero = {"zeroline": True, "zerolinecolor": look.muted, "fixedrange": True}
+        settings = {
+            "height": 320,
+            "hovermode": "x",
+            "xaxis": axis(theme, _axis_title(stability.axes[0]), fixedrange=True),
+            "yaxis": axis(theme, QUANTITY[stability.criterion], range=[-edge, edge], **zero),
+        }
+    places = product(*(setting.values.tolist() for setting in stability.axes))
+    cells = zip(places, stability.winner.ravel(), stability.difference.ravel(), strict=True)
+    texts = [
+        f"{settings_text(stability, at) or 'any setting'}<br>"
+        + winner_text(stability.criterion, winner, difference)
+        for at, winner, difference in cells
+    ]
+    n, marked = stability.difference.size, _marked(stability)
+    subtitle = count_text(n, "setting")
+    if np.isfinite(stability.share_held):
+        share = share_text(stability.share_held)
+        subtitle += f"; the present verdict holds in {share} of the plausible range (dotted)"
+    clicks = click_markers(x.ravel(), y.ravel(), texts, name="settings", customdata=np.arange(n))
+    figure = draw(
+        [*traces, clicks, *(_mark(name, points, look) for name, points in marked.items())],
+        theme,
+        title=f"Who is better by {CRITERIA[stability.criterion]}",
+        subtitle=subtitle + which_is_which(theme),
+        hoverdistance=-1,
+        **settings,
+    )
+    sides: dict[str, Any] = {} if is_map else {"yref": "paper", "y0": 0, "y1": 1}
+    for letter, setting in zip("xy", stability.axes, strict=False):
+        low, high = (-0.5, len(setting) - 0.5) if setting.labels else setting.plausible
+        sides |= {f"{letter}0": low, f"{letter}1": high}
+    dots = {"color": look.ink, "width": 1.4, "dash": "dot"}
+    figure.add_shape(type="rect", name="plausible range", layer="above", line=dots, **sides)
+    if is_map:
+        figure.update_layout(annotations=_region_names(stability, marked, look))
+    figure.update_layout(uirevision=f"{stability.plane} {stability.criterion}")
+    return figure
+
+
+def _heat(stability: StabilityMap, look: ChartLook) -> list[Any]:
+    """Return the coloured cells, the line where the verdict turns, and that of equal alarms."""
+    across, up = stability.axes
+    values = stability.difference.T  # transposed: rows are drawn upwards
+    most = float(np.nanmax(np.abs(values))) or 1.0
+    font = {"size": 12, "color": look.muted}
+    title = {"text": QUANTITY[stability.criterion], "side": "right", "font": font}
+    place = {"x": across.values, "y": up.values, "hoverinfo": "skip"}
+    cells = go.Heatmap(
+        **place,
+        z=values,
+        zmin=-most,
+        zmax=most,
+        colorscale=[[0.0, look.y], [0.5, look.grid], [1.0, look.x]],
+        name="difference",
+        zsmooth=False,
+        colorbar={"title": title, "tickfont": font, "outlinewidth": 0, "thickness": 12, "len": 1},
+    )
+    traces: list[Any] = [cells]
+    if not (across.labels or up.labels):
+        has_ties = bool((stability.winner == "even").any())
+        if has_ties:  # the line goes around them
+            is_better = [stability.winner == letter for letter in "xy"]
+            values = np.select(is_better, [1.0, -1.0], default=0.0).T
+        level = 0.5 if has_ties else 0.0
+        turning = go.Contour(
+            **place,
+            z=values,
+            contours={"start": -level, "end": level, "size": 1, "coloring": "none"},
+            line={"color": look.ink, "width": 1.6, "smoothing": 0},
+            showscale=False,
+            name="verdict turns",
+            showlegend=True,
+        )
+        traces.append(turning)
+    if len(alarms := _equal_alarms(stability)):
+        dashed = {"width": 2.2, "color": look.ink, "dash": "dash"}
+        x, y = alarms.T
+        name = "equal false alarms per frame"
+        traces.append(still_line(x, y, name, showlegend=None, line=dashed))
+    return traces
+
+
+def _line(stability: StabilityMap, look: ChartLook) -> list[Any]:
+    """Return the curve over one setting, filled on the side of the better system."""
+    along, values = stability.axes[0].values, stability.difference
+    filled: dict[str, Any] = {"showlegend": None, "line": {"width": 0}, "fill": "tozeroy"}
+    x_part, y_part = np.maximum(values, 0), np.minimum(values, 0)
+    return [
+        still_line(along, x_part, "X better", fillcolor=faded(look.x, 0.3), **filled),
+        still_line(along, y_part, "Y better", fillcolor=faded(look.y, 0.3), **filled),
+        still_line(along, values, "difference", line={"width": 2, "color": look.ink}),
+    ]
+
+
+def _axis_title(setting: Axis) -> str:
+    in_unit = f"{setting.label.removesuffix(')')}, {setting.unit})"
+    return (in_unit if setting.unit else setting.label) + begins_at(setting.values[0])
+
+
+def _map_axis(setting: Axis, theme: Theme) -> dict[str, Any]:
+    before, after = ((setting.values[i + 1] - setting.values[i]) / 2 for i in (0, -2))
+    more: dict[str, Any] = {
+        "showgrid": False,
+        "fixedrange": True,
+        # invisible ticks keep the numbers of the two axes apart in the corner
+        "ticks": "outside",
+        "ticklen": 8,
+        "tickcolor": CLEAR,
+        # up to the edges of the outermost cells
+        "range": [setting.values[0] - before, setting.values[-1] + after],
+    }
+    if setting.labels:
+        words = [word.replace(" ", "<br>", 1) for word in setting.words]
+        more |= {"tickvals": setting.values, "ticktext": words}
+    return axis(theme, _axis_title(setting), **more)
+
+
+def _equal_alarms(stability: StabilityMap) -> np.ndarray:
+    """Return threshold pairs within the map that give equal false alarms, float64, shape (n, 2)."""
+    line = stability.equal_alarms
+    if line is None:
+        return np.empty((0, 2))
+    pairs = np.column_stack([line.threshold_x, line.threshold_y])
+    ends = np.array([[setting.values[0], setting.values[-1]] for setting in stability.axes])
+    within: np.ndarray = pairs[((pairs >= ends[:, 0]) & (pairs <= ends[:, 1])).all(axis=1)]
+    return within
+
+
+def _marked(stability: StabilityMap) -> dict[str, Points]:
+    """Return the points to mark in the figure, by label.
+
+    A point is two settings on a map, setting and difference on a curve.
+    """
+    marked = {}
+    ends = dict.fromkeys(zip(*(setting.present for setting in stability.axes), strict=True))
+    present = stability.present_difference
+    if np.isfinite(present):
+        marked["as analysed"] = [(*at, present)[:2] for at in ends]
+    if (overturn := stability.overturn) is not None:
+        marked["nearest that overturns it"] = [(*overturn.place, overturn.difference)[:2]]
+    return marked
+
+
+def _mark(name: str, points: Points, look: ChartLook) -> go.Scatter:
+    """Return markers for settings, joined if recordings have their own: the least and greatest."""
+    x, y = (list(values) for values in zip(*points, strict=True))
+    return go.Scatter(
+        x=x,
+        y=y,
+        mode="markers+lines" if len(x) > 1 else "markers",
+        name=name,
+        hoverinfo="skip",
+        line={"width": 3, "color": look.ink},
+        marker={
+            "symbol": "circle" if name == "as analysed" else "x",
+            "size": 12,
+            "color": look.ink,
+            "line": {"width": 2, "color": look.surface},
+        },
+        cliponaxis=False,
+    )
+
+
+def _region_names(
+    stability: StabilityMap, marked: dict[str, Points], look: ChartLook
+) -> list[dict[str, Any]]:
+    """Label each region with the better system's name, so that it reads without colour.
+
+    The label is where the region is widest, clear of markers, the line of equal false alarms and
+    the frame of the plausible range.
+    """
+    across, up = stability.axes
+    shape = stability.winner.shape
+    awkward = np.hypot(*np.meshgrid(*(np.linspace(-1, 1, n) for n in shape), indexing="ij"))
+    # odd, so that a name is centred on a cell
+    size = np.ones(
+        [
+            2 * round(name * n / inside / 2) + 1
+            for name, inside, n in zip(NAME_PX, INSIDE_PX, shape, strict=True)
+        ]
+    )
+    cells = [_cell_at(stability, point) for point in chain(*marked.values())]
+    is_drawn = np.zeros(shape, dtype=bool)
+    for cell in (*cells, *(_cell_at(stability, pair) for pair in _equal_alarms(stability))):
+        is_drawn[cell] = True
+    is_framed = combine_axes(
+        [setting.is_plausible(setting.values) for setting in stability.axes], np.logical_and
+    )
+    awkward = awkward + 10.0 * binary_dilation(is_drawn, size)
+    awkward = awkward + 5.0 * binary_dilation(is_framed & ~binary_erosion(is_framed), size)
+    is_roomy = INSIDE_PX[1] / shape[1] >= ROOMY_PX
+    names = []
+    for winner, words in (("x", "X better"), ("y", "Y better"), ("even", "even")):
+        is_inside = stability.winner == winner
+        has_room = binary_erosion(is_inside, size)
+        # a narrow stripe of ties between lines has no name
+        if is_inside.mean() < LEAST_SHARE or (winner == "even" and not has_room.any()):
+            continue
+        depth = distance_transform_edt(np.pad(is_inside, 1))[1:-1, 1:-1]
+        is_deep = has_room if has_room.any() else depth >= DEEP * depth.max()
+        widest = np.where(is_deep, awkward - depth / max(shape), np.inf)
+        i, j = (int(place) for place in np.unravel_index(int(np.argmin(widest)), shape))
+        place = {"x": float(across.values[i]), "y": float(up.values[j])}
+        place["yshift"] = NAME_PX[1] if is_roomy and (i, j) in cells else 0
+        back = faded(look.surface, 0.75)
+        names.append(written(words, size=13, color=look.ink, bgcolor=back, **place))
+    return names
+
+
+def _cell_at(stability: StabilityMap, point: Sequence[float]) -> tuple[int, ...]:
+    """Return the cell nearest to a point of the figure."""
+    return tuple(
+        int(np.argmin(np.abs(setting.values - value)))
+        for setting, value in zip(stability.axes, point, strict=True)
+    )
+
+
+def cost_plot(cost_map: CostMap, *, theme: Theme, objects: Objects) -> go.Figure:
+    """Plot the cost of missing a pedestrian, 0 to 1, by lateral position and row of the feet.
+
+    Lower rows are nearer, as in the picture. It is empty where nobody can stand.
+    """
+    look, feet = LOOK[theme], objects.say("{feet}")
+    font = {"size": 11, "color": look.muted}
+    costs = go.Contour(
+        x=cost_map.centre_px,
+        y=cost_map.foot_px,
+        z=cost_map.cost.astype(np.float32),  # half the bytes
+        zmin=0,
+        zmax=1,
+        contours={"start": COST_STEP, "end": 1 - COST_STEP, "size": COST_STEP},
+        line={"width": 0.6, "color": look.surface},
+        colorscale=loss_scale(theme),
+        colorbar={"tickvals": [0, 0.5, 1], "tickfont": font, "thickness": 8, "outlinewidth": 0},
+        hovertemplate=feet + " at x %{x:.0f}, row %{y:.0f}: cost %{z:.2f}<extra></extra>",
+        name="cost",
+    )
+    across, down = (
+        [float(centres[0]) - half, float(centres[-1]) + half]
+        for centres in (cost_map.centre_px, cost_map.foot_px)
+        for half in (0.5 * float(centres[1] - centres[0]),)
+    )
+    return draw(
+        costs,
+        theme,
+        title="Cost of a miss",
+        height=190 + HEADING_PX,
+        margin={"r": 0},
+        xaxis=axis(theme, "lateral position (px)", range=across, fixedrange=True, showgrid=False),
+        yaxis=axis(theme, f"{feet} (row)", range=down[::-1], fixedrange=True, showgrid=False),
+    )
+
+
+def classes_plot(table: pd.DataFrame, letter: str, name: str, *, theme: Theme) -> go.Figure:
+    """Plot the matches of one system: a row for each class of the truth, a column for each read.
+
+    Cells say how many boxes, darker the larger their share of the row. Empty cells have none.
+    Correct classes stand in the diagonal.
+
+    Parameters
+    ----------
+    table
+        `nvcore.tables.classes.classes_table`.
+    letter, name
+        "x" or "y", and the system's name.
+    """
+    look = LOOK[theme]
+    rows = table[table["system"] == letter]
+    if rows.empty:
+        return empty_figure("No match has a class.", theme=theme)
+    has_class = rows["read_class"].notna()
+    classes = labels_in_order([*rows["truth_class"], *rows["read_class"][has_class]])
+    columns = [*classes, *([] if has_class.all() else [NO_CLASS])]
+    place = {label: number for number, label in enumerate(classes)}
+    count = np.zeros((len(classes), len(columns)), np.int64)
+    read = [place.get(label, len(classes)) for label in rows["read_class"]]
+    count[[place[label] for label in rows["truth_class"]], read] = rows["n"].to_numpy(np.int64)
+    total = count.sum(axis=1, keepdims=True)
+    share = np.divide(count, total, out=np.full(count.shape, np.nan), where=count > 0)
+    across = [plain(label) for label in columns]
+    down = across[: len(classes)]
+    cells = go.Heatmap(
+        x=list(range(len(across))),
+        y=list(range(len(down))),
+        z=share,
+        zmin=0,
+        zmax=1,
+        text=[[f"{n:,}" if n else "" for n in row] for row in count.tolist()],
+        texttemplate="%{text}",
+        colorscale=[(0, look.grid), (1, look.of(letter))],
+        showscale=False,
+        xgap=1,
+        ygap=1,
+        customdata=[[[of, to] for to in across] for of in down],
+        hovertemplate="%{customdata[0]} read as %{customdata[1]}: %{text} (%{z:.0%} of its "
+        "matches)<extra></extra>",
+        hoverongaps=False,
+    )
+    right = read_share(table, letter)
+    ticks = {"tickvals": cells.x, "ticktext": across, "showgrid": False}
+    rows_down = {"tickvals": cells.y, "ticktext": down, "showgrid": False, "autorange": "reversed"}
+    return draw(
+        cells,
+        theme,
+        title=f"Classes read by {system_label(letter, name)}",
+        subtitle=f"{right.n_right:,} of {count_text(right.n, 'match', 'matches')} right",
+        height=170 + 30 * len(classes),
+        showlegend=False,
+        xaxis=axis(theme, "class read", **ticks),
+        yaxis=axis(theme, "class in the truth", **rows_down),
+    )

@@ -1,1 +1,0 @@
-"""Figures with time along them: similarity, losses, lanes of pedestrians, all recordings."""
