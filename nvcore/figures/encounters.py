@@ -39,8 +39,6 @@ NONE_LEFT: Final = "No encounter is left: widen the filters."
 MAX_BINS: Final = 25
 LEAD_STEPS_S: Final = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
 """Widths of the bins of lead time that are easy to read."""
-FEW: Final = 6
-"""Counts up to which every whole number gets a tick."""
 MAX_MARKS: Final = 4000
 """Encounters on the map. Detected ones are thinned out first."""
 MAP_KINDS: Final = (
@@ -236,6 +234,8 @@ def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme, objects: Objects) 
         )
         traces.append(bars)
     ends = [centre[0] - width, centre[-1] + width]
+    # few counts get a tick at every whole number
+    ticks = {"dtick": 1} if np.bincount(bin_of).max() <= 6 else {}
     lead = "← Y first        lead time of X over Y (s)        X first →"
     return draw(
         traces,
@@ -245,7 +245,7 @@ def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme, objects: Objects) 
         f"{n_y}; median {np.median(lead_s) + 0.0:+.2f} s{which_is_which(theme)}",
         barmode="stack",
         xaxis=axis(theme, lead, range=ends),
-        yaxis=counts_axis(theme, **({"dtick": 1} if np.bincount(bin_of).max() <= FEW else {})),
+        yaxis=counts_axis(theme, **ticks),
     )
 
 
