@@ -109,10 +109,14 @@ def test_of_too_many_bars_those_in_one_column_of_pixels_are_drawn_once(
     assert len(corners) == 12
 
 
-def test_places_to_click_stay_few_with_many_lanes() -> None:
-    truth = [at(i, 2 + number / 2, track=number) for number in range(190) for i in range(30)]
-    figure = lanes_figure(result_of(make_dataset(truth)), 0, theme="light")
-    assert 190 * 20 <= len(trace(figure, "frames").x) <= 4000
+def test_places_to_click_stay_few_with_many_lanes(
+    two: Result, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(lanes, "CLICKS_OF_LANE", (2, 3))
+    for most, rows in ((8, [0, 2, 5]), (1, [0, 5])):
+        monkeypatch.setattr(lanes, "MAX_CLICKS", most)
+        frames = trace(lanes_figure(two, 0, theme="light"), "frames")
+        assert [row for row, _ in frames.customdata] == rows * 2
 
 
 def drives(n_recordings: int, n_frames: int = 40) -> Result:

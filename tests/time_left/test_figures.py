@@ -28,6 +28,18 @@ def late() -> Result:
     return met((range(10, 40), LATE))
 
 
+@pytest.fixture(scope="module")
+def three() -> Result:
+    """The same, one whom Y never confirms, and one whom both confirm in time."""
+    return met((range(10, 40), LATE), (ALL, NEVER), (ALL, ALL))
+
+
+@pytest.fixture(scope="module")
+def still() -> Result:
+    """A pedestrian whom the car does not approach."""
+    return result_of(make_dataset([at(frame, 50, track=1) for frame in range(20)]))
+
+
 def up_to_contact(result: Result, **more: int):
     return approach_plot(result, urgent_encounters(result), theme="light", **more)
 
@@ -47,13 +59,13 @@ def test_a_line_runs_from_the_first_sight_to_the_last_annotated_frame_and_on_to_
     assert figure.layout.margin.t >= 98
 
 
-def test_each_system_has_a_mark_where_it_confirms_and_an_open_one_where_it_never_does():
-    figure = up_to_contact(met((range(10, 40), LATE), (ALL, NEVER)))
+def test_each_system_has_a_mark_where_it_confirms_and_an_open_one_where_it_never_does(three):
+    figure = up_to_contact(three)
     x, y = trace(figure, "X: x confirms"), trace(figure, "Y: y confirms")
-    assert x.x.round(6).tolist() == [4.8, 3.8]  # Y never: the faster impact is on top
-    assert x.customdata.tolist() == [[42, 1], [12, 0]]
-    assert y.x.round(6).tolist() == [1.8]
-    assert y.customdata.tolist() == [[32, 0]]
+    assert x.x.round(6).tolist() == [4.8, 3.8, 4.8]  # Y never: the faster impact is on top
+    assert x.customdata.tolist() == [[42, 1], [12, 0], [82, 2]]
+    assert y.x.round(6).tolist() == [1.8, 4.8]
+    assert y.customdata.tolist() == [[32, 0], [82, 2]]
     assert x.y[1] < 1 < y.y[0]  # X above Y: rows run downwards
     never = trace(figure, "Y never")
     assert never.x[0] < 0
@@ -62,15 +74,14 @@ def test_each_system_has_a_mark_where_it_confirms_and_an_open_one_where_it_never
     assert "Y never confirms the pedestrian: impact at 50 km/h" in never.text[0]
     assert "last chance 2.10 s before contact, at 50 km/h" in never.text[0]
     # impact speeds beside the rows, and their titles above the first
-    assert "impact, km/h | X | Y | 0 | <b>50</b> | 0 | <b>31</b>" in words(figure)
+    assert "impact, km/h | X | Y | 0 | <b>50</b> | 0 | <b>31</b> | 0 | 0" in words(figure)
     heads = figure.layout.annotations[:3]
     assert {note.yref for note in heads} == {"y"}
     assert all(figure.layout.yaxis.range[1] < note.y < -0.5 for note in heads)
 
 
-def test_so_many_rows_at_a_time_keep_the_axis():
-    result = met((ALL, LATE), (ALL, NEVER), (ALL, ALL))
-    whole, second = up_to_contact(result), up_to_contact(result, first=1, most=1)
+def test_so_many_rows_at_a_time_keep_the_axis(three):
+    whole, second = up_to_contact(three), up_to_contact(three, first=1, most=1)
     assert whole.layout.yaxis.ticktext == ("ped 1, r1", "ped 1, r0", "ped 1, r2")
     assert second.layout.yaxis.ticktext == ("ped 1, r0",)
     assert "3 urgent encounters, the fastest impact on top, 2 to 2 drawn" in words(second)
@@ -88,12 +99,11 @@ def test_what_is_long_before_contact_stands_at_the_edge():
     assert "what was more than 12 s before contact stands at the left edge" in words(figure)
 
 
-def test_without_urgent_encounters_the_figures_say_so():
+def test_without_urgent_encounters_the_figures_say_so(still):
     result = met((ALL, ALL), reaction_s=0.0)
     urgent = urgent_encounters(result)
     assert "No encounter is urgent" in words(up_to_contact(result))
     assert "No encounter is urgent" in words(margins_plot(result, urgent, theme="light"))
-    still = result_of(make_dataset([at(frame, 50, track=1) for frame in range(20)]))
     nobody = over_speed_plot(
         time_left_in(still).over_speed, ("x", "y"), speed_kmh=50, theme="light"
     )
@@ -162,12 +172,11 @@ def test_corners_and_edges_of_the_margins_hold_what_stands_there(monkeypatch):
     assert "margins of more than 1.5 s stand at the edge" in words(figure)
 
 
-def test_of_very_many_encounters_the_fastest_impacts_are_drawn(monkeypatch):
+def test_of_very_many_encounters_the_fastest_impacts_are_drawn(three, monkeypatch):
     monkeypatch.setattr(figures, "MOST_MARKS", 1)
-    result = met((ALL, ALL), (ALL, NEVER))
-    figure = margins_plot(result, urgent_encounters(result), theme="light")
-    drawn = [part.name for part in figure.data if part.mode == "markers"]
-    assert drawn == ["only X in time (1)"]
+    figure = margins_plot(three, urgent_encounters(three), theme="light")
+    (drawn,) = (part for part in figure.data if part.mode == "markers")
+    assert (drawn.name, drawn.customdata.tolist()) == ("only X in time (2)", [[69, 1]])
     assert "both in time 1" in words(figure)
     assert "the 1 with the fastest impacts drawn" in words(figure)
 
@@ -199,8 +208,7 @@ def test_the_strip_above_the_lanes_reaches_as_far_as_the_car_needs_to_stop():
     assert trace(figure, "8.1 s needed to stop").showlegend is None
 
 
-def test_where_nobody_is_approached_there_are_lanes_alone():
-    still = result_of(make_dataset([at(frame, 50, track=1) for frame in range(20)]))
+def test_where_nobody_is_approached_there_are_lanes_alone(still):
     figure = lanes_figure(still, 0, theme="light")
     assert "yaxis2" not in figure.layout.to_plotly_json()
     assert {"time to contact", "last chance to stop"}.isdisjoint(part.name for part in figure.data)
