@@ -35,7 +35,7 @@ from nvcore.inputs.readers.parse.table import TextTable
 from nvcore.notes import Note, phrase
 from nvcore.pictures import Picture, is_below, stretch
 from nvcore.pictures.images import decode_image, file_bytes
-from nvcore.pictures.passes import PictureClock, in_order
+from nvcore.pictures.run import PictureRun
 from nvcore.pictures.stretch import STRETCH
 from nvcore.progress import Progress, no_progress
 from nvcore.wording import did_you_mean, listed
@@ -150,12 +150,8 @@ def image_features(
         features[own] = features_of(picture, box[own], points, settings.features)
         return width, height
 
-    clock = PictureClock(len(names), progress)
-    pictures = _read(table, folder, list(names), rows)
-    sizes = set[tuple[int, int]]()
-    for size in in_order(look, pictures, lambda: clock.count(0, folder.name), n_threads=n_threads):
-        sizes.add(size)
-        clock.count(1, folder.name)
+    run = PictureRun(len(names), progress, n_threads=n_threads)
+    sizes = {*run.map(look, _read(table, folder, list(names), rows), folder.name)}
     described = pedestrians.assign(**dict(zip(FEATURE_KEYS, features.T, strict=True)))
     n_assumed = int(np.count_nonzero(np.isnan(fixation[:, 0])))
     return ImageFeatures(described, len(names), n_assumed, settings, tuple(sorted(sizes)))
