@@ -1,4 +1,4 @@
-"""A detector run over recordings: the call of Python users, and what the command makes of it."""
+"""Python API for running a detector, and the job behind the command."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nvcore.api.inputs import keywords_named, load_part
-from nvcore.arguments import PathLike, called_with
+from nvcore.arguments import called_with
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import TrainedOn
 from nvcore.detectors.arguments import DetectArguments
@@ -18,7 +18,7 @@ from nvcore.extras import needs
 from nvcore.inputs.facts import frame_range, is_frame_range
 from nvcore.inputs.pipes import pipes_kept
 from nvcore.progress import Progress, no_progress
-from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
+from nvcore.report.protect_inputs import refuse_outputs
 from nvcore.settings import as_names
 
 if TYPE_CHECKING:
@@ -71,19 +71,7 @@ def detect(arguments: DetectArguments) -> WrittenRun:
 
 @dataclass(frozen=True, eq=False)
 class DetectorJob:
-    """A detector and the recordings that it will be run over: opened, and known to be possible.
-
-    Attributes
-    ----------
-    arguments
-        Of the call.
-    detector
-        Ready to run, with all that is known of its training.
-    dataset
-        The recordings.
-    pictures
-        Theirs, open.
-    """
+    """A detector and the recordings to run it over, with open pictures."""
 
     arguments: DetectArguments
     detector: Detector
@@ -91,13 +79,13 @@ class DetectorJob:
     pictures: RecordingPictures
 
     def expect(self) -> Expectation:
-        """How long the run will take; errors as `detect`."""
+        """Estimate the duration of the run. Raises errors as `detect`."""
         from nvcore.detectors.timing import expect
 
         return expect(self.detector, self.pictures, n_threads=self.arguments.n_threads)
 
     def cautions(self) -> list[str]:
-        """What is to be known of the detector's training before it is run on these frames."""
+        """Return warnings that the detector was trained on some of these frames."""
         from nvcore.detectors.findings import trained_findings
 
         about = self.detector.about
@@ -105,25 +93,25 @@ class DetectorJob:
         return [f"{finding.message} {finding.advice}" for finding in findings]
 
     def run(self, progress: Progress) -> WrittenRun:
-        """Run the detector and write what comes out; errors as `detect`."""
+        """Run the detector and write the results. Raises errors as `detect`."""
         from nvcore.detectors.run import run_detector
         from nvcore.detectors.writing import write_detections
 
-        arguments = self.arguments
+        call = self.arguments
         run = run_detector(
             self.detector,
             self.dataset,
             self.pictures,
-            n_threads=arguments.n_threads,
+            n_threads=call.n_threads,
             progress=progress,
         )
         return write_detections(
             run,
             self.dataset,
-            Path(arguments.out),
-            name=arguments.name,
-            threshold=arguments.threshold,
-            against=arguments.against,
+            Path(call.out),
+            name=call.name,
+            threshold=call.threshold,
+            against=call.against,
         )
 
 
@@ -131,12 +119,12 @@ class DetectorJob:
 def detector_job(
     arguments: DetectArguments, *, inputs: Sequence[Path] = (), loading: Progress = no_progress
 ) -> Iterator[DetectorJob]:
-    """All that a run needs, opened; what cannot be done is refused before anything runs.
+    """Open all that a run needs, and refuse what cannot be done before anything runs.
 
     Parameters
     ----------
     inputs
-        Further files that are read, and must not be replaced.
+        Further input files, which must not be replaced.
     loading
         Progress of the reading.
 
@@ -147,7 +135,7 @@ def detector_job(
     """
     with needs("detectors", "detectors need"):
         from nvcore.detectors.registry import open_detector
-        from nvcore.detectors.run import no_pictures
+        from nvcore.detectors.run import check_pictures
         from nvcore.detectors.writing import check_target, outputs
         from nvcore.pictures import session_pictures
 
@@ -157,21 +145,18 @@ def detector_job(
     parts = _parts(as_names(arguments.trained_on), dataset)
     detector.about = replace(detector.about, trained_on=(*detector.about.trained_on, *parts))
     check_target(dataset, out, name=arguments.name, against=arguments.against)
-    read = (source, arguments.detector)
-    files = [*inputs, *(Path(path) for path in read if isinstance(path, PathLike))]
-    refuse_to_replace(outputs(out, dataset), [*files, *files_read(session)], instead="folder")
-    refuse_among_inputs(out, session)
+    names = [path.name for path in outputs(out, dataset)]
+    refuse_outputs(out, names, [*inputs, source, arguments.detector], session)
     pictures = session_pictures(session, dataset)
     try:
-        if not any((index >= 0).any() for index in pictures.indices.values()):
-            raise no_pictures(pictures, dataset)
+        check_pictures(pictures, dataset)
         yield DetectorJob(arguments, detector, dataset, pictures)
     finally:
         pictures.close()
 
 
 def _parts(texts: Sequence[str], dataset: Dataset) -> list[TrainedOn]:
-    """What ``RECORDING`` or ``RECORDING=first:last`` names."""
+    """Parse texts such as ``RECORDING`` or ``RECORDING=first:last``."""
     names = {*dataset.recordings["name"]}
     parts = []
     for text in texts:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -17,7 +15,7 @@ from nvcore.driver.illumination import Light, read_light
 from nvcore.errors import InputError, MediaError
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.notes import Note
-from nvcore.pictures import Pictures, RecordingPictures, session_pictures
+from nvcore.pictures import Pictures, session_pictures
 from nvcore.pictures.index import is_of_other_shape
 from nvcore.wording import one_line
 
@@ -34,26 +32,20 @@ class DriverRecording:
     ----------
     number
         Row of the dataset's recordings.
-    name
-        Name in the dataset.
-    name_in_data
-        Name in the data.
     pictures
-        Pictures of visible light if there are any, else the recording's own. None: no pictures.
+        Pictures of visible light if there are any, else the recording's own.
     index
         Picture of each evaluated frame, -1 none, int64.
     picture_note
         Assignment of pictures to frames, or the reason for having none.
     is_visible
         True if the session declares the pictures as visible light.
-    has_colour
-        True if the pictures have colour.
     to_picture
         (sx, sy, dx, dy): x of the picture is sx x + dx of the recording.
     gaze
         Gaze of the driver. None: a point is assumed.
     light
-        Readings of a light meter, or None.
+        Readings of a light meter. None: the pictures may replace them.
     has_map
         True if `to_picture` is a ``visible_map`` of the session, False if it is from the sizes.
     doubts
@@ -125,7 +117,7 @@ def open_recordings(session: Session, dataset: Dataset) -> list[DriverRecording]
     Parameters
     ----------
     session
-        Session with pictures, light and gaze of each recording, in files below its folder.
+        Session with pictures, light and gaze of each recording.
     dataset
         Dataset loaded from the session.
 
@@ -141,66 +133,44 @@ def open_recordings(session: Session, dataset: Dataset) -> list[DriverRecording]
         picture.
     """
     names = [str(name) for name in dataset.recordings["name"]]
-    entries = session.entries(names)
-    files = [_read_files(session.folder, entries.get(name)) for name in names]
-    has_visible = {
-        number
-        for number, name in enumerate(names)
-        if name in entries and entries[name].visible is not None
-    }
-    own = {*range(len(names))} - has_visible
-    visible_pictures = session_pictures(session, dataset, has_visible, key="visible")
-    own_pictures = session_pictures(session, dataset, own)
-    recordings = []
-    for number, (name, (gaze, light)) in enumerate(zip(names, files, strict=True)):
-        is_visible = number in has_visible
+    named = session.entries(names)
+    entries = [named.get(name, RecordingEntry(name)) for name in names]
+    gazes = [None if of.gaze is None else read_gaze(session.folder / of.gaze) for of in entries]
+    lights = [None if of.light is None else read_light(session.folder / of.light) for of in entries]
+    visible = {number for number, entry in enumerate(entries) if entry.visible is not None}
+    visible_pictures = session_pictures(session, dataset, visible, key="visible")
+    own_pictures = session_pictures(session, dataset, {*range(len(names))} - visible)
+    columns, recordings = dataset.frame_columns, []
+    for number, (name, entry) in enumerate(zip(names, entries, strict=True)):
+        is_visible = number in visible
         opened = visible_pictures if is_visible else own_pictures
-        entry = entries.get(name, RecordingEntry(name))
-        recordings.append(_recording(number, name, entry, dataset, opened, is_visible, gaze, light))
+        source = opened.sources.get(number)
+        rows = columns.rows_of(number)
+        index = np.full(rows.stop - rows.start, -1) if source is None else opened.indices[number]
+        note = opened.notes.get(number, "No pictures are named for it.")
+        has_map = is_visible and entry.visible_map is not None
+        recordings.append(
+            DriverRecording(
+                number=number,
+                name=name,
+                name_in_data=entry.name,
+                pictures=source,
+                index=index,
+                picture_note="" if (index >= 0).all() else one_line(note),
+                is_visible=is_visible,
+                has_colour=source is not None and _has_colour(source, index),
+                to_picture=opened.maps.get(number, (1.0, 1.0, 0.0, 0.0)),
+                gaze=gazes[number],
+                light=lights[number],
+                has_map=has_map,
+                doubts=() if source is None else _doubts(source, dataset, number, entry, has_map),
+            )
+        )
     if not any((recording.index >= 0).any() for recording in recordings):
         visible_pictures.close()
         own_pictures.close()
         raise InputError(visible_pictures.why_none(own_pictures, how=_HOW_TO_NAME))
     return recordings
-
-
-def _read_files(folder: Path, entry: RecordingEntry | None) -> tuple[Gaze | None, Light | None]:
-    if entry is None:
-        return None, None
-    gaze = None if entry.gaze is None else read_gaze(folder / entry.gaze)
-    light = None if entry.light is None else read_light(folder / entry.light)
-    return gaze, light
-
-
-def _recording(
-    number: int,
-    name: str,
-    entry: RecordingEntry,
-    dataset: Dataset,
-    opened: RecordingPictures,
-    is_visible: bool,
-    gaze: Gaze | None,
-    light: Light | None,
-) -> DriverRecording:
-    columns = dataset.frame_columns
-    source = opened.sources.get(number)
-    rows = columns.rows_of(number)
-    index = np.full(rows.stop - rows.start, -1) if source is None else opened.indices[number]
-    return DriverRecording(
-        number=number,
-        name=name,
-        name_in_data=entry.name,
-        pictures=source,
-        index=index,
-        picture_note=one_line(_note(opened.notes, number, index)),
-        is_visible=is_visible,
-        has_colour=source is not None and _has_colour(source, index),
-        to_picture=opened.maps.get(number, (1.0, 1.0, 0.0, 0.0)),
-        gaze=gaze,
-        light=light,
-        has_map=(has_map := is_visible and entry.visible_map is not None),
-        doubts=() if source is None else _doubts(source, dataset, number, entry, has_map),
-    )
 
 
 def _doubts(
@@ -214,43 +184,29 @@ def _doubts(
         doubts.append(Note("driver.other_shape", name=name, size_px=size_px, of_px=of_px))
     listed = columns.frame[columns.rows_of(number)]
     others = dataset.unlisted_frames(str(dataset.recordings["name"].iloc[number]))
+    frames = np.union1d(listed, others)
     if source.numbers is None and not _is_as_long(
-        source.n, listed, entry.first_picture, others=others
+        source.n, frames, entry.first_picture, are_selected=len(others) > 0
     ):
-        frames = np.union1d(listed, others)
         ends = {"first": frames[0], "last": frames[-1]}
         doubts.append(Note("driver.other_length", name=name, n=source.n, **ends))
     return tuple(doubts)
 
 
 def _is_as_long(
-    n_pictures: int,
-    listed: NDArray[np.int64],
-    first_picture: int | None,
-    *,
-    others: NDArray[np.int64],
+    n_pictures: int, frames: NDArray[np.int64], first_picture: int | None, *, are_selected: bool
 ) -> bool:
     """Return whether the number of pictures matches the frames.
 
-    It may equal the number of listed frames, or of frame numbers from `first_picture` on.
-
-    Frames may count from 1, and be a sample at equal steps. If `others` are not listed, frames were
-    selected: only their minimum number is known.
+    It may equal the number of frames, or of frame numbers from `first_picture` on. Frames may count
+    from 1, and be a sample at equal steps. If some were selected, only a minimum is known.
     """
-    frames = np.union1d(listed, others)
     if not len(frames) or n_pictures == len(frames):
         return True
     n = int(frames[-1]) + 1 - (first_picture or 0)
     least = n - 1 if first_picture is None and frames[0] >= 1 else n
     step = int(np.diff(frames).max(initial=1))
-    return n_pictures >= least and (len(others) > 0 or n_pictures < n + step)
-
-
-def _note(notes: Mapping[int, str], number: int, index: NDArray[np.int64]) -> str:
-    """Return why pictures are missing, or an empty text if none is missing."""
-    if (index >= 0).all():
-        return ""
-    return notes.get(number, "No pictures are named for it.")
+    return n_pictures >= least and (are_selected or n_pictures < n + step)
 
 
 def _has_colour(source: Pictures, index: NDArray[np.int64]) -> bool:
