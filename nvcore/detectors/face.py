@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,10 +23,8 @@ from nvcore.report.protect_inputs import refuse_outputs
 from nvcore.settings import as_names
 
 if TYPE_CHECKING:
-    from nvcore.detectors.base import Detector
     from nvcore.detectors.timing import Expectation
     from nvcore.detectors.writing import WrittenRun
-    from nvcore.pictures import RecordingPictures
 
 
 @called_with(DetectArguments)
@@ -71,48 +70,22 @@ def detect(arguments: DetectArguments) -> WrittenRun:
 
 @dataclass(frozen=True, eq=False)
 class DetectorJob:
-    """A detector and the recordings to run it over, with open pictures."""
+    """A run that is known to be possible, with open pictures.
 
-    arguments: DetectArguments
-    detector: Detector
+    Attributes
+    ----------
+    expect
+        Estimates its duration.
+    cautions
+        Returns warnings that the detector was trained on some of the frames.
+    run
+        Runs the detector and writes the results.
+    """
+
     dataset: Dataset
-    pictures: RecordingPictures
-
-    def expect(self) -> Expectation:
-        """Estimate the duration of the run. Raises errors as `detect`."""
-        from nvcore.detectors.timing import expect
-
-        return expect(self.detector, self.pictures, n_threads=self.arguments.n_threads)
-
-    def cautions(self) -> list[str]:
-        """Return warnings that the detector was trained on some of these frames."""
-        from nvcore.detectors.findings import trained_findings
-
-        about = self.detector.about
-        findings = trained_findings(self.dataset, about.name, about.trained_on)
-        return [f"{finding.message} {finding.advice}" for finding in findings]
-
-    def run(self, progress: Progress) -> WrittenRun:
-        """Run the detector and write the results. Raises errors as `detect`."""
-        from nvcore.detectors.run import run_detector
-        from nvcore.detectors.writing import write_detections
-
-        call = self.arguments
-        run = run_detector(
-            self.detector,
-            self.dataset,
-            self.pictures,
-            n_threads=call.n_threads,
-            progress=progress,
-        )
-        return write_detections(
-            run,
-            self.dataset,
-            Path(call.out),
-            name=call.name,
-            threshold=call.threshold,
-            against=call.against,
-        )
+    expect: Callable[[], Expectation]
+    cautions: Callable[[], list[str]]
+    run: Callable[[Progress], WrittenRun]
 
 
 @contextmanager
@@ -134,23 +107,37 @@ def detector_job(
         As `detect`.
     """
     with needs("detectors", "detectors need"):
+        from nvcore.detectors.findings import trained_findings
         from nvcore.detectors.registry import open_detector
-        from nvcore.detectors.run import check_pictures
-        from nvcore.detectors.writing import check_target, outputs
+        from nvcore.detectors.run import check_pictures, run_detector
+        from nvcore.detectors.timing import expect
+        from nvcore.detectors.writing import check_target, outputs, write_detections
         from nvcore.pictures import session_pictures
 
     source, out = arguments.source, Path(arguments.out)
     detector = open_detector(arguments.detector, arguments.settings)
     dataset, session = load_part(source, arguments, progress=loading)
     parts = _parts(as_names(arguments.trained_on), dataset)
-    detector.about = replace(detector.about, trained_on=(*detector.about.trained_on, *parts))
-    check_target(dataset, out, name=arguments.name, against=arguments.against)
-    names = [path.name for path in outputs(out, dataset)]
-    refuse_outputs(out, names, [*inputs, source, arguments.detector], session)
-    pictures = session_pictures(session, dataset)
+    about = replace(detector.about, trained_on=(*detector.about.trained_on, *parts))
+    detector.about = about
+    names = {"name": arguments.name, "against": arguments.against}
+    check_target(dataset, out, **names)
+    files = [path.name for path in outputs(out, dataset)]
+    refuse_outputs(out, files, [*inputs, source, arguments.detector], session)
+    pictures, n_threads = session_pictures(session, dataset), arguments.n_threads
+
+    def cautions() -> list[str]:
+        findings = trained_findings(dataset, about.name, about.trained_on)
+        return [f"{finding.message} {finding.advice}" for finding in findings]
+
+    def run(progress: Progress) -> WrittenRun:
+        done = run_detector(detector, dataset, pictures, n_threads=n_threads, progress=progress)
+        return write_detections(done, dataset, out, threshold=arguments.threshold, **names)
+
     try:
         check_pictures(pictures, dataset)
-        yield DetectorJob(arguments, detector, dataset, pictures)
+        duration = partial(expect, detector, pictures, n_threads=n_threads)
+        yield DetectorJob(dataset, duration, cautions, run)
     finally:
         pictures.close()
 

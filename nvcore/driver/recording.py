@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -15,7 +14,7 @@ from nvcore.driver.illumination import Light, read_light
 from nvcore.errors import InputError, MediaError
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.notes import Note
-from nvcore.pictures import Pictures, session_pictures
+from nvcore.pictures import Pictures, RecordingPictures, session_pictures
 from nvcore.pictures.index import is_of_other_shape
 from nvcore.wording import one_line
 
@@ -24,67 +23,69 @@ _LOOKED_AT: Final = (0.5, 0.1, 0.9)
 """Relative positions of the pictures that are checked for colour."""
 
 
-@dataclass(frozen=True, eq=False)
 class DriverRecording:
     """Recording with the data on the driver's view.
 
-    Attributes
+    Parameters
     ----------
     number
         Row of the dataset's recordings.
-    pictures
-        Pictures of visible light if there are any, else the recording's own.
+    entry
+        Entry of the session on the recording.
+    opened
+        Pictures of visible light if the session names them, else the recording's own.
+    gaze
+        Gaze of the driver. None: a point is assumed.
+    light
+        Readings of a light meter, or None.
+
+    Attributes
+    ----------
     index
         Picture of each evaluated frame, -1 none, int64.
     picture_note
-        Assignment of pictures to frames, or the reason for having none.
+        Why frames have no picture, or an empty text.
     is_visible
         True if the session declares the pictures as visible light.
     to_picture
         (sx, sy, dx, dy): x of the picture is sx x + dx of the recording.
-    gaze
-        Gaze of the driver. None: a point is assumed.
-    light
-        Readings of a light meter. None: the pictures may replace them.
     has_map
         True if `to_picture` is a ``visible_map`` of the session, False if it is from the sizes.
+    may_be_of_heat
+        True if the pictures are grey and not declared as visible light.
+    needs_light
+        True if the pictures have to replace a light meter.
     doubts
         Signs that the pictures belong to another recording, in sentences.
     """
 
-    number: int
-    name: str
-    name_in_data: str
-    pictures: Pictures | None
-    index: NDArray[np.int64]
-    picture_note: str
-    is_visible: bool
-    has_colour: bool
-    to_picture: tuple[float, float, float, float]
-    gaze: Gaze | None
-    light: Light | None
-    has_map: bool
-    doubts: tuple[Note, ...]
-
-    @property
-    def kind(self) -> str:
-        """Kind of the pictures: ``visible`` if the session declares them so, else ``own``."""
-        return "visible" if self.is_visible else "own"
-
-    @property
-    def picture_px(self) -> tuple[int, int] | None:
-        """Width and height of the first picture, or None without pictures."""
-        return None if self.pictures is None else (self.pictures.width, self.pictures.height)
-
-    @property
-    def may_be_of_heat(self) -> bool:
-        """True if the pictures are grey and not declared as visible light."""
-        return self.pictures is not None and not (self.is_visible or self.has_colour)
-
-    @property
-    def needs_light(self) -> bool:
-        """True if the pictures have to replace a light meter."""
-        return self.light is None and self.pictures is not None and not self.may_be_of_heat
+    def __init__(
+        self,
+        number: int,
+        entry: RecordingEntry,
+        dataset: Dataset,
+        opened: RecordingPictures,
+        gaze: Gaze | None,
+        light: Light | None,
+    ):
+        self.number, self.gaze, self.light = number, gaze, light
+        self.name, self.name_in_data = str(dataset.recordings["name"].iloc[number]), entry.name
+        self.is_visible = entry.visible is not None
+        self.kind = "visible" if self.is_visible else "own"
+        self.has_map = self.is_visible and entry.visible_map is not None
+        self.pictures = source = opened.sources.get(number)
+        self.picture_px = None if source is None else (source.width, source.height)
+        rows = dataset.frame_columns.rows_of(number)
+        self.index = opened.indices.get(number, np.full(rows.stop - rows.start, -1))
+        note = opened.notes.get(number, "No pictures are named for it.")
+        self.picture_note = "" if (self.index >= 0).all() else one_line(note)
+        self.to_picture = opened.maps.get(number, (1.0, 1.0, 0.0, 0.0))
+        self.may_be_of_heat = self.needs_light = False
+        self.doubts: tuple[Note, ...] = ()
+        if source is not None:
+            self.may_be_of_heat = not (self.is_visible or _has_colour(source, self.index))
+            self.needs_light = light is None and not self.may_be_of_heat
+            self.doubts = _doubts(source, dataset, number, entry, self.has_map)
 
     def boxes_in_picture(self, boxes: NDArray[np.float64]) -> NDArray[np.float64]:
         """Convert boxes (n, 4) x, y, w, h from pixels of the recording to those of the picture."""
@@ -140,32 +141,10 @@ def open_recordings(session: Session, dataset: Dataset) -> list[DriverRecording]
     visible = {number for number, entry in enumerate(entries) if entry.visible is not None}
     visible_pictures = session_pictures(session, dataset, visible, key="visible")
     own_pictures = session_pictures(session, dataset, {*range(len(names))} - visible)
-    columns, recordings = dataset.frame_columns, []
-    for number, (name, entry) in enumerate(zip(names, entries, strict=True)):
-        is_visible = number in visible
-        opened = visible_pictures if is_visible else own_pictures
-        source = opened.sources.get(number)
-        rows = columns.rows_of(number)
-        index = np.full(rows.stop - rows.start, -1) if source is None else opened.indices[number]
-        note = opened.notes.get(number, "No pictures are named for it.")
-        has_map = is_visible and entry.visible_map is not None
-        recordings.append(
-            DriverRecording(
-                number=number,
-                name=name,
-                name_in_data=entry.name,
-                pictures=source,
-                index=index,
-                picture_note="" if (index >= 0).all() else one_line(note),
-                is_visible=is_visible,
-                has_colour=source is not None and _has_colour(source, index),
-                to_picture=opened.maps.get(number, (1.0, 1.0, 0.0, 0.0)),
-                gaze=gazes[number],
-                light=lights[number],
-                has_map=has_map,
-                doubts=() if source is None else _doubts(source, dataset, number, entry, has_map),
-            )
-        )
+    recordings = []
+    for number, (entry, gaze, light) in enumerate(zip(entries, gazes, lights, strict=True)):
+        opened = visible_pictures if number in visible else own_pictures
+        recordings.append(DriverRecording(number, entry, dataset, opened, gaze, light))
     if not any((recording.index >= 0).any() for recording in recordings):
         visible_pictures.close()
         own_pictures.close()
