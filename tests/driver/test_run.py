@@ -285,73 +285,91 @@ def light_of(folder: Path, rows: list[str], frames: range) -> tuple[str, str]:
     return note, doubt.replace("\xa0", " ")
 
 
-def light_note(folder: Path, rows: list[str], frames: range = range(N_FRAMES)) -> str:
-    return light_of(folder, rows, frames)[0]
-
-
 def readings(first_s: float, step_s: float, dark_from: int, unit: float = 1.0) -> list[str]:
     levels = [1000 * unit if i < dark_from else 10 * unit for i in range(300)]
     return [f"{first_s + i * step_s:.9g},{level:g}" for i, level in enumerate(levels)]
 
 
-@pytest.mark.parametrize("first_s", [100_000, -100_000])
-def test_readings_of_another_clock_are_said_to_tell_nothing(tmp_path: Path, first_s: float):
-    note = light_note(tmp_path, readings(first_s, 0.05, 120))
-    assert note.startswith(f"The light meter's readings are from {first_s:,} to ")
-    assert note.endswith(
-        " s, while the recording is from 0 to 10 s. Nothing is known about the light, so there is "
-        "no adaptation period."
-    )
+METER = "Light by the light meter: "
+OF_LUX = "readings of 10 to 1,000 lx"
+
+
+def without(rows: list[str], *gaps: tuple[float, float]) -> list[str]:
+    """Readings without those after the beginning of a gap and before its end."""
+    return [
+        row
+        for row in rows
+        if not any(start < float(row.split(",")[0]) < end for start, end in gaps)
+    ]
 
 
 @pytest.mark.parametrize(
-    ("dark_from", "frames", "changes"),
+    ("rows", "frames", "text"),
     [
-        (240, range(40), "0 changes from bright to dark;"),  # at 12 s, after the end
-        (80, range(24, 40), "0 changes from bright to dark, 1 before the first frame;"),
-        (160, range(24, 40), "1 change from bright to dark;"),
+        (readings(0, 0.05, 240), range(40), f"{METER}0 changes from bright to dark; {OF_LUX}."),
+        (
+            readings(0, 0.05, 80),
+            range(24, 40),
+            f"{METER}0 changes from bright to dark, 1 before the first frame; {OF_LUX}.",
+        ),
+        (readings(0, 0.05, 160), range(24, 40), f"{METER}1 change from bright to dark; {OF_LUX}."),
+        (
+            readings(0, 50, 120),
+            range(40),
+            f"{METER}0 changes from bright to dark, with one reading in 50 s; {OF_LUX}.",
+        ),
+        (
+            readings(2.5, 0.05, 120),
+            range(40),
+            f"{METER}1 change from bright to dark; {OF_LUX}; readings are from 2.5 to 17.4 s, "
+            "while the recording is from 0 to 10 s.",
+        ),
+        *(
+            (
+                readings(first_s, 0.05, 120),
+                range(40),
+                f"The light meter's readings are from {first_s:,} to {first_s + 15:,} s, while the "
+                "recording is from 0 to 10 s. Nothing is known about the light, so there is no "
+                "adaptation period.",
+            )
+            for first_s in (100_000, -100_000)
+        ),
+        (
+            without(readings(-5, 0.05, 200), (4.52, 9.02)),
+            range(40),
+            f"{METER}0 changes from bright to dark; {OF_LUX}; no reading from 4.5 to 9.05 s: the "
+            "light is not known from 5.5 to 12.1 s.",
+        ),
+        (
+            without(readings(-9, 0.05, 400), (-7.98, -3.98)),
+            range(40),
+            f"{METER}0 changes from bright to dark; readings of 1,000 lx; readings are "
+            "from -9 to 5.95 s, while the recording is from 0 to 10 s.",
+        ),
+        (
+            without(readings(-1, 0.2, 200), (1, 3), (4, 7), (30, 40)),  # the last lies after it
+            range(40),
+            f"{METER}0 changes from bright to dark; {OF_LUX}; 2 gaps between readings, the "
+            "longest from 4 to 7 s: the light is not known from 1 s after each begins to 3 s after "
+            "it ends.",
+        ),
+        (
+            readings(0, 0.05, 120, unit=5e-4),
+            range(40),
+            f"{METER}0 changes from bright to dark; readings of 0.005 to 0.5 lx, 180 of 300 below "
+            "0.1 lx, counted as 0.1 lx.",
+        ),
+        (
+            readings(0, 0.05, 280, unit=5e-4),
+            range(40),
+            f"{METER}0 changes from bright to dark; readings of 0.005 to 0.5 lx.",
+        ),
     ],
 )
-def test_changes_outside_of_the_recording_are_not_counted(
-    tmp_path: Path, dark_from: int, frames: range, changes: str
+def test_readings_are_described_with_gaps_and_doubts(
+    tmp_path: Path, rows: list[str], frames: range, text: str
 ):
-    note = light_note(tmp_path, readings(0, 0.05, dark_from), frames)
-    assert note == f"Light by the light meter: {changes} readings of 10 to 1,000 lx."
-
-
-def test_readings_in_milliseconds_are_said_to_be_far_apart(tmp_path: Path):
-    note = light_note(tmp_path, readings(0, 50, 120))
-    assert "0 changes from bright to dark, with one reading in 50 s; readings of" in note
-
-
-def test_readings_that_begin_late_are_said_to(tmp_path: Path):
-    note = light_note(tmp_path, readings(2.5, 0.05, 120))
-    assert note.endswith(
-        "; readings are from 2.5 to 17.4 s, while the recording is from 0 to 10 s."
-    )
-
-
-def test_a_gap_in_the_readings_is_named(tmp_path: Path):
-    rows = [row for row in readings(-5, 0.05, 200) if not 4.5 < float(row.split(",")[0]) <= 9]
-    assert light_note(tmp_path, rows).startswith(
-        "Light by the light meter: 0 changes from bright to dark; readings of 10 to 1,000 lx; no "
-        "reading from 4.5 to 9.05 s: the light is not known from 5.5 to 12.1 s."
-    )
-    early = [row for row in readings(-9, 0.05, 400) if not -8 < float(row.split(",")[0]) <= -4]
-    assert "no reading" not in light_note(tmp_path, early)
-
-
-def test_of_several_gaps_the_longest_is_named(tmp_path: Path):
-    gaps = ((1, 3), (4, 7), (30, 40))  # the last lies after the recording
-    rows = [
-        row
-        for row in readings(-1, 0.2, 200)
-        if not any(start < float(row.split(",")[0]) < end for start, end in gaps)
-    ]
-    assert (
-        "; 2 gaps between readings, the longest from 4 to 7 s: the light is not known from 1 s "
-        "after each begins to 3 s after it ends."
-    ) in light_note(tmp_path, rows)
+    assert light_of(tmp_path, rows, frames)[0] == text
 
 
 def test_missing_pictures_that_stand_in_for_a_light_meter_are_said_to_be(place: Path):
@@ -363,14 +381,6 @@ def test_missing_pictures_that_stand_in_for_a_light_meter_are_said_to_be(place: 
         "to dark; no picture from 2.75 to 8 s: the light is not known from 3.75 to 11 s."
     )
     assert part.is_light_known.tolist() == [frame in range(12, 16) for frame in range(N_FRAMES)]
-
-
-def test_how_many_readings_count_as_the_least_is_said_where_many_do(tmp_path: Path):
-    assert light_note(tmp_path, readings(0, 0.05, 120, unit=5e-4)) == (
-        "Light by the light meter: 0 changes from bright to dark; readings of 0.005 to 0.5 lx, 180 "
-        "of 300 below 0.1 lx, counted as 0.1 lx."
-    )
-    assert "below" not in light_note(tmp_path, readings(0, 0.05, 280, unit=5e-4))
 
 
 @pytest.mark.parametrize(
