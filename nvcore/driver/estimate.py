@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from nvcore.driver.estimators import Estimator, fingerprint
 from nvcore.driver.estimators.words import LABELS, caution_of
-from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
-from nvcore.driver.picture_width import other_width_notes, other_widths
+from nvcore.driver.features import FEATURE_KEYS, FEATURES, FeatureSettings
 from nvcore.driver.run import BOX_COLUMNS, FeatureRun
 from nvcore.driver.steps import Steps, steps_between_periods
 from nvcore.errors import InputError, ParameterError
@@ -31,6 +30,9 @@ DETECTABILITY_COLUMNS: Final = (
 """
 SEPARATOR: Final = ";"
 """Separator in `outside_features`, as in the tables of a comparison."""
+
+WIDTH_FACTOR: Final = 1.1
+"""Factor above which the widths of pictures count as different. (Our choice.)"""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -92,7 +94,7 @@ class EstimateRun:
         simulated = self.estimator.origin.simulated
         if caution := caution_of(self.estimator, simulated=simulated):
             notes.append(Note("driver.estimates", caution=caution))
-        notes += other_width_notes(self.features.recordings, self.estimator)
+        notes += self._other_width_notes()
         if self.estimator.feature_settings is None:
             settings = asdict(self.features.settings.features)
             notes.append(Note("driver.other_settings", **settings))
@@ -156,6 +158,46 @@ class EstimateRun:
         reasons = listed([*why], most=MOST_NAMED) or None
         return Note("driver.missing", features=keys, reasons=reasons)
 
+    def _other_widths(self) -> dict[str, int]:
+        """Return picture widths that differ from those of the training, by recording name.
+
+        Empty if the width in the training is unknown, or no feature depends on it.
+        """
+        trained_px = self.estimator.origin.picture_px
+        if trained_px is None or not self._labels_of_scale():
+            return {}
+        widths = {
+            part.name: part.picture_px[0]
+            for part in self.features.recordings
+            if part.picture_px is not None and not part.may_be_of_heat
+        }
+        return {
+            name: width
+            for name, width in widths.items()
+            if max(width, trained_px[0]) > WIDTH_FACTOR * min(width, trained_px[0])
+        }
+
+    def _other_width_notes(self) -> list[Note]:
+        names: dict[int, list[str]] = {}
+        for name, width in self._other_widths().items():
+            names.setdefault(width, []).append(one_line(name))
+        trained, *_ = self.estimator.origin.picture_px or (0,)
+        return [
+            Note(
+                "driver.other_width",
+                names=listed(of_width, most=MOST_NAMED),
+                width=width,
+                trained=trained,
+                features=self._labels_of_scale(),
+            )
+            for width, of_width in names.items()
+        ]
+
+    def _labels_of_scale(self) -> list[str]:
+        """Return the labels of the estimator's features that depend on the picture size."""
+        taken = self.estimator.features
+        return [of.label for of in FEATURES if of.is_of_scale and of.key in taken]
+
     def refuse_empty(self) -> None:
         """Raise an InputError with the reason if there are pedestrians but no estimates."""
         if self.n_estimated or self.table.empty:
@@ -178,7 +220,7 @@ class EstimateRun:
             "outside": self.outside_by_feature,
         }
         doubts = {
-            "other_width": other_widths(parts, self.estimator),
+            "other_width": self._other_widths(),
             "light_doubts": {part.name: part.light_doubt for part in parts if part.light_doubt},
             "picture_doubts": {
                 part.name: part.picture_doubt for part in parts if part.picture_doubt

@@ -111,20 +111,7 @@ def image_features(
 ) -> ImageFeatures:
     """Compute features of the pedestrians listed in a file, in the pictures of a folder.
 
-    Parameters
-    ----------
-    folder
-        Folder of the pictures.
-    boxes
-        CSV with the columns image (path in the folder), pedestrian, x, y, w, h (px), and optionally
-        fixation_x and fixation_y (px).
-    settings, n_threads, progress
-        See `nvcore.driver.run.run_features`.
-
-    Raises
-    ------
-    InputError
-        If a file cannot be used, with the line of the row that names it.
+    Parameters and errors are those of `nvcore.image_features`.
     """
     settings = settings or DriverViewSettings()
     table = read_picture_boxes(boxes)

@@ -18,11 +18,10 @@ from nvcore.driver.illumination.clock import AdaptationClock, adaptation_clock
 from nvcore.driver.recording import DriverRecording, open_recordings
 from nvcore.driver.recording_notes import (
     boxes_outside,
-    fixation,
+    fixation_notes,
     light_doubt,
     light_note,
     other_frames,
-    picture_doubts,
     picture_notes,
 )
 from nvcore.driver.settings import DriverViewSettings
@@ -207,10 +206,11 @@ class _View:
             why_missing = dict.fromkeys(FEATURE_KEYS, self._say(outside))
         elif recording.gaze and (fault := other_frames(recording.gaze, self.frame)):
             why_missing = {"fixation_distance_px": self._say(fault)}
+        fixation, doubt = fixation_notes(recording, settings.fixation, self.frame, self.with_boxes)
         notes = [
             *picture_notes(recording, faults, n_unseen),
             *([Note("driver.sentence", clause=outside)] if outside else []),
-            fixation(recording, settings.fixation, self.frame, self.with_boxes),
+            fixation,
             light_note(light, clock, self.frame, self.fps, settings.light),
         ]
         return RecordingFeatures(
@@ -225,7 +225,7 @@ class _View:
             recording.picture_px,
             why_missing,
             self._say(light_doubt(light, self.frame, self.fps, settings.light)),
-            self._say(*picture_doubts(recording, settings.fixation, self.with_boxes)),
+            self._say(*recording.doubts, doubt),
         )
 
     def _look(self, row: int, picture: Picture) -> int:

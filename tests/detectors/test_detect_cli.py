@@ -63,19 +63,6 @@ def test_the_same_run_gives_the_same_files(tmp_path: Path, ran: tuple[Result, Pa
     assert files[0].count(b"\n") > 1
 
 
-def test_size_and_frame_rate_are_asked_of_the_recordings_that_are_run(tmp_path: Path, blobs: Path):
-    session = tmp_path / "session.toml"
-    text = SAMPLE.read_text().replace('path = "', f'path = "{SAMPLE.parent}/')
-    text = text.replace('pictures = "', f'pictures = "{SAMPLE.parent}/')
-    lines = [line for line in text.splitlines() if not line.startswith(("size", "fps"))]
-    session.write_text("\n".join(lines))
-    run = ("detect", session, "--detector", blobs, *PART, "--out", tmp_path / "out")
-    refused = nvcore(*run)
-    assert refused.exit_code == 2
-    assert "The pictures" in refused.stderr
-    assert nvcore(*run, "--size", "640x480", "--fps", "20").exit_code == 0
-
-
 def test_what_it_was_trained_on_is_said_before_and_fails_the_gate(ran: tuple[Result, Path]):
     detected, out = ran
     assert detected.exit_code == 0, detected.output

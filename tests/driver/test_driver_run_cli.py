@@ -68,6 +68,7 @@ def test_recordings_that_are_not_asked_for_need_no_facts(tmp_path: Path):
     result = nvcore(*flags)
     assert result.exit_code == 2
     assert "far" in result.stderr
+    assert "The pictures near have --size 64x48" in result.stderr
     result = nvcore(*flags, "--only", "near", "--frames", "1:2")
     assert result.exit_code == 0, result.output
     assert [row["frame"] for row in rows_of(tmp_path / "out" / "features.csv")] == ["1", "2"]
