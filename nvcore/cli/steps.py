@@ -105,7 +105,7 @@ def errors_of(session: Session) -> Iterator[None]:
 
 @contextmanager
 def job_on(
-    session_file: Path,
+    session_file: Path | None,
     kind: Callable[..., Any],
     job_of: Callable[..., AbstractContextManager[Job]],
     options: Mapping[str, Any],
@@ -114,16 +114,22 @@ def job_on(
 
     Parameters
     ----------
+    session_file
+        None: the job needs no session.
     kind, job_of
         Class of the job's arguments, and the context manager that makes the job of them.
     """
     from nvcore.inputs.session_toml import read_session
 
-    session = read_session(session_file, needs_system=False)
-    with errors_of(session), ExitStack() as stack:
-        with TerminalProgress(2 + len(session.systems)) as steps:
-            arguments = kind(session, **options)
-            job = job_of(arguments, inputs=[session_file], loading=steps)
+    with ExitStack() as stack:
+        session, n_steps = None, 2
+        if session_file is not None:
+            session = read_session(session_file, needs_system=False)
+            n_steps += len(session.systems)
+            stack.enter_context(errors_of(session))
+        with TerminalProgress(n_steps) as steps:
+            inputs = [] if session_file is None else [session_file]
+            job = job_of(kind(session, **options), inputs=inputs, loading=steps)
             opened = stack.enter_context(job)
         yield opened
 

@@ -148,12 +148,11 @@ def _parts(texts: Sequence[str], dataset: Dataset) -> list[TrainedOn]:
     parts = []
     for text in texts:
         name, sign, frames = text.rpartition("=")
-        if not sign or text in names:
-            parts.append(TrainedOn(recording=text))
-        elif is_frame_range(frames):
+        is_part = sign and text not in names
+        if is_part and is_frame_range(frames):
             ends = frame_range(frames)
             parts.append(TrainedOn("", name, ends.first, ends.last))
-        elif name in names:
+        elif is_part and name in names:
             raise InputError(
                 f"trained on {text!r}: expected a recording, or frames of it as {name}=first:last, "
                 "such as 0:399, :399 or 400:"

@@ -115,17 +115,7 @@ class DriverRecording:
 def open_recordings(session: Session, dataset: Dataset) -> list[DriverRecording]:
     """Open the recordings of a dataset. The caller closes their pictures.
 
-    Parameters
-    ----------
-    session
-        Session with pictures, light and gaze of each recording.
-    dataset
-        Dataset loaded from the session.
-
-    Returns
-    -------
-    One entry per recording of the dataset, in its order. It has no pictures if the session does not
-    name the recording or its pictures.
+    A recording has no pictures if the session does not name the recording or its pictures.
 
     Raises
     ------
@@ -161,31 +151,18 @@ def _doubts(
     if not has_map and is_of_other_shape(source, *of_px):
         size_px = source.width, source.height
         doubts.append(Note("driver.other_shape", name=name, size_px=size_px, of_px=of_px))
-    listed = columns.frame[columns.rows_of(number)]
     others = dataset.unlisted_frames(str(dataset.recordings["name"].iloc[number]))
-    frames = np.union1d(listed, others)
-    if source.numbers is None and not _is_as_long(
-        source.n, frames, entry.first_picture, are_selected=len(others) > 0
-    ):
-        ends = {"first": frames[0], "last": frames[-1]}
-        doubts.append(Note("driver.other_length", name=name, n=source.n, **ends))
+    frames = np.union1d(columns.frame[columns.rows_of(number)], others)
+    if source.numbers is None and len(frames) and source.n != len(frames):
+        # frames may count from 1, be a sample at equal steps, or be selected from more frames
+        first = entry.first_picture
+        n = int(frames[-1]) + 1 - (first or 0)
+        least = n - 1 if first is None and frames[0] >= 1 else n
+        step = int(np.diff(frames).max(initial=1))
+        if source.n < least or (not len(others) and source.n >= n + step):
+            ends = {"first": frames[0], "last": frames[-1]}
+            doubts.append(Note("driver.other_length", name=name, n=source.n, **ends))
     return tuple(doubts)
-
-
-def _is_as_long(
-    n_pictures: int, frames: NDArray[np.int64], first_picture: int | None, *, are_selected: bool
-) -> bool:
-    """Return whether the number of pictures matches the frames.
-
-    It may equal the number of frames, or of frame numbers from `first_picture` on. Frames may count
-    from 1, and be a sample at equal steps. If some were selected, only a minimum is known.
-    """
-    if not len(frames) or n_pictures == len(frames):
-        return True
-    n = int(frames[-1]) + 1 - (first_picture or 0)
-    least = n - 1 if first_picture is None and frames[0] >= 1 else n
-    step = int(np.diff(frames).max(initial=1))
-    return n_pictures >= least and (are_selected or n_pictures < n + step)
 
 
 def _has_colour(source: Pictures, index: NDArray[np.int64]) -> bool:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import threading
 from concurrent.futures import CancelledError
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from picture_files import number_in, numbered, write_picture
 
 from nvcore.pictures import Picture, open_pictures
-from nvcore.pictures.run import PictureRun
+from nvcore.pictures.run import PictureRun, speed_text
 from nvcore.progress import no_progress
 
 
@@ -75,6 +76,41 @@ def test_a_cancelled_run_ends_while_a_picture_is_slow():
     run = PictureRun(1000, cancel, n_threads=1)
     with pytest.raises(CancelledError):
         list(run.map(lambda *_: done.wait(0.2), pictures, "night"))
+
+
+def test_the_time_left_is_that_of_the_other_pictures(monkeypatch: pytest.MonkeyPatch):
+    now_s = iter([0.0])
+    clock = SimpleNamespace(perf_counter=lambda: next(now_s, 10.0))
+    monkeypatch.setattr("nvcore.pictures.run.time", clock)
+    told: list[tuple[float, str]] = []
+    run = PictureRun(4, lambda *said: told.append(said), n_threads=1)
+    next(run.map(lambda *of: of, ((number, np.zeros(1)) for number in range(4)), "night"))
+    assert told[-1] == (0.25, "night: 1 of 4 pictures, 30 s left")
+    assert speed_text(30, 2.0) == "in 2 s (15.0 pictures a second)"
+    assert speed_text(0, 0.0) == "in 0 s (0.0 pictures a second)"
+
+
+def test_a_run_has_a_reader_of_its_own_and_closes_it():
+    class Source:
+        n_open = 0
+
+        def another(self) -> Source:
+            self.n_open += 1
+            return self
+
+        def read(self, index: int) -> np.ndarray:
+            return np.full(1, index)
+
+        def close(self) -> None:
+            self.n_open -= 1
+
+    source = Source()
+    indices = ((number, number) for number in range(9))
+    results = PictureRun(9, no_progress).over(source, indices, lambda *of: of, "", [])  # type: ignore[arg-type]
+    next(results)
+    assert source.n_open == 1
+    results.close()
+    assert source.n_open == 0
 
 
 def test_an_error_of_the_work_is_that_of_the_run():
