@@ -79,23 +79,9 @@ def annotate(
     ParameterError
         If `lo` and `hi` are no percentiles.
     """
-    found = frame_picture(pictures, index, lo, hi)
-    return draw_frame(result, row, *found, layers=layers, labels=labels, caption=caption)
-
-
-def draw_frame(
-    result: Result,
-    row: int,
-    picture: Picture | None,
-    why_none: str,
-    *,
-    layers: Sequence[str] = LAYERS,
-    labels: bool = False,
-    caption: bool = True,
-) -> Canvas:
-    """Draw as `annotate` on a picture in 8 bit, or `why_none` on a dark blank."""
     frames = result.dataset.frame_columns
     recording = frames.recording[row]
+    picture, why_none = frame_picture(pictures, index, lo, hi)
     boxes = drawn_boxes(result, row, layers=layers, labels=labels)
     width, height = float(frames.width[recording]), float(frames.height[recording])
     inks = inks_of(result, "dark")

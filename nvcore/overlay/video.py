@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from nvcore import __version__
 from nvcore.comparison import Result
 from nvcore.errors import MediaError, ParameterError
-from nvcore.overlay.annotate import annotate, draw_frame, frame_picture, provenance
+from nvcore.overlay.annotate import annotate, provenance
 from nvcore.overlay.brush import BLANK_RGB, Canvas
-from nvcore.pictures.base import Picture, PictureReader
+from nvcore.pictures.base import PictureReader
 from nvcore.pictures.run import PictureRun
 from nvcore.progress import Progress, no_progress
 from nvcore.wording import one_line
@@ -98,12 +98,11 @@ def write_video(
             f"indices: expected {own.stop - own.start} pictures, got {len(indices)}"
         )
     index = indices[row_start - own.start : row_stop - own.start].tolist()
-    rows, source = range(row_start, row_stop), pictures.get(recording)
-    found = ((row, frame_picture(source, i, lo, hi)) for row, i in zip(rows, index, strict=True))
+    numbered = zip(range(row_start, row_stop), index, strict=True)
     name = one_line(str(result.dataset.recordings["name"].iloc[recording]))
 
-    def draw(row: int, picture: tuple[Picture | None, str]) -> Canvas:
-        return draw_frame(result, row, *picture, labels=labels)
+    def draw(row: int, index: int) -> Canvas:
+        return annotate(result, pictures.get(recording), index, row, lo=lo, hi=hi, labels=labels)
 
     # long numbers may need one line more in the caption
     ends = [annotate(result, None, -1, row).shape[:2] for row in (row_start, row_stop - 1)]
@@ -123,7 +122,8 @@ def write_video(
             stream.options = dict(_OPTIONS)
             stream.width, stream.height = width, height
             # one thread draws while this one encodes
-            for drawing in PictureRun(len(rows), progress, n_threads=1).map(draw, found, name):
+            run = PictureRun(len(index), progress, n_threads=1)
+            for drawing in run.map(draw, numbered, name):
                 picture = np.full((height, width, 3), BLANK_RGB, np.uint8)
                 picture[: len(drawing)] = drawing[:height]
                 container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
