@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
+from nvcore.cli.progress import TerminalProgress
 from nvcore.cli.remedies import suggestion_text, ways_text
 from nvcore.errors import InputError, MissingFactError
 from nvcore.findings import TRUTH_NAME
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 # Nothing here imports numpy, pandas or numba before it is called.
 
 EXIT_FINDINGS = 1
+Job = TypeVar("Job")
 
 
 def compare_session(
@@ -99,6 +101,37 @@ def errors_of(session: Session) -> Iterator[None]:
             worded = InputError(message, file=error.file, line=error.line)
             worded.path = error.path
             raise worded from error
+
+
+@contextmanager
+def job_on(
+    session_file: Path | None,
+    kind: Callable[..., Any],
+    job_of: Callable[..., AbstractContextManager[Job]],
+    options: Mapping[str, Any],
+) -> Iterator[Job]:
+    """Prepare a job over a session with the given flags, and show the progress of reading it.
+
+    Parameters
+    ----------
+    session_file
+        None: the job needs no session.
+    kind, job_of
+        Class of the job's arguments, and the context manager that makes the job of them.
+    """
+    from nvcore.inputs.session_toml import read_session
+
+    with ExitStack() as stack:
+        session, n_steps = None, 2
+        if session_file is not None:
+            session = read_session(session_file, needs_system=False)
+            n_steps += len(session.systems)
+            stack.enter_context(errors_of(session))
+        with TerminalProgress(n_steps) as steps:
+            inputs = [] if session_file is None else [session_file]
+            job = job_of(kind(session, **options), inputs=inputs, loading=steps)
+            opened = stack.enter_context(job)
+        yield opened
 
 
 def _proposal(session: Session, facts: Iterable[str]) -> str:

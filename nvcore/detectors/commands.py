@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,11 +10,10 @@ import click
 
 from nvcore.cli.options import GroupedCommand, examples, options_of
 from nvcore.cli.program import program
-from nvcore.cli.progress import ShareProgress, TerminalProgress
-from nvcore.cli.steps import errors_of
+from nvcore.cli.progress import ShareProgress
+from nvcore.cli.steps import job_on
 from nvcore.detectors.arguments import DetectArguments
 from nvcore.detectors.training.command import train
-from nvcore.inputs.session_toml import read_session
 from nvcore.wording import one_line
 
 # As in nvcore/cli/__init__.py, numpy and OpenCV are imported by the command only.
@@ -42,11 +40,7 @@ def detect(session_file: Path, **options: Any) -> None:
     """
     from nvcore.detectors.face import detector_job
 
-    session = read_session(session_file, needs_system=False)
-    with errors_of(session), ExitStack() as stack:
-        with TerminalProgress(2 + len(session.systems)) as steps:
-            arguments = DetectArguments(session, **options)
-            job = stack.enter_context(detector_job(arguments, inputs=[session_file], loading=steps))
+    with job_on(session_file, DetectArguments, detector_job, options) as job:
         for caution in job.cautions():
             click.echo(one_line(caution), err=True)
         click.echo(job.expect(), err=True)

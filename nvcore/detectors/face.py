@@ -1,15 +1,16 @@
-"""A detector run over recordings: the call of Python users, and what the command makes of it."""
+"""Python API for running a detector, and the job behind the command."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nvcore.api.inputs import keywords_named, load_part
-from nvcore.arguments import PathLike, called_with
+from nvcore.arguments import called_with
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import TrainedOn
 from nvcore.detectors.arguments import DetectArguments
@@ -18,14 +19,12 @@ from nvcore.extras import needs
 from nvcore.inputs.facts import frame_range, is_frame_range
 from nvcore.inputs.pipes import pipes_kept
 from nvcore.progress import Progress, no_progress
-from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
+from nvcore.report.protect_inputs import refuse_outputs
 from nvcore.settings import as_names
 
 if TYPE_CHECKING:
-    from nvcore.detectors.base import Detector
     from nvcore.detectors.timing import Expectation
     from nvcore.detectors.writing import WrittenRun
-    from nvcore.pictures import RecordingPictures
 
 
 @called_with(DetectArguments)
@@ -71,72 +70,34 @@ def detect(arguments: DetectArguments) -> WrittenRun:
 
 @dataclass(frozen=True, eq=False)
 class DetectorJob:
-    """A detector and the recordings that it will be run over: opened, and known to be possible.
+    """A run that is known to be possible, with open pictures.
 
     Attributes
     ----------
-    arguments
-        Of the call.
-    detector
-        Ready to run, with all that is known of its training.
-    dataset
-        The recordings.
-    pictures
-        Theirs, open.
+    expect
+        Estimates its duration.
+    cautions
+        Returns warnings that the detector was trained on some of the frames.
+    run
+        Runs the detector and writes the results.
     """
 
-    arguments: DetectArguments
-    detector: Detector
     dataset: Dataset
-    pictures: RecordingPictures
-
-    def expect(self) -> Expectation:
-        """How long the run will take; errors as `detect`."""
-        from nvcore.detectors.timing import expect
-
-        return expect(self.detector, self.pictures, n_threads=self.arguments.n_threads)
-
-    def cautions(self) -> list[str]:
-        """What is to be known of the detector's training before it is run on these frames."""
-        from nvcore.detectors.findings import trained_findings
-
-        about = self.detector.about
-        findings = trained_findings(self.dataset, about.name, about.trained_on)
-        return [f"{finding.message} {finding.advice}" for finding in findings]
-
-    def run(self, progress: Progress) -> WrittenRun:
-        """Run the detector and write what comes out; errors as `detect`."""
-        from nvcore.detectors.run import run_detector
-        from nvcore.detectors.writing import write_detections
-
-        arguments = self.arguments
-        run = run_detector(
-            self.detector,
-            self.dataset,
-            self.pictures,
-            n_threads=arguments.n_threads,
-            progress=progress,
-        )
-        return write_detections(
-            run,
-            self.dataset,
-            Path(arguments.out),
-            name=arguments.name,
-            threshold=arguments.threshold,
-            against=arguments.against,
-        )
+    expect: Callable[[], Expectation]
+    cautions: Callable[[], list[str]]
+    run: Callable[[Progress], WrittenRun]
 
 
 @contextmanager
 def detector_job(
     arguments: DetectArguments, *, inputs: Sequence[Path] = (), loading: Progress = no_progress
 ) -> Iterator[DetectorJob]:
-    """All that a run needs, opened; what cannot be done is refused before anything runs.
+    """Open all that a run needs, and refuse what cannot be done before anything runs.
 
     Parameters
     ----------
     inputs
-        Further files that are read, and must not be replaced.
+        Further input files, which must not be replaced.
     loading
         Progress of the reading.
 
@@ -146,42 +107,52 @@ def detector_job(
         As `detect`.
     """
     with needs("detectors", "detectors need"):
+        from nvcore.detectors.findings import trained_findings
         from nvcore.detectors.registry import open_detector
-        from nvcore.detectors.run import no_pictures
-        from nvcore.detectors.writing import check_target, outputs
+        from nvcore.detectors.run import check_pictures, run_detector
+        from nvcore.detectors.timing import expect
+        from nvcore.detectors.writing import check_target, outputs, write_detections
         from nvcore.pictures import session_pictures
 
     source, out = arguments.source, Path(arguments.out)
     detector = open_detector(arguments.detector, arguments.settings)
     dataset, session = load_part(source, arguments, progress=loading)
     parts = _parts(as_names(arguments.trained_on), dataset)
-    detector.about = replace(detector.about, trained_on=(*detector.about.trained_on, *parts))
-    check_target(dataset, out, name=arguments.name, against=arguments.against)
-    read = (source, arguments.detector)
-    files = [*inputs, *(Path(path) for path in read if isinstance(path, PathLike))]
-    refuse_to_replace(outputs(out, dataset), [*files, *files_read(session)], instead="folder")
-    refuse_among_inputs(out, session)
-    pictures = session_pictures(session, dataset)
+    about = replace(detector.about, trained_on=(*detector.about.trained_on, *parts))
+    detector.about = about
+    names = {"name": arguments.name, "against": arguments.against}
+    check_target(dataset, out, **names)
+    files = [path.name for path in outputs(out, dataset)]
+    refuse_outputs(out, files, [*inputs, source, arguments.detector], session)
+    pictures, n_threads = session_pictures(session, dataset), arguments.n_threads
+
+    def cautions() -> list[str]:
+        findings = trained_findings(dataset, about.name, about.trained_on)
+        return [f"{finding.message} {finding.advice}" for finding in findings]
+
+    def run(progress: Progress) -> WrittenRun:
+        done = run_detector(detector, dataset, pictures, n_threads=n_threads, progress=progress)
+        return write_detections(done, dataset, out, threshold=arguments.threshold, **names)
+
     try:
-        if not any((index >= 0).any() for index in pictures.indices.values()):
-            raise no_pictures(pictures, dataset)
-        yield DetectorJob(arguments, detector, dataset, pictures)
+        check_pictures(pictures, dataset)
+        duration = partial(expect, detector, pictures, n_threads=n_threads)
+        yield DetectorJob(dataset, duration, cautions, run)
     finally:
         pictures.close()
 
 
 def _parts(texts: Sequence[str], dataset: Dataset) -> list[TrainedOn]:
-    """What ``RECORDING`` or ``RECORDING=first:last`` names."""
+    """Parse texts such as ``RECORDING`` or ``RECORDING=first:last``."""
     names = {*dataset.recordings["name"]}
     parts = []
     for text in texts:
         name, sign, frames = text.rpartition("=")
-        if not sign or text in names:
-            parts.append(TrainedOn(recording=text))
-        elif is_frame_range(frames):
+        is_part = sign and text not in names
+        if is_part and is_frame_range(frames):
             ends = frame_range(frames)
             parts.append(TrainedOn("", name, ends.first, ends.last))
-        elif name in names:
+        elif is_part and name in names:
             raise InputError(
                 f"trained on {text!r}: expected a recording, or frames of it as {name}=first:last, "
                 "such as 0:399, :399 or 400:"

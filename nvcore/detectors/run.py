@@ -1,11 +1,9 @@
-"""A detector run over the evaluated frames of recordings, several pictures at a time."""
+"""Run a detector over the evaluated frames of recordings."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Generator, Iterable
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -18,31 +16,29 @@ from nvcore.detectors.base import Detections, Detector, one_for_a_picture
 from nvcore.errors import InputError
 from nvcore.inputs.evaluated_frames import frames_there
 from nvcore.pictures import Picture, RecordingPictures
-from nvcore.pictures.passes import PictureClock, in_order, pictures_of
 from nvcore.pictures.recordings import NO_PICTURES
+from nvcore.pictures.run import PictureRun, speed_text
 from nvcore.progress import Progress, no_progress
-from nvcore.wording import MOST_NAMED, count_text, duration_text, one_line
+from nvcore.wording import MOST_NAMED, count_text, one_line
 
 _HOW_TO_NAME: Final = 'pictures = "drive.mp4"'
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RecordingRun:
-    """What came out for one recording.
+    """Boxes that a detector found in one recording.
 
     Attributes
     ----------
-    name
-        Of the recording, as the dataset calls it.
     boxes
         Columns frame, x, y, w, h (px of the recording), score, and class where the detector knows
         several; by frame, the most confident first.
     frames
-        Frames that the detector was given, int64, shape (n,).
+        Frames with a readable picture, int64, shape (n,).
     n_listed
-        Evaluated frames, with those that have no picture.
+        Number of evaluated frames.
     note
-        Why some have none; empty: all have.
+        Why frames have no picture, or an empty text.
     """
 
     name: str
@@ -53,7 +49,7 @@ class RecordingRun:
 
     @property
     def n_without(self) -> int:
-        """Evaluated frames without a picture."""
+        """Number of evaluated frames without a picture."""
         return self.n_listed - len(self.frames)
 
     def __repr__(self) -> str:
@@ -64,17 +60,7 @@ class RecordingRun:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DetectorRun:
-    """What a detector gave on recordings; ``print`` says what came out.
-
-    Attributes
-    ----------
-    about
-        The detector.
-    recordings
-        In the order of the dataset.
-    seconds
-        How long it took.
-    """
+    """Boxes that a detector found in recordings, and the duration. ``print`` shows a summary."""
 
     about: About
     recordings: tuple[RecordingRun, ...]
@@ -82,17 +68,17 @@ class DetectorRun:
 
     @property
     def n_boxes(self) -> int:
-        """Boxes in all recordings."""
+        """Number of boxes in all recordings."""
         return sum(len(recording.boxes) for recording in self.recordings)
 
     @property
     def n_pictures(self) -> int:
-        """Frames that the detector was given."""
+        """Number of pictures that the detector was given."""
         return sum(len(recording.frames) for recording in self.recordings)
 
     @property
     def n_without(self) -> int:
-        """Evaluated frames without a picture."""
+        """Number of evaluated frames without a picture."""
         return sum(recording.n_without for recording in self.recordings)
 
     def __repr__(self) -> str:
@@ -102,8 +88,7 @@ class DetectorRun:
         )
 
     def __str__(self) -> str:
-        rate = self.n_pictures / self.seconds if self.seconds > 0 else 0.0
-        lines = [f"{self._boxes}, in {duration_text(self.seconds)} ({rate:.1f} pictures a second)"]
+        lines = [f"{self._boxes}, {speed_text(self.n_pictures, self.seconds)}"]
         if self.n_without:
             lines.append(
                 f"{self.n_without:,} of {self.n_without + self.n_pictures:,} evaluated frames were "
@@ -126,31 +111,39 @@ class DetectorRun:
         )
 
 
-def threads_of(n_threads: int | None) -> int:
-    """So many threads, or as many as there are cores."""
-    return n_threads or os.cpu_count() or 1
+def check_pictures(pictures: RecordingPictures, dataset: Dataset | None = None) -> int:
+    """Count the evaluated frames with a picture.
+
+    Raises
+    ------
+    InputError
+        If there is none, with the reason and the frames that `dataset` has besides.
+    """
+    n = sum(int(np.count_nonzero(index >= 0)) for index in pictures.indices.values())
+    if not n:
+        raise no_pictures(pictures, dataset)
+    return n
 
 
 def no_pictures(pictures: RecordingPictures, dataset: Dataset | None = None) -> InputError:
-    """That no evaluated frame has a picture, and why.
-
-    Parameters
-    ----------
-    dataset
-        For the frames that there are beside those that are evaluated; None: they are not said.
-    """
+    """Return the error of `check_pictures`."""
     if not pictures.sources:
         return InputError(pictures.why_none(how=_HOW_TO_NAME))
     notes = list(dict.fromkeys(one_line(pictures.notes[number]) for number in pictures.sources))
     there = ""
     if dataset is not None:
-        names = dataset.recordings["name"]
-        frames = {
-            str(names.iloc[i]): dataset.unlisted_frames(names.iloc[i]) for i in pictures.sources
-        }
+        names = [str(dataset.recordings["name"].iloc[number]) for number in pictures.sources]
+        frames = {name: dataset.unlisted_frames(name) for name in names}
         if any(map(len, frames.values())):
             there = f" By the ground truth {frames_there(frames)}."
     return InputError(f"{NO_PICTURES}. {' '.join(notes[:MOST_NAMED])}{there}")
+
+
+def picture_run(n_pictures: int, progress: Progress, n_threads: int | None) -> PictureRun:
+    """Begin a run. Each picture takes one thread, or all cores if it is alone."""
+    run = PictureRun(n_pictures, progress, n_threads=n_threads)
+    run.begin = one_for_a_picture if run.n_threads > 1 else None
+    return run
 
 
 def run_detector(
@@ -161,41 +154,32 @@ def run_detector(
     n_threads: int | None = None,
     progress: Progress = no_progress,
 ) -> DetectorRun:
-    """The detector's boxes in every evaluated frame that has a picture.
+    """Run a detector on every evaluated frame that has a picture.
 
-    The same pictures give the same result, however many threads there are.
+    The boxes do not depend on the number of threads. They are in pixels of the dataset's
+    recordings, whatever size the pictures have.
 
     Parameters
     ----------
-    dataset
-        Its frames are the evaluated ones; boxes are in pixels of its recordings, whatever size the
-        pictures are.
     pictures
-        Of its recordings (`nvcore.pictures.session_pictures`).
-    n_threads
-        Pictures at a time; None: as many as there are cores.
-    progress
-        Called for every picture and now and then between, with the time left in words.
+        Pictures of the dataset's recordings (`nvcore.pictures.session_pictures`).
+    n_threads, progress
+        See `nvcore.pictures.run.PictureRun`.
 
     Raises
     ------
     InputError
         If no evaluated frame has a picture, or the detector cannot work on such pictures.
     CancelledError
-        If `progress` raises it; nothing is left behind.
+        If `progress` raises it.
     """
-    indices = pictures.indices
-    n_pictures = sum(int(np.count_nonzero(index >= 0)) for index in indices.values())
-    if not n_pictures:
-        raise no_pictures(pictures, dataset)
-    clock = PictureClock(n_pictures, progress)
-    recordings = []
-    for number, name in enumerate(dataset.recordings["name"]):
-        tell = partial(clock.count, name=str(name))
-        part = _run_recording(detector, dataset, pictures, number, threads_of(n_threads), tell)
-        recordings.append(replace(part, name=str(name)))
+    run = picture_run(check_pictures(pictures, dataset), progress, n_threads)
+    recordings = tuple(
+        _run_recording(detector, dataset, pictures, number, str(name), run)
+        for number, name in enumerate(dataset.recordings["name"])
+    )
     progress(1.0, "done")
-    return DetectorRun(detector.about, tuple(recordings), clock.seconds)
+    return DetectorRun(detector.about, recordings, run.seconds)
 
 
 def _run_recording(
@@ -203,77 +187,45 @@ def _run_recording(
     dataset: Dataset,
     pictures: RecordingPictures,
     number: int,
-    n_threads: int,
-    tell: Callable[[int], None],
+    name: str,
+    run: PictureRun,
 ) -> RecordingRun:
-    columns = dataset.frame_columns
-    listed = columns.frame[columns.rows_of(number)]
-    empty = np.empty(0, np.int64)
-    source = pictures.sources.get(number)
-    if source is None:
-        note = one_line(pictures.notes.get(number, "no pictures are named for it"))
-        return RecordingRun("", _table([], []), empty, len(listed), note)
-    source = source.another()
-    index = pictures.indices[number]
-    with_picture = zip(listed[index >= 0].tolist(), index[index >= 0].tolist(), strict=True)
-    faults: list[str] = []
-    frames: list[int] = []
-    boxes: list[Detections] = []
-    try:
-        pending = pictures_of(source, with_picture, faults)
-        for frame, detections in detections_in(detector, pending, n_threads, lambda: tell(0)):
-            frames.append(frame)
-            boxes.append(detections)
-            tell(1)
-    finally:
-        source.close()
-    tell(len(faults))
-    table = _table(frames, boxes)
-    across = float(columns.width[number]) / source.width
-    down = float(columns.height[number]) / source.height
-    if (across, down) != (1, 1):
-        table = table.assign(
-            **{side: table[side] * across for side in "xw"},
-            **{side: table[side] * down for side in "yh"},
-        )
-    n_missing = int(np.count_nonzero(index < 0))
-    note = one_line(pictures.notes.get(number, "")) if n_missing else ""
-    if faults:
-        note = f"{note} {count_text(len(faults), 'picture')} cannot be read: {faults[0]}".strip()
-    return RecordingRun("", table, np.array(frames, np.int64), len(listed), note)
-
-
-def detections_in(
-    detector: Detector,
-    pictures: Iterable[tuple[int, Picture]],
-    n_threads: int,
-    poll: Callable[[], None],
-) -> Generator[tuple[int, Detections]]:
-    """Frame and boxes of every picture, in their order; `poll` is called while waiting.
-
-    Of several pictures at a time each has one thread: more would only change between the cores.
-    """
-
     def detect(frame: int, picture: Picture) -> tuple[int, Detections]:
         return frame, detector.detect(picture)
 
-    begin = one_for_a_picture if n_threads > 1 else None
-    return in_order(detect, pictures, poll, n_threads=n_threads, begin=begin)
+    columns = dataset.frame_columns
+    listed = columns.frame[columns.rows_of(number)]
+    source = pictures.sources.get(number)
+    if source is None:
+        note = one_line(pictures.notes.get(number, "no pictures are named for it"))
+        return RecordingRun(name, _table([], 1, 1), np.empty(0, np.int64), len(listed), note)
+    has_picture = (index := pictures.indices[number]) >= 0
+    with_picture = zip(listed[has_picture].tolist(), index[has_picture].tolist(), strict=True)
+    faults: list[str] = []
+    outputs = list(run.over(source, with_picture, detect, name, faults))
+    note = "" if has_picture.all() else one_line(pictures.notes.get(number, ""))
+    if faults:
+        note = f"{note} {count_text(len(faults), 'picture')} cannot be read: {faults[0]}".strip()
+    across = float(columns.width[number]) / source.width
+    down = float(columns.height[number]) / source.height
+    frames = np.array([frame for frame, _ in outputs], np.int64)
+    return RecordingRun(name, _table(outputs, across, down), frames, len(listed), note)
 
 
-def _table(frames: list[int], boxes: list[Detections]) -> pd.DataFrame:
-    """The boxes of all frames: columns of `RecordingRun.boxes`."""
-    lengths = [len(detections) for detections in boxes]
-    columns: dict[str, NDArray[np.generic]] = {
-        "frame": np.repeat(np.array(frames, np.int64), np.array(lengths, np.int64))
-    }
-    for name in ("x", "y", "w", "h", "score"):
-        parts = [getattr(detections, name) for detections in boxes]
-        columns[name] = np.concatenate([*parts, np.empty(0)])
+def _table(outputs: Sequence[tuple[int, Detections]], across: float, down: float) -> pd.DataFrame:
+    """Return the columns of `RecordingRun.boxes`, scaled from pixels of the pictures."""
+    boxes = [detections for _, detections in outputs]
+    frames = [np.full(len(detections), frame) for frame, detections in outputs]
+    columns = {"frame": np.concatenate([*frames, np.empty(0, np.int64)])}
+    for side, factor in {"x": across, "y": down, "w": across, "h": down, "score": 1}.items():
+        parts = [getattr(detections, side) for detections in boxes]
+        columns[side] = np.concatenate([*parts, np.empty(0)]) * factor
     if any(detections.label is not None for detections in boxes):
         labels = [
-            np.full(n, "", dtype=object) if detections.label is None else detections.label
-            for n, detections in zip(lengths, boxes, strict=True)
+            np.full(len(detections), "", dtype=object)
+            if detections.label is None
+            else detections.label
+            for detections in boxes
         ]
         columns["class"] = np.concatenate(labels)
     return pd.DataFrame(columns)

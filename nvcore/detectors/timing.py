@@ -1,47 +1,41 @@
-"""How long a run of a detector will take, timed on a few of its pictures."""
+"""Estimate the duration of a detector run from a few of its pictures."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass
-from functools import partial
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.detectors.base import Detector
-from nvcore.detectors.run import detections_in, no_pictures, threads_of
+from nvcore.detectors.run import check_pictures, picture_run
 from nvcore.errors import InputError
 from nvcore.pictures import Pictures, RecordingPictures
-from nvcore.pictures.passes import pictures_of
+from nvcore.pictures.run import PictureRun
 from nvcore.progress import Progress, no_progress
 from nvcore.wording import count_text, duration_text
 
 RUN_PER_PLACE: Final = 10
-"""Pictures of the run to each one that is tried: a short run is timed at a single place."""
+"""Minimum ratio of the run's pictures to the timed ones for a further place."""
 PLACES: Final = 3
-"""Places of the recordings at which pictures are timed."""
+"""Maximum number of places in the recordings at which pictures are timed."""
 TIMED_PER_THREAD: Final = 2
-"""Pictures that each thread is timed with at each place, ..."""
+"""Minimum number of timed pictures per thread and place."""
 ENOUGH_S: Final = 0.5
-"""... and more until this time has passed, seconds."""
+"""Minimum duration of the timing at a place, seconds."""
 
 
 @dataclass(frozen=True)
 class Expectation:
-    """How long a run will take.
+    """Expected duration of a run.
 
     Attributes
     ----------
-    n_pictures, n_recordings
-        Of the run.
-    n_threads
-        Pictures at a time.
     seconds_each
-        From one picture to the next, all threads busy.
+        Time from one picture to the next with all threads busy.
     """
 
     n_pictures: int
@@ -51,7 +45,7 @@ class Expectation:
 
     @property
     def seconds(self) -> float:
-        """Of the whole run."""
+        """Duration of the whole run."""
         return self.n_pictures * self.seconds_each
 
     def __str__(self) -> str:
@@ -70,75 +64,66 @@ def expect(
     n_threads: int | None = None,
     progress: Progress = no_progress,
 ) -> Expectation:
-    """How long `run_detector` will take: consecutive pictures at a few places, timed.
+    """Time consecutive pictures at a few places that are spread over the run.
 
-    The places are spread over all pictures of the run. At each of them a first picture for each
-    thread does not count: there compiled loops are loaded, and a video is decoded from a key frame
-    on.
+    The first picture of each thread at a place does not count: compiled loops are loaded, and a
+    video is decoded from a key frame on.
 
     Parameters
     ----------
-    progress
-        Called for every picture and now and then between.
+    n_threads, progress
+        See `nvcore.detectors.run.run_detector`.
 
     Raises
     ------
     InputError
-        If no evaluated frame has a picture, or the detector cannot work on such pictures.
+        If no evaluated frame has a picture, or none of those that were tried can be read.
     CancelledError
         If `progress` raises it.
     """
-    n_threads = threads_of(n_threads)
+    n_pictures = check_pictures(pictures)
     indices = {number: index[index >= 0] for number, index in sorted(pictures.indices.items())}
     starts = np.cumsum([0, *map(len, indices.values())])
-    n_pictures = int(starts[-1])
-    if not n_pictures:
-        raise no_pictures(pictures)
-    least = n_threads * (1 + TIMED_PER_THREAD)
+    share = 0.0
+    run = picture_run(n_pictures, lambda *_: progress(share, "timing it"), n_threads)
+    least = run.n_threads * (1 + TIMED_PER_THREAD)
     n_places = min(max(1, n_pictures // (RUN_PER_PLACE * least)), PLACES)
     n_timed, seconds, faults = 0, 0.0, list[str]()
     for place in range(n_places):
-        poll = partial(progress, place / n_places, "timing it")
+        share = place / n_places
         middle = int((place + 0.5) / n_places * n_pictures)
         row = int(np.searchsorted(starts, middle, side="right")) - 1
         first = max(0, min(middle, int(starts[row + 1]) - least) - int(starts[row]))
         number = [*indices][row]
         n_here, seconds_here = _time(
-            detector, pictures.sources[number], indices[number][first:], n_threads, faults, poll
+            detector, pictures.sources[number], indices[number][first:], run, faults
         )
         n_timed += n_here
         seconds += seconds_here
     if not n_timed:
         raise InputError(f"no picture can be read that was tried: {faults[0]}")
     n_recordings = sum(len(index) > 0 for index in indices.values())
-    return Expectation(n_pictures, n_recordings, n_threads, seconds / n_timed)
+    return Expectation(n_pictures, n_recordings, run.n_threads, seconds / n_timed)
 
 
 def _time(
     detector: Detector,
     source: Pictures,
     indices: NDArray[np.int64],
-    n_threads: int,
+    run: PictureRun,
     faults: list[str],
-    poll: Callable[[], None],
 ) -> tuple[int, float]:
-    """How many pictures were timed, and how long they took together, seconds."""
-    source = source.another()
-    start = began = time.perf_counter()
-    n_done, now = 0, start
-    try:
-        read = pictures_of(source, enumerate(indices.tolist()), faults)
-        with closing(detections_in(detector, read, n_threads, poll)) as outputs:
-            for n_done, _ in enumerate(outputs, 1):
-                now = time.perf_counter()
-                if n_done == n_threads:
-                    began = now
-                is_enough = n_done >= n_threads * (1 + TIMED_PER_THREAD)
-                if is_enough and now - began > ENOUGH_S:
-                    break
-                poll()
-    finally:
-        source.close()
-    if n_done > n_threads:
-        return n_done - n_threads, now - began
-    return n_done, now - start
+    """Return the number of timed pictures, and their total time in seconds."""
+    n_threads = run.n_threads
+    ends = [time.perf_counter()]
+    outputs = run.over(
+        source, enumerate(indices.tolist()), lambda _, picture: detector.detect(picture), "", faults
+    )
+    with closing(outputs):
+        for _ in outputs:
+            ends.append(time.perf_counter())
+            is_enough = len(ends) > n_threads * (1 + TIMED_PER_THREAD)
+            if is_enough and ends[-1] - ends[n_threads] > ENOUGH_S:
+                break
+    began = n_threads if len(ends) > n_threads + 1 else 0
+    return len(ends) - 1 - began, ends[-1] - ends[began]

@@ -1,4 +1,4 @@
-"""A detector's run as a system like any other: plain CSV, its provenance, and a session."""
+"""Write the boxes of a detector run, their provenance, and a session with the new system."""
 
 from __future__ import annotations
 
@@ -29,20 +29,18 @@ PROVENANCE_FILE: Final = "provenance.json"
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WrittenRun:
-    """What `write_detections` wrote; ``print`` says what came out, and where it is.
+    """Files of `write_detections`. ``print`` shows a summary of the run and their folder.
 
     Attributes
     ----------
     session
-        The session file: that of the dataset with the new system.
+        The session of the dataset with the new system.
     provenance
         The record of how the boxes were made.
     files
-        The files with the boxes, one a recording.
+        The files with the boxes, one per recording.
     system
-        The new system as the session names it, paths absolute.
-    run
-        What came out, and which frames were not seen.
+        The new system as the session names it, with absolute paths.
     """
 
     session: Path
@@ -53,7 +51,7 @@ class WrittenRun:
 
     @property
     def name(self) -> str:
-        """Of the system."""
+        """Name of the new system."""
         assert self.system.name is not None
         return self.system.name
 
@@ -67,14 +65,15 @@ class WrittenRun:
 
 
 def outputs(folder: Path, dataset: Dataset) -> list[Path]:
-    """The files that `write_detections` may write."""
-    names = [*_file_names(dataset), PROVENANCE_FILE, SESSION_FILE]
+    """Return the paths of the files that `write_detections` may write."""
+    names = [*_files_of(dataset).values(), PROVENANCE_FILE, SESSION_FILE]
     return [folder / name for name in names]
 
 
-def _file_names(dataset: Dataset) -> list[str]:
-    """Names of the files with boxes, one for each recording."""
-    return [f"{name}.csv" for name in safe_names([*dataset.recordings["name"]])]
+def _files_of(dataset: Dataset) -> dict[str, str]:
+    """Return the name of the file with boxes by the name of the recording."""
+    names = [*dataset.recordings["name"]]
+    return dict(zip(names, [f"{name}.csv" for name in safe_names(names)], strict=True))
 
 
 def check_target(
@@ -85,8 +84,8 @@ def check_target(
     Raises
     ------
     InputError
-        If there is no system to compare with of that name, one that has the new one's, or the
-        folder cannot be written to.
+        If there is no system `against`, there is a system `name` already, or the folder cannot be
+        written to.
     """
     if against is not None:
         dataset.system(against)
@@ -105,69 +104,68 @@ def write_detections(
     threshold: float | None = None,
     against: str | None = None,
 ) -> WrittenRun:
-    """Write the boxes, their provenance, and a session in which they are one system more.
+    """Write the boxes, their provenance, and a session with the new system.
 
-    The folder then holds this run alone: the files of an earlier run are gone.
+    Files of an earlier run are removed from the folder.
 
     Parameters
     ----------
     dataset
-        What the detector was run on, with the session that it was loaded from as its settings.
+        Dataset of the run, with a `Session` as its settings.
     name
-        Of the system; None: the detector's, with a number where another is called so.
+        Name of the new system. None: that of the detector, with a number if it is taken.
     threshold
-        Of the system; None: the detector's own.
+        Score threshold of the new system. None: that of the detector.
     against
-        The system that it is compared with, as X; None: the one that was X before.
+        System to compare with, as X. None: the one that was X before.
 
     Raises
     ------
     InputError
-        If nothing was run, there is no system of that name, or the folder cannot be written to.
+        If the detector has seen no picture, or as `check_target`.
     """
     session = dataset.settings
     assert isinstance(session, Session)
     check_target(dataset, folder, name=name, against=against)
     name = name or _free_name(run.about.name, dataset.systems)
     entries = session.entries([part.name for part in run.recordings])
-    contents: dict[str, bytes] = {}
-    frames = {}
-    file_of = dict(zip(dataset.recordings["name"], _file_names(dataset), strict=True))
+    files_of, contents, frames = _files_of(dataset), dict[str, bytes](), {}
     for part in run.recordings:
         if not len(part.frames):  # nobody knows what is there
             continue
         in_data = entries[part.name].name if part.name in entries else part.name
         table = part.boxes.copy()
         table.insert(0, "recording", in_data)
-        contents[file_of[part.name]] = to_csv_bytes(table)
+        contents[files_of[part.name]] = to_csv_bytes(table)
         frames[in_data] = ranges_of(part.frames)
     if not contents:
         notes = " ".join(part.note for part in run.recordings if part.note)
         raise InputError(f"the detector has seen no picture. {notes}".strip())
     digests = {key: hashlib.sha256(content).hexdigest() for key, content in contents.items()}
     record = Provenance(run.about, digests, frames, f"nvcore {__version__}")
+    paths = {key: folder / key for key in (*contents, PROVENANCE_FILE, SESSION_FILE)}
     system = SystemSource(
-        path=tuple(str(folder.absolute() / key) for key in contents),
+        path=tuple(str(paths[key].absolute()) for key in contents),
         format="csv",
         name=name,
         classes=_classes(run, dataset),
         threshold=run.about.threshold if threshold is None else threshold,
-        provenance=str(folder.absolute() / PROVENANCE_FILE),
+        provenance=str(paths[PROVENANCE_FILE].absolute()),
     )
-    hashes = {**source_hashes(dataset), name: source_hash(digests.values())}
     old_x = dataset.compared()[0] if against is None else against
     params = dataset.params_of()
-    own_thresholds = zip(dataset.compared(), (params.threshold_x, params.threshold_y), strict=True)
-    thresholds = {own: value for own, value in own_thresholds if own is not None}
+    thresholds = dict(
+        zip(dataset.compared(), (params.threshold_x, params.threshold_y), strict=True)
+    )
     session = stated(session, dataset)
-    named = tuple(
+    before = tuple(
         replace(source, threshold=thresholds.get(own, source.threshold))
         for source, own in zip(session.systems, dataset.systems, strict=True)
     )
     written = replace(
         session,
-        systems=(*named, system),
-        hashes=hashes,
+        systems=(*before, system),
+        hashes={**source_hashes(dataset), name: source_hash(digests.values())},
         x=old_x or name,
         y=None if old_x is None else name,
         # now with the systems: those beside them were of another pair
@@ -179,18 +177,14 @@ def write_detections(
         (PROVENANCE_FILE, provenance_json(record)),
         (SESSION_FILE, text.encode()),
     ]
-    write_run(folder, files, _written_before(folder))
-    return WrittenRun(
-        session=folder / SESSION_FILE,
-        provenance=folder / PROVENANCE_FILE,
-        files=tuple(folder / key for key in contents),
-        system=system,
-        run=run,
-    )
+    recorded = _recorded_before(folder)
+    write_run(folder, files, [key for key in recorded if _is_ours(folder / key, recorded[key])])
+    *of_boxes, provenance, session_file = paths.values()
+    return WrittenRun(session_file, provenance, tuple(of_boxes), system, run)
 
 
 def _classes(run: DetectorRun, dataset: Dataset) -> tuple[str, ...] | None:
-    """The detector's labels that occur, where none is called as the objects are; None: as usual.
+    """Return the labels that occur if none is a name of the session's objects, else None.
 
     A detector that reads limits calls its signs 30 or 100, which no reader takes for speed signs.
     """
@@ -206,30 +200,25 @@ def _classes(run: DetectorRun, dataset: Dataset) -> tuple[str, ...] | None:
 
 
 def _free_name(name: str, names: Iterable[str]) -> str:
-    """The name, with the first number that makes it differ from these."""
+    """Return the name, with the first number that makes it differ from `names`."""
     names, number, free = {*names}, 2, name or "detector"
     while free in names:
         free, number = f"{name} ({number})", number + 1
     return free
 
 
-def _written_before(folder: Path) -> list[str]:
-    """Names of the files of an earlier run, as its record says, that are still as it wrote them."""
-    recorded = _recorded_before(folder)
-    return [name for name, digest in recorded.items() if _has_digest(folder / name, digest)]
-
-
 def _recorded_before(folder: Path) -> dict[str, str]:
-    """Names and hashes of the files of an earlier run, as its record says."""
+    """Return names and hashes of the files of an earlier run, by its record."""
     path = folder / PROVENANCE_FILE
     try:
         files = read_provenance(path, PROVENANCE_FILE).files if path.is_file() else {}
-    except InputError:  # no record of ours: nothing of it is touched
+    except InputError:  # not our record, so nothing of it is touched
         return {}
     return {name: digest for name, digest in files.items() if Path(name).name == name}
 
 
-def _has_digest(path: Path, digest: str) -> bool:
+def _is_ours(path: Path, digest: str) -> bool:
+    """Return whether a file is as an earlier run wrote it."""
     if path.suffix != ".csv" or not path.is_file():
         return False
     with path.open("rb") as stream:

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from nvcore.driver.estimators import Estimator, fingerprint
 from nvcore.driver.estimators.words import LABELS, caution_of
-from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
-from nvcore.driver.picture_width import other_width_notes, other_widths
+from nvcore.driver.features import FEATURE_KEYS, FEATURES, FeatureSettings
 from nvcore.driver.run import BOX_COLUMNS, FeatureRun
 from nvcore.driver.steps import Steps, steps_between_periods
 from nvcore.errors import InputError, ParameterError
@@ -25,10 +24,15 @@ DETECTABILITY_COLUMNS: Final = (
     *(*BOX_COLUMNS, "detectability", "sd"),
     *("is_outside", "outside_features", "period_s", "estimator_s"),
 )
-"""Columns of a detectability file: one row for each truth box that is not ignored. Of `period_s` is
-how long the eyes have adapted, of `estimator_s` the estimator that was taken."""
+"""Columns of a detectability file, one row per truth box that is not ignored.
+
+`period_s` is how long the eyes have adapted, `estimator_s` the period of the estimator.
+"""
 SEPARATOR: Final = ";"
-"""Between the features that are outside, as between attributes in the tables of a comparison."""
+"""Separator in `outside_features`, as in the tables of a comparison."""
+
+WIDTH_FACTOR: Final = 1.1
+"""Factor above which the widths of pictures count as different. (Our choice.)"""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,16 +41,12 @@ class EstimateRun:
 
     Attributes
     ----------
-    features
-        What it was estimated from.
     table
-        `DETECTABILITY_COLUMNS`, rows as those of the features.
-    estimator
-        By which.
+        `DETECTABILITY_COLUMNS`, with the rows of the features.
     is_interpolated
-        Whether between the estimators of two periods.
+        True if estimates are between the estimators of two periods.
     steps
-        Where it is not: how often the next one is taken.
+        Jumps from one estimator to the next, if they are not.
     """
 
     features: FeatureRun
@@ -80,12 +80,21 @@ class EstimateRun:
 
     def __str__(self) -> str:
         known = self.table[self.table["detectability"].notna()]
-        lacking = self._lacking() if len(known) else ()
-        notes = [self._result(known), *self._of_heat(), *lacking]
+        notes = [
+            Note(
+                "driver.result",
+                n_known=len(known),
+                n=len(self.table),
+                mean=known["detectability"].mean() if len(known) else None,
+                missing=None if len(known) else self._missing(),
+            ),
+            *self._of_heat(),
+            *(self._lacking() if len(known) else ()),
+        ]
         simulated = self.estimator.origin.simulated
         if caution := caution_of(self.estimator, simulated=simulated):
             notes.append(Note("driver.estimates", caution=caution))
-        notes += other_width_notes(self.features.recordings, self.estimator)
+        notes += self._other_width_notes()
         if self.estimator.feature_settings is None:
             settings = asdict(self.features.settings.features)
             notes.append(Note("driver.other_settings", **settings))
@@ -101,13 +110,6 @@ class EstimateRun:
         texts = [phrase(note, PEDESTRIAN) for note in notes]
         return "\n".join([str(self.features), *texts])
 
-    def _result(self, known: pd.DataFrame) -> Note:
-        mean = known["detectability"].mean() if len(known) else None
-        missing = None if len(known) else self._missing()
-        return Note(
-            "driver.result", n_known=len(known), n=len(self.table), mean=mean, missing=missing
-        )
-
     def _of_heat(self) -> list[Note]:
         """Return a note on recordings whose pictures may be far infrared, if there are any."""
         names = [one_line(part.name) for part in self.features.recordings if part.may_be_of_heat]
@@ -116,10 +118,9 @@ class EstimateRun:
     def _lacking(self) -> list[Note]:
         """Return a note on boxes with a picture but no estimate, and the features they lack."""
         table, features = self.table, self.features.table
-        seen = (features["picture"] != "").to_numpy()
-        is_lacking = seen & table["detectability"].isna().to_numpy()
-        is_lacking &= ~np.concatenate(
-            [np.full(len(part.table), part.may_be_of_heat) for part in self.features.recordings]
+        is_seen = (features["picture"] != "").to_numpy()
+        is_lacking = (
+            is_seen & table["detectability"].isna().to_numpy() & ~_is_of_heat(self.features)
         )
         n = int(np.count_nonzero(is_lacking))
         if not n:
@@ -140,61 +141,92 @@ class EstimateRun:
 
     def _missing(self) -> Note | None:
         """Return a note on features that the estimator needs but no box has, or None."""
-        tables = [part.table for part in self.features.recordings if not part.may_be_of_heat]
-        tables = [table for table in tables if len(table)]
-        if not tables:
+        parts = [part for part in self.features.recordings if not part.may_be_of_heat]
+        table = self.features.table[~_is_of_heat(self.features)]
+        if table.empty:
             return None
-        is_missing = pd.concat(tables)[list(self.estimator.features)].isna().all()
+        is_missing = table[list(self.estimator.features)].isna().all()
         keys = [key for key in self.estimator.features if is_missing[key]]
         if not keys:
             return None
         why = dict.fromkeys(
             f"{one_line(part.name)}: {part.why_missing[key]}"
-            for part in self.features.recordings
+            for part in parts
             for key in keys
-            if key in part.why_missing and not part.may_be_of_heat
+            if key in part.why_missing
         )
         reasons = listed([*why], most=MOST_NAMED) or None
         return Note("driver.missing", features=keys, reasons=reasons)
 
-    def refuse_empty(self) -> None:
-        """Raise an error if there are pedestrians, but none has an estimate.
+    def _other_widths(self) -> dict[str, int]:
+        """Return picture widths that differ from those of the training, by recording name.
 
-        Raises
-        ------
-        InputError
-            With the reason.
+        Empty if the width in the training is unknown, or no feature depends on it.
         """
+        trained_px = self.estimator.origin.picture_px
+        if trained_px is None or not self._labels_of_scale():
+            return {}
+        widths = {
+            part.name: part.picture_px[0]
+            for part in self.features.recordings
+            if part.picture_px is not None and not part.may_be_of_heat
+        }
+        return {
+            name: width
+            for name, width in widths.items()
+            if max(width, trained_px[0]) > WIDTH_FACTOR * min(width, trained_px[0])
+        }
+
+    def _other_width_notes(self) -> list[Note]:
+        names: dict[int, list[str]] = {}
+        for name, width in self._other_widths().items():
+            names.setdefault(width, []).append(one_line(name))
+        trained, *_ = self.estimator.origin.picture_px or (0,)
+        return [
+            Note(
+                "driver.other_width",
+                names=listed(of_width, most=MOST_NAMED),
+                width=width,
+                trained=trained,
+                features=self._labels_of_scale(),
+            )
+            for width, of_width in names.items()
+        ]
+
+    def _labels_of_scale(self) -> list[str]:
+        """Return the labels of the estimator's features that depend on the picture size."""
+        taken = self.estimator.features
+        return [of.label for of in FEATURES if of.is_of_scale and of.key in taken]
+
+    def refuse_empty(self) -> None:
+        """Raise an InputError with the reason if there are pedestrians but no estimates."""
         if self.n_estimated or self.table.empty:
             return
-        n_unseen = sum(part.n_unseen for part in self.features.recordings)
+        missing = self._missing()
         note = Note(
             "driver.no_estimate",
             n=len(self.table),
-            n_unseen=n_unseen,
-            reasons=[*([missing] if (missing := self._missing()) else []), *self._of_heat()],
+            n_unseen=sum(part.n_unseen for part in self.features.recordings),
+            reasons=[*([missing] if missing else []), *self._of_heat()],
         )
         raise InputError(phrase(note, PEDESTRIAN))
 
     def counts_json(self) -> dict[str, Any]:
         """Return counts of estimates, and doubts about them, as JSON values for a record."""
+        parts = self.features.recordings
         counts = {
             "n": self.n_estimated,
             "n_light_unknown": self.n_light_unknown,
             "outside": self.outside_by_feature,
         }
-        widths = other_widths(self.features.recordings, self.estimator)
-        doubts = {part.name: part.light_doubt for part in self.features.recordings}
-        more = {
-            "other_width": widths,
-            "light_doubts": {name: doubt for name, doubt in doubts.items() if doubt},
+        doubts = {
+            "other_width": self._other_widths(),
+            "light_doubts": {part.name: part.light_doubt for part in parts if part.light_doubt},
             "picture_doubts": {
-                part.name: part.picture_doubt
-                for part in self.features.recordings
-                if part.picture_doubt
+                part.name: part.picture_doubt for part in parts if part.picture_doubt
             },
         }
-        return counts | {name: entries for name, entries in more.items() if entries}
+        return counts | {name: entries for name, entries in doubts.items() if entries}
 
     def as_json(self) -> dict[str, Any]:
         """Return the estimator's name, features and training as JSON values for a record."""
@@ -212,13 +244,7 @@ class EstimateRun:
 
 
 def check_settings(settings: FeatureSettings, estimator: Estimator) -> None:
-    """Refuse feature settings that differ from those that an estimator was trained on.
-
-    Raises
-    ------
-    ParameterError
-        With the first setting that differs.
-    """
+    """Raise a ParameterError if an estimator was trained on features with other settings."""
     if estimator.feature_settings is None:
         return
     own = asdict(settings)
@@ -238,35 +264,29 @@ def run_estimate(
 ) -> EstimateRun:
     """Estimate the detectability of every pedestrian box from its features.
 
+    Boxes that lack a feature which the estimator needs get no estimate. Neither do those in grey
+    pictures that are not declared as visible light: far infrared says nothing about what eyes see.
+
     Parameters
     ----------
     features
-        The run, of `nvcore.driver.run.run_features`: a row for each box, with its features and how
-        long the eyes have adapted.
+        See `nvcore.driver.run.run_features`.
     estimator
-        Trained on pictures of the same size and angle of view.
+        Estimator trained on pictures of the same size and angle of view.
     interpolate
-        Whether to interpolate between the estimators of the periods before and after; else that of
-        the nearest period is taken.
-
-    Returns
-    -------
-    Detectability of each row, 0..1, with its standard deviation. Without an estimate are boxes that
-    lack a feature which it needs, and those in grey pictures that nobody calls visible:
-    far-infrared ones say nothing about what eyes see.
+        Whether to interpolate between the estimators of the adaptation periods before and after.
+        Otherwise, that of the nearest period is taken.
 
     Raises
     ------
     ParameterError
-        If the features are of other settings than those that it was trained on.
+        If the features have other settings than those that the estimator was trained on.
     """
     check_settings(features.settings.features, estimator)
     table = features.table
     period_s = table["period_s"].to_numpy(np.float64)
     values = table[list(FEATURE_KEYS)].to_numpy(np.float64, copy=True)
-    parts = [(len(recording.table), recording.may_be_of_heat) for recording in features.recordings]
-    n_boxes, may_be_of_heat = zip(*parts, strict=True)
-    values[np.repeat(may_be_of_heat, n_boxes)] = np.nan
+    values[_is_of_heat(features)] = np.nan
     estimates = estimator.estimate(values, period_s, interpolate=interpolate)
     is_known = ~np.isnan(estimates.detectability)
     own = table[list(BOX_COLUMNS)].assign(
@@ -280,8 +300,13 @@ def run_estimate(
     steps = Steps()
     if not interpolate:
         steps = steps_between_periods(estimator, values, own, estimates.period_s)
-    own = own[list(DETECTABILITY_COLUMNS)]
-    return EstimateRun(features, own, estimator, interpolate, steps)
+    return EstimateRun(features, own[list(DETECTABILITY_COLUMNS)], estimator, interpolate, steps)
+
+
+def _is_of_heat(features: FeatureRun) -> NDArray[np.bool_]:
+    """Return whether the picture of each row may be far infrared."""
+    parts = [np.full(len(part.table), part.may_be_of_heat) for part in features.recordings]
+    return np.concatenate(parts)
 
 
 def _names(outside: NDArray[np.bool_]) -> NDArray[np.object_]:

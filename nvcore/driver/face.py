@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,7 @@ from nvcore.inputs.pipes import pipes_kept
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import check_folder, write_whole
 from nvcore.progress import Progress, no_progress
-from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
+from nvcore.report.protect_inputs import refuse_outputs, refuse_to_replace
 
 if TYPE_CHECKING:
     from nvcore.driver.images import ImageFeatures
@@ -48,20 +49,20 @@ def driver_features(arguments: FeatureArguments) -> WrittenFeatures:
     >>> features = driver_features("night.toml", "features")  # doctest: +SKIP
     >>> print(features.run)  # doctest: +SKIP
     """
-    with keywords_named():
-        job = features_job(arguments)
+    with keywords_named(), features_job(arguments) as job:
         return job(arguments.progress)
 
 
+@contextmanager
 def features_job(
     arguments: FeatureArguments, *, inputs: Sequence[Path] = (), loading: Progress = no_progress
-) -> Callable[[Progress], WrittenFeatures]:
-    """Check the arguments of `driver_features`, and return a function that runs it.
+) -> Iterator[Callable[[Progress], WrittenFeatures]]:
+    """Check the arguments of `driver_features`, and yield a function that runs it.
 
     Parameters
     ----------
     inputs
-        Further files that are read, and must not be replaced.
+        Further input files, which must not be replaced.
     loading
         Progress of the reading.
 
@@ -75,15 +76,15 @@ def features_job(
         from nvcore.driver.settings import settings_from
         from nvcore.driver.writing import FEATURE_OUTPUTS, write_features
 
-    values, folder = settings_from(arguments.settings or {}), Path(arguments.out)
+    values = settings_from(arguments.settings or {})
     dataset = _dataset_to_run(arguments, FEATURE_OUTPUTS, inputs, loading)
 
     def run(progress: Progress) -> WrittenFeatures:
         n_threads = arguments.n_threads
         features = run_features(dataset, values, n_threads=n_threads, progress=progress)
-        return write_features(features, folder)
+        return write_features(features, Path(arguments.out))
 
-    return run
+    yield run
 
 
 def image_features(
@@ -151,25 +152,17 @@ def estimate_driver(arguments: EstimateArguments) -> WrittenEstimates:
     MissingFactError, ParameterError, MissingExtraError
         As `driver_features`.
     """
-    with keywords_named():
-        job = estimate_job(arguments)
+    with keywords_named(), estimate_job(arguments) as job:
         return job(arguments.progress)
 
 
+@contextmanager
 def estimate_job(
     arguments: EstimateArguments, *, inputs: Sequence[Path] = (), loading: Progress = no_progress
-) -> Callable[[Progress], WrittenEstimates]:
-    """Check the arguments of `estimate_driver`, and return a function that runs it.
+) -> Iterator[Callable[[Progress], WrittenEstimates]]:
+    """Check the arguments of `estimate_driver`, and yield a function that runs it.
 
-    Parameters
-    ----------
-    inputs, loading
-        As of `features_job`.
-
-    Raises
-    ------
-    InputError, MissingFactError, ParameterError, MissingExtraError
-        As `estimate_driver`.
+    Parameters and errors are as of `features_job`.
     """
     with needs("driver", "estimates of what the driver sees need"):
         from nvcore.driver.estimate import check_settings, run_estimate
@@ -190,7 +183,7 @@ def estimate_job(
         estimates = run_estimate(features, estimator, interpolate=arguments.interpolate)
         return write_estimates(estimates, dataset, Path(arguments.out))
 
-    return run
+    yield run
 
 
 def _dataset_to_run(
@@ -200,11 +193,8 @@ def _dataset_to_run(
     loading: Progress,
 ) -> Dataset:
     """Load the recordings, and check that the output folder may be written to."""
-    source, out = arguments.source, Path(arguments.out)
-    dataset, session = load_part(source, arguments, progress=loading)
+    out = Path(arguments.out)
+    dataset, session = load_part(arguments.source, arguments, progress=loading)
     check_folder(out, outputs)
-    files = [*inputs, *([Path(source)] if isinstance(source, PathLike) else [])]
-    named = [out / name for name in outputs]
-    refuse_to_replace(named, [*files, *files_read(session)], instead="folder")
-    refuse_among_inputs(out, session)
+    refuse_outputs(out, outputs, [*inputs, arguments.source], session)
     return dataset

@@ -35,7 +35,7 @@ from nvcore.inputs.readers.parse.table import TextTable
 from nvcore.notes import Note, phrase
 from nvcore.pictures import Picture, is_below, stretch
 from nvcore.pictures.images import decode_image, file_bytes
-from nvcore.pictures.passes import PictureClock, in_order
+from nvcore.pictures.run import PictureRun
 from nvcore.pictures.stretch import STRETCH
 from nvcore.progress import Progress, no_progress
 from nvcore.wording import did_you_mean, listed
@@ -54,12 +54,8 @@ class ImageFeatures:
     ----------
     table
         `IMAGE_FEATURE_COLUMNS`, rows as in the file of the boxes.
-    n_images
-        Pictures.
     n_assumed
-        Pedestrians whose fixation is assumed.
-    settings
-        Settings of the run.
+        Number of pedestrians whose fixation is assumed.
     sizes
         Distinct widths and heights of the pictures, px, ascending.
     """
@@ -115,20 +111,7 @@ def image_features(
 ) -> ImageFeatures:
     """Compute features of the pedestrians listed in a file, in the pictures of a folder.
 
-    Parameters
-    ----------
-    folder
-        Folder of the pictures.
-    boxes
-        CSV with the columns image (path in the folder), pedestrian, x, y, w, h (px), and optionally
-        fixation_x and fixation_y (px).
-    settings, n_threads, progress
-        See `nvcore.driver.run.run_features`.
-
-    Raises
-    ------
-    InputError
-        If a file cannot be used, with the line of the row that names it.
+    Parameters and errors are those of `nvcore.image_features`.
     """
     settings = settings or DriverViewSettings()
     table = read_picture_boxes(boxes)
@@ -144,18 +127,18 @@ def image_features(
             picture = stretch(picture, *STRETCH)
         own = rows[number]
         height, width = picture.shape[:2]
-        _check_inside(table, own, box, width, height)
+        x, y, w, h = box[own].T
+        is_outside = (x >= width) | (y >= height) | (x + w <= 0) | (y + h <= 0)
+        if is_outside.any():
+            text = f"the box lies outside the picture of {width} x {height} px"
+            raise table.fault(int(own[np.argmax(is_outside)]), text)
         assumed = np.array(settings.fixation.in_picture(width, height))
         points = np.where(np.isnan(fixation[own]), assumed, fixation[own])
         features[own] = features_of(picture, box[own], points, settings.features)
         return width, height
 
-    clock = PictureClock(len(names), progress)
-    pictures = _read(table, folder, list(names), rows)
-    sizes = set[tuple[int, int]]()
-    for size in in_order(look, pictures, lambda: clock.count(0, folder.name), n_threads=n_threads):
-        sizes.add(size)
-        clock.count(1, folder.name)
+    run = PictureRun(len(names), progress, n_threads=n_threads)
+    sizes = {*run.map(look, _read(table, folder, list(names), rows), folder.name)}
     described = pedestrians.assign(**dict(zip(FEATURE_KEYS, features.T, strict=True)))
     n_assumed = int(np.count_nonzero(np.isnan(fixation[:, 0])))
     return ImageFeatures(described, len(names), n_assumed, settings, tuple(sorted(sizes)))
@@ -163,9 +146,22 @@ def image_features(
 
 def _fixations(table: TextTable) -> NDArray[np.float64]:
     """Return the fixation of each pedestrian, px, shape (n, 2), NaN if unknown."""
-    if lost := [name for name in FIXATION_COLUMNS if name not in table]:
-        _refuse_misspelt(table, lost)
-        return np.full((len(table), 2), np.nan)
+    lost = [name for name in FIXATION_COLUMNS if name not in table]
+    if lost:
+        present = [name for name in FIXATION_COLUMNS if name in table]
+        others = [name for name in table.fields if name not in (*IMAGE_FEATURE_COLUMNS, *present)]
+        misspelt = [name for name in others if get_close_matches(name, lost, n=1, cutoff=_ALIKE)]
+        if not present and not misspelt:
+            return np.full((len(table), 2), np.nan)
+        remedy = "give both, or neither"
+        if misspelt:
+            remedy = did_you_mean(misspelt[0], lost, remedy)
+        found = listed([*present, *misspelt])
+        raise FormatError(
+            f"expected both {listed(FIXATION_COLUMNS)}, found {found}; {remedy}",
+            file=table.name,
+            line=1,
+        )
     columns = [
         table.numbers(name, low=-LARGEST, high=LARGEST, may_be_empty=True)
         for name in FIXATION_COLUMNS
@@ -176,37 +172,6 @@ def _fixations(table: TextTable) -> NDArray[np.float64]:
         row = int(np.argmax(is_half))
         raise table.fault(row, "expected both fixation_x and fixation_y, or neither")
     return points
-
-
-def _refuse_misspelt(table: TextTable, lost: list[str]) -> None:
-    """Raise an error if only one fixation column is present or a column name seems misspelt."""
-    present = [name for name in FIXATION_COLUMNS if name not in lost]
-    others = [name for name in table.fields if name not in IMAGE_FEATURE_COLUMNS]
-    similar = [
-        name
-        for name in others
-        if name not in present and get_close_matches(name, lost, n=1, cutoff=_ALIKE)
-    ]
-    if not present and not similar:
-        return
-    remedy = "give both, or neither"
-    if similar:
-        remedy = did_you_mean(similar[0], lost, remedy)
-    raise FormatError(
-        f"expected both {listed(FIXATION_COLUMNS)}, found {listed([*present, *similar])}; {remedy}",
-        file=table.name,
-        line=1,
-    )
-
-
-def _check_inside(
-    table: TextTable, rows: NDArray[np.int64], box: NDArray[np.float64], width: int, height: int
-) -> None:
-    x, y, w, h = box[rows].T
-    is_outside = (x >= width) | (y >= height) | (x + w <= 0) | (y + h <= 0)
-    if is_outside.any():
-        row = int(rows[np.argmax(is_outside)])
-        raise table.fault(row, f"the box lies outside the picture of {width} x {height} px")
 
 
 def _read(

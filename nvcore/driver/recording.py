@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -26,73 +23,69 @@ _LOOKED_AT: Final = (0.5, 0.1, 0.9)
 """Relative positions of the pictures that are checked for colour."""
 
 
-@dataclass(frozen=True, eq=False)
 class DriverRecording:
     """Recording with the data on the driver's view.
 
-    Attributes
+    Parameters
     ----------
     number
         Row of the dataset's recordings.
-    name
-        Name in the dataset.
-    name_in_data
-        Name in the data.
-    pictures
-        Pictures of visible light if there are any, else the recording's own. None: no pictures.
-    index
-        Picture of each evaluated frame, -1 none, int64.
-    picture_note
-        Assignment of pictures to frames, or the reason for having none.
-    is_visible
-        True if the session declares the pictures as visible light.
-    has_colour
-        True if the pictures have colour.
-    to_picture
-        (sx, sy, dx, dy): x of the picture is sx x + dx of the recording.
+    entry
+        Entry of the session on the recording.
+    opened
+        Pictures of visible light if the session names them, else the recording's own.
     gaze
         Gaze of the driver. None: a point is assumed.
     light
         Readings of a light meter, or None.
+
+    Attributes
+    ----------
+    index
+        Picture of each evaluated frame, -1 none, int64.
+    picture_note
+        Why frames have no picture, or an empty text.
+    is_visible
+        True if the session declares the pictures as visible light.
+    to_picture
+        (sx, sy, dx, dy): x of the picture is sx x + dx of the recording.
     has_map
         True if `to_picture` is a ``visible_map`` of the session, False if it is from the sizes.
+    may_be_of_heat
+        True if the pictures are grey and not declared as visible light.
+    needs_light
+        True if the pictures have to replace a light meter.
     doubts
         Signs that the pictures belong to another recording, in sentences.
     """
 
-    number: int
-    name: str
-    name_in_data: str
-    pictures: Pictures | None
-    index: NDArray[np.int64]
-    picture_note: str
-    is_visible: bool
-    has_colour: bool
-    to_picture: tuple[float, float, float, float]
-    gaze: Gaze | None
-    light: Light | None
-    has_map: bool
-    doubts: tuple[Note, ...]
-
-    @property
-    def kind(self) -> str:
-        """Kind of the pictures: ``visible`` if the session declares them so, else ``own``."""
-        return "visible" if self.is_visible else "own"
-
-    @property
-    def picture_px(self) -> tuple[int, int] | None:
-        """Width and height of the first picture, or None without pictures."""
-        return None if self.pictures is None else (self.pictures.width, self.pictures.height)
-
-    @property
-    def may_be_of_heat(self) -> bool:
-        """True if the pictures are grey and not declared as visible light."""
-        return self.pictures is not None and not (self.is_visible or self.has_colour)
-
-    @property
-    def needs_light(self) -> bool:
-        """True if the pictures have to replace a light meter."""
-        return self.light is None and self.pictures is not None and not self.may_be_of_heat
+    def __init__(
+        self,
+        number: int,
+        entry: RecordingEntry,
+        dataset: Dataset,
+        opened: RecordingPictures,
+        gaze: Gaze | None,
+        light: Light | None,
+    ):
+        self.number, self.gaze, self.light = number, gaze, light
+        self.name, self.name_in_data = str(dataset.recordings["name"].iloc[number]), entry.name
+        self.is_visible = entry.visible is not None
+        self.kind = "visible" if self.is_visible else "own"
+        self.has_map = self.is_visible and entry.visible_map is not None
+        self.pictures = source = opened.sources.get(number)
+        self.picture_px = None if source is None else (source.width, source.height)
+        rows = dataset.frame_columns.rows_of(number)
+        self.index = opened.indices.get(number, np.full(rows.stop - rows.start, -1))
+        note = opened.notes.get(number, "No pictures are named for it.")
+        self.picture_note = "" if (self.index >= 0).all() else one_line(note)
+        self.to_picture = opened.maps.get(number, (1.0, 1.0, 0.0, 0.0))
+        self.may_be_of_heat = self.needs_light = False
+        self.doubts: tuple[Note, ...] = ()
+        if source is not None:
+            self.may_be_of_heat = not (self.is_visible or _has_colour(source, self.index))
+            self.needs_light = light is None and not self.may_be_of_heat
+            self.doubts = _doubts(source, dataset, number, entry, self.has_map)
 
     def boxes_in_picture(self, boxes: NDArray[np.float64]) -> NDArray[np.float64]:
         """Convert boxes (n, 4) x, y, w, h from pixels of the recording to those of the picture."""
@@ -122,17 +115,7 @@ class DriverRecording:
 def open_recordings(session: Session, dataset: Dataset) -> list[DriverRecording]:
     """Open the recordings of a dataset. The caller closes their pictures.
 
-    Parameters
-    ----------
-    session
-        Session with pictures, light and gaze of each recording, in files below its folder.
-    dataset
-        Dataset loaded from the session.
-
-    Returns
-    -------
-    One entry per recording of the dataset, in its order. It has no pictures if the session does not
-    name the recording or its pictures.
+    A recording has no pictures if the session does not name the recording or its pictures.
 
     Raises
     ------
@@ -141,66 +124,22 @@ def open_recordings(session: Session, dataset: Dataset) -> list[DriverRecording]
         picture.
     """
     names = [str(name) for name in dataset.recordings["name"]]
-    entries = session.entries(names)
-    files = [_read_files(session.folder, entries.get(name)) for name in names]
-    has_visible = {
-        number
-        for number, name in enumerate(names)
-        if name in entries and entries[name].visible is not None
-    }
-    own = {*range(len(names))} - has_visible
-    visible_pictures = session_pictures(session, dataset, has_visible, key="visible")
-    own_pictures = session_pictures(session, dataset, own)
+    named = session.entries(names)
+    entries = [named.get(name, RecordingEntry(name)) for name in names]
+    gazes = [None if of.gaze is None else read_gaze(session.folder / of.gaze) for of in entries]
+    lights = [None if of.light is None else read_light(session.folder / of.light) for of in entries]
+    visible = {number for number, entry in enumerate(entries) if entry.visible is not None}
+    visible_pictures = session_pictures(session, dataset, visible, key="visible")
+    own_pictures = session_pictures(session, dataset, {*range(len(names))} - visible)
     recordings = []
-    for number, (name, (gaze, light)) in enumerate(zip(names, files, strict=True)):
-        is_visible = number in has_visible
-        opened = visible_pictures if is_visible else own_pictures
-        entry = entries.get(name, RecordingEntry(name))
-        recordings.append(_recording(number, name, entry, dataset, opened, is_visible, gaze, light))
+    for number, (entry, gaze, light) in enumerate(zip(entries, gazes, lights, strict=True)):
+        opened = visible_pictures if number in visible else own_pictures
+        recordings.append(DriverRecording(number, entry, dataset, opened, gaze, light))
     if not any((recording.index >= 0).any() for recording in recordings):
         visible_pictures.close()
         own_pictures.close()
         raise InputError(visible_pictures.why_none(own_pictures, how=_HOW_TO_NAME))
     return recordings
-
-
-def _read_files(folder: Path, entry: RecordingEntry | None) -> tuple[Gaze | None, Light | None]:
-    if entry is None:
-        return None, None
-    gaze = None if entry.gaze is None else read_gaze(folder / entry.gaze)
-    light = None if entry.light is None else read_light(folder / entry.light)
-    return gaze, light
-
-
-def _recording(
-    number: int,
-    name: str,
-    entry: RecordingEntry,
-    dataset: Dataset,
-    opened: RecordingPictures,
-    is_visible: bool,
-    gaze: Gaze | None,
-    light: Light | None,
-) -> DriverRecording:
-    columns = dataset.frame_columns
-    source = opened.sources.get(number)
-    rows = columns.rows_of(number)
-    index = np.full(rows.stop - rows.start, -1) if source is None else opened.indices[number]
-    return DriverRecording(
-        number=number,
-        name=name,
-        name_in_data=entry.name,
-        pictures=source,
-        index=index,
-        picture_note=one_line(_note(opened.notes, number, index)),
-        is_visible=is_visible,
-        has_colour=source is not None and _has_colour(source, index),
-        to_picture=opened.maps.get(number, (1.0, 1.0, 0.0, 0.0)),
-        gaze=gaze,
-        light=light,
-        has_map=(has_map := is_visible and entry.visible_map is not None),
-        doubts=() if source is None else _doubts(source, dataset, number, entry, has_map),
-    )
 
 
 def _doubts(
@@ -212,45 +151,18 @@ def _doubts(
     if not has_map and is_of_other_shape(source, *of_px):
         size_px = source.width, source.height
         doubts.append(Note("driver.other_shape", name=name, size_px=size_px, of_px=of_px))
-    listed = columns.frame[columns.rows_of(number)]
     others = dataset.unlisted_frames(str(dataset.recordings["name"].iloc[number]))
-    if source.numbers is None and not _is_as_long(
-        source.n, listed, entry.first_picture, others=others
-    ):
-        frames = np.union1d(listed, others)
-        ends = {"first": frames[0], "last": frames[-1]}
-        doubts.append(Note("driver.other_length", name=name, n=source.n, **ends))
+    frames = np.union1d(columns.frame[columns.rows_of(number)], others)
+    if source.numbers is None and len(frames) and source.n != len(frames):
+        # frames may count from 1, be a sample at equal steps, or be selected from more frames
+        first = entry.first_picture
+        n = int(frames[-1]) + 1 - (first or 0)
+        least = n - 1 if first is None and frames[0] >= 1 else n
+        step = int(np.diff(frames).max(initial=1))
+        if source.n < least or (not len(others) and source.n >= n + step):
+            ends = {"first": frames[0], "last": frames[-1]}
+            doubts.append(Note("driver.other_length", name=name, n=source.n, **ends))
     return tuple(doubts)
-
-
-def _is_as_long(
-    n_pictures: int,
-    listed: NDArray[np.int64],
-    first_picture: int | None,
-    *,
-    others: NDArray[np.int64],
-) -> bool:
-    """Return whether the number of pictures matches the frames.
-
-    It may equal the number of listed frames, or of frame numbers from `first_picture` on.
-
-    Frames may count from 1, and be a sample at equal steps. If `others` are not listed, frames were
-    selected: only their minimum number is known.
-    """
-    frames = np.union1d(listed, others)
-    if not len(frames) or n_pictures == len(frames):
-        return True
-    n = int(frames[-1]) + 1 - (first_picture or 0)
-    least = n - 1 if first_picture is None and frames[0] >= 1 else n
-    step = int(np.diff(frames).max(initial=1))
-    return n_pictures >= least and (len(others) > 0 or n_pictures < n + step)
-
-
-def _note(notes: Mapping[int, str], number: int, index: NDArray[np.int64]) -> str:
-    """Return why pictures are missing, or an empty text if none is missing."""
-    if (index >= 0).all():
-        return ""
-    return notes.get(number, "No pictures are named for it.")
 
 
 def _has_colour(source: Pictures, index: NDArray[np.int64]) -> bool:

@@ -67,61 +67,32 @@ def other_frames(gaze: Gaze, frames: NDArray[np.int64]) -> Note | None:
     return Note("driver.gaze_of_other_frames", **ends, first=frames[0], last=frames[-1])
 
 
-def fixation(
+def fixation_notes(
     recording: DriverRecording,
     assumed: FixedPoint,
     frames: NDArray[np.int64],
     with_boxes: NDArray[np.int64],
-) -> Note:
-    """Return a note on the driver's fixation: assumed, unknown, or from a gaze file.
+) -> tuple[Note, Note | None]:
+    """Return a note on the driver's fixation, and a doubt about the gaze file or None.
 
     Parameters
     ----------
     frames, with_boxes
         Numbers of the recording's frames, and of its frames with pedestrians, ascending.
     """
-    if recording.gaze is None:
-        return Note("driver.fixation_assumed", x=assumed.x, y=assumed.y)
-    if fault := other_frames(recording.gaze, frames):
-        return Note("driver.fixation_unknown", why=fault)
-    n_known, n_outside = _count_gaze(recording, assumed, with_boxes)
-    return Note(
-        "driver.fixation",
-        n=len(with_boxes),
-        n_known=n_known,
-        n_outside=n_outside,
-        size_px=recording.picture_px,
-    )
-
-
-def picture_doubts(
-    recording: DriverRecording, assumed: FixedPoint, with_boxes: NDArray[np.int64]
-) -> list[Note]:
-    """Return notes that suggest that pictures or gaze belong to another recording.
-
-    Parameters
-    ----------
-    with_boxes
-        Numbers of the recording's frames with pedestrians, ascending.
-    """
-    n_known, n_outside = _count_gaze(recording, assumed, with_boxes)
-    if not n_outside or n_outside < MOST_OUTSIDE * n_known:
-        return [*recording.doubts]
-    return [*recording.doubts, Note("driver.gaze_outside", n_outside=n_outside, n=n_known)]
-
-
-def _count_gaze(
-    recording: DriverRecording, assumed: FixedPoint, with_boxes: NDArray[np.int64]
-) -> tuple[int, int]:
-    """Count frames with known gaze, and those among them with gaze outside the picture."""
-    if recording.gaze is None:
-        return 0, 0
-    known = with_boxes[~np.isnan(recording.gaze.at(with_boxes)[:, 0])]
-    if recording.picture_px is None:
-        return len(known), 0
-    points = recording.fixations(known, assumed, recording.picture_px)
-    is_outside = ((points < 0) | (points > recording.picture_px)).any(axis=1)
-    return len(known), int(np.count_nonzero(is_outside))
+    gaze, size_px, n_outside, doubt = recording.gaze, recording.picture_px, 0, None
+    if gaze is None:
+        return Note("driver.fixation_assumed", x=assumed.x, y=assumed.y), None
+    known = with_boxes[~np.isnan(gaze.at(with_boxes)[:, 0])]
+    if size_px is not None:
+        points = recording.fixations(known, assumed, size_px)
+        n_outside = int(((points < 0) | (points > size_px)).any(axis=1).sum())
+    counts = {"n_outside": n_outside, "n_known": len(known)}
+    if n_outside and n_outside >= MOST_OUTSIDE * len(known):
+        doubt = Note("driver.gaze_outside", n_outside=n_outside, n=len(known))
+    if fault := other_frames(gaze, frames):
+        return Note("driver.fixation_unknown", why=fault), doubt
+    return Note("driver.fixation", n=len(with_boxes), **counts, size_px=size_px), doubt
 
 
 def light_note(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Final
 
 import numpy as np
@@ -19,22 +18,21 @@ from nvcore.driver.illumination.clock import AdaptationClock, adaptation_clock
 from nvcore.driver.recording import DriverRecording, open_recordings
 from nvcore.driver.recording_notes import (
     boxes_outside,
-    fixation,
+    fixation_notes,
     light_doubt,
     light_note,
     other_frames,
-    picture_doubts,
     picture_notes,
 )
 from nvcore.driver.settings import DriverViewSettings
 from nvcore.inputs.session import Session
 from nvcore.notes import Note, phrase
 from nvcore.pictures import Picture, stretch
-from nvcore.pictures.passes import PictureClock, in_order, pictures_of
+from nvcore.pictures.run import PictureRun, speed_text
 from nvcore.pictures.stretch import STRETCH
 from nvcore.progress import Progress, no_progress
 from nvcore.schema import NO_TRACK, integers_of
-from nvcore.wording import MOST_NAMED, count_text, duration_text, listed, one_line
+from nvcore.wording import MOST_NAMED, count_text, listed, one_line
 
 BOX_COLUMNS: Final = ("recording", "frame", "track", "x", "y", "w", "h")
 FEATURE_COLUMNS: Final = (
@@ -51,22 +49,18 @@ class RecordingFeatures:
 
     Attributes
     ----------
-    name
-        Name in the dataset.
     table
         `FEATURE_COLUMNS`. Features are NaN if the frame has no picture.
     is_light_known
         True if a change of light would be known in the row's frame, bool, shape (n,).
     n_unseen
-        Pedestrians (boxes) in frames without a picture.
+        Number of pedestrian boxes in frames without a picture.
     notes
         Assumptions and sources, in sentences.
     may_be_of_heat
         True if its pictures are grey and not declared as visible light.
     clock
         Light and adaptation in each of its frames. None: the light is unknown.
-    name_in_data
-        Name in the data, as in the table.
     picture_px
         Width and height of its pictures, or None without pictures.
     why_missing
@@ -93,19 +87,7 @@ class RecordingFeatures:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FeatureRun:
-    """Features of the pedestrians in recordings. ``print`` shows the assumptions.
-
-    Attributes
-    ----------
-    recordings
-        In the order of the dataset.
-    settings
-        Settings of the run.
-    n_pictures
-        Number of processed pictures.
-    seconds
-        Duration of the run.
-    """
+    """Features of the pedestrians in recordings. ``print`` shows the assumptions."""
 
     recordings: tuple[RecordingFeatures, ...]
     settings: DriverViewSettings
@@ -122,8 +104,7 @@ class FeatureRun:
         return f"<FeatureRun of {self._boxes}>"
 
     def __str__(self) -> str:
-        rate = self.n_pictures / self.seconds if self.seconds > 0 else 0.0
-        head = f"{self._boxes}, in {duration_text(self.seconds)} ({rate:.1f} pictures a second)"
+        head = f"{self._boxes}, {speed_text(self.n_pictures, self.seconds)}"
         of_notes: dict[tuple[str, ...], list[str]] = {}
         for recording in self.recordings:
             of_notes.setdefault(recording.notes, []).append(one_line(recording.name))
@@ -153,42 +134,36 @@ def run_features(
     Parameters
     ----------
     dataset
-        Dataset whose settings are its session, which names pictures, gaze and light.
-    settings
-        None: the defaults.
-    n_threads
-        Pictures processed in parallel. None: one per core.
-    progress
-        Called at least once per picture, with the time left in words.
+        Dataset with a `Session` as its settings, which names pictures, gaze and light.
+    n_threads, progress
+        See `nvcore.pictures.run.PictureRun`.
 
     Raises
     ------
     InputError
         If a gaze or light file cannot be used, or no evaluated frame has a picture.
     CancelledError
-        If `progress` raises it; nothing is left behind.
+        If `progress` raises it.
     """
     session = dataset.settings
     assert isinstance(session, Session)
     settings = settings or DriverViewSettings()
     recordings = open_recordings(session, dataset)
     try:
-        passes = [_Pass(recording, dataset, settings) for recording in recordings]
-        clock = PictureClock(sum(len(part.rows) for part in passes), progress)
-        parts = [part.run(clock, n_threads) for part in passes]
+        views = [_View(recording, dataset, settings) for recording in recordings]
+        n_pictures = sum(len(view.rows) for view in views)
+        run = PictureRun(n_pictures, progress, n_threads=n_threads)
+        parts = [view.features_in(run) for view in views]
     finally:
         for recording in recordings:
             if recording.pictures is not None:
                 recording.pictures.close()
     progress(1.0, "done")
-    return FeatureRun(tuple(parts), settings, clock.n_done, clock.seconds)
+    return FeatureRun(tuple(parts), settings, run.n_done, run.seconds)
 
 
-class _Pass:
-    """Pass over the pictures of one recording.
-
-    Frames are counted from the first evaluated one.
-    """
+class _View:
+    """The driver's view in one recording. Frames are counted from the first evaluated one."""
 
     def __init__(self, recording: DriverRecording, dataset: Dataset, settings: DriverViewSettings):
         self.recording, self.settings, self.objects = recording, settings, dataset.objects
@@ -211,40 +186,46 @@ class _Pass:
         self.level = np.full(len(self.frame), np.nan)
         self.is_seen = np.zeros(len(self.frame), bool)
 
-    def run(self, clock: PictureClock, n_threads: int | None) -> RecordingFeatures:
+    def features_in(self, run: PictureRun) -> RecordingFeatures:
         """Process all pictures, then the light over time, and return the features."""
-        recording, faults = self.recording, list[str]()
-        tell = partial(clock.count, name=recording.name)
-        if recording.pictures is not None:
-            indices = zip(self.rows.tolist(), recording.index[self.rows].tolist(), strict=True)
-            pictures = pictures_of(recording.pictures, indices, faults)
-            for row in in_order(self._look, pictures, lambda: tell(0), n_threads=n_threads):
-                self.is_seen[row] = True
-                tell(1)
-            clock.n_pictures -= len(faults)
-        light = self._light()
-        adaptation = (
-            None
-            if light is None
-            else adaptation_clock(light, self.frame, self.fps, self.settings.light)
-        )
-        is_light_known = np.zeros(len(self.frame), bool)
-        if adaptation is not None:
-            is_light_known = adaptation.is_known
-        n_unseen = int(np.count_nonzero(~self.is_seen[self.frame_of_box]))
+        recording, settings, faults = self.recording, self.settings, list[str]()
+        indices = zip(self.rows.tolist(), recording.index[self.rows].tolist(), strict=True)
+        for row in run.over(recording.pictures, indices, self._look, recording.name, faults):
+            self.is_seen[row] = True
+        light = recording.light or self._light_of_pictures()
+        clock, is_known = None, np.zeros(len(self.frame), bool)
+        if light is not None:
+            clock = adaptation_clock(light, self.frame, self.fps, settings.light)
+            is_known = clock.is_known
+        is_seen = self.is_seen[self.frame_of_box]
+        n_seen, n_unseen = int(is_seen.sum()), int((~is_seen).sum())
+        n_outside = int(np.isnan(self.features[is_seen, FEATURE_KEYS.index("width_px")]).sum())
+        outside = boxes_outside(recording, n_outside, n_seen)
+        why_missing = {}
+        if n_seen and n_outside == n_seen:
+            why_missing = dict.fromkeys(FEATURE_KEYS, self._say(outside))
+        elif recording.gaze and (fault := other_frames(recording.gaze, self.frame)):
+            why_missing = {"fixation_distance_px": self._say(fault)}
+        fixation, doubt = fixation_notes(recording, settings.fixation, self.frame, self.with_boxes)
+        notes = [
+            *picture_notes(recording, faults, n_unseen),
+            *([Note("driver.sentence", clause=outside)] if outside else []),
+            fixation,
+            light_note(light, clock, self.frame, self.fps, settings.light),
+        ]
         return RecordingFeatures(
             recording.name,
-            self._table(adaptation),
-            is_light_known[self.frame_of_box],
+            self._table(clock),
+            is_known[self.frame_of_box],
             n_unseen,
-            self._notes(faults, n_unseen, light, adaptation),
+            tuple(map(self._say, notes)),
             recording.may_be_of_heat,
-            adaptation,
+            clock,
             recording.name_in_data,
             recording.picture_px,
-            self._why_missing(),
-            self._say(light_doubt(light, self.frame, self.fps, self.settings.light)),
-            self._say(*picture_doubts(recording, self.settings.fixation, self.with_boxes)),
+            why_missing,
+            self._say(light_doubt(light, self.frame, self.fps, settings.light)),
+            self._say(*recording.doubts, doubt),
         )
 
     def _look(self, row: int, picture: Picture) -> int:
@@ -258,20 +239,13 @@ class _Pass:
         if boxes.stop > boxes.start:
             size = picture.shape[1], picture.shape[0]
             point = recording.fixations(self.frame[row : row + 1], self.settings.fixation, size)
-            self.features[boxes] = features_of(
-                picture,
-                recording.boxes_in_picture(self.box[boxes]),
-                point,
-                self.settings.features,
-            )
+            in_picture = recording.boxes_in_picture(self.box[boxes])
+            self.features[boxes] = features_of(picture, in_picture, point, self.settings.features)
         if recording.needs_light:
             self.level[row] = picture_level(luminance_of(picture))
         return row
 
-    def _light(self) -> Light | None:
-        """Return readings of the light meter, else the brightness of pictures, else None."""
-        if self.recording.light is not None:
-            return self.recording.light
+    def _light_of_pictures(self) -> Light | None:
         is_known = ~np.isnan(self.level)
         if not is_known.any():
             return None
@@ -295,36 +269,6 @@ class _Pass:
             "picture": np.where(self.is_seen[self.frame_of_box], self.recording.kind, ""),
         }
         return pd.DataFrame(values, index=pd.RangeIndex(len(frame)))
-
-    def _why_missing(self) -> dict[str, str]:
-        """Return clauses on why no box of the recording has a feature, by the feature's key."""
-        n_seen, n_outside = self._n_outside()
-        if n_seen and n_outside == n_seen:
-            outside = boxes_outside(self.recording, n_outside, n_seen)
-            return dict.fromkeys(FEATURE_KEYS, self._say(outside))
-        gaze = self.recording.gaze
-        fault = None if gaze is None else other_frames(gaze, self.frame)
-        return {"fixation_distance_px": self._say(fault)} if fault else {}
-
-    def _n_outside(self) -> tuple[int, int]:
-        """Count the boxes in frames with a picture, and those outside that picture."""
-        is_seen = self.is_seen[self.frame_of_box]
-        is_outside = np.isnan(self.features[is_seen, FEATURE_KEYS.index("width_px")])
-        return int(np.count_nonzero(is_seen)), int(np.count_nonzero(is_outside))
-
-    def _notes(
-        self, faults: list[str], n_unseen: int, light: Light | None, clock: AdaptationClock | None
-    ) -> tuple[str, ...]:
-        recording = self.recording
-        n_seen, n_outside = self._n_outside()
-        outside = boxes_outside(recording, n_outside, n_seen)
-        notes = [
-            *picture_notes(recording, faults, n_unseen),
-            *([Note("driver.sentence", clause=outside)] if outside else []),
-            fixation(recording, self.settings.fixation, self.frame, self.with_boxes),
-            light_note(light, clock, self.frame, self.fps, self.settings.light),
-        ]
-        return tuple(map(self._say, notes))
 
     def _say(self, *notes: Note | None) -> str:
         return " ".join(phrase(note, self.objects) for note in notes if note is not None)

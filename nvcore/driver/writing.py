@@ -1,4 +1,4 @@
-"""A run's features and estimates as files."""
+"""Write features and estimates of a run."""
 
 from __future__ import annotations
 
@@ -28,15 +28,7 @@ ESTIMATE_OUTPUTS: Final = (DETECTABILITY_FILE, FEATURES_FILE, RECORD_FILE, SESSI
 
 @dataclass(frozen=True)
 class WrittenFeatures:
-    """What `write_features` wrote.
-
-    Attributes
-    ----------
-    features, record
-        The table, and the record of how it was made.
-    run
-        What came out.
-    """
+    """Files of `write_features`: the table, and the record of how it was made."""
 
     features: Path
     record: Path
@@ -45,17 +37,7 @@ class WrittenFeatures:
 
 @dataclass(frozen=True)
 class WrittenEstimates:
-    """What `write_estimates` wrote.
-
-    Attributes
-    ----------
-    session
-        The session file: that of the dataset, which now names the estimates.
-    detectability, features, record
-        The estimates, what they were made from, and how.
-    run
-        What came out.
-    """
+    """Files of `write_estimates`: a session with the estimates, and what they are made from."""
 
     session: Path
     detectability: Path
@@ -84,13 +66,12 @@ def write_estimates(run: EstimateRun, dataset: Dataset, folder: Path) -> Written
     Parameters
     ----------
     dataset
-        What it was run on, with the session that it was loaded from as its settings.
+        Dataset of the run, with a `Session` as its settings.
 
     Raises
     ------
     InputError
-        If the folder cannot be written to, or there is not one estimate, though there are
-        pedestrians.
+        If the folder cannot be written to, or none of the pedestrians has an estimate.
     """
     run.refuse_empty()
     session = dataset.settings
@@ -99,25 +80,19 @@ def write_estimates(run: EstimateRun, dataset: Dataset, folder: Path) -> Written
         DETECTABILITY_FILE: to_csv_bytes(run.table),
         FEATURES_FILE: to_csv_bytes(run.features.table),
     }
+    detectability, features, record, path = (folder / name for name in ESTIMATE_OUTPUTS)
     named = replace(
         stated(session, dataset),
         hashes={of: digest for of, digest in source_hashes(dataset).items() if of != DETECTABILITY},
         driver=DriverTable(  # type: ignore[call-arg]
-            detectability=str(folder.absolute() / DETECTABILITY_FILE),
-            provenance=str(folder.absolute() / RECORD_FILE),
+            detectability=str(detectability.absolute()), provenance=str(record.absolute())
         ),
     )
     text = write_session(named, version=__version__, fingerprint=dataset.fingerprint)
-    record = _record(run.features, contents, estimator=run.as_json(), estimates=run.counts_json())
-    files = [*contents.items(), (RECORD_FILE, record), (SESSION_FILE, text.encode())]
+    made = _record(run.features, contents, estimator=run.as_json(), estimates=run.counts_json())
+    files = [*contents.items(), (RECORD_FILE, made), (SESSION_FILE, text.encode())]
     write_run(folder, files, ESTIMATE_OUTPUTS)
-    return WrittenEstimates(
-        session=folder / SESSION_FILE,
-        detectability=folder / DETECTABILITY_FILE,
-        features=folder / FEATURES_FILE,
-        record=folder / RECORD_FILE,
-        run=run,
-    )
+    return WrittenEstimates(path, detectability, features, record, run)
 
 
 def _record(run: FeatureRun, contents: dict[str, bytes], **more: Any) -> bytes:

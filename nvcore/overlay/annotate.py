@@ -50,20 +50,20 @@ def annotate(
     labels: bool = False,
     caption: bool = True,
 ) -> Canvas:
-    """A frame's picture with boxes and caption.
+    """Draw the boxes of a frame on its picture, with a caption below.
 
     Parameters
     ----------
     pictures
-        Of the frame's recording; None: boxes on a dark blank.
+        Pictures of the frame's recording. None: boxes on a dark blank.
     index
-        Which of the pictures shows the frame (`nvcore.pictures.picture_index`); -1: none.
+        Index of the frame's picture (`nvcore.pictures.picture_index`), or -1.
     row
         Row of the frames table.
     lo, hi
         See `nvcore.pictures.stretch`.
     layers
-        Those of "truth", "x", "y" to draw.
+        Sources to draw: some of "truth", "x", "y".
     labels
         Whether to write track ids and scores beside the boxes.
     caption
@@ -81,18 +81,13 @@ def annotate(
     """
     frames = result.dataset.frame_columns
     recording = frames.recording[row]
-    picture, trouble = frame_picture(pictures, index, lo, hi)
+    picture, why_none = frame_picture(pictures, index, lo, hi)
     boxes = drawn_boxes(result, row, layers=layers, labels=labels)
     width, height = float(frames.width[recording]), float(frames.height[recording])
-    canvas = draw_boxes(
-        *(picture, width, height),
-        truth=boxes.truth,
-        x=boxes.x,
-        y=boxes.y,
-        inks=inks_of(result, "dark"),
-    )
+    inks = inks_of(result, "dark")
+    canvas = draw_boxes(picture, width, height, **boxes._asdict(), inks=inks)
     if picture is None:
-        put_text(canvas, trouble, (12, 24), 0.45, _DIM_RGB)
+        put_text(canvas, why_none, (12, 24), 0.45, _DIM_RGB)
     return np.concatenate([canvas, _caption(result, row, canvas.shape[1])]) if caption else canvas
 
 

@@ -16,8 +16,8 @@ from nvcore.comparison import Result
 from nvcore.errors import MediaError, ParameterError
 from nvcore.overlay.annotate import annotate, provenance
 from nvcore.overlay.brush import BLANK_RGB, Canvas
-from nvcore.pictures.base import Pictures
-from nvcore.pictures.index import picture_index
+from nvcore.pictures.base import PictureReader
+from nvcore.pictures.run import PictureRun
 from nvcore.progress import Progress, no_progress
 from nvcore.wording import one_line
 
@@ -38,7 +38,7 @@ FPS_RANGE: Final = (0.1, 240.0)
 
 def write_video(
     result: Result,
-    pictures: Mapping[int, Pictures],
+    pictures: Mapping[int, PictureReader],
     recording: int,
     row_start: int,
     row_stop: int,
@@ -46,7 +46,6 @@ def write_video(
     *,
     fps: float,
     progress: Progress = no_progress,
-    first_picture: int | None = None,
     indices: NDArray[np.int64] | None = None,
     lo: float = 0.0,
     hi: float = 100.0,
@@ -59,21 +58,21 @@ def write_video(
     Parameters
     ----------
     pictures
-        By recording; without those of this one, boxes are drawn on a dark blank.
+        Pictures by recording. Boxes are drawn on a dark blank if this recording has none.
     recording
         Row of the recordings table.
     row_start, row_stop
         Rows of the frames table, all of this recording.
     path
-        A new or old file; it is removed if the writing does not come to its end.
+        The file is replaced, and removed if the run fails or is cancelled.
     fps
         Frames per second of the video, 0.1..240.
     progress
-        Called after every frame.
+        See `nvcore.pictures.run.PictureRun`.
     indices
-        Picture of every frame of the recording, -1 none, as `nvcore.pictures.picture_index` gives
-        it; None: by that function, with `first_picture`.
-    first_picture, lo, hi, labels
+        Picture of every frame of the recording, -1 none (`nvcore.pictures.picture_index`). None:
+        no frame has a picture.
+    lo, hi, labels
         See `nvcore.overlay.annotate`.
 
     Raises
@@ -86,33 +85,32 @@ def write_video(
     if not FPS_RANGE[0] <= fps <= FPS_RANGE[1]:
         raise ParameterError(f"fps: expected {FPS_RANGE[0]:g} to {FPS_RANGE[1]:g}, got {fps:g}")
     frames = result.dataset.frame_columns
-    rows = frames.rows_of(recording)
-    first, last = rows.start, rows.stop
-    if not first <= row_start < row_stop <= last:
+    own = frames.rows_of(recording)
+    if not own.start <= row_start < row_stop <= own.stop:
         raise ParameterError(
-            f"expected frames of the recording, rows {first} to {last}, got {row_start} to "
+            f"expected frames of the recording, rows {own.start} to {own.stop}, got {row_start} to "
             f"{row_stop}"
         )
-    source = pictures.get(recording)
-    if indices is not None and len(indices) != last - first:
-        raise ParameterError(f"indices: expected {last - first} pictures, got {len(indices)}")
-    if indices is None and source is not None:
-        listed = frames.frame[first:last]
-        name = str(result.dataset.recordings["name"].iloc[recording])
-        others = result.dataset.unlisted_frames(name)
-        rate = float(frames.fps[recording])
-        indices = picture_index(listed, source, first_picture, others=others, fps=rate)[0]
-    index = [-1] * (last - first) if indices is None else indices.tolist()
+    if indices is None:
+        indices = np.full(own.stop - own.start, -1)
+    if len(indices) != own.stop - own.start:
+        raise ParameterError(
+            f"indices: expected {own.stop - own.start} pictures, got {len(indices)}"
+        )
+    index = indices[row_start - own.start : row_stop - own.start].tolist()
+    numbered = zip(range(row_start, row_stop), index, strict=True)
+    name = one_line(str(result.dataset.recordings["name"].iloc[recording]))
 
-    def draw(row: int) -> Canvas:
-        return annotate(result, source, index[row - first], row, lo=lo, hi=hi, labels=labels)
+    def draw(row: int, index: int) -> Canvas:
+        return annotate(result, pictures.get(recording), index, row, lo=lo, hi=hi, labels=labels)
 
-    is_done = False
+    # long numbers may need one line more in the caption
+    ends = [annotate(result, None, -1, row).shape[:2] for row in (row_start, row_stop - 1)]
+    height, width = np.maximum(*ends).tolist()
     try:
         with av.open(
             f"file:{path.absolute()}", "w", format="mp4", options={"movflags": "+faststart"}
         ) as container:
-            name = str(result.dataset.recordings["name"].iloc[recording])
             container.metadata["title"] = one_line(
                 f"{name}, frames {frames.frame[row_start]} to {frames.frame[row_stop - 1]}: "
                 f"{result.x.name} and {result.y.name}, nvcore {__version__}"
@@ -122,23 +120,20 @@ def write_video(
             stream.pix_fmt = "yuv420p"
             stream.codec_context.gop_size = _KEY_EVERY
             stream.options = dict(_OPTIONS)
-            # long numbers may need one line more in the caption
-            height, width = np.maximum(draw(row_start).shape, draw(row_stop - 1).shape)[:2].tolist()
             stream.width, stream.height = width, height
-            for row in range(row_start, row_stop):  # a video is made frame by frame
-                drawing = draw(row)[:height]
-                if len(drawing) < height:
-                    margin = np.full((height - len(drawing), width, 3), BLANK_RGB, np.uint8)
-                    drawing = np.concatenate([drawing, margin])
-                container.mux(stream.encode(av.VideoFrame.from_ndarray(drawing, format="rgb24")))
-                progress((row + 1 - row_start) / (row_stop - row_start), "frames")
+            # one thread draws while this one encodes
+            run = PictureRun(len(index), progress, n_threads=1)
+            for drawing in run.map(draw, numbered, name):
+                picture = np.full((height, width, 3), BLANK_RGB, np.uint8)
+                picture[: len(drawing)] = drawing[:height]
+                container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
             container.mux(stream.encode(None))
-        is_done = True
-    except (av.error.FFmpegError, OSError) as error:
-        raise MediaError(
-            "the video cannot be written; is there room, and may the folder be written to?",
-            file=path.name,
-        ) from error
-    finally:
-        if not is_done and path.is_file():
+    except BaseException as error:
+        if path.is_file():
             path.unlink()
+        if isinstance(error, av.error.FFmpegError | OSError):
+            raise MediaError(
+                "the video cannot be written; is there room, and may the folder be written to?",
+                file=path.name,
+            ) from error
+        raise

@@ -35,6 +35,27 @@ def refuse_to_replace(
         raise InputError(f"is an input, and would be replaced; give another {instead}", file=clash)
 
 
+def refuse_outputs(
+    folder: Path, names: Iterable[str], inputs: Iterable[object], session: Session
+) -> None:
+    """Refuse to write files into a folder of inputs, or over what a run reads.
+
+    Parameters
+    ----------
+    inputs
+        Inputs besides those of the session. Only paths are checked.
+
+    Raises
+    ------
+    InputError
+        See `refuse_to_replace` and `refuse_among_inputs`.
+    """
+    files = [Path(path) for path in inputs if isinstance(path, str | Path)]
+    outputs = [folder / name for name in names]
+    refuse_to_replace(outputs, [*files, *files_read(session)], instead="folder")
+    refuse_among_inputs(folder, session)
+
+
 def refuse_among_inputs(folder: Path, session: Session) -> None:
     """Refuse to write into a folder of inputs, whose files are all read.
 

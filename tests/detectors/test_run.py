@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import threading
-import time
 from concurrent.futures import CancelledError
 from dataclasses import dataclass, field
+from itertools import count
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,10 +16,10 @@ from picture_files import number_in, numbered, write_numbered_video, write_pictu
 
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About
-from nvcore.detectors.base import Detections, DetectorError, threads_for_a_picture
+from nvcore.detectors import timing
+from nvcore.detectors.base import Detections, threads_for_a_picture
 from nvcore.detectors.run import run_detector
 from nvcore.detectors.suppression import sorted_detections
-from nvcore.detectors.timing import TIMED_PER_THREAD, expect
 from nvcore.errors import InputError
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
@@ -31,17 +32,17 @@ PATIENCE_S = 60.0
 
 @dataclass
 class Numbers:
-    """Finds as many boxes as the number in the picture says, up to 3; slower for odd ones.
+    """Finds as many boxes as the number in the picture says, up to 3.
 
     The first pictures wait until as many are looked at at once as `together` says.
     """
 
     about: About = field(default_factory=lambda: About("test", "Numbers", ("sign",), {}, "f"))
     together: int = 1
-    delay_s: float = 0.0
     n_now: int = 0
     most_at_once: int = 0
     seen: list[int] = field(default_factory=list)
+    threads: set[int] = field(default_factory=set)
 
     def detect(self, picture: Picture) -> Detections:
         number = number_in(picture)
@@ -49,10 +50,9 @@ class Numbers:
             self.n_now += 1
             self.most_at_once = max(self.most_at_once, self.n_now)
             self.seen.append(number)
+            self.threads.add(threads_for_a_picture())
             LOCK.notify_all()
             LOCK.wait_for(lambda: self.most_at_once >= self.together, PATIENCE_S)
-        time.sleep(self.delay_s * (1 + number % 2))
-        with LOCK:
             self.n_now -= 1
         n = number % 4
         box = np.tile([8.0, 4.0, 16.0, 12.0], (n, 1))
@@ -82,10 +82,11 @@ def opened(place: Path) -> tuple[Dataset, RecordingPictures]:
     return dataset, session_pictures(dataset.settings, dataset)
 
 
-@pytest.mark.parametrize("n_threads", [1, 3])
-def test_every_frame_with_a_picture_is_run_in_order(place: Path, n_threads: int):
-    detector = Numbers(together=n_threads)
-    run = run_detector(detector, *opened(place), n_threads=n_threads)
+@pytest.mark.parametrize(("n_threads", "each"), [(1, os.cpu_count()), (3, 1)])
+def test_every_frame_with_a_picture_is_run_in_order(place: Path, n_threads: int, each: int):
+    detector, told = Numbers(together=n_threads), list[tuple[float, str]]()
+    progress = {"progress": lambda *said: told.append(said)}
+    run = run_detector(detector, *opened(place), n_threads=n_threads, **progress)
     night, day = run.recordings
     assert (night.name, day.name) == ("night", "day")
     assert night.frames.tolist() == [*range(12)]
@@ -93,6 +94,12 @@ def test_every_frame_with_a_picture_is_run_in_order(place: Path, n_threads: int)
     assert night.boxes["score"].tolist()[:3] == [1.0, 2.1, 2.0]
     assert sorted(detector.seen) == sorted([*range(12), 10, 11, 13])
     assert detector.most_at_once == n_threads
+    assert detector.threads == {each}  # of several pictures at a time each takes one thread
+    assert threads_for_a_picture() == os.cpu_count()
+    shares = [share for share, _ in told]
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+    assert any(words.startswith("night: 12 of 15 pictures, 0 s left") for _, words in told)
 
 
 def test_frames_without_a_picture_are_counted_and_said(place: Path):
@@ -129,67 +136,43 @@ def test_recordings_without_pictures_are_left_out(place: Path):
 def test_no_picture_at_all_is_an_error(place: Path):
     text = place.read_text().replace('pictures = "day"\n', "")
     place.write_text(text.replace("night.mp4", "gone.mp4"))
-    for function in (run_detector, lambda *inputs: expect(inputs[0], *inputs[2:])):
+    for function in (run_detector, lambda *inputs: timing.expect(inputs[0], *inputs[2:])):
         dataset, pictures = opened(place)
         with pytest.raises(InputError, match=r"has a picture: gone\.mp4: there is no"):
             function(Numbers(), dataset, pictures)
 
 
-def test_what_the_detector_refuses_ends_the_run(place: Path):
-    class Refusing(Numbers):
-        def detect(self, picture: Picture) -> Detections:
-            raise DetectorError(f"cannot work on {picture.shape}")
-
-    with pytest.raises(DetectorError, match="cannot work"):
-        run_detector(Refusing(), *opened(place), n_threads=2)
-
-
-def test_progress_says_recording_pictures_and_time_left(place: Path):
-    told: list[tuple[float, str]] = []
-    run_detector(
-        Numbers(), *opened(place), progress=lambda share, words: told.append((share, words))
-    )
-    shares = [share for share, _ in told]
-    assert shares == sorted(shares)
-    assert shares[-1] == 1.0
-    assert any(words.startswith("night: 12 of 15 pictures, 0 s left") for _, words in told)
-
-
 def test_a_cancelled_run_ends_soon(place: Path):
-    detector = Numbers(delay_s=0.05)
-
-    def cancel(share: float, _: str) -> None:
-        if share > 0.1:
+    def cancel(_share: float, words: str) -> None:
+        if words.startswith("night: 1 of"):
             raise CancelledError
 
+    detector = Numbers()
     with pytest.raises(CancelledError):
         run_detector(detector, *opened(place), n_threads=1, progress=cancel)
-    assert len(detector.seen) < 8
+    assert len(detector.seen) < 5
 
 
-def test_a_slow_picture_is_no_obstacle_to_cancelling(place: Path):
-    def cancel(_share: float, _words: str) -> None:
-        if detector.seen:
-            raise CancelledError
-
-    detector = Numbers(delay_s=0.5)
-    with pytest.raises(CancelledError):
-        run_detector(detector, *opened(place), n_threads=1, progress=cancel)
-    assert len(detector.seen) == 1
+@pytest.fixture
+def steady(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each picture takes a quarter of a second."""
+    now_s = count(0, 0.25)
+    monkeypatch.setattr(timing, "time", SimpleNamespace(perf_counter=lambda: next(now_s)))
 
 
+@pytest.mark.usefixtures("steady")
 def test_the_expected_time_is_that_of_the_pictures(place: Path):
     dataset, pictures = opened(place)
-    began = time.perf_counter()
-    expected = expect(Numbers(delay_s=0.02), pictures, n_threads=1)
-    most = (time.perf_counter() - began) / TIMED_PER_THREAD  # a busy machine is slower
-    assert expected.n_pictures == 15
-    assert 0.02 <= expected.seconds_each < most
-    assert expected.seconds == 15 * expected.seconds_each
+    expected = timing.expect(Numbers(), pictures, n_threads=1)
+    assert (expected.n_pictures, expected.seconds_each, expected.seconds) == (15, 0.25, 3.75)
+    assert str(expected) == (
+        "15 pictures of 2 recordings on 1 thread: about 3.8 s (0.25 s a picture)"
+    )
     assert dataset.systems == ()
 
 
-def test_pictures_are_timed_all_over_the_recordings(place: Path):
+@pytest.mark.usefixtures("steady")
+def test_pictures_are_timed_all_over_the_recordings():
     class Plain:
         n, width, height, name, is_video, numbers, notes = 400, 64, 48, "plain", False, None, ()
 
@@ -206,33 +189,17 @@ def test_pictures_are_timed_all_over_the_recordings(place: Path):
     seen: list[int] = []
     indices = {0: np.arange(400), 1: np.arange(400)}
     pictures = RecordingPictures({0: Plain(), 1: Plain()}, indices)  # type: ignore[dict-item]
-    expected = expect(Numbers(delay_s=0.1), pictures, n_threads=1)
+    expected = timing.expect(Numbers(), pictures, n_threads=1)
     assert (expected.n_pictures, expected.n_recordings) == (800, 2)
     # 800 pictures in thirds: their middles are 133 of the first, 0 and 266 of the second recording
     assert {133, 0, 266} <= {*seen}
-    assert len(seen) < 60
+    assert len(seen) <= 3 * 7  # 4 until half a second has passed, and those decoded ahead
 
 
-def test_timing_is_cancelled_while_a_slow_picture_is_timed(place: Path):
-    def cancel(_share: float, _words: str) -> None:
-        if detector.seen:
-            raise CancelledError
+def test_timing_may_be_cancelled(place: Path):
+    def cancel(share: float, words: str) -> None:
+        assert (share, words) == (0, "timing it")
+        raise CancelledError
 
-    detector = Numbers(delay_s=0.5)
-    _, pictures = opened(place)
     with pytest.raises(CancelledError):
-        expect(detector, pictures, n_threads=1, progress=cancel)
-    assert len(detector.seen) == 1
-
-
-@pytest.mark.parametrize(("n_threads", "each"), [(1, os.cpu_count()), (2, 1)])
-def test_of_several_pictures_at_a_time_each_takes_one_thread(place: Path, n_threads: int, each):
-    class Counting(Numbers):
-        def detect(self, picture: Picture) -> Detections:
-            counts.add(threads_for_a_picture())
-            return super().detect(picture)
-
-    counts: set[int] = set()
-    run_detector(Counting(), *opened(place), n_threads=n_threads)
-    assert counts == {each}
-    assert threads_for_a_picture() == os.cpu_count()
+        timing.expect(Numbers(), opened(place)[1], n_threads=1, progress=cancel)

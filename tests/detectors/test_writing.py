@@ -14,7 +14,7 @@ from nvcore.auditing import audit
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About, TrainedOn, read_provenance
 from nvcore.detectors.run import DetectorRun, RecordingRun
-from nvcore.detectors.writing import outputs, write_detections
+from nvcore.detectors.writing import WrittenRun, outputs, write_detections
 from nvcore.errors import InputError
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
@@ -55,8 +55,13 @@ def run_of(about: About = ABOUT, *, with_class: bool = False) -> DetectorRun:
     )
 
 
-def test_the_session_has_one_system_more_and_everything_it_had(dataset: Dataset, tmp_path: Path):
-    written = write_detections(run_of(), dataset, tmp_path / "out")
+@pytest.fixture
+def written(dataset: Dataset, tmp_path: Path) -> WrittenRun:
+    about = replace(ABOUT, trained_on=(TrainedOn(recording="night 1", last_frame=4),))
+    return write_detections(run_of(about), dataset, tmp_path / "out")
+
+
+def test_the_session_has_one_system_more_and_everything_it_had(written: WrittenRun):
     loaded = nv.load(written.session)
     assert loaded.systems == ("FIR", "HOG")
     assert loaded.compared() == ("FIR", "HOG")
@@ -66,48 +71,35 @@ def test_the_session_has_one_system_more_and_everything_it_had(dataset: Dataset,
     assert loaded.system("HOG").x.tolist() == [1.5, 2]
     assert not loaded.left_out.size
     assert [entry.code for entry in loaded.findings if entry.severity == "error"] == []
+    made_by = loaded.inputs.set_index("subject")["conversion"]["HOG"]
+    assert made_by.endswith("; made by hog (HOG, fingerprint 5f1c)")
 
 
-def test_a_recording_that_was_not_seen_has_no_file_and_is_said(dataset: Dataset, tmp_path: Path):
-    written = write_detections(run_of(), dataset, tmp_path / "out")
-    assert [path.name for path in written.files] == ["Night.csv"]
-    codes = {finding.code: finding.message for finding in audit(nv.load(written.session))}
-    assert codes["frames-not-run"] == "Not run on 1 of the 11 evaluated frames: day."
-
-
-def test_the_record_says_how_the_boxes_were_made(dataset: Dataset, tmp_path: Path):
-    about = replace(ABOUT, trained_on=(TrainedOn(recording="night 1", last_frame=4),))
-    written = write_detections(run_of(about), dataset, tmp_path / "out")
+def test_the_record_says_how_the_boxes_were_made_and_in_which_frames(
+    written: WrittenRun, dataset: Dataset
+):
     record = read_provenance(written.provenance, "provenance.json")
     assert (record.about.kind, record.about.settings) == ("hog", {"stride": 8})
     assert record.frames == {"night 1": ((0, 9),)}
     assert record.written_by == f"nvcore {nv.__version__}"
-    findings = {finding.code: finding.count for finding in audit(nv.load(written.session))}
-    assert findings["trained-on-tested"] == 5
+    assert [path.name for path in written.files] == ["Night.csv"]
+    known = set(outputs(written.session.parent, dataset))
+    assert {*written.files, written.session, written.provenance} <= known
+    findings = {finding.code: finding for finding in audit(nv.load(written.session))}
+    assert findings["frames-not-run"].message == "Not run on 1 of the 11 evaluated frames: day."
+    assert findings["trained-on-tested"].count == 5
     assert "other-provenance" not in findings
-    inputs = nv.load(written.session).inputs.set_index("subject")
-    assert inputs["conversion"]["HOG"].endswith("; made by hog (HOG, fingerprint 5f1c)")
 
 
-def test_the_fingerprint_of_the_inputs_covers_the_record(dataset: Dataset, tmp_path: Path):
-    written = write_detections(run_of(), dataset, tmp_path / "out")
+def test_a_changed_record_boxes_or_no_record_are_noticed(written: WrittenRun):
     before = nv.load(written.session).fingerprint
     text = written.provenance.read_text()
     written.provenance.write_text(text.replace('"stride": 8', '"stride": 16'))
     assert nv.load(written.session).fingerprint != before
     written.provenance.write_text(text)
-    assert nv.load(written.session).fingerprint == before
-
-
-def test_boxes_changed_afterwards_are_said(dataset: Dataset, tmp_path: Path):
-    written = write_detections(run_of(), dataset, tmp_path / "out")
     written.files[0].write_text(written.files[0].read_text().replace("0.125", "0.625"))
     codes = {finding.code for finding in audit(nv.load(written.session))}
     assert {"other-provenance", "input-changed"} <= codes
-
-
-def test_a_record_that_is_gone_is_a_warning(dataset: Dataset, tmp_path: Path):
-    written = write_detections(run_of(), dataset, tmp_path / "out")
     written.provenance.unlink()
     codes = {finding.code for finding in audit(nv.load(written.session))}
     assert "missing-provenance" in codes
@@ -150,12 +142,6 @@ def test_nothing_seen_is_nothing_written(dataset: Dataset, tmp_path: Path):
 def test_names_are_checked(names: dict, words: str, dataset: Dataset, tmp_path: Path):
     with pytest.raises(InputError, match=words):
         write_detections(run_of(), dataset, tmp_path / "out", **names)
-
-
-def test_the_outputs_are_known_before(dataset: Dataset, tmp_path: Path):
-    written = write_detections(run_of(), dataset, tmp_path / "out")
-    known = set(outputs(tmp_path / "out", dataset))
-    assert {*written.files, written.session, written.provenance} <= known
 
 
 def test_without_a_system_the_new_one_is_x(dataset: Dataset, tmp_path: Path):

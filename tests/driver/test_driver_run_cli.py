@@ -16,7 +16,7 @@ from inputs import nvcore
 from picture_files import write_picture
 from places import SAMPLE
 
-from nvcore.driver.commands.features import features
+from nvcore.driver.commands.run import features
 from nvcore.driver.estimators import write_estimator
 from nvcore.driver.feature_record import settings_beside
 from nvcore.driver.features import FeatureSettings
@@ -33,17 +33,17 @@ def rows_of(path: Path) -> list[dict[str, str]]:
 def test_features_of_a_session_are_written_with_how_they_were_made(tmp_path: Path):
     result = nvcore(
         *("driver", "features", SAMPLE, "--out", tmp_path / "out", "--only", "urban_crossing"),
-        *("--surround", "3", "--fixation", "0.5,0.4"),
+        *("--frames", "40:60", "--surround", "3", "--fixation", "0.5,0.4"),
     )
     assert result.exit_code == 0, result.output
-    assert "1,202 boxes in 300 pictures" in result.stdout
+    assert "105 boxes in 21 pictures" in result.stdout
     assert "Fixation assumed: 50 % across and 40 % down the picture." in result.stdout
     rows = rows_of(tmp_path / "out" / "features.csv")
-    assert len(rows) == 1202
+    assert len(rows) == 105
     assert rows[0]["recording"] == "urban_crossing"
     record = json.loads((tmp_path / "out" / "driver.json").read_text())
     assert record["settings"]["features"]["surround"] == 3.0
-    assert record["recordings"][0]["n_boxes"] == 1202
+    assert record["recordings"][0]["n_boxes"] == 105
     content = (tmp_path / "out" / "features.csv").read_bytes()
     assert record["files"] == {"features.csv": hashlib.sha256(content).hexdigest()}
 
@@ -68,6 +68,7 @@ def test_recordings_that_are_not_asked_for_need_no_facts(tmp_path: Path):
     result = nvcore(*flags)
     assert result.exit_code == 2
     assert "far" in result.stderr
+    assert "The pictures near have --size 64x48" in result.stderr
     result = nvcore(*flags, "--only", "near", "--frames", "1:2")
     assert result.exit_code == 0, result.output
     assert [row["frame"] for row in rows_of(tmp_path / "out" / "features.csv")] == ["1", "2"]

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,15 +21,14 @@ from nvcore.driver.estimate import DETECTABILITY_COLUMNS, EstimateRun, run_estim
 from nvcore.driver.estimators import Estimator, Quality, write_estimator
 from nvcore.driver.face import estimate_driver
 from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
-from nvcore.driver.run import run_features
+from nvcore.driver.run import FeatureRun, run_features
 from nvcore.driver.steps import Steps, steps_between_periods
 from nvcore.errors import InputError, ParameterError
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 
 
-@pytest.fixture
-def place(tmp_path: Path) -> Path:
+def made(tmp_path: Path) -> Path:
     """40 frames at 4 a second with a person 60 brighter than the surround; it is dark from 5 s."""
     rows = [f"drive,{frame},20,10,8,16,5" for frame in range(40)]
     (tmp_path / "truth.csv").write_text("\n".join(["recording,frame,x,y,w,h,track", *rows]) + "\n")
@@ -45,13 +46,27 @@ def place(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.fixture
+def place(tmp_path: Path) -> Path:
+    return made(tmp_path)
+
+
+def features_in(place: Path) -> FeatureRun:
+    return run_features(load(read_session(place / "session.toml")))
+
+
 def run(place: Path, of: Estimator, **options: bool) -> EstimateRun:
-    dataset = load(read_session(place / "session.toml"))
-    return run_estimate(run_features(dataset), of, **options)
+    return run_estimate(features_in(place), of, **options)
 
 
-def test_each_box_has_the_estimate_of_its_adaptation_period(place: Path):
-    table = run(place, estimator()).table
+@pytest.fixture(scope="module")
+def usual(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., EstimateRun]:
+    """Estimates by any estimator in the recording as it is made."""
+    return partial(run_estimate, features_in(made(tmp_path_factory.mktemp("usual"))))
+
+
+def test_each_box_has_the_estimate_of_its_adaptation_period(usual: Callable):
+    table = usual(estimator()).table
     assert tuple(table.columns) == DETECTABILITY_COLUMNS
     # before the change the eyes are adapted: the longest period; frame 19 ends at the change
     assert table["period_s"][:20].isna().all()
@@ -65,32 +80,32 @@ def test_each_box_has_the_estimate_of_its_adaptation_period(place: Path):
     assert table["estimator_s"].tolist() == [4.5] * 20 + [0.5] * 10 + [4.5] * 10
 
 
-def test_boxes_without_an_estimate_are_counted_though_no_feature_is_lacking(place: Path):
+def test_boxes_without_an_estimate_are_counted_though_no_feature_is_lacking(usual: Callable):
     """As by an estimator that somebody made who did not compute it."""
     hollow = replace(regression(CONTRAST), offset=np.nan)
     made = estimator()
-    result = run(place, replace(made, regressions=(hollow, *made.regressions[1:])))
+    result = usual(replace(made, regressions=(hollow, *made.regressions[1:])))
     assert (
         "10 boxes in pictures without an estimate (10 boxes are 0.25 to 2.5 s after a change of "
         "light)"
     ) in str(result).splitlines()
 
 
-def test_between_two_periods_it_may_be_interpolated(place: Path):
-    table = run(place, estimator(), interpolate=True).table
+def test_between_two_periods_it_may_be_interpolated(usual: Callable):
+    table = usual(estimator(), interpolate=True).table
     assert table["detectability"][29] == pytest.approx(0.45)  # 2.5 s, in the middle
     assert table["estimator_s"][[0, 20, 21, 37]].tolist() == [4.5, 0.5, 0.5, 4.5]
     assert table["estimator_s"][22:37].isna().all()  # between two
 
 
-def test_steps_from_one_estimator_to_the_next_are_counted(place: Path):
-    result = run(place, estimator())  # from 0.3 to 0.6, with a sd of 0.1 and 0.2
+def test_steps_from_one_estimator_to_the_next_are_counted(usual: Callable):
+    result = usual(estimator())  # from 0.3 to 0.6, with a sd of 0.1 and 0.2
     assert result.steps == (1, 1)
     assert "of 1 track that changes to the estimator of another adaptation period" in str(result)
     vague = replace(estimator(), qualities=tuple(Quality(51, 0.1, 0.5, 0.1) for _ in range(3)))
-    assert run(place, vague).steps == (1, 0)
-    assert "interpolation" not in str(run(place, vague))
-    assert run(place, estimator(), interpolate=True).steps == (0, 0)
+    assert usual(vague).steps == (1, 0)
+    assert "interpolation" not in str(usual(vague))
+    assert usual(estimator(), interpolate=True).steps == (0, 0)
 
 
 def followed(contrasts: list[float], taken_s: list[float], track: list[int | None]) -> Steps:
@@ -124,8 +139,8 @@ def test_a_step_is_what_the_next_estimator_alone_changes(contrasts: list[float],
     assert followed(contrasts, [0.5, 4.5], [1, 1]) == (1, n_jumping)
 
 
-def test_a_feature_that_is_needed_and_missing_leaves_no_estimate(place: Path):
-    result = run(place, estimator(LAB))
+def test_a_feature_that_is_needed_and_missing_leaves_no_estimate(usual: Callable):
+    result = usual(estimator(LAB))
     assert result.table[["detectability", "sd", "estimator_s"]].isna().all(axis=None)
     assert not result.table["is_outside"].any()
     assert "detectability known for 0 of 40 boxes: the estimator needs lab_distance" in (
@@ -133,11 +148,11 @@ def test_a_feature_that_is_needed_and_missing_leaves_no_estimate(place: Path):
     )
 
 
-def test_boxes_that_lack_what_one_periods_estimator_needs_are_counted(place: Path):
+def test_boxes_that_lack_what_one_periods_estimator_needs_are_counted(usual: Callable):
     soon_by_colour = replace(
         estimator(), regressions=(regression(LAB), *estimator().regressions[1:])
     )
-    result = run(place, soon_by_colour)
+    result = usual(soon_by_colour)
     is_lacking = result.table["detectability"].isna()
     assert is_lacking.tolist() == [False] * 20 + [True] * 10 + [False] * 10
     assert result.table["is_outside"].isna().tolist() == is_lacking.tolist()
@@ -145,7 +160,7 @@ def test_boxes_that_lack_what_one_periods_estimator_needs_are_counted(place: Pat
         "10 boxes in pictures without an estimate (10 boxes are 0.25 to 2.5 s after a change of "
         "light): the estimator needs Lab distance there"
     ) in str(result)
-    assert "without an estimate" not in str(run(place, estimator()))
+    assert "without an estimate" not in str(usual(estimator()))
 
 
 def test_grey_pictures_that_nobody_calls_visible_give_no_estimate(place: Path):
@@ -159,23 +174,29 @@ def test_grey_pictures_that_nobody_calls_visible_give_no_estimate(place: Path):
     )
 
 
-def test_print_says_what_to_take_with_care(place: Path):
-    text = str(run(place, estimator(simulated="all")))
+def test_print_says_what_to_take_with_care(usual: Callable):
+    text = str(usual(estimator(simulated="all")))
     assert "detectability known for 40 of 40 boxes: 0.53 on average" in text
     assert "estimates are learnt from simulated subjects" in text
-    assert "learnt in part from simulated subjects" in str(run(place, estimator(simulated="some")))
+    assert "learnt in part from simulated subjects" in str(usual(estimator(simulated="some")))
     assert "20 estimates without a known change of light" in text
     assert "outside the range" not in text
-    assert "simulated" not in str(run(place, estimator()))
+    assert "simulated" not in str(usual(estimator()))
+    assert "no better" not in str(usual(estimator()))
+
+
+def with_second_system(place: Path) -> Path:
+    with (place / "session.toml").open("a") as session:
+        session.write('[[system]]\nname = "RGB"\npath = "truth.csv"\n')
+    return place / "session.toml"
 
 
 def test_why_the_estimator_is_to_be_doubted_is_said_and_recorded(place: Path):
     qualities = tuple(Quality(9, error, 0.5, 0.1) for error in (0.1, 0.04, 0.2))
-    quick = replace(origin("all"), search="quick")
-    write_estimator(replace(estimator(), qualities=qualities, origin=quick), place / "m.npz")
-    with (place / "session.toml").open("a") as session:
-        session.write('[[system]]\nname = "RGB"\npath = "truth.csv"\n')
-    written = estimate_driver(place / "session.toml", place / "m.npz", place / "out")
+    quick = replace(origin("all"), search="quick", picture_px=(128, 48))
+    heights = estimator(FEATURE_KEYS.index("height_px"))
+    write_estimator(replace(heights, qualities=qualities, origin=quick), place / "m.npz")
+    written = estimate_driver(with_second_system(place), place / "m.npz", place / "out")
     caution = (
         "learnt from simulated subjects by a quick search and no better than a constant at 0.5 s"
     )
@@ -183,12 +204,17 @@ def test_why_the_estimator_is_to_be_doubted_is_said_and_recorded(place: Path):
     record = json.loads(written.record.read_text())
     assert record["estimator"]["no_better_at_s"] == [0.5]
     assert record["estimator"]["search"] == "quick"
+    assert record["estimator"]["picture_px"] == [128, 48]
+    assert record["recordings"][0]["picture_px"] == [64, 48]
     dataset = load(read_session(written.session))
     assert dataset.of("driver") is not None
-    assert dataset.of("driver").caution == caution
-    assert caution in dataset.inputs["conversion"].iloc[-1]
-    assert source(compare(dataset))[0]["caution"] == caution
-    assert "no better" not in str(run(place, estimator()))
+    of_all = (
+        "learnt from simulated subjects by a quick search, no better than a constant at 0.5 s and "
+        "in drive made on pictures of another width than in training"
+    )
+    assert dataset.of("driver").caution == of_all
+    assert of_all in dataset.inputs["conversion"].iloc[-1]
+    assert source(compare(dataset))[0]["caution"] == of_all
 
 
 def trained_on(width: int, feature: str = "height_px") -> Estimator:
@@ -198,43 +224,30 @@ def trained_on(width: int, feature: str = "height_px") -> Estimator:
 
 @pytest.mark.parametrize(("width", "is_other"), [(128, True), (48, True), (70, False), (58, True)])
 def test_pictures_of_another_width_than_the_training_s_are_named(
-    place: Path, width: int, is_other: bool
+    usual: Callable, width: int, is_other: bool
 ):
-    result = run(place, trained_on(width))  # they are 64 wide
+    result = usual(trained_on(width))  # they are 64 wide
     words = (
         f"pictures of drive are 64 px wide and the training pictures are {width} px wide, so the "
         "scale of Height"
     )
     assert (words in str(result)) == is_other
     assert result.counts_json().get("other_width") == ({"drive": 64} if is_other else None)
-    of_colours = run(place, trained_on(width, "luminance_contrast"))
-    for is_silent in (of_colours, run(place, estimator())):  # trained before it was kept
+    of_colours = usual(trained_on(width, "luminance_contrast"))
+    for is_silent in (of_colours, usual(estimator())):  # trained before it was kept
         assert "px wide" not in str(is_silent)
         assert "other_width" not in is_silent.counts_json()
 
 
-def test_another_width_is_in_the_record_and_what_is_said_of_the_comparison(place: Path):
-    write_estimator(trained_on(128), place / "m.npz")
-    with (place / "session.toml").open("a") as session:
-        session.write('[[system]]\nname = "RGB"\npath = "truth.csv"\n')
-    written = estimate_driver(place / "session.toml", place / "m.npz", place / "out")
-    record = json.loads(written.record.read_text())
-    assert record["estimator"]["picture_px"] == [128, 48]
-    assert record["recordings"][0]["picture_px"] == [64, 48]
-    comparison = compare(load(read_session(written.session)))
-    words = "in drive made on pictures of another width than in training"
-    assert words in source(comparison)[0]["caution"]
-
-
-def test_features_outside_the_training_are_named(place: Path):
+def test_features_outside_the_training_are_named(usual: Callable):
     dim = replace(estimator(), regressions=tuple(regression(CONTRAST, high=50) for _ in range(3)))
-    result = run(place, dim)
+    result = usual(dim)
     assert (result.table["outside_features"] == "luminance_contrast").all()
     assert result.outside_by_feature == {"Luminance contrast": 40}
     assert "40 estimates with features outside the training range (Luminance contrast in 40)" in (
         str(result)
     )
-    assert (run(place, estimator()).table["outside_features"] == "").all()
+    assert (usual(estimator()).table["outside_features"] == "").all()
 
 
 def test_where_nothing_is_known_of_the_light_is_counted(place: Path):
@@ -252,7 +265,7 @@ def test_where_nothing_is_known_of_the_light_is_counted(place: Path):
     }
 
 
-def test_files_are_a_session_that_names_the_estimates(place: Path):
+def test_files_are_a_session_that_names_the_estimates_and_is_as_good_a_source(place: Path):
     write_estimator(estimator(), place / "model.npz")
     written = estimate_driver(place / "session.toml", place / "model.npz", place / "out")
     session = read_session(written.session)
@@ -271,36 +284,31 @@ def test_files_are_a_session_that_names_the_estimates(place: Path):
     assert model["features"] == ["luminance_contrast"]
     digest = hashlib.sha256(written.detectability.read_bytes()).hexdigest()
     assert record["files"]["detectability.csv"] == digest
-
-
-def test_estimates_again_replace_those_before(place: Path):
-    write_estimator(estimator(), place / "model.npz")
-    first = estimate_driver(place / "session.toml", place / "model.npz", place / "out")
-    before = first.detectability.read_bytes()
-    again = estimate_driver(first.session, place / "model.npz", place / "again")
-    assert again.detectability.read_bytes() == before
+    again = estimate_driver(written.session, place / "model.npz", place / "again")
+    assert again.detectability.read_bytes() == written.detectability.read_bytes()
     assert read_session(again.session).driver.detectability == str(again.detectability.absolute())
 
 
-def test_features_are_computed_as_those_that_the_estimator_was_trained_on(place: Path):
+def test_features_are_computed_as_those_that_the_estimator_was_trained_on(
+    place: Path, usual: Callable
+):
     wide = replace(estimator(), feature_settings=FeatureSettings(surround=3))
     write_estimator(wide, place / "model.npz")
     files = place / "session.toml", place / "model.npz", place / "out"
     written = estimate_driver(*files)
     assert json.loads(written.record.read_text())["settings"]["features"]["surround"] == 3
     assert "does not state the settings" not in str(written.run)
-    estimate_driver(*files, settings={"surround": 3})
     with pytest.raises(ParameterError, match="surround: the estimator was trained on features w"):
         estimate_driver(*files, settings={"surround": 2})
     with pytest.raises(ParameterError, match="with 3, found 2"):
-        run(place, wide)
+        usual(wide)
 
 
-def test_an_estimator_that_does_not_say_its_settings_is_used_and_that_is_noted(place: Path):
+def test_an_estimator_that_does_not_say_its_settings_is_used_and_that_is_noted(usual: Callable):
     assert (
         "the estimator does not state the settings of its features; settings here: "
         "surround 2, bin distance 1"
-    ) in str(run(place, estimator()))
+    ) in str(usual(estimator()))
 
 
 @pytest.mark.parametrize(

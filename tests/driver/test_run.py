@@ -10,12 +10,19 @@ import pandas as pd
 import pytest
 from picture_files import write_numbered_video, write_picture
 
+from nvcore.dataset import Dataset
+from nvcore.driver import recording_notes
 from nvcore.driver.features import FEATURE_KEYS, features_of
+from nvcore.driver.illumination import LightSettings, read_light
+from nvcore.driver.illumination.clock import adaptation_clock
+from nvcore.driver.recording import open_recordings
 from nvcore.driver.run import FEATURE_COLUMNS, FeatureRun, run_features
 from nvcore.driver.settings import settings_from
 from nvcore.errors import FormatError, InputError, ParameterError
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
+from nvcore.notes import phrase
+from nvcore.objects import PEDESTRIAN
 
 BOX = (20.0, 10.0, 8.0, 16.0)
 FPS = 4
@@ -39,43 +46,58 @@ def write_pictures(folder: Path, *, scale: int = 1, grey: bool = False) -> None:
         write_picture(folder / f"{frame:03}.png", np.ascontiguousarray(stored))
 
 
-@pytest.fixture
-def place(tmp_path: Path) -> Path:
-    """A session of one recording with a person in each frame, and an ignored box in frame 1."""
+def write_truth(folder: Path) -> None:
+    """A person in each frame, and an ignored box in frame 1."""
     rows = [f"drive,{frame},{20 + frame % 4},10,8,16,5,0" for frame in range(N_FRAMES)]
     rows.insert(2, "drive,1,40,30,5,9,,1")
     text = "\n".join(["recording,frame,x,y,w,h,track,ignore", *rows])
-    (tmp_path / "truth.csv").write_text(text + "\n")
+    (folder / "truth.csv").write_text(text + "\n")
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Path:
+    write_truth(tmp_path)
     write_pictures(tmp_path / "drive")
     return tmp_path
 
 
-def run(place: Path, keys: str = 'pictures = "drive"\n', **options: object) -> FeatureRun:
+def opened(place: Path, keys: str) -> Dataset:
+    """A session of one recording with these keys."""
     frames = "" if "frames = " in keys.partition("[[")[0] else f'frames = "0:{N_FRAMES - 1}"\n'
-    text = (
+    (place / "session.toml").write_text(
         f'[defaults]\nsize = "64x48"\nfps = {FPS}\n[truth]\npath = "truth.csv"\n'
         f'[[recording]]\nname = "drive"\n{frames}{keys}'
     )
-    (place / "session.toml").write_text(text)
-    dataset = load(read_session(place / "session.toml", needs_system=False))
-    return run_features(dataset, **options)  # type: ignore[arg-type]
+    return load(read_session(place / "session.toml", needs_system=False))
+
+
+def run(place: Path, keys: str = 'pictures = "drive"\n', **options: object) -> FeatureRun:
+    return run_features(opened(place, keys), **options)  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope="module")
+def usual(tmp_path_factory: pytest.TempPathFactory) -> FeatureRun:
+    """A run over the recording as it is made."""
+    folder = tmp_path_factory.mktemp("usual")
+    write_truth(folder)
+    write_pictures(folder / "drive")
+    return run(folder, n_threads=3)
 
 
 def features(table: pd.DataFrame) -> np.ndarray:
     return table[list(FEATURE_KEYS)].to_numpy(float)
 
 
-def test_every_box_that_is_not_ignored_has_a_row(place: Path):
-    table = run(place).table
+def test_every_box_that_is_not_ignored_has_a_row(usual: FeatureRun):
+    table = usual.table
     assert tuple(table.columns) == FEATURE_COLUMNS
     assert table["frame"].tolist() == [*range(N_FRAMES)]
     assert (table["track"] == 5).all()
     assert table[["recording", "x", "w"]].iloc[3].tolist() == ["drive", 23.0, 8.0]
 
 
-@pytest.mark.parametrize("n_threads", [1, 3])
-def test_features_are_those_of_the_pictures(place: Path, n_threads: int):
-    table = run(place, n_threads=n_threads).table
+def test_features_are_those_of_the_pictures(usual: FeatureRun):
+    table = usual.table
     for frame in (0, 7, 30):
         box = np.array([[20 + frame % 4, 10, 8, 16.0]])
         expected = features_of(picture(frame), box, (32.0, 24.0))
@@ -121,25 +143,28 @@ def test_pictures_of_another_shape_without_a_map_are_doubted(
     ],
 )
 def test_a_video_of_another_number_of_pictures_is_doubted(
-    place: Path, n: int, more: str, is_doubted: bool
+    tmp_path: Path, n: int, more: str, is_doubted: bool
 ):
-    write_numbered_video(place / "visible.mp4", n=n)
-    part = run(place, f'visible = "visible.mp4"\n{more}').recordings[0]
+    write_truth(tmp_path)
+    write_numbered_video(tmp_path / "visible.mp4", n=n)
+    dataset = opened(tmp_path, f'visible = "visible.mp4"\n{more}')
+    (part,) = open_recordings(dataset.settings, dataset)
+    part.pictures.close()
     doubt = (
         f"visible.mp4 has {n} pictures and the recording has frames 0 to 39. Do they belong "
         "together, at the same frame rate?"
     )
-    assert [note for note in part.notes if "belong" in note] == [doubt] * is_doubted
+    assert [phrase(note, PEDESTRIAN) for note in part.doubts] == [doubt] * is_doubted
 
 
-def test_each_row_says_of_which_picture_its_features_are(place: Path):
+def test_each_row_says_of_which_picture_its_features_are(place: Path, usual: FeatureRun):
     write_pictures(place / "visible")
     (place / "visible" / "005.png").unlink()
     table = run(place, 'pictures = "drive"\nvisible = "visible"\n').table
     assert table["picture"][[4, 6]].tolist() == ["visible", "visible"]
     assert table.loc[table["picture"] == "", "luminance_sd"].isna().all()
     assert (table["picture"] == "").sum() == 1
-    assert set(run(place).table["picture"]) == {"own"}
+    assert set(usual.table["picture"]) == {"own"}
 
 
 def test_a_map_says_where_boxes_lie_in_the_visible_picture(place: Path):
@@ -247,10 +272,17 @@ def test_where_the_readings_end_nothing_is_known(place: Path):
     ) in part.notes
 
 
-def light_note(place: Path, rows: list[str], frames: str = "0:39") -> str:
-    (place / "lux.csv").write_text("\n".join(["time_s,lux", *rows]) + "\n")
-    keys = f'frames = "{frames}"\npictures = "drive"\nlight = "lux.csv"\n'
-    return run(place, keys).recordings[0].notes[-1]
+def light_of(folder: Path, rows: list[str], frames: range) -> tuple[str, str]:
+    """What is noted of a light meter, and how it is doubted."""
+    (folder / "lux.csv").write_text("\n".join(["time_s,lux", *rows]) + "\n")
+    light, frame, settings = read_light(folder / "lux.csv"), np.array(frames), LightSettings()
+    clock = adaptation_clock(light, frame, FPS, settings)
+    notes = (
+        recording_notes.light_note(light, clock, frame, FPS, settings),
+        recording_notes.light_doubt(light, frame, FPS, settings),
+    )
+    note, doubt = ("" if note is None else phrase(note, PEDESTRIAN) for note in notes)
+    return note, doubt.replace("\xa0", " ")
 
 
 def readings(first_s: float, step_s: float, dark_from: int, unit: float = 1.0) -> list[str]:
@@ -258,64 +290,86 @@ def readings(first_s: float, step_s: float, dark_from: int, unit: float = 1.0) -
     return [f"{first_s + i * step_s:.9g},{level:g}" for i, level in enumerate(levels)]
 
 
-@pytest.mark.parametrize("first_s", [100_000, -100_000])
-def test_readings_of_another_clock_are_said_to_tell_nothing(place: Path, first_s: float):
-    note = light_note(place, readings(first_s, 0.05, 120))
-    assert note.startswith(f"The light meter's readings are from {first_s:,} to ")
-    assert note.endswith(
-        " s, while the recording is from 0 to 10 s. Nothing is known about the light, so there is "
-        "no adaptation period."
-    )
+METER = "Light by the light meter: "
+OF_LUX = "readings of 10 to 1,000 lx"
+
+
+def without(rows: list[str], *gaps: tuple[float, float]) -> list[str]:
+    """Readings without those after the beginning of a gap and before its end."""
+    return [
+        row
+        for row in rows
+        if not any(start < float(row.split(",")[0]) < end for start, end in gaps)
+    ]
 
 
 @pytest.mark.parametrize(
-    ("dark_from", "frames", "changes"),
+    ("rows", "frames", "text"),
     [
-        (240, "0:39", "0 changes from bright to dark;"),  # at 12 s, after the end
-        (80, "24:39", "0 changes from bright to dark, 1 before the first frame;"),
-        (160, "24:39", "1 change from bright to dark;"),
+        (readings(0, 0.05, 240), range(40), f"{METER}0 changes from bright to dark; {OF_LUX}."),
+        (
+            readings(0, 0.05, 80),
+            range(24, 40),
+            f"{METER}0 changes from bright to dark, 1 before the first frame; {OF_LUX}.",
+        ),
+        (readings(0, 0.05, 160), range(24, 40), f"{METER}1 change from bright to dark; {OF_LUX}."),
+        (
+            readings(0, 50, 120),
+            range(40),
+            f"{METER}0 changes from bright to dark, with one reading in 50 s; {OF_LUX}.",
+        ),
+        (
+            readings(2.5, 0.05, 120),
+            range(40),
+            f"{METER}1 change from bright to dark; {OF_LUX}; readings are from 2.5 to 17.4 s, "
+            "while the recording is from 0 to 10 s.",
+        ),
+        *(
+            (
+                readings(first_s, 0.05, 120),
+                range(40),
+                f"The light meter's readings are from {first_s:,} to {first_s + 15:,} s, while the "
+                "recording is from 0 to 10 s. Nothing is known about the light, so there is no "
+                "adaptation period.",
+            )
+            for first_s in (100_000, -100_000)
+        ),
+        (
+            without(readings(-5, 0.05, 200), (4.52, 9.02)),
+            range(40),
+            f"{METER}0 changes from bright to dark; {OF_LUX}; no reading from 4.5 to 9.05 s: the "
+            "light is not known from 5.5 to 12.1 s.",
+        ),
+        (
+            without(readings(-9, 0.05, 400), (-7.98, -3.98)),
+            range(40),
+            f"{METER}0 changes from bright to dark; readings of 1,000 lx; readings are "
+            "from -9 to 5.95 s, while the recording is from 0 to 10 s.",
+        ),
+        (
+            without(readings(-1, 0.2, 200), (1, 3), (4, 7), (30, 40)),  # the last lies after it
+            range(40),
+            f"{METER}0 changes from bright to dark; {OF_LUX}; 2 gaps between readings, the "
+            "longest from 4 to 7 s: the light is not known from 1 s after each begins to 3 s after "
+            "it ends.",
+        ),
+        (
+            readings(0, 0.05, 120, unit=5e-4),
+            range(40),
+            f"{METER}0 changes from bright to dark; readings of 0.005 to 0.5 lx, 180 of 300 below "
+            "0.1 lx, counted as 0.1 lx.",
+        ),
+        (
+            readings(0, 0.05, 280, unit=5e-4),
+            range(40),
+            f"{METER}0 changes from bright to dark; readings of 0.005 to 0.5 lx.",
+        ),
     ],
 )
-def test_changes_outside_of_the_recording_are_not_counted(
-    place: Path, dark_from: int, frames: str, changes: str
+def test_readings_are_described_with_gaps_and_doubts(
+    tmp_path: Path, rows: list[str], frames: range, text: str
 ):
-    note = light_note(place, readings(0, 0.05, dark_from), frames)
-    assert note == f"Light by the light meter: {changes} readings of 10 to 1,000 lx."
-
-
-def test_readings_in_milliseconds_are_said_to_be_far_apart(place: Path):
-    note = light_note(place, readings(0, 50, 120))
-    assert "0 changes from bright to dark, with one reading in 50 s; readings of" in note
-
-
-def test_readings_that_begin_late_are_said_to(place: Path):
-    note = light_note(place, readings(2.5, 0.05, 120))
-    assert note.endswith(
-        "; readings are from 2.5 to 17.4 s, while the recording is from 0 to 10 s."
-    )
-
-
-def test_a_gap_in_the_readings_is_named(place: Path):
-    rows = [row for row in readings(-5, 0.05, 200) if not 4.5 < float(row.split(",")[0]) <= 9]
-    assert light_note(place, rows).startswith(
-        "Light by the light meter: 0 changes from bright to dark; readings of 10 to 1,000 lx; no "
-        "reading from 4.5 to 9.05 s: the light is not known from 5.5 to 12.1 s."
-    )
-    early = [row for row in readings(-9, 0.05, 400) if not -8 < float(row.split(",")[0]) <= -4]
-    assert "no reading" not in light_note(place, early)
-
-
-def test_of_several_gaps_the_longest_is_named(place: Path):
-    gaps = ((1, 3), (4, 7), (30, 40))  # the last lies after the recording
-    rows = [
-        row
-        for row in readings(-1, 0.2, 200)
-        if not any(start < float(row.split(",")[0]) < end for start, end in gaps)
-    ]
-    assert (
-        "; 2 gaps between readings, the longest from 4 to 7 s: the light is not known from 1 s "
-        "after each begins to 3 s after it ends."
-    ) in light_note(place, rows)
+    assert light_of(tmp_path, rows, frames)[0] == text
 
 
 def test_missing_pictures_that_stand_in_for_a_light_meter_are_said_to_be(place: Path):
@@ -327,21 +381,6 @@ def test_missing_pictures_that_stand_in_for_a_light_meter_are_said_to_be(place: 
         "to dark; no picture from 2.75 to 8 s: the light is not known from 3.75 to 11 s."
     )
     assert part.is_light_known.tolist() == [frame in range(12, 16) for frame in range(N_FRAMES)]
-
-
-def test_pictures_that_are_far_apart_are_said_to_be(place: Path):
-    for frame in set(range(N_FRAMES)) - set(range(0, N_FRAMES, 10)):
-        (place / "drive" / f"{frame:03}.png").unlink()
-    note = run(place).recordings[0].notes[-1]
-    assert note.endswith(": 0 changes from bright to dark, with one picture in 2.5 s.")
-
-
-def test_how_many_readings_count_as_the_least_is_said_where_many_do(place: Path):
-    assert light_note(place, readings(0, 0.05, 120, unit=5e-4)) == (
-        "Light by the light meter: 0 changes from bright to dark; readings of 0.005 to 0.5 lx, 180 "
-        "of 300 below 0.1 lx, counted as 0.1 lx."
-    )
-    assert "below" not in light_note(place, readings(0, 0.05, 280, unit=5e-4))
 
 
 @pytest.mark.parametrize(
@@ -358,26 +397,25 @@ def test_how_many_readings_count_as_the_least_is_said_where_many_do(place: Path)
     ],
 )
 def test_a_light_meter_that_looks_like_another_unit_or_clock_is_doubted(
-    place: Path, rows: list[str], doubt: str
+    tmp_path: Path, rows: list[str], doubt: str
 ):
-    (place / "lux.csv").write_text("\n".join(["time_s,lux", *rows]) + "\n")
-    part = run(place, 'pictures = "drive"\nlight = "lux.csv"\n').recordings[0]
-    assert part.light_doubt.replace("\xa0", " ") == doubt
-    assert run(place).recordings[0].light_doubt == ""
+    assert light_of(tmp_path, rows, range(N_FRAMES))[1] == doubt
 
 
 def test_a_light_file_without_readings_tells_nothing(place: Path):
     (place / "lux.csv").write_text("time_s,lux\n")
     part = run(place, 'pictures = "drive"\nlight = "lux.csv"\n').recordings[0]
     assert part.table[["period_s", "illumination"]].isna().all(axis=None)
+    assert part.light_doubt == "no reading"
     assert (
         "The light file has no readings. Nothing is known about the light, so there is no "
         "adaptation period."
     ) in part.notes
 
 
-def test_the_pictures_stand_in_for_a_light_meter(place: Path):
-    part = run(place).recordings[0]
+def test_the_pictures_stand_in_for_a_light_meter(usual: FeatureRun):
+    (part,) = usual.recordings
+    assert part.light_doubt == ""
     period_s = part.table["period_s"]
     assert period_s[: DARK_FROM - 1].isna().all()
     assert period_s[DARK_FROM] == pytest.approx(1 / FPS)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, ExitStack, nullcontext
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,11 +11,10 @@ import click
 
 from nvcore.cli.options import GroupedCommand, examples, options_of, refuse_without_session
 from nvcore.cli.program import program
-from nvcore.cli.progress import ShareProgress, TerminalProgress
-from nvcore.cli.steps import errors_of
+from nvcore.cli.progress import ShareProgress
+from nvcore.cli.steps import job_on
 from nvcore.detectors.arguments import TrainArguments
 from nvcore.inputs.session import Session
-from nvcore.inputs.session_toml import read_session
 from nvcore.wording import one_line
 
 # As in nvcore/cli/__init__.py, numpy and OpenCV are imported by the command only.
@@ -54,18 +52,8 @@ def train(session_file: Path | None, **options: Any) -> None:
 
     if session_file is None:
         refuse_without_session(options, "hold_out")
-        session = None
-        around: AbstractContextManager[None] = nullcontext()
-    else:
-        session = read_session(session_file, needs_system=False)
-        around = errors_of(session)
     out: Path = options["out"]
-    files = [] if session_file is None else [session_file]
-    with around, ExitStack() as stack:
-        with TerminalProgress(2 if session is None else 2 + len(session.systems)) as steps:
-            job = stack.enter_context(
-                training_job(TrainArguments(session, **options), inputs=files, loading=steps)
-            )
+    with job_on(session_file, TrainArguments, training_job, options) as job:
         if out.exists():
             click.echo(one_line(f"{out} is there, and is replaced at the end"), err=True)
         with ShareProgress() as progress:
@@ -73,7 +61,8 @@ def train(session_file: Path | None, **options: Any) -> None:
     click.echo(training)
     click.echo(one_line(f"written to {out} ({out.stat().st_size / 1000:,.0f} kB)"), err=True)
     trained = {part.recording for part in training.model.trained_on}
-    names = [] if session is None else _with_pictures(session)
+    session = job.arguments.source
+    names = _with_pictures(session) if isinstance(session, Session) else []
     others = [name for name in names if name not in trained]
     click.echo(one_line(_next_step(out, session_file, others)), err=True)
 

@@ -6,8 +6,7 @@ from typing import Final
 
 import click
 
-from nvcore.driver.commands.estimate import estimate
-from nvcore.driver.commands.features import features
+from nvcore.driver.commands.run import estimate, features
 from nvcore.driver.commands.train import evaluate, train
 
 

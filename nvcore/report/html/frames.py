@@ -75,9 +75,7 @@ def photo(result: Result, moment: Moment, pictures: RecordingPictures) -> Photo:
     about = _box_about(result, moment)
     if about is not None:  # beneath the boxes and their labels
         _encircle(ground, about, width, inks, unit)
-    canvas = draw_boxes(
-        ground, width, height, truth=boxes.truth, x=boxes.x, y=boxes.y, inks=inks, unit=unit
-    )
+    canvas = draw_boxes(ground, width, height, **boxes._asdict(), inks=inks, unit=unit)
     name = one_line(str(result.dataset.recordings["name"].iloc[recording]))
     time_s = float(result.dataset.frames["time_s"].iloc[row])
     return Photo(
