@@ -7,9 +7,11 @@ import os
 import subprocess
 import sys
 import time
+from concurrent.futures import CancelledError
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from pathlib import Path
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -20,9 +22,10 @@ from places import ROOT
 
 from nvcore.errors import InputError, MediaError, MissingFactError
 from nvcore.inputs.load import load
+from nvcore.progress import Progress
 from ui.confined import process as confined
 from ui.confined.pictures import PictureProcess
-from ui.confined.process import Allowance, Process, SteadyProcess, call
+from ui.confined.process import Allowance, Process, call
 
 OOM_SCORE = Path("/proc/self/oom_score_adj")
 ENOUGH = Allowance(memory_mb=1000, seconds=300)
@@ -78,7 +81,7 @@ def test_large_arrays_come_in_shared_memory_and_not_through_the_socket():
         assert not numbers.flags.writeable  # what is mapped, rather than copied, is read-only
         assert other.call(process_id, what="asking") != os.getpid()  # and it goes on to answer
     finally:
-        other.end()
+        other.close()
     assert int(numbers[-1]) == 3_999_999  # the memory outlives the process
 
 
@@ -103,6 +106,54 @@ def test_too_much_time_and_a_fault_are_errors_in_words():
         call(end, allowance=ENOUGH, what="reading")
 
 
+def work(steps: list[float], *, progress: Progress) -> str:
+    for share in steps:
+        progress(share, f"{share:.0%} done")
+    return "done"
+
+
+def say_nothing(*, progress: Progress) -> None:
+    time.sleep(1000)
+
+
+def test_a_call_tells_its_progress_and_ends_with_who_does_not_want_it():
+    told = []
+    with_progress = {"what": "working", "progress": lambda *step: told.append(step)}
+    assert call(work, [0.25, 0.5], allowance=ENOUGH, **with_progress) == "done"
+    assert dict.fromkeys(told) == dict.fromkeys([(0.0, ""), (0.25, "25% done"), (0.5, "50% done")])
+
+    def cancel(*_: object) -> None:
+        raise CancelledError
+
+    process = Process(ENOUGH)
+    with pytest.raises(CancelledError):
+        process.call(say_nothing, what="working", progress=cancel)
+    assert process.has_ended
+
+
+def stand_still(*, progress: Progress) -> None:
+    for number in range(10):
+        progress(0.5, f"try {number}")
+
+
+def test_a_call_with_progress_may_take_long_but_not_stand_still(monkeypatch: pytest.MonkeyPatch):
+    told: set[tuple[float, str]] = set()
+    # each step takes 200 s
+    clock = SimpleNamespace(monotonic=lambda: 200 * len(told))
+    monkeypatch.setattr(confined, "time", clock)
+
+    def tell(*step: float | str) -> None:
+        told.add(step)
+
+    steps = [number / 10 for number in range(10)]
+    assert call(work, steps, allowance=ENOUGH, what="working", progress=tell) == "done"
+    with pytest.raises(InputError, match="working stood still for 300 s, and was stopped"):
+        call(stand_still, allowance=ENOUGH, what="working", progress=tell)
+    monkeypatch.undo()
+    with pytest.raises(InputError, match=r"working stood still for 0\.1 s, and was stopped"):
+        call(say_nothing, allowance=Allowance(1000, 0.1), what="working", progress=tell)
+
+
 def mistake() -> None:
     raise TypeError("'>' not supported")
 
@@ -112,7 +163,7 @@ def no_room() -> None:
 
 
 def test_a_fault_of_the_program_is_told_as_such():
-    process = SteadyProcess(ENOUGH)
+    process = Process(ENOUGH)
     try:
         with pytest.raises(
             InputError, match=r"ended in a fault of the program \(TypeError: '>' not"
@@ -208,7 +259,8 @@ def test_what_is_under_way_ends_with_a_server_that_is_killed():
     script = (
         "import time\nfrom ui.confined.process import *\n"
         "process = Process(Allowance(memory_mb=100, seconds=600))\n"
-        "print(process._number, flush=True)\nprocess.call(time.sleep, 600, what='waiting')\n"
+        "print(process.call(os.getpid, what='asking'), flush=True)\n"
+        "process.call(time.sleep, 600, what='waiting')\n"
     )
     with subprocess.Popen(
         [sys.executable, "-c", script], cwd=ROOT, stdout=subprocess.PIPE, text=True

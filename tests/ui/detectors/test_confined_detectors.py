@@ -13,7 +13,7 @@ from nvcore.detectors.base import DetectorError
 from nvcore.detectors.icf.displays import MOST_CELLS
 from nvcore.detectors.registry import open_detector
 from nvcore.errors import InputError, ParameterError
-from ui.confined.process import MODELS, Allowance, SteadyProcess
+from ui.confined.process import MODELS, Allowance, Process
 from ui.detectors.confined import (
     ConfinedDetector,
     DetectorSpec,
@@ -53,7 +53,7 @@ def test_what_takes_too_long_is_stopped_in_words(model: Path, monkeypatch: pytes
 
 
 def test_a_detector_that_cannot_be_opened_says_so():
-    process = SteadyProcess(MODELS)
+    process = Process(MODELS)
     with pytest.raises(DetectorError, match="did you mean 'hog"):
         process.call(describe, DetectorSpec("hogg"), what="opening")
     assert process.call(describe, DetectorSpec("hog"), what="opening").inside is None
@@ -72,7 +72,7 @@ def test_a_box_is_followed_over_the_trees(model: Path):
 
 def test_a_map_in_the_other_process_is_small_and_a_scale_without_a_window_is_said(model: Path):
     spec = DetectorSpec(str(model), "1", (("stride", 1),))
-    process = SteadyProcess(MODELS)
+    process = Process(MODELS)
     picture = np.tile(small_icf.scene(0).picture, (4, 4))
     windows = process.call(score_map, spec, picture, 1.5, what="looking")
     assert windows.n_windows == (426 - 16 + 1) * (320 - 32 + 1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from concurrent.futures import CancelledError
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,6 @@ from streamlit.testing.v1 import AppTest
 from nvcore.auditing import audit
 from nvcore.dataset.provenance import read_provenance
 from nvcore.detectors.icf.model_file import fingerprint, from_bytes
-from nvcore.errors import InputError
 from nvcore.findings import Severity
 from pages import (
     FRAMES,
@@ -29,7 +29,7 @@ from pages import (
     write,
 )
 from ui.access.files import LocalRoot
-from ui.detectors import finished, run, trial
+from ui.detectors import run, trial
 from ui.detectors.confined import DetectorSpec
 from ui.session.store import DETECTOR_BOX, DETECTOR_LEVELS
 from ui.widgets.models import models_below
@@ -87,7 +87,7 @@ def timed(page: AppTest) -> AppTest:
     """The page on one recording, its run timed."""
     checked(recordings(page).set_value(["urban_crossing"]).run())
     press(page, "time_detector")
-    job(page, run.TIMING).join()
+    job(page, run.TIMING.name).join()
     return checked(page.run())
 
 
@@ -95,15 +95,11 @@ def with_hog() -> AppTest:
     return checked(parts(**PEOPLE).selectbox(key="detector").set_value("hog").run())
 
 
-def test_the_sample_begins_with_the_detector_of_its_drawings():
+def test_the_sample_begins_with_a_detector_whose_training_is_marked_and_not_chosen():
     page = parts(**PEOPLE)
     assert page.selectbox(key="detector").value == "icf:sample"
     assert "That is 7 of the 10 open recordings" in texts(page)
     assert counts(page)[1] > 0
-
-
-def test_recordings_of_the_training_are_marked_and_not_chosen_at_first():
-    page = parts(**PEOPLE)
     unseen = ["urban_sidewalk", "rural_cyclist", "odd_pose"]
     assert recordings(page).value == unseen
     assert "trained on this frame" in texts(page)
@@ -124,7 +120,7 @@ def test_a_detector_that_has_seen_all_recordings_is_run_over_all():
     assert "Trained on all that is chosen: summer_night. Figures on them say" in texts(page)
 
 
-def test_a_built_in_detector_is_tried_on_the_current_frame():
+def test_a_built_in_detector_is_tried_on_the_current_frame_and_a_clicked_box_is_described():
     page = with_hog()
     (heading,) = headings(page)
     assert heading.startswith("HOG on frame 120")
@@ -134,8 +130,12 @@ def test_a_built_in_detector_is_tried_on_the_current_frame():
     checked(slider(page, "Threshold").set_value(-1.0).run())
     n_before, n_after = counts(page)
     assert 0 < n_after < n_before
+    assert "Click the mark in the middle of a box" in texts(page)
+    page.session_state[DETECTOR_BOX.key] = (DetectorSpec("hog"), page.session_state["place"]), 0
     checked(slider(page, "Overlap").set_value(1.0).run())
     assert counts(page) == (n_before, n_before)
+    pattern = r"\*\*Chosen box:\*\* score \S+, \d+ × \d+ px, IoU with the truth \S+: \w+"
+    assert re.search(pattern, texts(page))
     # both stay while other frames are looked at
     (frame,) = [field for field in page.number_input if field.label == "Frame"]
     checked(frame.set_value(121).run())
@@ -152,18 +152,9 @@ def test_what_the_comparison_would_make_of_the_boxes_stands_beside_them():
     assert [metric.value for metric in page.metric][2:] == ["1", "0", "0"]
 
 
-def test_a_box_that_was_clicked_is_described():
-    page = with_hog()
-    checked(slider(page, "Threshold").set_value(-1.0).run())
-    assert "Click the mark in the middle of a box" in texts(page)
-    place = page.session_state["place"]
-    page.session_state[DETECTOR_BOX.key] = (DetectorSpec("hog"), place), 0
-    checked(page.run())
-    pattern = r"\*\*Chosen box:\*\* score \S+, \d+ × \d+ px, IoU with the truth \S+: \w+"
-    assert re.search(pattern, texts(page))
-
-
-def test_settings_are_the_detectors_own_and_a_wrong_one_is_said():
+def test_settings_and_training_are_the_detectors_own_and_what_the_page_is_told(
+    monkeypatch: pytest.MonkeyPatch,
+):
     page = with_hog()
     items = [*page.number_input, *page.toggle, *page.selectbox]
     fields = {item.label: item for item in items}
@@ -175,6 +166,23 @@ def test_settings_are_the_detectors_own_and_a_wrong_one_is_said():
     (stride,) = [field for field in page.number_input if field.label == "Stride"]
     checked(stride.set_value(16).run())
     assert page.metric
+    (trained,) = [box for box in page.multiselect if box.label.startswith("Also trained on")]
+    checked(trained.set_value(["rural_road"]).run())
+    timed(page)
+    abouts = []
+
+    def start(detector, *_: object, **__: object) -> None:
+        abouts.append(detector.about)
+        raise CancelledError
+
+    monkeypatch.setattr(run, "run_detector", start)
+    press(page, "run_detector")
+    cancelled = job(page, run.RUN.name)
+    cancelled.join()
+    assert [part.recording for part in abouts[0].trained_on] == ["rural_road"]
+    assert abouts[0].settings["stride"] == 16
+    assert "Cancelled. No run was made." in texts(checked(page.run()))
+    assert not cancelled.folder.exists()
 
 
 def test_a_sent_model_is_described_and_shows_its_inside(model: bytes):
@@ -199,34 +207,18 @@ def test_a_sent_model_is_described_and_shows_its_inside(model: bytes):
     assert {"Scales", "Stride", "Cascade", "Overlap of"} <= labels
 
 
-def test_model_and_recordings_stay_when_one_comes_back_from_another_page(model: bytes):
-    page = send(checked(opened("detectors", is_folded=True, **PEOPLE)), "bars.npz", model)
-    checked(recordings(page).set_value(["odd_pose"]).run())
-    checked(to_page(page, "metrics"))
-    checked(to_page(page, "detectors"))
-    assert page.selectbox(key="detector").value.startswith("sent ")
-    assert recordings(page).value == ["odd_pose"]
-    assert headings(page)[0].startswith("bars on frame 120")
-
-
-@pytest.mark.parametrize(
-    ("content", "words"),
-    [
-        (b"PK\3\4 and so on", "bars.npz: is not a detector that nvcore train wrote, or is damaged"),
-        (
-            b"frame,x,y\n",
-            "bars.npz: is text, no model; send a model that nvcore train wrote (.npz)",
-        ),
-        (b"\x08\x08\x12\x04nvco", "those of visitors do not run here"),
-    ],
-)
-def test_what_is_no_model_is_refused_in_words(content: bytes, words: str):
-    page = send(parts(**PEOPLE), "bars.npz", content)
-    assert words in texts(page)
-    assert "model-detector" not in texts(page)
-    assert str(page.session_state["workspace"].folder) not in texts(page)
-    checked(page.selectbox(key="detector").set_value("hog:daimler").run())
-    assert headings(page)[0].startswith("HOG Daimler on frame 120")
+def test_what_is_no_model_is_refused_in_words():
+    page = checked(part("ui.detectors.choose.draw()").run())
+    for content, words in {
+        b"PK\3\4 and so on": "bars.npz: is not a detector that nvcore train wrote, or is damaged",
+        b"frame,x,y\n": "bars.npz: is text, no model; send a model that nvcore train wrote (.npz)",
+        b"\x08\x08\x12\x04nvco": "those of visitors do not run here",
+    }.items():
+        shown = texts(send(page, "bars.npz", content))
+        assert words in shown
+        assert "model-detector" not in shown
+        assert str(page.session_state["workspace"].folder) not in shown
+    assert page.selectbox(key="detector").value == "icf:sample"
 
 
 def test_networks_are_run_from_the_local_folder_alone(
@@ -260,18 +252,19 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(
     model: bytes, monkeypatch: pytest.MonkeyPatch
 ):
     page = with_model(model)
+    with_sent = page.selectbox(key="detector").value
     checked(slider(page, "Overlap").set_value(0.3).run())
     timed(page)
     assert "300 pictures of 1 recording on" in texts(page)
     levels = page.session_state[DETECTOR_LEVELS.key]
     press(page, "run_detector")
-    done = job(page, finished.RUN)
+    done = job(page, run.RUN.name)
     done.join()
     checked(page.run())
     assert "**bars**: " in texts(page)
     assert "in 300 pictures of 1 recording" in texts(page)
     assert "Run over urban_crossing." in texts(page)
-    assert finished.packed(done.output).startswith(b"PK")
+    assert run.packed(done.output).startswith(b"PK")
     own = fingerprint(from_bytes(model, "bars.npz"))
     record = read_provenance(done.output.provenance, "provenance.json").about
     assert record.settings["overlap"] == 0.3
@@ -290,8 +283,16 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(
     checked(region.set_value("5 5 5 5 5 5").run())
     assert "expected" in page.error[0].value
     assert "**bars**: " in texts(page)
+    # and when one comes back from another page, as do the choices
     space = page.session_state["workspace"]
-    page = press(checked(opened("detectors", is_folded=True, space=space)), "compare_detector")
+    page = checked(opened("detectors", is_folded=True, space=space, **PEOPLE))
+    checked(page.selectbox(key="detector").set_value(with_sent).run())
+    checked(recordings(page).set_value(["odd_pose"]).run())
+    checked(to_page(checked(to_page(page, "metrics")), "detectors"))
+    assert page.selectbox(key="detector").value == with_sent
+    assert recordings(page).value == ["odd_pose"]
+    assert headings(page)[0].startswith("bars on frame 120")
+    press(page, "compare_detector")
     session, dataset = space.opened.session, space.opened.dataset
     assert page.title[0].value == "Overview"
     assert space.opened.label == "Sample recordings, with bars"
@@ -308,37 +309,3 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(
     assert space.opened.label == "Sample recordings"
     assert space.opened.dataset.systems == ("FIR", "NIR", "NIR 2")
     assert [button.key for button in page.button if button.key == "before_detector"] == []
-
-
-def test_what_it_was_trained_on_may_be_said_on_the_page(monkeypatch: pytest.MonkeyPatch):
-    page = with_hog()
-    (trained,) = [box for box in page.multiselect if box.label.startswith("Also trained on")]
-    checked(trained.set_value(["rural_road"]).run())
-    timed(page)
-    abouts = []
-
-    def start(space, key, about, levels, dataset, pictures, folder, x):
-        abouts.append(about)
-        raise InputError("enough")
-
-    monkeypatch.setattr(run, "start_job", start)
-    page.button(key="run_detector").click().run()
-    assert [part.recording for part in abouts[0].trained_on] == ["rural_road"]
-
-
-def test_a_cancelled_run_leaves_nothing(model: bytes, monkeypatch: pytest.MonkeyPatch):
-    page = timed(with_model(model))
-    folders: list[Path] = []
-    start = run.start_job
-
-    def cancelled(space, key, about, levels, dataset, pictures, folder, x):
-        folders.append(folder)
-        begun = start(space, key, about, levels, dataset, pictures, folder, x)
-        begun.cancel()
-        begun.join()
-        return begun
-
-    monkeypatch.setattr(run, "start_job", cancelled)
-    press(page, "run_detector")
-    assert "Cancelled. No run was made." in texts(page)
-    assert [folder.exists() for folder in folders] == [False]

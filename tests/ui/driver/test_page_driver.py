@@ -22,7 +22,6 @@ from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.driver.writing import WrittenEstimates
 from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source
-from nvcore.pictures.recordings import RecordingPictures
 from pages import (
     FRAMES,
     TIMEOUT_S,
@@ -40,8 +39,7 @@ from pages import (
     write,
 )
 from ui.driver import run
-from ui.driver.finished import with_estimates
-from ui.driver.run import lost_words
+from ui.driver.run import lost_words, with_estimates
 from ui.jobs.background import BackgroundJob, while_open
 from ui.session import state, uploads
 from ui.session.store import DRIVER_REGION, ENCOUNTER
@@ -298,34 +296,6 @@ def test_the_form_is_folded_beside_estimates_and_open_while_it_is_at_work(
     assert "it has ended" in texts(page)
 
 
-def test_a_run_that_is_cancelled_leaves_all_as_it_was(visible):
-    space = space_of(press(sent(visible), "driver_estimate"))
-    job = space.job("driver_run")
-    job.discard()  # cancelled, also if it was quick
-    job.join()
-    assert not [*space.folder.glob("driver-*/annotations")]
-    assert space.opened.session.driver.detectability is None
-
-
-def test_estimates_that_cannot_be_opened_leave_nothing_and_are_not_tried_again(
-    visible, monkeypatch: pytest.MonkeyPatch
-):
-    def refuse(*_: object, **__: object) -> None:
-        raise InputError("it cannot be opened")
-
-    page = sent(visible)
-    space = space_of(page)
-    used = space.used_bytes
-    press(page, "driver_estimate")
-    assert space.used_bytes > used  # the estimator was copied
-    space.job("driver_run").join()
-    monkeypatch.setattr(state, "read_again", refuse)
-    assert "it cannot be opened" in texts(checked(page.run()))
-    assert (space.used_bytes, space.job("driver_run")) == (used, None)
-    assert not [*space.folder.glob("driver-*")]
-    assert "it cannot be opened" not in texts(checked(page.run()))
-
-
 @pytest.mark.parametrize(
     ("trouble", "words"), [("gone", "cannot be copied"), ("full", "A session takes")]
 )
@@ -518,34 +488,38 @@ def test_where_the_light_is_not_known_the_eyes_are_not_called_adapted(tmp_path, 
     assert re.search(r"Since the change\s+not known", panel(course()))
 
 
-def with_estimates_of_a_file(folder: Path, simulated: str = "no", **light: float) -> Path:
+@pytest.fixture(scope="module")
+def estimated_by_command(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The session with estimates that the command line made."""
+    folder = tmp_path_factory.mktemp("estimated")
     session = small_estimator.write_session(folder)
-    small_estimator.write_model(folder / "small.npz", simulated=simulated)
-    return estimate_driver(session, folder / "small.npz", folder / "out", settings=light).session
+    small_estimator.write_model(folder / "small.npz", simulated="some")
+    settings = {"drop_factor": 1000}  # by default 10: it then becomes dark
+    return estimate_driver(session, folder / "small.npz", folder / "out", settings=settings).session
 
 
-@pytest.mark.parametrize(("factor", "since"), [(10, "2.00 s"), (1000, "eyes adapted")])
 def test_the_clock_beside_estimates_of_a_file_is_that_of_their_record(
-    tmp_path, monkeypatch, factor, since
+    estimated_by_command: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    begin_with(with_estimates_of_a_file(tmp_path, drop_factor=factor), monkeypatch)
+    begin_with(estimated_by_command, monkeypatch)
     page = course(1, recording="drive", frame="59")
-    assert re.search(rf"Since the change\s+{since}", panel(page))
+    assert re.search(r"Since the change\s+eyes adapted", panel(page))
     assert "by our default settings" not in texts(page)
+    # and the panel names a simulated observer
+    assert "Detectability (learnt in part from simulated subjects)" in panel(page)
 
 
-def test_the_panel_names_a_simulated_observer(tmp_path, monkeypatch):
-    begin_with(with_estimates_of_a_file(tmp_path, "some"), monkeypatch)
-    assert "Detectability (learnt in part from simulated subjects)" in panel(course())
-
-
-def test_where_no_record_says_how_light_was_judged_the_page_does(tmp_path, monkeypatch):
-    session = with_estimates_of_a_file(tmp_path)
-    lines = session.read_text().splitlines()
-    session.write_text("\n".join(line for line in lines if not line.startswith("provenance")))
+def test_where_no_record_says_how_light_was_judged_the_page_does(
+    estimated_by_command: Path, monkeypatch: pytest.MonkeyPatch
+):
+    lines = estimated_by_command.read_text().splitlines()
+    text = "\n".join(line for line in lines if not line.startswith("provenance"))
+    session = estimated_by_command.with_name("no-record.toml")
+    session.write_text(text)
     begin_with(session, monkeypatch)
-    assert "by our default settings" in texts(course())
+    page = course(1, recording="drive", frame="59")
+    assert re.search(r"Since the change\s+2\.00 s", panel(page))
+    assert "by our default settings" in texts(page)
 
 
 @pytest.fixture
@@ -590,10 +564,15 @@ def test_the_sidebar_of_other_pages_shows_how_far_an_estimate_is(held):
     assert aside(held.beside("driver")) == []
 
 
-def test_estimates_wait_until_other_work_has_ended_which_they_would_end(held):
+def test_estimates_wait_until_other_work_has_ended_whose_output_stays(held):
     is_over = threading.Event()
-    other = BackgroundJob(lambda _: is_over.wait(TIMEOUT_S), while_open(held.space))
-    held.space.put_job("other", other)
+
+    def work(_: object) -> str:
+        assert is_over.wait(TIMEOUT_S)
+        return "boxes"
+
+    other = BackgroundJob(work, while_open(held.space), outlasts=True)
+    held.space.put_job("detector_run", other)
     held.ends()
     page = held.beside("metrics")
     assert aside(page) == ["It is done, and waits until other work in this tab has ended", "Driver"]
@@ -602,26 +581,7 @@ def test_estimates_wait_until_other_work_has_ended_which_they_would_end(held):
     other.join()
     checked(page.run())
     assert held.is_taken_over
-
-
-def test_a_run_of_a_detector_that_is_not_compared_yet_outlasts_estimates(held):
-    of_detector = BackgroundJob(lambda _: "boxes", while_open(held.space))
-    of_detector.outlasts = True
-    held.space.put_job("detector_run", of_detector)
-    of_detector.join()
-    held.ends()
-    held.beside("metrics")
-    assert held.is_taken_over
     assert held.space.job("detector_run").output == "boxes"
-
-
-def test_estimates_do_not_come_to_another_session_that_was_opened_meanwhile(held):
-    held.space.show(held.space.opened, RecordingPictures())
-    held.ends()
-    page = held.beside("metrics")
-    assert held.space.job("driver_run") is None
-    assert not held.is_taken_over
-    assert not page.success
 
 
 def test_what_cannot_be_taken_over_is_said_beside_every_page_until_its_own_has_said_it(
@@ -631,9 +591,14 @@ def test_what_cannot_be_taken_over_is_said_beside_every_page_until_its_own_has_s
         raise InputError("it cannot be opened")
 
     monkeypatch.setattr(state, "read_again", refuse)
+    assert held.space.used_bytes > held.used_before  # the estimator was copied
     held.ends()
     assert "it cannot be opened" in aside(held.beside("metrics"))[0]
-    assert "it cannot be opened" in texts(checked(part(*FORM, space=held.space).run()))
+    assert (held.space.used_bytes, held.space.job("driver_run")) == (held.used_before, None)
+    assert not held.job.folder.exists()
+    form = checked(part(*FORM, space=held.space).run())
+    assert "it cannot be opened" in texts(form)
+    assert "it cannot be opened" not in texts(checked(form.run()))
     assert aside(held.beside("metrics")) == []
 
 

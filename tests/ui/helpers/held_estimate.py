@@ -14,7 +14,7 @@ from nvcore.errors import InputError
 from pages import TIMEOUT_S, checked, part, press, space_of
 from ui.driver import run
 
-TAKE_OVER = "ui.driver.finished.take_over()"
+TAKE_OVER = "ui.driver.run.take_over()"
 """What the app does once any page is drawn."""
 FORM = ("ui.driver.run.draw(is_known=False)", TAKE_OVER)
 
@@ -50,7 +50,7 @@ class Held:
 
     def beside(self, page: str) -> AppTest:
         """What is said of the estimate beside this page."""
-        aside = f"ui.driver.finished.draw_aside({page!r})"
+        aside = f"ui.driver.run.draw_aside({page!r})"
         return checked(part(aside, TAKE_OVER, space=self.space).run())
 
     def ends(self) -> None:
