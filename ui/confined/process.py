@@ -24,6 +24,8 @@ T = TypeVar("T")
 
 MOST_CALLS: Final = 2
 """Calls at a time, each in a process of its own; others wait. Background jobs count apart."""
+N_THREADS: Final = max(1, (os.cpu_count() or 1) // 2)
+"""Pictures of a run that are processed at a time. The other cores are for visitors."""
 POLL_S: Final = 0.3
 """How long a cancelled call may go on."""
 NEEDED: Final = frozenset((
@@ -122,11 +124,6 @@ class Process:
             excess = "took more than" if progress is None else "stood still for"
             excess = f"{excess} {self._allowance.seconds:g} s"
         raise InputError(f"{what} {excess}, and was stopped")
-
-    @property
-    def has_ended(self) -> bool:
-        """True if the next call starts another process."""
-        return self._ours is None
 
     def close(self) -> None:
         """End the process once no call is under way."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import os
 import zipfile
 from collections.abc import Sequence
 from contextlib import closing
@@ -25,6 +24,7 @@ from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress
 from nvcore.wording import MOST_NAMED, listed, minus
 from ui.access.files import safe_name
+from ui.confined.process import N_THREADS
 from ui.detectors.asking import described, key_of, trained_recordings
 from ui.detectors.confined import ConfinedDetector, DetectorFacts, DetectorSpec
 from ui.detectors.trial import Levels, levels_of
@@ -48,8 +48,6 @@ RUN: Final = PictureRun[WrittenRun](
 )
 TIMING: Final = PictureRun[Expectation]("detector_timing", "estimate", "Timing it")
 HEADER: Final = "Run it over the recordings"
-SHARE_OF_CORES: Final = 2
-"""Cores for each picture at a time, which has one thread. The others are for visitors."""
 BEFORE: Final = "detector_before"
 
 
@@ -142,13 +140,7 @@ def _draw_start(settings: RunSettings, about: About) -> None:
     """Draw the button that times the run, then how long it takes and the button that runs it."""
     timing, key = TIMING.job, settings[:2]
     if timing is None or timing.key != key:
-        if button(
-            "How long will it take?",
-            icon=":material/timer:",
-            key="time_detector",
-            type="primary",
-            disabled=RUN.is_busy,
-        ):
+        if RUN.start_button("How long will it take?", "timer", "time_detector", type="primary"):
             _start_timing(settings, about)
             st.rerun()
         return
@@ -157,13 +149,7 @@ def _draw_start(settings: RunSettings, about: About) -> None:
             st.button("Try again", key="drop_timing", on_click=TIMING.drop)
         return
     st.markdown(f"**{plain(str(timing.output))}**")
-    if button(
-        "Run the detector",
-        icon=":material/play_arrow:",
-        key="run_detector",
-        type="primary",
-        disabled=RUN.is_busy,
-    ):
+    if RUN.start_button("Run the detector", "play_arrow", "run_detector", type="primary"):
         _start(settings, about)
         st.rerun()
     st.caption(
@@ -177,14 +163,9 @@ def _start_timing(settings: RunSettings, about: About) -> None:
 
     def work(progress: Progress) -> Expectation:
         with closing(ConfinedDetector(settings.spec, about)) as detector:
-            return expect(detector, pictures, n_threads=n_threads(), progress=progress)
+            return expect(detector, pictures, n_threads=N_THREADS, progress=progress)
 
     TIMING.start(work, key=settings[:2])
-
-
-def n_threads() -> int:
-    """Return how many pictures are processed at a time."""
-    return max(1, (os.cpu_count() or 1) // SHARE_OF_CORES)
 
 
 def _pictures(names: tuple[str, ...]) -> RecordingPictures:
@@ -210,9 +191,7 @@ def _start(settings: RunSettings, about: About) -> None:
 
     def work(progress: Progress) -> WrittenRun:
         with closing(ConfinedDetector(spec, about)) as detector:
-            run = run_detector(
-                detector, dataset, pictures, n_threads=n_threads(), progress=progress
-            )
+            run = run_detector(detector, dataset, pictures, n_threads=N_THREADS, progress=progress)
         target = folder / ANNOTATION_FOLDERS
         return write_detections(run, dataset, target, threshold=levels.threshold, against=against)
 

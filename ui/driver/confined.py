@@ -6,7 +6,6 @@ recorded gaze.
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -27,14 +26,12 @@ from nvcore.driver.run import run_features
 from nvcore.driver.settings import settings_from
 from nvcore.driver.simulation import simulate_change
 from nvcore.progress import Progress
-from ui.confined.process import Allowance, call
+from ui.confined.process import N_THREADS, Allowance, call
 
 RUN: Final = Allowance(memory_mb=3000, seconds=180.0)
 """For a run; its time is from one picture to the next."""
 SMALL: Final = Allowance(memory_mb=1000, seconds=20.0)
 """For the readings of a light meter."""
-SHARE_OF_CORES: Final = 2
-"""Cores for each picture that is processed at a time. The others are for visitors."""
 
 
 @dataclass(frozen=True)
@@ -117,9 +114,8 @@ def _estimate(
     dataset: Dataset, spec: EstimatorSpec, interpolate: bool, *, progress: Progress
 ) -> EstimateRun:
     estimator = read_estimator(spec.path)
-    n_threads = max(1, (os.cpu_count() or 1) // SHARE_OF_CORES)
     settings = settings_from({}, features=estimator.feature_settings)
-    features = run_features(dataset, settings, n_threads=n_threads, progress=progress)
+    features = run_features(dataset, settings, n_threads=N_THREADS, progress=progress)
     return run_estimate(features, estimator, interpolate=interpolate)
 
 

@@ -37,7 +37,7 @@ from ui.session import state
 from ui.session.uploads import ANNOTATION_FOLDERS, check_room, count_folder, remove_folder
 from ui.shell.messages import shown_error, without_paths
 from ui.shell.navigate import PAGES
-from ui.widgets.buttons import button, download
+from ui.widgets.buttons import download
 from ui.widgets.text import docs_link, plain
 
 RUN: Final = PictureRun[WrittenEstimates](
@@ -82,13 +82,9 @@ def _draw_form() -> None:
         key="driver_interpolate",
         help="Else that of the nearest adaptation period is taken.",
     )
-    job = RUN.job
-    is_clicked = button(
-        "Estimate",
-        icon=":material/visibility:",
-        key="driver_estimate",
-        type="primary",
-        disabled=RUN.is_busy or spec is None or not chosen,
+    job, is_possible = RUN.job, spec is not None and bool(chosen)
+    is_clicked = RUN.start_button(
+        "Estimate", "visibility", "driver_estimate", is_possible=is_possible, type="primary"
     )
     if is_clicked and spec is not None:
         try:

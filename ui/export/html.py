@@ -23,7 +23,6 @@ from ui.session import state, store
 from ui.session.results import input_findings
 from ui.shell.messages import path_remover
 from ui.widgets import drawing
-from ui.widgets.buttons import button
 from ui.widgets.text import plain
 
 NAME: Final = "nvcore-report.html"
@@ -69,12 +68,7 @@ def draw(result: Result) -> None:
         _ask_for_map(result),
         _ask_for_first_page(),
     )
-    if button(
-        "Make the report",
-        icon=":material/description:",
-        key="make_html",
-        disabled=RUN.is_busy,
-    ):
+    if RUN.start_button("Make the report", "description", "make_html"):
         _start(result, key)
         st.rerun()
     RUN.draw_file(key)

@@ -14,7 +14,6 @@ from ui.export.frame import file_stem
 from ui.jobs.picture_run import PictureRun
 from ui.session import state
 from ui.widgets import drawing
-from ui.widgets.buttons import button
 from ui.widgets.text import plain
 
 LONGEST_S: Final = 120.0
@@ -86,12 +85,7 @@ def _draw_form(result: Result) -> None:
     )
     if trouble:
         st.warning(trouble, icon=":material/info:")
-    if button(
-        "Make the video",
-        icon=":material/movie:",
-        key="make_video",
-        disabled=bool(trouble) or RUN.is_busy,
-    ):
+    if RUN.start_button("Make the video", "movie", "make_video", is_possible=not trouble):
         _start(result, recording, interval, labels=labels)
         st.rerun()
 

@@ -18,7 +18,7 @@ from ui.session import state
 from ui.session.opening import live_session, relative_path
 from ui.session.uploads import ANNOTATION_FOLDERS, count_folder, remove_folder
 from ui.session.workspace import Workspace
-from ui.widgets.buttons import download
+from ui.widgets.buttons import button, download
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,13 @@ class PictureRun(Generic[Output]):
     def is_busy(self) -> bool:
         """True while such a run is under way."""
         return self.job is not None and self.job.is_busy
+
+    def start_button(
+        self, label: str, icon: str, key: str, *, is_possible: bool = True, **options: Any
+    ) -> bool:
+        """Draw the button that starts a run, disabled while one is under way. Return its click."""
+        icon, disabled = f":material/{icon}:", self.is_busy or not is_possible
+        return button(label, key=key, icon=icon, disabled=disabled, **options)
 
     def drop(self) -> None:
         """Cancel the newest run and remove its files."""

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import CancelledError
+from contextlib import closing
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -71,8 +72,7 @@ def large() -> tuple[np.ndarray, np.ndarray, str]:
 
 @pytest.mark.skipif(not hasattr(os, "memfd_create"), reason="memory is shared on Linux only")
 def test_large_arrays_come_in_shared_memory_and_not_through_the_socket():
-    other = Process(ENOUGH)
-    try:
+    with closing(Process(ENOUGH)) as other:
         numbers, halves, text = other.call(large, what="making")
         assert np.array_equal(numbers, np.arange(4_000_000))
         assert halves.shape == (100_001,)
@@ -80,8 +80,6 @@ def test_large_arrays_come_in_shared_memory_and_not_through_the_socket():
         assert text == "beside them"
         assert not numbers.flags.writeable  # what is mapped, rather than copied, is read-only
         assert other.call(process_id, what="asking") != os.getpid()  # and it goes on to answer
-    finally:
-        other.close()
     assert int(numbers[-1]) == 3_999_999  # the memory outlives the process
 
 
@@ -125,10 +123,11 @@ def test_a_call_tells_its_progress_and_ends_with_who_does_not_want_it():
     def cancel(*_: object) -> None:
         raise CancelledError
 
-    process = Process(ENOUGH)
-    with pytest.raises(CancelledError):
-        process.call(say_nothing, what="working", progress=cancel)
-    assert process.has_ended
+    with closing(Process(ENOUGH)) as process:
+        before = process.call(process_id, what="asking")
+        with pytest.raises(CancelledError):
+            process.call(say_nothing, what="working", progress=cancel)
+        assert process.call(process_id, what="asking") != before
 
 
 def stand_still(*, progress: Progress) -> None:
@@ -163,15 +162,11 @@ def no_room() -> None:
 
 
 def test_a_fault_of_the_program_is_told_as_such():
-    process = Process(ENOUGH)
-    try:
-        with pytest.raises(
-            InputError, match=r"ended in a fault of the program \(TypeError: '>' not"
-        ):
+    words = r"ended in a fault of the program \(TypeError: '>' not"
+    with closing(Process(ENOUGH)) as process:
+        with pytest.raises(InputError, match=words):
             process.call(mistake, what="reading")
         assert process.call(process_id, what="asking") != os.getpid()
-    finally:
-        process.close()
 
 
 def test_memory_that_the_system_refuses_is_told_as_such():
@@ -222,8 +217,7 @@ def test_errors_keep_what_they_say():
 
 
 def test_pictures_are_those_of_the_video(tmp_path: Path):
-    process = PictureProcess()
-    try:
+    with closing(PictureProcess()) as process:
         pictures = process.open(write_numbered_video(tmp_path / "a.mp4"))
         assert (pictures.n, pictures.is_video, pictures.fps) == (100, True, 20.0)
         assert [number_in(pictures.read(index)) for index in (3, 99, 0)] == [3, 99, 0]
@@ -237,22 +231,17 @@ def test_pictures_are_those_of_the_video(tmp_path: Path):
         write_picture(tmp_path / "b" / "I07.png", numbered(7))
         assert process.open(tmp_path / "b").file_names([0]) == ["I07.png"]
         pictures.close()
-    finally:
-        process.close()
 
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is limited on Linux only")
 def test_a_picture_that_fills_the_memory_ends_neither_the_server_nor_the_others(tmp_path: Path):
     cv2.imwrite(str(tmp_path / "large.png"), np.zeros((9000, 9000, 4), np.uint16))
     cv2.imwrite(str(tmp_path / "small.png"), np.full((20, 30), 9, np.uint8))
-    process = PictureProcess(Allowance(memory_mb=300, seconds=300))
-    try:
+    with closing(PictureProcess(Allowance(memory_mb=300, seconds=300))) as process:
         small = process.open(tmp_path / "small.png")
         with pytest.raises(MediaError):
             process.open(tmp_path / "large.png")
         assert small.read(0).tolist() == np.full((20, 30), 9).tolist()
-    finally:
-        process.close()
 
 
 def test_what_is_under_way_ends_with_a_server_that_is_killed():

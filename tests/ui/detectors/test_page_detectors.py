@@ -218,7 +218,8 @@ def test_what_is_no_model_is_refused_in_words():
         assert words in shown
         assert "model-detector" not in shown
         assert str(page.session_state["workspace"].folder) not in shown
-    assert page.selectbox(key="detector").value == "icf:sample"
+    shown = texts(checked(page.selectbox(key="detector").set_value("hog:daimler").run()))
+    assert "Detects the class" in shown
 
 
 def test_networks_are_run_from_the_local_folder_alone(

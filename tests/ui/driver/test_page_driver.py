@@ -22,6 +22,7 @@ from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.driver.writing import WrittenEstimates
 from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source
+from nvcore.report.verdict import verdict
 from pages import (
     FRAMES,
     TIMEOUT_S,
@@ -138,8 +139,7 @@ def test_at_unequal_operating_points_the_page_shows_what_the_verdict_shows(unequ
     assert of_verdict in texts(page)
     counts = tables(page)[0].set_index("who")["encounters"]
     assert (counts["Y alone"], counts["X and Y"]) == (1, 0)
-    overview = checked(opened("overview"))
-    assert of_verdict in texts(overview)
+    assert of_verdict in "".join(verdict(space_of(page).result).sentences)
     checked(page.button_group(key="operating_point").set_value("as-set").run())
     assert "Nothing is claimed from these" in texts(page)
     assert "Of the 1 not seen, X detects 1 and Y 1" in texts(page)
@@ -210,22 +210,17 @@ def visible(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def not_the_sample(page: AppTest, monkeypatch: pytest.MonkeyPatch) -> AppTest:
-    """The page once more, of what is open as of a session of one's own."""
+def test_the_sample_s_estimator_can_be_tried_on_any_session_behind_one_that_was_sent(
+    visible, monkeypatch: pytest.MonkeyPatch
+):
+    page = checked(part(*FORM).run())
     monkeypatch.setattr(state, "SAMPLE", Path("elsewhere") / "session.toml")
-    return checked(page.run())
-
-
-def test_the_sample_s_estimator_can_be_tried_on_any_session(visible, monkeypatch):
-    page = not_the_sample(checked(part(*FORM).run()), monkeypatch)
+    checked(page.run())
     words = "sample: trained on a simulated observer, not on people"
     assert page.selectbox(key="estimator").options == [words]
     assert "The subjects were **simulated**" in texts(page)
-    assert page.button(key="driver_estimate")
-
-
-def test_an_estimator_that_was_sent_is_chosen_ahead_of_the_sample_s(visible, monkeypatch):
-    chosen = not_the_sample(sent(visible), monkeypatch).selectbox(key="estimator")
+    assert not page.button(key="driver_estimate").disabled
+    chosen = send(page, small_estimator.write_model(visible / "small.npz")).selectbox("estimator")
     assert [option.split(":")[0] for option in chosen.options] == ["small.npz, as sent", "sample"]
     assert chosen.value.startswith("sent ")
 
@@ -535,14 +530,14 @@ def aside(page: AppTest) -> list[str]:
 
 
 def test_an_estimate_that_ends_while_another_page_is_open_is_taken_over_there(held):
-    page = checked(opened("timeline", space=held.space))
+    page = checked(opened("export", space=held.space))
     page.session_state["place"] = (0, 41)
     page.slider(key="alpha").set_value(0.25)
     n_opened = held.space.n_opened
     held.ends()
     checked(page.run())
     assert driver_in(held.space.result).venn.n_known == 2
-    assert [item.value for item in page.title] == ["Timeline"]
+    assert [item.value for item in page.title] == ["Export"]
     # nothing that was chosen is lost, and a reset still goes back to what the session says
     assert page.slider(key="alpha").value == 0.25
     assert held.space.opened.params.alpha == 0.9
@@ -551,7 +546,7 @@ def test_an_estimate_that_ends_while_another_page_is_open_is_taken_over_there(he
     assert [item.value for item in page.sidebar.success] == [news]
     assert checked(page.run()).sidebar.success  # as long as the page is open
     assert not checked(to_page(page, "metrics")).sidebar.success
-    assert not checked(to_page(page, "timeline")).sidebar.success
+    assert not checked(to_page(page, "export")).sidebar.success
 
 
 def test_the_sidebar_of_other_pages_shows_how_far_an_estimate_is(held):

@@ -38,8 +38,10 @@ class Held:
         monkeypatch.setattr(run, "run_confined", self._wait)
         # a link has to lead to a page of the app, which a part of a page does not know
         monkeypatch.setattr(st, "page_link", lambda *_, **link: st.caption(link.get("label", "")))
-        page = press(sent(folder), "driver_estimate")
+        page = sent(folder)
         self.space = space_of(page)
+        self.used_before = self.space.used_bytes
+        press(page, "driver_estimate")
         self.job = self.space.job("driver_run")
 
     def _wait(self, *given, **more):
