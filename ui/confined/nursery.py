@@ -96,7 +96,7 @@ def answer_calls(theirs: Connection) -> None:
 
 
 def _limit_memory(n_mb: int) -> None:
-    """Limit the address space to so much more than the process has now; Linux only."""
+    """Limit how much the address space may grow from now on (Linux only)."""
     statistics = Path("/proc/self/statm")
     if statistics.exists():
         n_bytes_now = int(statistics.read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")

@@ -15,6 +15,7 @@ from nvcore.errors import InputError, MediaError
 from nvcore.pictures.base import Picture, Pictures, check_index
 from nvcore.pictures.notes import PictureNote
 from nvcore.pictures.open import open_pictures
+from nvcore.progress import Progress
 from ui.confined.process import Allowance, Process
 
 T = TypeVar("T")
@@ -25,7 +26,7 @@ FACTS: Final = ("name", "n", "width", "height", "is_video", "numbers", "fps", "t
 
 
 class PictureProcess(Process):
-    """Process that opens and reads pictures; its errors are MediaError.
+    """Process that opens and reads pictures, and raises MediaError.
 
     After a file has ended it, the next call starts it again and opens the pictures that it needs.
     """
@@ -43,10 +44,16 @@ class PictureProcess(Process):
         """
         return ConfinedPictures(self, path, self.call(_open, path, what=f"opening {path.name}"))
 
-    def call(self, function: Callable[..., T], *arguments: Any, what: str) -> T:
+    def call(
+        self,
+        function: Callable[..., T],
+        *arguments: Any,
+        what: str,
+        progress: Progress | None = None,
+    ) -> T:
         """Call a function in the process, as `Process.call`."""
         try:
-            return super().call(function, *arguments, what=what)
+            return super().call(function, *arguments, what=what, progress=progress)
         except MediaError:
             raise
         except InputError as error:

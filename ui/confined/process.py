@@ -150,7 +150,7 @@ class Process:
     def _receive(
         self, connection: Connection, progress: Progress | None
     ) -> tuple[bool, Any] | None:
-        """Wait for the answer; None: it does not come in time."""
+        """Return the answer, or None if it does not come in time."""
         if progress is None:
             is_ready = connection.poll(self._allowance.seconds)
             return receive_answer(connection) if is_ready else None

@@ -64,7 +64,7 @@ def send_answer(connection: Connection, answer: object) -> None:
 
 
 def receive_answer(connection: Connection) -> Any:
-    """Return what the other process sent; large arrays are read-only.
+    """Return the answer of the other process. Large arrays are read-only.
 
     Raises
     ------

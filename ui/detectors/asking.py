@@ -58,12 +58,12 @@ def ask(
 
 
 def described(spec: DetectorSpec) -> DetectorFacts:
-    """Describe the detector; errors as `ask`."""
+    """Describe the detector. Errors are as of `ask`."""
     return ask("about", describe, spec, key=None)
 
 
 def found(spec: DetectorSpec, picture: Picture) -> Detections:
-    """Return all boxes of the detector in the picture of the current frame; errors as `ask`."""
+    """Return all boxes of the detector in the picture of the current frame, as `ask`."""
     return ask("boxes", find, spec, picture, key=place())
 
 
@@ -91,13 +91,13 @@ def place() -> tuple[int, int]:
 
 
 def truth_in(picture: Picture) -> NDArray[np.float64]:
-    """Return the truth's boxes of the current frame, px of its picture; (n, 4)."""
+    """Return the truth's boxes of the current frame in px of its picture, (n, 4)."""
     dataset, recording, row = state.opened().dataset, state.recording(), state.row_in_all()
     frames = dataset.frame_columns
     across = picture.shape[1] / float(frames.width[recording])
     down = picture.shape[0] / float(frames.height[recording])
-    boxes = np.column_stack(dataset.truth.of_frames(row, row + 1).xywh)
-    return boxes * [across, down, across, down]
+    x, y, w, h = dataset.truth.of_frames(row, row + 1).xywh
+    return np.column_stack([x * across, y * down, w * across, h * down])
 
 
 def picture() -> tuple[Picture | None, str]:

@@ -93,7 +93,7 @@ class ConfinedDetector:
         self._idle: SimpleQueue[Process] = SimpleQueue()
 
     def detect(self, picture: Picture) -> Detections:
-        """See `Detector.detect`; InputError if the picture exceeds the allowance."""
+        """See `Detector.detect`. InputError if the picture exceeds the allowance."""
         try:
             process = self._idle.get_nowait()
         except Empty:

@@ -90,7 +90,7 @@ def outcome_of(
 def _labels(
     dataset: Dataset, boxes: Detections, classes: Collection[str]
 ) -> tuple[NDArray[np.bool_], NDArray[np.int32]]:
-    """Which boxes a comparison reads, and place of each box's class among `Dataset.labels`.
+    """Return which boxes a comparison reads, and their classes as places in `Dataset.labels`.
 
     It reads all boxes if the detector knows no class that counts.
     """

@@ -100,7 +100,7 @@ def draw_last(now: RunSettings | None) -> None:
 
 
 def _choose_recordings(seen: Sequence[str]) -> tuple[str, ...]:
-    """Ask for the recordings of the run; first those that the detector was not trained on."""
+    """Ask for the recordings of the run. Those of the training are not chosen at first."""
     names, pictures = state.recording_names(), state.workspace().pictures.sources
     usable = [name for number, name in enumerate(names) if number in pictures]
     first = [name for name in usable if name not in seen] or usable

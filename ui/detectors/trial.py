@@ -42,7 +42,7 @@ class Levels:
 
 
 def levels_of(spec: DetectorSpec, what: DetectorFacts) -> Levels:
-    """Return threshold and overlap as they are set; at first the detector's own."""
+    """Return threshold and overlap as they are set, at first the detector's own."""
     overlap = what.about.settings["overlap"]
     assert isinstance(overlap, int | float)
     usual = Levels(usual_threshold(what.about), float(overlap))
@@ -50,7 +50,7 @@ def levels_of(spec: DetectorSpec, what: DetectorFacts) -> Levels:
 
 
 def chosen_box(spec: DetectorSpec, boxes: Detections) -> int | None:
-    """Return the row of the clicked box, else of the most confident one; None: there is none."""
+    """Return the row of the clicked box, else of the most confident one, if any."""
     clicked = _clicked_box(spec, boxes)
     return clicked if clicked is not None or not len(boxes) else 0
 

@@ -105,7 +105,7 @@ def _draw_form() -> None:
 
 
 def _choose_recordings() -> tuple[str, ...]:
-    """Ask for recordings with pictures; first those with pictures of visible light, if any."""
+    """Ask for recordings with pictures. Those with pictures of visible light are chosen first."""
     space, names = state.workspace(), state.recording_names()
     visible = [names[number] for number in sorted(space.visible.sources)]
     with_pictures = {*space.visible.sources, *space.pictures.sources}

@@ -95,7 +95,7 @@ class PictureRun(Generic[Output]):
         title: str = "",
         folder: Path | None = None,
     ) -> None:
-        """Start a run in place of the last one; see `BackgroundJob`.
+        """Start a run (see `BackgroundJob`) in place of the last one.
 
         It ends with the session, and when the session opens something else.
         """
@@ -158,7 +158,7 @@ def named_in(session: Session, path: Path, *, is_upload: bool) -> str:
 
 
 def dataset_of(names: Collection[str]) -> Dataset:
-    """Return these recordings of what is open; the settings are the live session."""
+    """Return these recordings of what is open, with the live session as settings."""
     opened, (x, y) = state.opened(), state.systems()
     session = live_session(opened.session, opened.dataset, state.params(), x=x, y=y)
     dataset = opened.dataset.with_settings(session)

@@ -31,7 +31,7 @@ from pages import (
 from ui.access.files import LocalRoot
 from ui.detectors import run, trial
 from ui.detectors.confined import DetectorSpec
-from ui.session.store import DETECTOR_BOX, DETECTOR_LEVELS
+from ui.session.store import DETECTOR_BOX, DETECTOR_LEVELS, NEXT_PAGE
 from ui.widgets.models import models_below
 
 PEOPLE = {"recording": "urban_crossing", "frame": "120"}
@@ -47,11 +47,14 @@ def send(page: AppTest, name: str, content: bytes) -> AppTest:
     return checked(page.run())
 
 
-def parts(**address: str) -> AppTest:
-    """The choice, the frame, and the run."""
+def parts(detector: str = "", **address: str) -> AppTest:
+    """The choice, of this detector if any is named, the frame, and the run."""
     on_screen = "None if spec is None else ui.detectors.frame.draw(spec)"
     calls = "spec = ui.detectors.choose.draw()", f"ui.detectors.run.draw_last({on_screen})"
-    return checked(part(*calls, **address).run())
+    page = part(*calls, **address)
+    if detector:
+        page.session_state["detector"] = detector
+    return checked(page.run())
 
 
 def with_model(model: bytes) -> AppTest:
@@ -91,10 +94,6 @@ def timed(page: AppTest) -> AppTest:
     return checked(page.run())
 
 
-def with_hog() -> AppTest:
-    return checked(parts(**PEOPLE).selectbox(key="detector").set_value("hog").run())
-
-
 def test_the_sample_begins_with_a_detector_whose_training_is_marked_and_not_chosen():
     page = parts(**PEOPLE)
     assert page.selectbox(key="detector").value == "icf:sample"
@@ -121,7 +120,7 @@ def test_a_detector_that_has_seen_all_recordings_is_run_over_all():
 
 
 def test_a_built_in_detector_is_tried_on_the_current_frame_and_a_clicked_box_is_described():
-    page = with_hog()
+    page = parts("hog", **PEOPLE)
     (heading,) = headings(page)
     assert heading.startswith("HOG on frame 120")
     assert "the truth has 4" in heading
@@ -155,7 +154,7 @@ def test_what_the_comparison_would_make_of_the_boxes_stands_beside_them():
 def test_settings_and_training_are_the_detectors_own_and_what_the_page_is_told(
     monkeypatch: pytest.MonkeyPatch,
 ):
-    page = with_hog()
+    page = parts("hog", **PEOPLE)
     items = [*page.number_input, *page.toggle, *page.selectbox]
     fields = {item.label: item for item in items}
     assert {"Stride", "Scale step", "Upscale", "Padding", "Person box"} <= {*fields}
@@ -207,6 +206,16 @@ def test_a_sent_model_is_described_and_shows_its_inside(model: bytes):
     assert {"Scales", "Stride", "Cascade", "Overlap of"} <= labels
 
 
+def test_detector_and_recordings_stay_when_one_comes_back_from_another_page():
+    page = checked(opened("detectors", is_folded=True, **PEOPLE))
+    checked(page.selectbox(key="detector").set_value("hog").run())
+    checked(recordings(page).set_value(["odd_pose"]).run())
+    checked(to_page(checked(to_page(page, "metrics")), "detectors"))
+    assert page.selectbox(key="detector").value == "hog"
+    assert recordings(page).value == ["odd_pose"]
+    assert headings(page)[0].startswith("HOG on frame 120")
+
+
 def test_what_is_no_model_is_refused_in_words():
     page = checked(part("ui.detectors.choose.draw()").run())
     for content, words in {
@@ -231,8 +240,7 @@ def test_networks_are_run_from_the_local_folder_alone(
     (tmp_path / "notes.txt").write_text("no model")
     assert models_below(LocalRoot(tmp_path), (".npz", ".onnx")) == ["bars.npz", "models/blob.onnx"]
     monkeypatch.setenv("NVCORE_LOCAL_ROOT", str(tmp_path))
-    page = parts(**PEOPLE)
-    checked(page.selectbox(key="detector").set_value("local models/blob.onnx").run())
+    page = parts("local models/blob.onnx", **PEOPLE)
     assert headings(page)[0].startswith("blob on frame 120")
     assert slider(page, "Threshold").value == pytest.approx(0.25)
     assert counts(page)[1] > 0
@@ -253,7 +261,6 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(
     model: bytes, monkeypatch: pytest.MonkeyPatch
 ):
     page = with_model(model)
-    with_sent = page.selectbox(key="detector").value
     checked(slider(page, "Overlap").set_value(0.3).run())
     timed(page)
     assert "300 pictures of 1 recording on" in texts(page)
@@ -284,18 +291,10 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(
     checked(region.set_value("5 5 5 5 5 5").run())
     assert "expected" in page.error[0].value
     assert "**bars**: " in texts(page)
-    # and when one comes back from another page, as do the choices
     space = page.session_state["workspace"]
-    page = checked(opened("detectors", is_folded=True, space=space, **PEOPLE))
-    checked(page.selectbox(key="detector").set_value(with_sent).run())
-    checked(recordings(page).set_value(["odd_pose"]).run())
-    checked(to_page(checked(to_page(page, "metrics")), "detectors"))
-    assert page.selectbox(key="detector").value == with_sent
-    assert recordings(page).value == ["odd_pose"]
-    assert headings(page)[0].startswith("bars on frame 120")
     press(page, "compare_detector")
+    assert page.session_state[NEXT_PAGE.key] == "overview"
     session, dataset = space.opened.session, space.opened.dataset
-    assert page.title[0].value == "Overview"
     assert space.opened.label == "Sample recordings, with bars"
     assert dataset.compared() == ("FIR", "bars")
     assert dataset.systems == ("FIR", "NIR", "NIR 2", "bars")
@@ -304,9 +303,9 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(
     assert len(dataset.system("bars")) == done.output.run.n_boxes
     (finding,) = [item for item in audit(dataset) if item.code == "trained-on-tested"]
     assert finding.severity is Severity.ERROR
-    assert finding.message in texts(checked(to_page(page, "data")))
     # and back
-    press(checked(to_page(page, "detectors")), "before_detector")
+    page = checked(part("ui.detectors.run.draw_way_back()", space=space).run())
+    press(page, "before_detector")
     assert space.opened.label == "Sample recordings"
     assert space.opened.dataset.systems == ("FIR", "NIR", "NIR 2")
     assert [button.key for button in page.button if button.key == "before_detector"] == []

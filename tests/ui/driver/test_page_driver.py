@@ -239,8 +239,8 @@ def estimates(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
     """A workspace with estimates, to look at."""
     folder = tmp_path_factory.mktemp("visible")
     with pytest.MonkeyPatch.context() as patch:
-        begin_with(small_estimator.write_session(folder), patch)
-        return estimated(sent(folder))
+        begin_with(small_estimator.write_session(folder, first=600), patch)
+        return estimated(sent(folder, soon_high=50.0))
 
 
 def test_an_estimator_that_was_sent_is_run_and_says_whom_the_driver_sees(visible):
@@ -368,7 +368,14 @@ def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(esti
     assert "The eyes count as adapted" in texts(page)
     assert "the estimator of the longest period (4.5\N{NO-BREAK SPACE}s) is taken" in texts(page)
     assert "one number for each adaptation period" in texts(page)
+    assert "outside of the training" not in texts(page)
     page = in_tunnel(page)
+    assert (
+        "After the change, outside of the training: Luminance contrast 80.0, trained on 0.0 to "
+        "50.0 grey levels. Take it with care." in texts(page)
+    )
+    assert "Detectability, outside" not in texts(page)
+    assert re.search(r"Since the change\s+0\.10 s, simulated", panel(page))
     # at once it is dark: the estimator of 0.5 s until 2.5 s later
     assert re.search(r"simulated change, estimator of 0\.5\ss\s+0\.16 ± 0\.10", panel(page))
     assert "The eyes count as adapted" not in texts(page)  # not of whom it became dark for
@@ -379,7 +386,12 @@ def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(esti
         "have" in texts(page)
     )
     page = checked(page.slider(key="driver_tunnel_s").set_value(1.0).run())
+    # panel, plot and words count from the first frame, whatever its number
     assert "dark from 1.00 s on" in texts(page)
+    assert re.search(r"Since the change\s+eyes adapted", panel(page))
+    (plot,) = (item for item in figures(page) if "light" in str(item))
+    changes = plot["layout"]["shapes"]
+    assert [round(line["x0"], 6) for line in changes if line["line"]["dash"] == "dot"] == [1, 4]
 
 
 def test_where_nothing_is_known_of_the_light_nobody_is_said_to_be_adapted(visible):
@@ -388,17 +400,6 @@ def test_where_nothing_is_known_of_the_light_nobody_is_said_to_be_adapted(visibl
     assert re.search(r"Since the change\s+not known", panel(page))
     assert "It is not known when the light last changed" in texts(page)
     assert "The eyes count as adapted" not in texts(page)
-
-
-def test_a_feature_outside_of_the_training_is_named_with_the_number_that_rests_on_it(visible):
-    page = course(space=estimated(sent(visible, soon_high=50.0)))
-    assert "outside of the training" not in texts(page)
-    page = in_tunnel(page)
-    assert (
-        "After the change, outside of the training: Luminance contrast 80.0, trained on 0.0 to "
-        "50.0 grey levels. Take it with care." in texts(page)
-    )
-    assert "Detectability, outside" not in texts(page)
 
 
 def test_beside_estimates_a_value_that_the_truth_states_is_called_so(tmp_path, monkeypatch):
@@ -462,25 +463,6 @@ def test_clips_that_are_rated_do_not_ask_for_the_light(monkeypatch: pytest.Monke
     assert asked == []
     drawing.viewer_arguments(result, 0)
     assert asked == [0]
-
-
-def test_panel_plot_and_words_count_from_the_first_frame_whatever_its_number(tmp_path, monkeypatch):
-    begin_with(small_estimator.write_session(tmp_path, first=600), monkeypatch)
-    page = in_tunnel(course(space=estimated(sent(tmp_path))))
-    assert re.search(r"Since the change\s+0\.10 s, simulated", panel(page))
-    page = checked(page.slider(key="driver_tunnel_s").set_value(1.0).run())
-    assert "dark from 1.00 s on" in texts(page)
-    assert re.search(r"Since the change\s+eyes adapted", panel(page))
-    (plot,) = (item for item in figures(page) if "light" in str(item))
-    changes = plot["layout"]["shapes"]
-    assert [round(line["x0"], 6) for line in changes if line["line"]["dash"] == "dot"] == [1, 4]
-
-
-def test_where_the_light_is_not_known_the_eyes_are_not_called_adapted(tmp_path, monkeypatch):
-    session = small_estimator.write_session(tmp_path, stated=0.8)
-    (tmp_path / "lux.csv").write_text("time_s,lux\n100,1000\n101,1000\n")
-    begin_with(session, monkeypatch)
-    assert re.search(r"Since the change\s+not known", panel(course()))
 
 
 @pytest.fixture(scope="module")
@@ -549,17 +531,11 @@ def test_an_estimate_that_ends_while_another_page_is_open_is_taken_over_there(he
     assert not checked(to_page(page, "export")).sidebar.success
 
 
-def test_the_sidebar_of_other_pages_shows_how_far_an_estimate_is(held):
+def test_the_sidebar_of_other_pages_shows_an_estimate_which_waits_for_other_work(held):
     assert aside(held.beside("driver")) == []  # the page itself says it
     page = held.beside("metrics")
     assert aside(page)[0].startswith("Estimating whom the driver sees: 0 %")
     assert aside(page)[1] == "Driver"
-    held.ends()
-    assert aside(checked(page.run())) == ["Driver"]
-    assert aside(held.beside("driver")) == []
-
-
-def test_estimates_wait_until_other_work_has_ended_whose_output_stays(held):
     is_over = threading.Event()
 
     def work(_: object) -> str:
@@ -569,14 +545,18 @@ def test_estimates_wait_until_other_work_has_ended_whose_output_stays(held):
     other = BackgroundJob(work, while_open(held.space), outlasts=True)
     held.space.put_job("detector_run", other)
     held.ends()
-    page = held.beside("metrics")
-    assert aside(page) == ["It is done, and waits until other work in this tab has ended", "Driver"]
+    assert aside(checked(page.run())) == [
+        "It is done, and waits until other work in this tab has ended",
+        "Driver",
+    ]
     assert not held.is_taken_over
     is_over.set()
     other.join()
     checked(page.run())
     assert held.is_taken_over
+    assert aside(checked(page.run())) == ["Driver"]
     assert held.space.job("detector_run").output == "boxes"
+    assert aside(held.beside("driver")) == []
 
 
 def test_what_cannot_be_taken_over_is_said_beside_every_page_until_its_own_has_said_it(

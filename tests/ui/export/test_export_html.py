@@ -38,29 +38,25 @@ def is_of_other_settings(page: AppTest) -> bool:
     return any("made with other settings" in text.value for text in page.warning)
 
 
-def test_title_and_question_are_asked_for_and_stand_on_the_first_page(page):
+def test_the_report_is_made_and_offered_and_names_no_folder_of_the_machine(page, tmp_path):
+    assert NAME not in downloads(page)
     page.text_input(key="html_title").set_value("Night drive")
     page.text_input(key="html_question").set_value("Which is safer?")
     made(checked(page.run()))
+    assert job_of(page, "html").state is JobState.DONE
+    assert NAME in downloads(page)
     content = file_of(page).read_text(encoding="utf-8")
     assert "<h1>Night drive</h1>" in content
     assert "Which is safer?" in content
     assert f'<p class="muted">{page.text_input(key="html_date").value}</p>' in content
-    page.text_input(key="html_title").set_value("Day drive")
-    assert is_of_other_settings(checked(page.run()))
-
-
-def test_the_report_is_made_and_offered_and_names_no_folder_of_the_machine(page, tmp_path):
-    assert NAME not in downloads(page)
-    made(page)
-    assert job_of(page, "html").state is JobState.DONE
-    assert NAME in downloads(page)
-    content = file_of(page).read_text(encoding="utf-8")
     assert "fir (X) and nir (Y) compared" in content
     assert "<td>only X</td><td" in content
     assert str(tmp_path) not in content
     assert f"{tmp_path.name}/" not in content
     assert "truth.csv</td>" in content
+    assert not is_of_other_settings(page)
+    page.text_input(key="html_title").set_value("Day drive")
+    assert is_of_other_settings(checked(page.run()))
 
 
 @pytest.fixture
