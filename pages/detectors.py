@@ -2,13 +2,13 @@
 
 import streamlit as st
 
-from ui.detectors import choose, finished, frame, run
+from ui.detectors import choose, frame, run
 
 st.title("Detectors")
 st.caption(
     "A detector, run over the pictures of what is open, is a system like any other: its boxes are "
     "compared with those of the others."
 )
-finished.draw_way_back()
+run.draw_way_back()
 spec = choose.draw()
 run.draw_last(None if spec is None else frame.draw(spec))

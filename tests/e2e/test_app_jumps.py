@@ -200,8 +200,8 @@ WALKED: Final = (*IN_THE_SAMPLE, *WITH_THREE, *WITH_TWO, *WITH_ONE)
 ELSEWHERE: Final = {
     "ui/alerts/listed.py:draw": "walked by the test of raters, with a policy",
     "ui/data/opening.py:_draw_opened": "other files were opened, with settings of their own",
-    "ui/detectors/finished.py:_open": "as above: the session that it opens has the settings",
-    "ui/driver/finished.py:draw_aside": "a link of Streamlit's, as those of the navigation",
+    "ui/detectors/run.py:_open": "as above: the session that it opens has the settings",
+    "ui/driver/run.py:draw_aside": "a link of Streamlit's, as those of the navigation",
     "ui/ratings/participant.py:draw_waiting": "a participant has no settings",
 }
 

@@ -66,13 +66,21 @@ def test_below_a_path_pages_pictures_uploads_and_explanations_are_found(
     assert one.complaints == []
 
 
-def test_a_file_for_which_there_is_no_memory_is_refused_in_words(
-    person: BrowserContext, monkeypatch: pytest.MonkeyPatch
+def test_a_full_server_refuses_files_and_people_in_words_and_uploads_go_with_it(
+    person: BrowserContext, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
+    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path))
     monkeypatch.setenv("NVCORE_MAX_UPLOADS_MB", "1")
+    monkeypatch.setenv("NVCORE_MAX_VISITORS", "1")
     with serve(ROOT / "app.py") as address:
         one = Visit(person, address)
         one.go("data")
+        (folder,) = tmp_path.glob("*/*/*")
+        (folder / "sent.mp4").write_bytes(bytes(1000))
+        page = urllib.request.Request(f"{address}/overview", headers={"Accept": "text/html"})
+        with pytest.raises(urllib.error.HTTPError, match="503"):
+            urllib.request.urlopen(page)
+        assert one.complaints == []
         one.open_way("Upload")
         field = one.keyed("upload_truth").locator("input[type=file]")
         field.set_input_files({"name": "a.csv", "mimeType": "text/csv", "buffer": bytes(3 << 20)})
@@ -81,24 +89,6 @@ def test_a_file_for_which_there_is_no_memory_is_refused_in_words(
         one.wait_until_drawn()
         expect(said).to_have_count(1)
         one.close()
-
-
-def test_a_full_server_says_so_and_uploads_go_with_it(
-    person: BrowserContext, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
-    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path))
-    monkeypatch.setenv("NVCORE_MAX_VISITORS", "1")
-    with serve(ROOT / "app.py") as address:
-        visit = Visit(person, address)
-        visit.go("data")
-        (folder,) = tmp_path.glob("*/*/*")
-        (folder / "sent.mp4").write_bytes(bytes(1000))
-        page = urllib.request.Request(f"{address}/overview", headers={"Accept": "text/html"})
-        with pytest.raises(urllib.error.HTTPError, match="503"):
-            urllib.request.urlopen(page)
-        complaints = list(visit.complaints)
-        visit.close()
-    assert complaints == []
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
 
 

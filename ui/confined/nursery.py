@@ -1,8 +1,8 @@
-"""The process that the others are forked from: it has loaded what they need, and has one thread.
+"""The process that the others are forked from, with one thread and all modules that they need.
 
 ``python -m ui.confined.nursery SOCKET``, with the number of an open socket. Each message there
-brings the end of a connection, for which a process is forked: it tells its number, hears how much
-memory it may take, and answers calls until the connection ends. Not by `multiprocessing`: its
+brings the end of a connection, for which a process is forked: it sends its number, receives its
+limit on memory, and answers calls until the connection ends. Not by `multiprocessing`: its
 processes begin with the main module of their parent, which in Streamlit is the page.
 """
 
@@ -16,6 +16,7 @@ import signal
 import socket
 import sys
 import traceback
+from functools import partial
 from importlib import import_module
 from itertools import chain
 from multiprocessing.connection import Connection
@@ -24,23 +25,22 @@ from pathlib import Path
 import nvcore.inputs.load
 import nvcore.pictures.open  # noqa: F401  # loaded for the forked processes
 from nvcore.errors import NvcoreError
-from ui.confined.transfer import Fault, send_answer
+from ui.confined.transfer import Fault, Step, send_answer
 from ui.settings.limits import MEBI
 from ui.subjects import contributed
 
 ENDS_FIRST = "900"
-"""Of 1000: several large pictures at a time may fill the machine, though none fills its process."""
+"""Score (of 1000) by which the kernel ends these processes before the server.
 
+Several large pictures at a time may fill the machine, though none fills its process.
+"""
 CV_NO_MEMORY = -4
-"""``code`` of OpenCV's error."""
+"""``code`` of OpenCV's error when it runs out of memory."""
 MOST_TEXT = 300
 
 
 def main(control: socket.socket) -> None:
-    """Fork a process for each connection that is sent, until the server is gone.
-
-    It is the first of its process group.
-    """
+    """Fork a process for each connection that is sent, until the server is gone."""
     for module in chain(*contributed("PRELOADED")):
         import_module(module)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # ^C is for the server, which ends us
@@ -66,11 +66,17 @@ def main(control: socket.socket) -> None:
 
 
 def answer_calls(theirs: Connection) -> None:
-    """Answer with whether it went well, and what was returned or raised."""
+    """Answer each call with its success, and the value that was returned or raised."""
     theirs.send(os.getpid())
     _limit_memory(theirs.recv())
+
+    def tell(share: float, words: str) -> None:
+        send_answer(theirs, Step(share, words))
+
     while True:
-        function, arguments = theirs.recv()
+        function, arguments, has_progress = theirs.recv()
+        if has_progress:
+            function = partial(function, progress=tell)
         try:
             answer = (True, function(*arguments))
         except NvcoreError as error:
@@ -90,7 +96,7 @@ def answer_calls(theirs: Connection) -> None:
 
 
 def _limit_memory(n_mb: int) -> None:
-    """Let the process have so much more address space than it has now; Linux only."""
+    """Limit how much the address space may grow from now on (Linux only)."""
     statistics = Path("/proc/self/statm")
     if statistics.exists():
         n_bytes_now = int(statistics.read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")

@@ -1,4 +1,4 @@
-"""Processes that may take so much memory and time, and calls into them."""
+"""Processes with limits on memory and time, and calls into them."""
 
 from __future__ import annotations
 
@@ -9,38 +9,45 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable
+from concurrent.futures import CancelledError
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any, Final, TypeVar, cast
 
 from nvcore.errors import InputError, NvcoreError
-from ui.confined.transfer import Fault, receive_answer
+from nvcore.progress import Progress
+from ui.confined.transfer import Fault, Step, receive_answer
 
 T = TypeVar("T")
 
-MOST_JOBS: Final = 2
-"""Calls at a time, each in a process of its own; others wait."""
+MOST_CALLS: Final = 2
+"""Calls at a time, each in a process of its own; others wait. Background jobs count apart."""
+N_THREADS: Final = max(1, (os.cpu_count() or 1) // 2)
+"""Pictures of a run that are processed at a time. The other cores are for visitors."""
+POLL_S: Final = 0.3
+"""How long a cancelled call may go on."""
 NEEDED: Final = frozenset((
     "PATH", "HOME", "XDG_CACHE_HOME", "TMPDIR", "TEMP", "TMP", "LANG", "LANGUAGE", "TZ",
     "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "COVERAGE_PROCESS_START",
 ))  # fmt: skip
 NEEDED_STARTS: Final = ("LC_", "PYTHON", "NUMBA_", "OMP_", "OPENBLAS_", "MKL_", "OPENCV_")
-"""Variables that the processes are given, and starts of such."""
+"""Prefixes of further environment variables that the processes inherit, beside `NEEDED`."""
 
-_jobs = threading.BoundedSemaphore(MOST_JOBS)
+_turns = threading.BoundedSemaphore(MOST_CALLS)
 
 
 @dataclass(frozen=True)
 class Allowance:
-    """What a process may take.
+    """Limits of a process.
 
     Attributes
     ----------
     memory_mb
-        MiB beyond what it has when it starts.
+        MiB beyond its size at the start.
     seconds
-        For one call.
+        For one call. A call with progress may take longer, but not stand still for so long.
     """
 
     memory_mb: int
@@ -48,122 +55,142 @@ class Allowance:
 
 
 MODELS: Final = Allowance(memory_mb=3000, seconds=60.0)
-"""For opening a model, and for what it makes of one picture."""
+"""For opening a model, and for its output on one picture."""
 
 
 class Process:
-    """A process that answers calls, one after another; not for several threads at once."""
+    """A process that the first call starts, and the next call after it has ended starts again.
+
+    Any thread may call. One call is answered at a time.
+    """
 
     def __init__(self, allowance: Allowance) -> None:
-        """Start it.
+        self._allowance, self._lock = allowance, threading.Lock()
+        self._ours: Connection | None = None
+        self._number = 0
 
-        Raises
-        ------
-        InputError
-            If there is no room for another process, or the server is about to end.
-        """
-        self._allowance = allowance
-        try:
-            self._ours = _nursery.connect()
-            self._number: int = self._ours.recv()
-            self._ours.send(allowance.memory_mb)
-        except (EOFError, OSError) as error:  # what it is forked from has ended just now
-            raise InputError("there is no room for another process; try again later") from error
-
-    def call(self, function: Callable[..., T], *arguments: Any, what: str) -> T:
-        """What a function returns there; after any error but its own the process has ended.
+    def call(
+        self,
+        function: Callable[..., T],
+        *arguments: Any,
+        what: str,
+        progress: Progress | None = None,
+    ) -> T:
+        """Call a function in the process. Any error but its own ends the process.
 
         Parameters
         ----------
         function, arguments
-            Of some module, and such as can be sent to another process.
+            A function of some module, and arguments that can be pickled.
         what
-            What is done, for errors: ``"reading the files"``.
+            Subject of error messages: ``"reading the files"``.
+        progress
+            Receives what the function tells its argument `progress`, and is asked now and then
+            between. If it raises CancelledError, the process ends.
 
         Raises
         ------
         NvcoreError
-            What the function raises.
+            If the function raises it.
         InputError
-            If it takes more than it may, raises anything else, or ends without an answer.
+            If the function exceeds its allowance, raises anything else, or ends without an answer;
+            or there is no room for another process.
         """
-        try:
-            self._ours.send((function, arguments))
-            is_ready = self._ours.poll(self._allowance.seconds)
-            answer: tuple[bool, Any] = receive_answer(self._ours) if is_ready else (False, None)
-        except (EOFError, OSError) as error:
-            self.end()
-            raise InputError(f"{what} took too much memory, or ended in a fault") from error
-        is_fine, value = answer
-        if is_fine:
-            return cast(T, value)
-        if isinstance(value, NvcoreError):
-            raise value
-        self.end()
+        with self._lock:
+            connection = self._ours or self._start()
+            try:
+                connection.send((function, arguments, progress is not None))
+                answer = self._receive(connection, progress)
+            except (EOFError, OSError) as error:
+                self._end()
+                raise InputError(f"{what} took too much memory, or ended in a fault") from error
+            except CancelledError:
+                self._end()
+                raise
+            is_fine, value = (False, None) if answer is None else answer
+            if is_fine:
+                return cast(T, value)
+            if isinstance(value, NvcoreError):
+                raise value
+            self._end()
         if isinstance(value, Fault):
             raise InputError(
                 f"{what} ended in a fault of the program ({value.text}); the traceback is in the "
                 "server's log"
             )
-        budget = f"{self._allowance.seconds:g} s"
-        if is_ready:
-            budget = f"{self._allowance.memory_mb} MB of memory"
-        raise InputError(f"{what} took more than {budget}, and was stopped")
+        if answer is not None:
+            excess = f"took more than {self._allowance.memory_mb} MB of memory"
+        else:
+            excess = "took more than" if progress is None else "stood still for"
+            excess = f"{excess} {self._allowance.seconds:g} s"
+        raise InputError(f"{what} {excess}, and was stopped")
 
-    @property
-    def has_ended(self) -> bool:
-        """Whether calls are no longer answered."""
-        return self._ours.closed
+    def close(self) -> None:
+        """End the process once no call is under way."""
+        with self._lock:
+            self._end()
 
-    def end(self) -> None:
-        """Stop it at once."""
-        if not self._ours.closed:
+    def _start(self) -> Connection:
+        try:
+            self._ours = _nursery.connect()
+            self._number = self._ours.recv()
+            self._ours.send(self._allowance.memory_mb)
+        except (EOFError, OSError) as error:  # the nursery has just ended
+            self._ours = None
+            raise InputError("there is no room for another process; try again later") from error
+        return self._ours
+
+    def _end(self) -> None:
+        if self._ours is not None:
             with contextlib.suppress(ProcessLookupError):
                 os.kill(self._number, signal.SIGKILL)
             self._ours.close()
+            self._ours = None
+
+    def _receive(
+        self, connection: Connection, progress: Progress | None
+    ) -> tuple[bool, Any] | None:
+        """Return the answer, or None if it does not come in time."""
+        if progress is None:
+            is_ready = connection.poll(self._allowance.seconds)
+            return receive_answer(connection) if is_ready else None
+        step, since = Step(0.0, ""), time.monotonic()
+        while time.monotonic() - since < self._allowance.seconds:
+            progress(step.share, step.words)
+            if not connection.poll(POLL_S):
+                continue
+            answer: Step | tuple[bool, Any] = receive_answer(connection)
+            if not isinstance(answer, Step):
+                return answer
+            if answer.share != step.share:
+                since = time.monotonic()
+            step = answer
+        return None
 
 
-class SteadyProcess:
-    """A process that is started by the first call, and again by the next one if it has ended.
+def call(
+    function: Callable[..., T],
+    *arguments: Any,
+    allowance: Allowance,
+    what: str,
+    progress: Progress | None = None,
+) -> T:
+    """Call a function in a process of its own, as `Process.call`.
 
-    Any thread may call; one call is answered after another.
+    A call with progress is a job in the background, whose number is limited elsewhere.
     """
-
-    def __init__(self, allowance: Allowance) -> None:
-        self._allowance, self._lock = allowance, threading.Lock()
-        self._process: Process | None = None
-
-    def call(self, function: Callable[..., T], *arguments: Any, what: str) -> T:
-        """What a function returns in the process; see `Process.call`."""
-        with self._lock:
-            if self._process is None or self._process.has_ended:
-                self._process = Process(self._allowance)
-            return self._process.call(function, *arguments, what=what)
-
-    def close(self) -> None:
-        """End the process; the next call starts another."""
-        with self._lock:
-            if self._process is not None:
-                self._process.end()
-
-
-def call(function: Callable[..., T], *arguments: Any, allowance: Allowance, what: str) -> T:
-    """What a function returns in a process of its own; see `Process.call`."""
-    with _jobs:
-        process = Process(allowance)
-        try:
-            return process.call(function, *arguments, what=what)
-        finally:
-            process.end()
+    turn = _turns if progress is None else contextlib.nullcontext()
+    with turn, contextlib.closing(Process(allowance)) as process:
+        return process.call(function, *arguments, what=what, progress=progress)
 
 
 def warm_up() -> None:
-    """Start what processes are forked from, so that the first call need not wait for it."""
+    """Start the nursery, so that the first call need not wait for it."""
     call(os.getpid, allowance=Allowance(memory_mb=100, seconds=300), what="starting")
 
 
 class _Nursery:
-    """`ui.confined.nursery`, started when it is first needed; it ends with this process."""
+    """`ui.confined.nursery`, started on first use. It ends with this process."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -171,7 +198,7 @@ class _Nursery:
         self._process: subprocess.Popen[bytes] | None = None
 
     def connect(self) -> Connection:
-        """Our end of a connection to a new process."""
+        """Return our end of a connection to a new process."""
         ours, theirs = socket.socketpair()
         with theirs, self._lock:
             try:
@@ -184,28 +211,21 @@ class _Nursery:
     def _started(self) -> socket.socket:
         if self._control is None:
             self._control, theirs = socket.socketpair()
-            number = theirs.fileno()
             with theirs:
+                environment = {  # whoever breaks out of a decoder finds no secret in it
+                    name: value
+                    for name, value in os.environ.items()
+                    if name in NEEDED or name.startswith(NEEDED_STARTS)
+                }
+                environment["PYTHONPATH"] = os.pathsep.join(filter(None, sys.path))
+                environment["OPENBLAS_NUM_THREADS"] = "1"
                 self._process = subprocess.Popen(  # noqa: S603  # our own module
-                    [sys.executable, "-m", "ui.confined.nursery", str(number)],
-                    pass_fds=[number],
+                    [sys.executable, "-m", "ui.confined.nursery", str(theirs.fileno())],
+                    pass_fds=[theirs.fileno()],
                     process_group=0,  # with its own processes it ends after the server, at once
-                    env={
-                        **_needed_environment(),
-                        "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
-                        "OPENBLAS_NUM_THREADS": "1",
-                    },
+                    env=environment,
                 )
         return self._control
-
-
-def _needed_environment() -> dict[str, str]:
-    """What decoders need of the environment: whoever breaks out of one finds no secret in it."""
-    return {
-        name: value
-        for name, value in os.environ.items()
-        if name in NEEDED or name.startswith(NEEDED_STARTS)
-    }
 
 
 _nursery = _Nursery()

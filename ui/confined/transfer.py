@@ -1,4 +1,4 @@
-"""Answers between processes: large arrays in memory that both share, so that none is copied over.
+"""Answers between processes, with large arrays in shared memory.
 
 A dataset of a million frames has some 900 MB. Sent through a socket it would be copied four times.
 """
@@ -9,27 +9,35 @@ import mmap
 import os
 import pickle
 from dataclasses import dataclass
+from itertools import accumulate
 from multiprocessing.connection import Connection
 from multiprocessing.reduction import recv_handle, send_handle
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 LEAST_OF_ONE: Final = 1 << 16
-"""Bytes of an array from which on it goes by itself ..."""
+"""Smallest array that is shared, bytes ..."""
 LEAST_OF_ALL: Final = 1 << 18
-"""... if all together have so many: a picture of 640x480 in colour takes half the time."""
+"""... if all arrays together have so many: a 640x480 picture in colour takes half the time."""
 ALIGNED: Final = 64
-"""Bytes that each array starts at a multiple of."""
+"""Alignment of each array, bytes."""
 
 
 @dataclass(frozen=True)
 class Fault:
-    """An exception that is no word to a user: its name and text."""
+    """Name and text of an exception that is a fault of the program."""
 
     text: str
 
 
+class Step(NamedTuple):
+    """Progress of a call before its answer: the share done, 0..1, and words."""
+
+    share: float
+    words: str
+
+
 def send_answer(connection: Connection, answer: object) -> None:
-    """Send what `receive_answer` receives."""
+    """Send an answer to `receive_answer`."""
     arrays: list[pickle.PickleBuffer] = []
 
     def stays_inside(array: pickle.PickleBuffer) -> bool:
@@ -46,7 +54,7 @@ def send_answer(connection: Connection, answer: object) -> None:
         return
     handle = os.memfd_create("answer")
     try:
-        for array, start in zip(arrays, _starts(sizes), strict=False):
+        for array, start in zip(arrays, _starts(sizes), strict=True):
             _write(handle, array.raw(), start)
         connection.send(sizes)
         connection.send_bytes(content)
@@ -56,7 +64,7 @@ def send_answer(connection: Connection, answer: object) -> None:
 
 
 def receive_answer(connection: Connection) -> Any:
-    """What the other process sent; large arrays are read-only.
+    """Return the answer of the other process. Large arrays are read-only.
 
     Raises
     ------
@@ -72,22 +80,18 @@ def receive_answer(connection: Connection) -> Any:
         shared = memoryview(mmap.mmap(handle, 0, access=mmap.ACCESS_READ))
     finally:
         os.close(handle)
-    starts = _starts(sizes)
-    arrays = [shared[start : start + n] for start, n in zip(starts, sizes, strict=False)]
+    arrays = [shared[start : start + n] for start, n in zip(_starts(sizes), sizes, strict=True)]
     return pickle.loads(content, buffers=arrays)  # noqa: S301  # from our own process
 
 
 def _starts(sizes: list[int]) -> list[int]:
-    """Where each array begins."""
-    starts, start = [], 0
-    for size in sizes:
-        starts.append(start)
-        start += -(-size // ALIGNED) * ALIGNED
-    return starts
+    """Offset of each array."""
+    padded = (-(-size // ALIGNED) * ALIGNED for size in sizes)
+    return list(accumulate(padded, initial=0))[:-1]
 
 
 def _write(handle: int, content: memoryview, start: int) -> None:
-    """Write all of it: the system takes 2 GB at a time at the most."""
+    """Write all of the content: the system takes at most 2 GB at a time."""
     while len(content):
         n_written = os.pwrite(handle, content, start)
         content, start = content[n_written:], start + n_written

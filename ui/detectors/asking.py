@@ -1,4 +1,4 @@
-"""Detectors page: the current frame, and what is known of the detector, kept while it holds."""
+"""Detectors page: the current frame, and cached answers of the detector."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from ui.session import state
 T = TypeVar("T")
 
 MOST_AT_ONCE: Final = 2
-"""Pictures of all visitors that are looked at by detectors at a time; others wait."""
+"""Pictures of all visitors that are given to detectors at a time; others wait."""
 MOST_KEPT: Final = 16
-"""Answers of a kind."""
+"""Cached answers of a kind."""
 LARGE_KEPT: Final = 2
-"""The same of large ones."""
+"""Cached answers of a kind that are large."""
 
 _turns = threading.BoundedSemaphore(MOST_AT_ONCE)
 
@@ -41,12 +41,12 @@ def ask(
     key: Any,
     most: int = MOST_KEPT,
 ) -> T:
-    """What a function of `ui.detectors.confined` returns, made anew where `key` is another.
+    """Return the cached answer of a function of `ui.detectors.confined` for this `key`.
 
     Raises
     ------
     NvcoreError
-        What it raises, or if it takes more than it may.
+        If the function raises it, or exceeds its allowance.
     """
     space = state.workspace()
 
@@ -58,40 +58,40 @@ def ask(
 
 
 def described(spec: DetectorSpec) -> DetectorFacts:
-    """What the detector is; errors as `ask`."""
+    """Describe the detector. Errors are as of `ask`."""
     return ask("about", describe, spec, key=None)
 
 
 def found(spec: DetectorSpec, picture: Picture) -> Detections:
-    """All boxes of the detector in the picture of the current frame; errors as `ask`."""
+    """Return all boxes of the detector in the picture of the current frame, as `ask`."""
     return ask("boxes", find, spec, picture, key=place())
 
 
 def on_frame(about: About) -> str:
-    """The detector on the current frame, as a figure says what it is of."""
+    """Return the title of a figure of the detector on the current frame."""
     dataset, row = state.opened().dataset, state.row_in_all()
     frame, name = dataset.frame_columns.frame[row], state.recording_names()[state.recording()]
     return f"{plain(about.name)} on frame {frame} of {plain(name)}"
 
 
 def theme_of(about: About) -> Scheme:
-    """The theme in which the detector is Y, as it will be drawn once it is a system."""
+    """Return the theme in which the detector is Y, as it will be drawn once it is a system."""
     systems, shade = state.opened().dataset.systems, state.theme().shade
     return scheme_for(shade, [*systems, about.name], state.systems()[0], about.name)
 
 
 def key_of(*parts: object) -> str:
-    """A few digits that tell these from others, for the keys of widgets."""
+    """Return a short hash, for the keys of widgets."""
     return hashlib.sha256(repr(parts).encode()).hexdigest()[:12]
 
 
 def place() -> tuple[int, int]:
-    """What the picture of the current frame is known by, while the same is open."""
+    """Return recording and row of the current frame."""
     return state.recording(), state.row()
 
 
 def truth_in(picture: Picture) -> NDArray[np.float64]:
-    """The truth's boxes of the current frame, px of its picture; (n, 4)."""
+    """Return the truth's boxes of the current frame in px of its picture, (n, 4)."""
     dataset, recording, row = state.opened().dataset, state.recording(), state.row_in_all()
     frames = dataset.frame_columns
     across = picture.shape[1] / float(frames.width[recording])
@@ -101,7 +101,7 @@ def truth_in(picture: Picture) -> NDArray[np.float64]:
 
 
 def picture() -> tuple[Picture | None, str]:
-    """The picture of the current frame, or None and why there is none."""
+    """Return the picture of the current frame, or None and why there is none."""
     space = state.workspace()
     pictures, index = space.picture_of(*place())
     if pictures is None or index < 0:
@@ -114,21 +114,18 @@ def picture() -> tuple[Picture | None, str]:
 
 
 def is_trained_frame(about: About) -> bool:
-    """Whether the detector was trained on the current frame."""
+    """Return whether the detector was trained on the current frame."""
     return bool(_trained_frames(about)[state.row_in_all()])
 
 
 def trained_recordings(about: About) -> list[str]:
-    """Names of the open recordings that it was trained on, in part at least, in their order."""
-    recording = state.opened().dataset.frame_columns.recording
-    numbers = np.unique(recording[_trained_frames(about)]).tolist()
-    names = state.recording_names()
-    return [names[number] for number in numbers]
+    """Return names of open recordings that it was trained on, at least in part, in their order."""
+    recording, names = state.opened().dataset.frame_columns.recording, state.recording_names()
+    return [names[number] for number in np.unique(recording[_trained_frames(about)]).tolist()]
 
 
 def _trained_frames(about: About) -> NDArray[np.bool_]:
-    dataset = state.opened().dataset
-    key = tuple(about.trained_on)
+    dataset, key = state.opened().dataset, tuple(about.trained_on)
     return state.workspace().cached(
         "detector_trained", key, lambda: training_overlap(dataset, key).is_trained, most=4
     )

@@ -1,4 +1,4 @@
-"""Detectors page: which detector, and what it is."""
+"""Detectors page: choice of the detector, and its description."""
 
 from __future__ import annotations
 
@@ -24,8 +24,6 @@ ONLY_LOCAL: Final = (
     "below the folder that the app is started with (nvcore app --local-root DIR), or run it by "
     "nvcore detect"
 )
-
-
 SENT: Final = "a model that nvcore train wrote (.npz)"
 
 
@@ -43,12 +41,16 @@ KIND: Final = ModelKind("detector", (".npz", ".onnx"), MAX_BYTES, _check_kind)
 
 
 def draw() -> DetectorSpec | None:
-    """The choice; None: what was chosen cannot be used, and why is said."""
+    """Draw the choice. Return it, or None if it cannot be used."""
     left, right = st.columns([3, 2], gap="large")
     with right, st.expander("A model of your own"):
-        _take_model()
-    options = _options()
-    usual = _usual()
+        draw_field(KIND, "Model file (.npz, as nvcore train writes it)", shown=error_text)
+        st.caption(
+            "It stays on this server while the tab is open. Networks in ONNX are programs: they "
+            "are run only from the folder that the app was started with "
+            f"({docs_link('why', 'in-the-dashboard', doc='detectors')})."
+        )
+    options, usual = _options(), _usual()
     with left:
         text = st.selectbox(
             "Detector",
@@ -59,14 +61,14 @@ def draw() -> DetectorSpec | None:
             persist_state="session",
         )
         spec = options[text][1]
-        about = checked(spec)
-        if about is not None:
-            _draw_about(about)
-    return None if about is None else spec
+        what = checked(spec)
+        if what is not None:
+            _draw_about(what)
+    return None if what is None else spec
 
 
 def _usual() -> str:
-    """What is chosen at first; it goes with what was open, unless another was chosen.
+    """Return the first choice. It changes with what is open, unless another was chosen.
 
     The sample's people are drawings, which a detector of people does not find.
     """
@@ -80,7 +82,7 @@ def _usual() -> str:
 
 
 def checked(spec: DetectorSpec) -> DetectorFacts | None:
-    """What the detector is; None: it cannot be used, and why is said."""
+    """Describe the detector. Draw why it cannot be used and return None otherwise."""
     try:
         return described(spec)
     except NvcoreError as error:
@@ -89,7 +91,7 @@ def checked(spec: DetectorSpec) -> DetectorFacts | None:
 
 
 def _options() -> dict[str, tuple[str, DetectorSpec]]:
-    """What can be chosen: words, and which detector that is."""
+    """Return label and detector of each option."""
     options = {
         name: (f"{name}: {words}", DetectorSpec(name))
         for kind in DETECTORS.values()
@@ -103,18 +105,8 @@ def _options() -> dict[str, tuple[str, DetectorSpec]]:
     return {**sent, **options, **files}
 
 
-def _take_model() -> None:
-    """The field for a model."""
-    draw_field(KIND, "Model file (.npz, as nvcore train writes it)", shown=error_text)
-    st.caption(
-        "It stays on this server while the tab is open. Networks in ONNX are programs: they are "
-        "run only from the folder that the app was started with "
-        f"({docs_link('why', 'in-the-dashboard', doc='detectors')})."
-    )
-
-
 def _draw_about(what: DetectorFacts) -> None:
-    """What it detects, what it was trained on, and its fingerprint."""
+    """Draw its classes, what it was trained on, and its fingerprint."""
     about, inside = what.about, what.inside
     kinds = "class" if len(about.labels) == 1 else "classes"
     parts = [f"Detects the {kinds} {plain(listed([*about.labels]))}."]

@@ -1,4 +1,4 @@
-"""Detectors, run in processes of their own: none may take more memory or time than it is given.
+"""Detectors in processes of their own, with limits on memory and time.
 
 A model is a stranger's: its settings say how much work a picture is, and a network is a program.
 """
@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Final, cast
 
@@ -19,7 +20,7 @@ from nvcore.detectors.base import Detections, Detector, one_for_a_picture
 from nvcore.detectors.candidates import candidates, open_loosened
 from nvcore.detectors.registry import open_detector
 from nvcore.pictures import Picture
-from ui.confined.process import MODELS, SteadyProcess
+from ui.confined.process import MODELS, Process
 
 if TYPE_CHECKING:
     from nvcore.detectors.icf import IcfDetector, IcfModel
@@ -34,7 +35,7 @@ SHOWN_PX: Final = 640
 
 @dataclass(frozen=True)
 class DetectorSpec:
-    """Which detector, with which settings.
+    """Choice of a detector and its settings.
 
     Attributes
     ----------
@@ -43,7 +44,7 @@ class DetectorSpec:
     version
         Changes with the content of the model; empty: it is built in.
     settings
-        Those that are not its own, by name.
+        Names and values of settings that differ from its own.
     """
 
     text: str
@@ -51,20 +52,16 @@ class DetectorSpec:
     settings: tuple[tuple[str, Setting], ...] = ()
 
     def with_settings(self, changes: Mapping[str, Setting]) -> DetectorSpec:
-        """The same detector with further settings."""
+        """Return the same detector with further settings."""
         return replace(self, settings=tuple(sorted({**dict(self.settings), **changes}.items())))
 
 
 @dataclass(frozen=True)
 class Inside:
-    """What of an ICF model is shown whatever the picture.
+    """Contents of an ICF model that are shown whatever the picture.
 
     Attributes
     ----------
-    settings
-        Of the model.
-    n_trees
-        Trees of the model.
     error, round_ends
         See `nvcore.detectors.icf.IcfModel`.
     n_objects, n_background
@@ -81,26 +78,26 @@ class Inside:
 
 @dataclass(frozen=True)
 class DetectorFacts:
-    """What a detector is, and what is inside of an ICF model; None: it is another."""
+    """Description of a detector. `inside` is None unless it is an ICF model."""
 
     about: About
     inside: Inside | None
 
 
 class ConfinedDetector:
-    """A detector with a process for each thread that asks; see `nvcore.detectors.base.Detector`."""
+    """A detector (see `nvcore.detectors.base.Detector`) with a process for each calling thread."""
 
     def __init__(self, spec: DetectorSpec, about: About) -> None:
         self.about = about
         self._spec = spec
-        self._idle: SimpleQueue[SteadyProcess] = SimpleQueue()
+        self._idle: SimpleQueue[Process] = SimpleQueue()
 
     def detect(self, picture: Picture) -> Detections:
-        """See `Detector.detect`; InputError if the picture takes more than it may."""
+        """See `Detector.detect`. InputError if the picture exceeds the allowance."""
         try:
             process = self._idle.get_nowait()
         except Empty:
-            process = SteadyProcess(MODELS)
+            process = Process(MODELS)
         try:
             return process.call(_detect, self._spec, picture, what="running the detector")
         finally:
@@ -112,20 +109,13 @@ class ConfinedDetector:
             self._idle.get().close()
 
 
-# What follows is called in the other process.
-
-_opened: dict[tuple[DetectorSpec, bool], Detector] = {}
-"""What was opened last, loosened or not."""
+# The rest is called in the other process.
 
 
+@lru_cache(maxsize=2)
 def _detector(spec: DetectorSpec, *, is_loosened: bool = False) -> Detector:
-    key = spec, is_loosened
-    if key not in _opened:
-        if len(_opened) > 1:
-            _opened.clear()
-        opener = open_loosened if is_loosened else open_detector
-        _opened[key] = opener(spec.text, dict(spec.settings))
-    return _opened[key]
+    opener = open_loosened if is_loosened else open_detector
+    return opener(spec.text, dict(spec.settings))
 
 
 def _model(spec: DetectorSpec) -> IcfModel:
@@ -139,35 +129,27 @@ def _detect(spec: DetectorSpec, picture: Picture) -> Detections:
 
 
 def describe(spec: DetectorSpec) -> DetectorFacts:
-    """What the detector is."""
+    """Describe the detector."""
     about = _detector(spec).about
     if about.kind != "icf":
         return DetectorFacts(about, None)
     model = _model(spec)
-    return DetectorFacts(
-        about,
-        Inside(
-            settings=model.settings,
-            n_trees=len(model.trees),
-            error=model.error,
-            round_ends=model.round_ends,
-            n_objects=model.n_objects,
-            n_background=model.n_background,
-        ),
-    )
+    windows = model.n_objects, model.n_background
+    trees = len(model.trees), model.error, model.round_ends
+    return DetectorFacts(about, Inside(model.settings, *trees, *windows))
 
 
 def find(spec: DetectorSpec, picture: Picture) -> Detections:
-    """The most confident boxes of a picture, before threshold and suppression."""
+    """Return the most confident boxes of a picture, before threshold and suppression."""
     return candidates(_detector(spec, is_loosened=True), picture)
 
 
 def pictures_of(
     spec: DetectorSpec, picture: Picture, scale: float
 ) -> tuple[float, dict[str, Picture], dict[str, Picture]]:
-    """The picture before and after blur and equalisation, and its channels, by name.
+    """Return the picture before and after blur and equalisation, and its channels, by name.
 
-    First comes the scale from which the channels are made: the picture is prepared for that.
+    First comes the scale from which the channels are computed: the picture is prepared for that.
     """
     from nvcore.detectors.icf.displays import channels_of, computed_scale, preparation
 
@@ -179,15 +161,15 @@ def pictures_of(
         named["after the blur"] = steps.blurred
     if model.settings.clahe_clip > 0:
         named["after CLAHE"] = steps.equalised
-    channels = channels_of(model, picture, scale)
     small, small_channels = (
-        {name: _small(pixels) for name, pixels in every.items()} for every in (named, channels)
+        {name: _small(pixels) for name, pixels in every.items()}
+        for every in (named, channels_of(model, picture, scale))
     )
     return computed, small, small_channels
 
 
 def score_map(spec: DetectorSpec, picture: Picture, scale: float) -> CoarseMap:
-    """What became of the windows of one scale."""
+    """Return the outcome of the windows of one scale."""
     from nvcore.detectors.icf.displays import map_at
 
     return map_at(_model(spec), picture, scale)
@@ -196,7 +178,7 @@ def score_map(spec: DetectorSpec, picture: Picture, scale: float) -> CoarseMap:
 def window_in(
     spec: DetectorSpec, picture: Picture, box: tuple[float, float, float]
 ) -> tuple[float, WindowPath]:
-    """Scale of the window that gave a box (left, top, width), and how it fares over the trees."""
+    """Return scale and confidence over the trees of the window of a box (left, top, width)."""
     from nvcore.detectors.icf.displays import window_of, window_path
 
     model = _model(spec)
@@ -207,7 +189,7 @@ def window_in(
 def traces_in(
     spec: DetectorSpec, picture: Picture, truth: NDArray[np.float64], scale: float
 ) -> tuple[list[WindowPath], list[WindowPath]]:
-    """How windows on the truth's boxes, (n, 4) px, fare, and rejected ones beside them."""
+    """Return windows on the truth's boxes, (n, 4) px, and rejected ones beside them."""
     from nvcore.detectors.icf.displays import rejected_paths, truth_paths
 
     model = _model(spec)
@@ -216,7 +198,7 @@ def traces_in(
 
 
 def tree_of(spec: DetectorSpec, index: int) -> Tree:
-    """One tree of a model, counted from 0."""
+    """Return one tree of a model, counted from 0."""
     from nvcore.detectors.icf.displays import tree
 
     return tree(_model(spec), index)

@@ -8,14 +8,14 @@ from nvcore.errors import NvcoreError
 from nvcore.pictures import Picture
 from ui.detectors import asking, choose, inside, run, settings, trial
 from ui.detectors.confined import DetectorFacts, DetectorSpec
-from ui.detectors.finished import RUN, OnScreen
+from ui.detectors.run import RUN, RunSettings
 from ui.session import state
 from ui.shell.messages import shown_error
 from ui.widgets.recording import choose_recording_and_frame
 from ui.widgets.text import docs_link, plain
 
 
-def draw(own: DetectorSpec) -> OnScreen | None:
+def draw(own: DetectorSpec) -> RunSettings | None:
     """Settings, the current frame, the inside of the model, and what can be run; None: nothing."""
     spec = settings.draw(own, asking.described(own).about)
     what = choose.checked(spec)
@@ -41,7 +41,7 @@ def draw(own: DetectorSpec) -> OnScreen | None:
 
 def _draw_picture(spec: DetectorSpec, what: DetectorFacts, picture: Picture) -> None:
     try:
-        trial.draw(spec, what, picture, has_run=state.workspace().job(RUN) is not None)
+        trial.draw(spec, what, picture, has_run=RUN.job is not None)
     except NvcoreError as error:  # it takes too long, or too much memory
         st.error(shown_error(error), icon=":material/error:")
         return

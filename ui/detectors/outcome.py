@@ -1,4 +1,4 @@
-"""Detectors page: what the boxes of the current frame are in a comparison."""
+"""Detectors page: outcome of the boxes of the current frame in a comparison."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from nvcore.schema import NO_LABEL, DetectionState
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of the boxes that count, and of the truth.
+    """Outcome of the boxes that count, and of the truth.
 
     Attributes
     ----------
     states
         `DetectionState` of each box, int8, (n,); BELOW: it does not count, or its class does not.
     iou
-        With the truth's nearest, (n,); NaN without truth.
+        With the nearest box of the truth, (n,); NaN without truth.
     truth, ignored
         Left, top, width, height of the truth that counts and of the other, px of the recording.
     """
@@ -38,12 +38,12 @@ class Outcome:
     ignored: NDArray[np.float64]
 
     def n_of(self, state: DetectionState) -> int:
-        """Boxes of this state."""
+        """Number of boxes in this state."""
         return int(np.count_nonzero(self.states == state))
 
     @property
     def n_missed(self) -> int:
-        """Boxes of the truth that count and that nothing matches."""
+        """Number of truth boxes that count and that nothing matches."""
         return len(self.truth) - self.n_of(DetectionState.MATCHED)
 
 
@@ -57,57 +57,48 @@ def outcome_of(
     *,
     classes: Collection[str],
 ) -> Outcome:
-    """Boxes of a picture, matched to the truth of its frame as a comparison would.
+    """Match the boxes of a picture to the truth of its frame, as a comparison would.
 
     Parameters
     ----------
     row
-        Of the frames table.
+        Row in the frames table.
     boxes, is_counting
         All candidates, and which of them the detector gives; (n,).
     params
-        Of which those that say when a detection matches are read.
+        Its settings for matching are used.
     classes
-        What the detector can call a box, in any picture of a run.
+        Classes that the detector knows, in any picture of a run.
     """
     frames, truth = dataset.frame_columns, dataset.truth.of_frames(row, row + 1)
-    recording = int(frames.recording[row])
+    recording, here = int(frames.recording[row]), slice(row, row + 1)
     size = float(frames.width[recording]), float(frames.height[recording])
     sides = sides_in(boxes, picture, size)
-    is_compared = np.flatnonzero(is_counting & _is_of_a_class_that_counts(dataset, boxes, classes))
-    this_frame = slice(row, row + 1)
+    is_read, labels = _labels(dataset, boxes, classes)
+    compared = np.flatnonzero(is_counting & is_read)
+    own = boxes_of_frame(sides[compared], boxes.score[compared], labels[compared])
     frame = replace(
-        frames,
-        recording=frames.recording[this_frame],
-        frame=frames.frame[this_frame],
-        gap=frames.gap[this_frame],
+        frames, recording=frames.recording[here], frame=frames.frame[here], gap=frames.gap[here]
     )
-    labels = _places_of_labels(dataset, boxes)[is_compared]
-    own = boxes_of_frame(sides[is_compared], boxes.score[is_compared], labels)
-    matches = match_boxes(truth, own, frame, params)
     states = np.zeros(len(boxes), np.int8)
-    states[is_compared] = matches.state
+    states[compared] = match_boxes(truth, own, frame, params).state
     all_truth = np.column_stack(truth.xywh)
     counted = all_truth[~truth.ignore]
     return Outcome(states, iou_with(sides, counted), counted, all_truth[truth.ignore])
 
 
-def _is_of_a_class_that_counts(
+def _labels(
     dataset: Dataset, boxes: Detections, classes: Collection[str]
-) -> NDArray[np.bool_]:
-    """Which boxes a comparison reads: all, where the detector knows no class that counts."""
-    if boxes.label is None or not any(map(dataset.objects.counts, classes)):
-        return np.ones(len(boxes), dtype=bool)
-    names, place = np.unique(boxes.label.astype(str), return_inverse=True)
-    counts = np.array([dataset.objects.counts(name) for name in names.tolist()], dtype=bool)
-    is_read: NDArray[np.bool_] = counts[place]
-    return is_read
+) -> tuple[NDArray[np.bool_], NDArray[np.int32]]:
+    """Return which boxes a comparison reads, and their classes as places in `Dataset.labels`.
 
-
-def _places_of_labels(dataset: Dataset, boxes: Detections) -> NDArray[np.int32]:
-    """Place of each box's class among `Dataset.labels`; NO_LABEL where it is none of them."""
-    if boxes.label is None:
-        return np.full(len(boxes), NO_LABEL, np.int32)
-    place = {name: i for i, name in enumerate(dataset.labels)}
-    own = [dataset.objects.label_of(str(name)) for name in boxes.label]
-    return np.array([place.get(name, NO_LABEL) for name in own], np.int32)
+    It reads all boxes if the detector knows no class that counts.
+    """
+    is_read, places = np.ones(len(boxes), bool), np.full(len(boxes), NO_LABEL, np.int32)
+    if boxes.label is not None:
+        objects, place = dataset.objects, {name: i for i, name in enumerate(dataset.labels)}
+        names = boxes.label.astype(str).tolist()
+        places[:] = [place.get(objects.label_of(name), NO_LABEL) for name in names]
+        if any(map(objects.counts, classes)):
+            is_read[:] = [objects.counts(name) for name in names]
+    return is_read, places

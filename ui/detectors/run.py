@@ -1,13 +1,14 @@
-"""Detectors page: the detector over recordings, in the background, as a system to compare."""
+"""Detectors page: the detector run over recordings, as a system to compare."""
 
 from __future__ import annotations
 
-import os
+import io
+import zipfile
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 import streamlit as st
 
@@ -17,71 +18,92 @@ from nvcore.detectors.registry import DETECTORS
 from nvcore.detectors.run import run_detector
 from nvcore.detectors.timing import Expectation, expect
 from nvcore.detectors.writing import WrittenRun, write_detections
+from nvcore.errors import NvcoreError
+from nvcore.inputs.session import Session
 from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress
-from nvcore.wording import MOST_NAMED, listed
-from ui.detectors import finished
+from nvcore.wording import MOST_NAMED, listed, minus
+from ui.access.files import safe_name
+from ui.confined.process import N_THREADS
 from ui.detectors.asking import described, key_of, trained_recordings
 from ui.detectors.confined import ConfinedDetector, DetectorFacts, DetectorSpec
-from ui.detectors.finished import FOLDER, RUN, OnScreen, RunJob, RunKey
 from ui.detectors.trial import Levels, levels_of
-from ui.jobs.background import BackgroundJob, JobState, while_open
-from ui.jobs.progress import draw_job
-from ui.jobs.runs import new_run_folder
-from ui.session import state
+from ui.jobs.background import BackgroundJob, JobState
+from ui.jobs.picture_run import PictureRun, dataset_of, is_uploaded, named_in, open_written
+from ui.session import state, store
 from ui.session.opening import live_session
 from ui.session.uploads import ANNOTATION_FOLDERS
-from ui.session.workspace import Workspace
-from ui.widgets.buttons import button
-from ui.widgets.text import plain
+from ui.shell.messages import shown_error
+from ui.shell.navigate import ask_for_page
+from ui.widgets.buttons import button, download
+from ui.widgets.text import docs_link, plain
 
-TIMING: Final = "detector_timing"
+RUN: Final = PictureRun[WrittenRun](
+    "detector_run",
+    "run",
+    "Running {title}",
+    folder="detector",
+    outlasts=True,
+    has_time_left=True,
+)
+TIMING: Final = PictureRun[Expectation]("detector_timing", "estimate", "Timing it")
 HEADER: Final = "Run it over the recordings"
-SHARE_OF_CORES: Final = 2
-"""One picture for so many cores at a time, each in one thread: the others are for visitors."""
+BEFORE: Final = "detector_before"
 
 
-def draw(spec: DetectorSpec, what: DetectorFacts) -> OnScreen:
-    """Which recordings, how long that will take, and the button that runs it there."""
+class Before(NamedTuple):
+    """Session that was open before a run was compared. That comparison has number `n_opened`."""
+
+    n_opened: int
+    session: Session
+    label: str
+
+
+class RunSettings(NamedTuple):
+    """Settings of a run, as they are on the page."""
+
+    spec: DetectorSpec
+    recordings: tuple[str, ...]
+    levels: Levels
+
+
+def draw(spec: DetectorSpec, what: DetectorFacts) -> RunSettings:
+    """Draw the choice of recordings, how long the run takes, and the button that starts it."""
     st.header(HEADER)
     chosen = _choose_recordings(trained_recordings(what.about))
-    trained_on = _ask_for_training(what.about)
-    on_screen = OnScreen(RunKey(spec, chosen), levels_of(spec, what))
-    about = replace(what.about, trained_on=(*what.about.trained_on, *trained_on))
-    _draw_trained(chosen, about)
-    job: RunJob | None = state.workspace().job(RUN)
+    about = replace(what.about, trained_on=(*what.about.trained_on, *_ask_for_training(what.about)))
+    seen = [name for name in trained_recordings(about) if name in chosen]
+    if seen:
+        is_all = len(seen) == len(chosen)
+        part = "all that is chosen" if is_all else f"{len(seen):,} of these {len(chosen):,}"
+        st.caption(
+            f":material/warning: Trained on {part}: {plain(listed(seen, most=MOST_NAMED))}. "
+            "Figures on them say nothing of others."
+        )
+    settings = RunSettings(spec, chosen, levels_of(spec, what))
     if chosen:
-        is_busy = job is not None and job.is_busy
-        _draw_start(on_screen.key, about, on_screen.levels, is_busy=is_busy)
+        _draw_start(settings, about)
     else:
         st.info("Choose a recording.")
-    return on_screen
+    return settings
 
 
-def draw_last(on_screen: OnScreen | None) -> None:
-    """The run that is under way or done, whatever is chosen by now; None: that cannot be run."""
-    job: RunJob | None = state.workspace().job(RUN)
+def draw_last(now: RunSettings | None) -> None:
+    """Draw the newest run, whatever is chosen by now (None: a detector that cannot be run)."""
+    job = RUN.job
     if job is None:
         return
-    if on_screen is None:
+    if now is None:
         st.header(HEADER)
-    doing = f"Running {job.key}"
-    if draw_job(job, RUN, thing="run", doing=doing, with_steps=True) is JobState.DONE:
-        finished.draw(job, on_screen)
+    if RUN.draw(job) is JobState.DONE:
+        _draw_finished(job, now)
 
 
 def _choose_recordings(seen: Sequence[str]) -> tuple[str, ...]:
-    """Names of the recordings that the detector is to be run on.
-
-    Parameters
-    ----------
-    seen
-        Those that it was trained on: they are not chosen at first, unless there is no other.
-    """
+    """Ask for the recordings of the run. Those of the training are not chosen at first."""
     names, pictures = state.recording_names(), state.workspace().pictures.sources
     usable = [name for number, name in enumerate(names) if number in pictures]
-    unseen = [name for name in usable if name not in seen]
-    first = unseen or usable
+    first = [name for name in usable if name not in seen] or usable
     chosen = st.multiselect(
         "Recordings",
         usable,
@@ -91,8 +113,8 @@ def _choose_recordings(seen: Sequence[str]) -> tuple[str, ...]:
         help="The new comparison is of these recordings alone. Those that the detector was trained "
         "on are not chosen at first.",
     )
-    if len(usable) < len(names):
-        without = [name for name in names if name not in usable]
+    without = [name for name in names if name not in usable]
+    if without:
         st.caption(
             f"Without pictures, so left out: {plain(', '.join(without[:5]))}"
             f"{f' and {len(without) - 5} more' if len(without) > 5 else ''}."
@@ -101,7 +123,7 @@ def _choose_recordings(seen: Sequence[str]) -> tuple[str, ...]:
 
 
 def _ask_for_training(about: About) -> list[TrainedOn]:
-    """Recordings that it was trained on, where it does not say so itself."""
+    """Ask for recordings that it was trained on, beside those that it states itself."""
     known = {part.recording for part in about.trained_on}
     chosen = st.multiselect(
         "Also trained on (if the model does not say so)",
@@ -114,63 +136,21 @@ def _ask_for_training(about: About) -> list[TrainedOn]:
     return [TrainedOn(recording=name) for name in chosen]
 
 
-def _draw_trained(chosen: Sequence[str], about: About) -> None:
-    """Which of the chosen recordings the detector was trained on."""
-    seen = [name for name in trained_recordings(about) if name in chosen]
-    if seen:
-        is_all = len(seen) == len(chosen)
-        part = "all that is chosen" if is_all else f"{len(seen):,} of these {len(chosen):,}"
-        st.caption(
-            f":material/warning: Trained on {part}: {plain(listed(seen, most=MOST_NAMED))}. "
-            "Figures on them say nothing of others."
-        )
-
-
-def as_run(spec: DetectorSpec, about: About, levels: Levels) -> DetectorSpec:
-    """The detector with the overlap as it is set, and boxes as low as either threshold."""
-    name = DETECTORS[about.kind].threshold
-    own = about.settings[name]
-    assert isinstance(own, int | float)
-    lowest = min(float(own), levels.threshold)
-    changes = {"overlap": levels.overlap, name: lowest}
-    return spec.with_settings(
-        {name: value for name, value in changes.items() if value != about.settings[name]}
-    )
-
-
-def _draw_start(key: RunKey, about: About, levels: Levels, *, is_busy: bool) -> None:
-    """The button that times the run; once that is done, how long it takes and its own button."""
-    timing: BackgroundJob[Expectation] | None = state.workspace().job(TIMING)
-    is_timed = timing is not None and timing.key == key
-    if not is_timed and button(
-        "How long will it take?",
-        icon=":material/timer:",
-        key="time_detector",
-        type="primary",
-        disabled=is_busy,
-    ):
-        _start_timing(key, about)
-        st.rerun()
-    if timing is None or not is_timed:
+def _draw_start(settings: RunSettings, about: About) -> None:
+    """Draw the button that times the run, then how long it takes and the button that runs it."""
+    timing, key = TIMING.job, settings[:2]
+    if timing is None or timing.key != key:
+        if RUN.start_button("How long will it take?", "timer", "time_detector", type="primary"):
+            _start_timing(settings, about)
+            st.rerun()
         return
-    if draw_job(timing, TIMING, thing="estimate", doing="Timing it") is not JobState.DONE:
+    if TIMING.draw(timing) is not JobState.DONE:
         if not timing.is_busy:
-            drop = partial(state.workspace().drop_job, TIMING)
-            st.button("Try again", key="drop_timing", on_click=drop)
+            st.button("Try again", key="drop_timing", on_click=TIMING.drop)
         return
-    assert timing.output is not None
     st.markdown(f"**{plain(str(timing.output))}**")
-    if (
-        button(
-            "Run the detector",
-            icon=":material/play_arrow:",
-            key="run_detector",
-            type="primary",
-            disabled=is_busy,
-        )
-        and not is_busy
-    ):  # a browser can be made to click what is disabled
-        _start_run(key, about, levels)
+    if RUN.start_button("Run the detector", "play_arrow", "run_detector", type="primary"):
+        _start(settings, about)
         st.rerun()
     st.caption(
         "It goes on while you look at other pages. Opening something else, or changing what is "
@@ -178,69 +158,198 @@ def _draw_start(key: RunKey, about: About, levels: Levels, *, is_busy: bool) -> 
     )
 
 
-def _start_timing(key: RunKey, about: About) -> None:
-    space = state.workspace()
-    detector = ConfinedDetector(key.spec, about)
-    pictures = _pictures(space, key.recordings)
+def _start_timing(settings: RunSettings, about: About) -> None:
+    pictures = _pictures(settings.recordings)
 
     def work(progress: Progress) -> Expectation:
-        try:
-            return expect(detector, pictures, n_threads=n_threads(), progress=progress)
-        finally:
-            detector.close()
+        with closing(ConfinedDetector(settings.spec, about)) as detector:
+            return expect(detector, pictures, n_threads=N_THREADS, progress=progress)
 
-    space.put_job(TIMING, BackgroundJob(work, while_open(space), key=key))
+    TIMING.start(work, key=settings[:2])
 
 
-def n_threads() -> int:
-    """Pictures at a time."""
-    return max(1, (os.cpu_count() or 1) // SHARE_OF_CORES)
-
-
-def _pictures(space: Workspace, names: tuple[str, ...]) -> RecordingPictures:
-    """The pictures of these recordings, numbered as in a dataset of them alone."""
+def _pictures(names: tuple[str, ...]) -> RecordingPictures:
+    """Return the pictures of these recordings, numbered as in a dataset of them alone."""
     rows = [number for number, name in enumerate(state.recording_names()) if name in names]
-    return space.pictures.renumbered({row: number for number, row in enumerate(rows)})
+    return state.workspace().pictures.renumbered({row: number for number, row in enumerate(rows)})
 
 
-def _start_run(key: RunKey, about: About, levels: Levels) -> None:
-    space, opened = state.workspace(), state.opened()
-    x, y = state.systems()
-    session = live_session(opened.session, opened.dataset, state.params(), x=x, y=y)
-    dataset = opened.dataset.with_settings(session)
-    if set(key.recordings) != set(state.recording_names()):
-        dataset = dataset.only(names=key.recordings)
-    pictures = _pictures(space, key.recordings)
-    folder = new_run_folder(space, session, RUN, FOLDER)
-    job = start_job(space, key, about, levels, dataset, pictures, folder, x)
-    space.put_job(RUN, job)
-
-
-def start_job(
-    space: Workspace,
-    key: RunKey,
-    about: About,
-    levels: Levels,
-    dataset: Dataset,
-    pictures: RecordingPictures,
-    folder: Path,
-    x: str,
-) -> RunJob:
-    """Start; it ends with the session, and when the session opens something else."""
-    spec = as_run(key.spec, about, levels)
+def _start(settings: RunSettings, about: About) -> None:
+    levels, against = settings.levels, state.systems()[0]
+    # boxes as low as either threshold, for the curves
+    threshold = DETECTORS[about.kind].threshold
+    own = about.settings[threshold]
+    assert isinstance(own, int | float)
+    changes = {"overlap": levels.overlap, threshold: min(float(own), levels.threshold)}
+    spec = settings.spec.with_settings(
+        {name: value for name, value in changes.items() if value != about.settings[name]}
+    )
     # the record is of the detector that ran, whose settings and fingerprint are its own
     about = replace(described(spec).about, trained_on=about.trained_on)
-    detector = ConfinedDetector(spec, about)
+    dataset, pictures = dataset_of(settings.recordings), _pictures(settings.recordings)
+    folder = RUN.new_folder()
 
     def work(progress: Progress) -> WrittenRun:
-        try:
-            run = run_detector(
-                detector, dataset, pictures, n_threads=n_threads(), progress=progress
-            )
-            return write_detections(
-                run, dataset, folder / ANNOTATION_FOLDERS, threshold=levels.threshold, against=x
-            )
-        finally:
-            detector.close()
+        with closing(ConfinedDetector(spec, about)) as detector:
+            run = run_detector(detector, dataset, pictures, n_threads=N_THREADS, progress=progress)
+        target = folder / ANNOTATION_FOLDERS
+        return write_detections(run, dataset, target, threshold=levels.threshold, against=against)
 
-    return RunJob(space, folder, OnScreen(key, levels), work, name=about.name)
+    RUN.start(work, key=settings, title=about.name, folder=folder)
+
+
+def _draw_finished(job: BackgroundJob[WrittenRun], now: RunSettings | None) -> None:
+    """Draw the output of a run, the button that compares it, and its files."""
+    written, started = job.output, job.key
+    assert written is not None
+    first, *others = str(written.run).splitlines()
+    names = listed(
+        [part.name for part in written.run.recordings if len(part.frames)], most=MOST_NAMED
+    )
+    st.success(
+        f"**{plain(written.name)}**: {plain(first)}. Run over {plain(names)}.",
+        icon=":material/check_circle:",
+    )
+    if now is not None and (differences := differences_of(started, now)):
+        st.info(
+            "It was run with other settings than those now on screen: "
+            f"{plain(listed(differences))}.",
+            icon=":material/info:",
+        )
+    if others:
+        st.warning(plain(" ".join(others)), icon=":material/warning:")
+    left, right = st.columns([1, 1])
+    if button(
+        f"Compare with {plain(state.systems()[0])}",
+        icon=":material/arrow_forward:",
+        key="compare_detector",
+        type="primary",
+        at=left,
+    ):
+        _open(job, written)
+    download(
+        "Boxes and how they were made (ZIP)",
+        lambda: packed(written),
+        f"{safe_name(written.name)}.zip",
+        key="download_detector",
+        at=right,
+    )
+    link = docs_link("how", "never-scored-on-its-training-in-silence", doc="detectors")
+    st.caption(
+        f"It becomes Y, at the threshold {_number(started.levels.threshold)}: where the slider "
+        "stood when the run was started. With its boxes goes the record of how they were made: the "
+        f"audit says where it was trained on what it is scored on ({link})."
+    )
+
+
+def differences_of(started: RunSettings, now: RunSettings) -> list[str]:
+    """Return which settings of a run differ from those of the page by now, in words."""
+    before, after = started.spec, now.spec
+    if (before.text, before.version) != (after.text, after.version):
+        return ["another detector"]
+    names = {name for name, _ in {*before.settings} ^ {*after.settings}}
+    differences = [name.replace("_", " ") for name in sorted(names)]
+    for name, value in vars(started.levels).items():
+        value_now = getattr(now.levels, name)
+        if value != value_now:
+            differences.append(f"{name} {_number(value)} (now {_number(value_now)})")
+    if started.recordings != now.recordings:
+        differences.append("recordings")
+    return differences
+
+
+def _number(value: float) -> str:
+    return minus(f"{value:.4g}")
+
+
+def packed(written: WrittenRun) -> bytes:
+    """Return the files of a run as a ZIP archive."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+        for path in (*written.files, written.provenance):
+            archive.write(path, path.name)
+    return content.getvalue()
+
+
+def _open(job: BackgroundJob[WrittenRun], written: WrittenRun) -> None:
+    """Add the new system to what is open, as Y."""
+    opened, space, (x, y) = state.opened(), state.workspace(), state.systems()
+    live = live_session(opened.session, opened.dataset, state.params(), x=x, y=y)
+    session = with_system(
+        live,
+        opened.dataset,
+        written,
+        x=x,
+        threshold=job.key.levels.threshold,
+        is_upload=is_uploaded(space, live),
+    )
+    ask_for_page("overview")
+    is_moved = state.params() != state.session_params()
+    before = live if is_moved else opened.session
+    space.notes[BEFORE] = Before(space.n_opened + 1, before, opened.label)
+    label = f"{opened.label}, with {written.name}"
+    try:
+        open_written(space, job, lambda: state.open_session(session, label=label))
+    except NvcoreError as error:
+        store.NEXT_PAGE.pop()
+        space.notes.pop(BEFORE, None)
+        st.error(shown_error(error), icon=":material/error:")
+
+
+def draw_way_back() -> None:
+    """Draw the button that reopens what was open before the run was compared, while that is."""
+    space = state.workspace()
+    before: Before | None = space.notes.get(BEFORE)
+    if before is None or before.n_opened != space.n_opened:
+        return
+    if button(
+        f"Back to {plain(before.label)}",
+        icon=":material/arrow_back:",
+        key="before_detector",
+        help="Opens what was open before the run was compared.",
+    ):
+        try:
+            state.open_session(before.session, label=before.label)
+        except NvcoreError as error:
+            st.error(shown_error(error), icon=":material/error:")
+
+
+def with_system(
+    session: Session,
+    dataset: Dataset,
+    written: WrittenRun,
+    *,
+    x: str,
+    threshold: float,
+    is_upload: bool,
+) -> Session:
+    """Return the session with the new system as its last one and as Y.
+
+    Parameters
+    ----------
+    is_upload
+        Whether the session's files are uploads, and those of the system lie beside them.
+    """
+
+    def named(path: Path) -> str:
+        return named_in(session, path, is_upload=is_upload)
+
+    system = replace(
+        written.system,
+        path=tuple(map(named, written.files)),
+        threshold=threshold,
+        provenance=named(written.provenance),
+    )
+    others = [  # their names do not change with the files of another
+        replace(source, name=own)
+        for source, own in zip(session.systems, dataset.systems, strict=True)
+    ]
+    names = tuple(part.name for part in written.run.recordings)
+    is_part = {*names} != {*dataset.recordings["name"]}
+    return replace(
+        session,
+        systems=(*others, system),
+        x=x,
+        y=written.name,
+        only=names if is_part else session.only,
+    )

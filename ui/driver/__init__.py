@@ -42,7 +42,7 @@ PRELOADED: Final = ("ui.driver.confined",)
 """It takes half a second."""
 SIGHT: Final = "known:SIGHT"
 MADE_FILES: Final = "known:made_files"
-ASIDE: Final = "finished:ASIDE"
+ASIDE: Final = "run:ASIDE"
 ROUTES: Final = "study.routes:ROUTES"
 STUDIES: Final = "study.files:STUDIES"
 ENCOUNTER_HEAD: Final = "encounter:draw_head"

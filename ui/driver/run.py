@@ -1,35 +1,50 @@
-"""Driver page: features and estimates of the open recordings, in the background."""
+"""Driver page: features and estimates of the open recordings.
+
+Estimates that are done become what is open, whichever page the visitor is on.
+"""
 
 from __future__ import annotations
 
 import shutil
 from collections.abc import Sequence
-from pathlib import Path
+from dataclasses import replace
 from typing import Final
 
 import streamlit as st
 
-from nvcore.dataset import Dataset
 from nvcore.driver.inputs.record import EstimateRecord
+from nvcore.driver.inputs.session import DriverTable
 from nvcore.driver.writing import WrittenEstimates, write_estimates
 from nvcore.errors import InputError, NvcoreError
+from nvcore.inputs.session import Session
 from nvcore.progress import Progress
 from nvcore.wording import count_text, listed
-from ui.driver import estimator, finished
+from ui.driver import estimator
 from ui.driver.confined import EstimatorSpec, run_confined
-from ui.driver.finished import JOB, EstimateJob
-from ui.driver.known import opened_run
-from ui.jobs.progress import draw_job, draw_job_aside
-from ui.jobs.runs import new_run_folder
+from ui.driver.known import RUN as OPENED
+from ui.driver.known import OpenedRun, opened_run
+from ui.jobs.background import BackgroundJob, JobState
+from ui.jobs.picture_run import (
+    Aside,
+    PictureRun,
+    dataset_of,
+    is_uploaded,
+    named_in,
+    open_written,
+)
+from ui.jobs.progress import draw_job_aside
 from ui.session import state
-from ui.session.opening import live_session
 from ui.session.uploads import ANNOTATION_FOLDERS, check_room, count_folder, remove_folder
-from ui.session.workspace import Workspace
 from ui.shell.messages import shown_error, without_paths
-from ui.widgets.buttons import button
+from ui.shell.navigate import PAGES
+from ui.widgets.buttons import download
 from ui.widgets.text import docs_link, plain
 
-FOLDER: Final = "driver"
+RUN: Final = PictureRun[WrittenEstimates](
+    "driver_run", "estimate", "Looking at the pictures", folder="driver", has_time_left=True
+)
+PAGE: Final = "driver"
+"""Path of the page."""
 MODEL: Final = "estimator.npz"
 TITLE: Final = "Features and estimate"
 HOW_LONG: Final = (
@@ -40,46 +55,38 @@ HOW_LONG: Final = (
 COMMANDS: Final = """nvcore driver train trials.csv --features study.csv --out driver.npz
 nvcore driver estimate session.toml --model driver.npz --out seen
 nvcore app seen/session.toml"""
+_NEWS: Final = "driver_news"
+"""Key of the workspace's note on estimates that were taken over, and the page that showed it."""
+_TROUBLE: Final = "driver_trouble"
+"""Key of its note on why the last ones could not be, until the page Driver has shown it."""
 
 
 def draw(*, is_known: bool) -> None:
-    """The estimator, the recordings, and the run.
+    """Draw the choice of estimator and recordings, and the run.
 
-    Parameters
-    ----------
-    is_known
-        Whether there are estimates already: the form is then folded away, unless it is at work.
+    It is folded away if estimates are known, unless it is at work.
     """
-    job: EstimateJob | None = state.workspace().job(JOB)
     if not is_known:
         st.header(TITLE)
-        _draw_form(job)
+        _draw_form()
         return
-    with st.expander(f"{TITLE}: choose estimator and recordings", expanded=job is not None):
-        _draw_form(job)
+    with st.expander(f"{TITLE}: choose estimator and recordings", expanded=RUN.job is not None):
+        _draw_form()
 
 
-def _draw_form(job: EstimateJob | None) -> None:
+def _draw_form() -> None:
     spec = estimator.draw()
     chosen = _choose_recordings()
-    is_busy = job is not None and job.is_busy
     interpolate = st.checkbox(
         "Interpolate between the estimators of two periods",
         key="driver_interpolate",
         help="Else that of the nearest adaptation period is taken.",
     )
-    if (
-        button(
-            "Estimate",
-            icon=":material/visibility:",
-            key="driver_estimate",
-            type="primary",
-            disabled=is_busy or spec is None or not chosen,
-        )
-        and spec is not None
-        and not is_busy
-        and chosen
-    ):  # a browser can be made to click what is disabled
+    job, is_possible = RUN.job, spec is not None and bool(chosen)
+    is_clicked = RUN.start_button(
+        "Estimate", "visibility", "driver_estimate", is_possible=is_possible, type="primary"
+    )
+    if is_clicked and spec is not None:
         try:
             _start(spec, chosen, interpolate=interpolate)
         except NvcoreError as error:
@@ -89,53 +96,20 @@ def _draw_form(job: EstimateJob | None) -> None:
     if job is None:
         st.caption(state.say(HOW_LONG))
     else:
-        _draw_job(job)
-    if text := finished.trouble():
+        job.is_told = not RUN.draw(job).is_busy
+        if _is_waiting(job):
+            draw_job_aside(job, RUN.doing, until=lambda: _is_ready(job))
+    if text := _trouble():
         st.error(text, icon=":material/error:")
-
-
-def _draw_job(job: EstimateJob) -> None:
-    doing = "Looking at the pictures"
-    job_state = draw_job(job, JOB, thing="estimate", doing=doing, with_steps=True)
-    job.is_told = not job_state.is_busy
-    if finished.is_waiting(job):
-        draw_job_aside(job, doing, until=lambda: finished.is_ready(job))
-
-
-def draw_notes() -> None:
-    """What the open estimates rest on, and the files; nothing where they come from elsewhere."""
-    known = opened_run()
-    if known is None:
-        return
-    head, *lines = str(known.run).splitlines()
-    with st.expander(f"How it was estimated: {plain(head)}"):
-        st.markdown("\n".join(f"- {plain(without_paths(line))}" for line in lines))
-        columns = st.columns(3)
-        for place, path in zip(columns, known.files, strict=False):
-            place.download_button(
-                path.name,
-                path.read_bytes,
-                path.name,
-                "application/json" if path.suffix == ".json" else "text/csv",
-                on_click="ignore",
-                icon=":material/download:",
-                key=f"download_{path.stem}",
-                width="stretch",
-            )
-        st.caption(
-            f"What the columns mean: {docs_link('the files', 'the-files', doc='driver-reference')}."
-        )
+    state.workspace().notes.pop(_TROUBLE, None)
 
 
 def _choose_recordings() -> tuple[str, ...]:
-    """Those with pictures; at first those with pictures of visible light, where there are any."""
+    """Ask for recordings with pictures. Those with pictures of visible light are chosen first."""
     space, names = state.workspace(), state.recording_names()
     visible = [names[number] for number in sorted(space.visible.sources)]
-    usable = [
-        name
-        for number, name in enumerate(names)
-        if number in space.visible.sources or number in space.pictures.sources
-    ]
+    with_pictures = {*space.visible.sources, *space.pictures.sources}
+    usable = [name for number, name in enumerate(names) if number in with_pictures]
     chosen = st.multiselect(
         "Recordings",
         usable,
@@ -161,13 +135,7 @@ def _choose_recordings() -> tuple[str, ...]:
 
 
 def lost_words(estimate: EstimateRecord | None, names: Sequence[str], chosen: Sequence[str]) -> str:
-    """Which recordings lose the estimates that they have, in words; empty: none.
-
-    Parameters
-    ----------
-    names, chosen
-        All recordings, and those that are estimated anew; where none is, nothing is lost.
-    """
+    """Say which recordings (`names`) lose their estimates to a run on the chosen ones, or ""."""
     had = frozenset[str]() if estimate is None else estimate.estimated_in
     lost = [name for name in names if name in had and name not in chosen]
     if not lost or not chosen:
@@ -176,53 +144,54 @@ def lost_words(estimate: EstimateRecord | None, names: Sequence[str], chosen: Se
 
 
 def _start(spec: EstimatorSpec, names: Sequence[str], *, interpolate: bool) -> None:
-    space, opened = state.workspace(), state.opened()
-    x, y = state.systems()
-    session = live_session(opened.session, opened.dataset, state.params(), x=x, y=y)
-    dataset = opened.dataset.with_settings(session)
-    if set(names) != set(state.recording_names()):
-        dataset = dataset.only(names=names)
-    folder = new_run_folder(space, session, JOB, FOLDER)
-    try:
-        own = _copied(space, spec, folder)
-    except NvcoreError:
-        remove_folder(space, folder)
-        raise
-    space.put_job(JOB, start_job(space, own, dataset, folder, interpolate=interpolate))
-
-
-def _copied(space: Workspace, spec: EstimatorSpec, folder: Path) -> EstimatorSpec:
-    """A copy of the estimator among the files of the run: another may be sent meanwhile.
+    """Start a run with a copy of the estimator: another may be sent meanwhile.
 
     Raises
     ------
     NvcoreError
         If the file is gone, or there is no room.
     """
-    own = EstimatorSpec(folder / ANNOTATION_FOLDERS / MODEL, f"{folder.name} {spec.version}")
+    space, dataset = state.workspace(), dataset_of(names)
+    folder = RUN.new_folder()
+    target = folder / ANNOTATION_FOLDERS
+    own = EstimatorSpec(target / MODEL, f"{folder.name} {spec.version}")
     try:
         check_room(space, spec.path.stat().st_size)
         shutil.copyfile(spec.path, own.path)
+        count_folder(space, folder)
+    except NvcoreError:
+        remove_folder(space, folder)
+        raise
     except OSError as error:
+        remove_folder(space, folder)
         raise InputError(f"cannot be copied ({error.strerror})", file=spec.path.name) from error
-    count_folder(space, folder)
-    return own
-
-
-def start_job(
-    space: Workspace, spec: EstimatorSpec, dataset: Dataset, folder: Path, *, interpolate: bool
-) -> EstimateJob:
-    """Start; it ends with the session, and when the session opens something else."""
 
     def work(progress: Progress) -> WrittenEstimates:
-        run = run_confined(dataset, spec, interpolate=interpolate, progress=progress)
-        return write_estimates(run, dataset, folder / ANNOTATION_FOLDERS)
+        run = run_confined(dataset, own, interpolate=interpolate, progress=progress)
+        return write_estimates(run, dataset, target)
 
-    return EstimateJob(space, folder, spec, work)
+    RUN.start(work, key=own, folder=folder)
+
+
+def draw_notes() -> None:
+    """Draw what the open estimates rest on, and their files, if they are of this session."""
+    known = opened_run()
+    if known is None:
+        return
+    head, *lines = str(known.run).splitlines()
+    with st.expander(f"How it was estimated: {plain(head)}"):
+        st.markdown("\n".join(f"- {plain(without_paths(line))}" for line in lines))
+        columns = st.columns(3)
+        for place, path in zip(columns, known.files, strict=False):
+            key = f"download_{path.stem}"
+            download(path.name, path.read_bytes, path.name, key=key, at=place, width="stretch")
+        st.caption(
+            f"What the columns mean: {docs_link('the files', 'the-files', doc='driver-reference')}."
+        )
 
 
 def draw_missing() -> None:
-    """What is missing."""
+    """Draw what is missing."""
     text = state.say(
         "Whether the driver sees the {many} is not known yet. Press *Estimate* below: an "
         "estimator tells it from pictures of visible light. The supplied one was trained on "
@@ -232,6 +201,98 @@ def draw_missing() -> None:
 
 
 def draw_commands() -> None:
-    """The same by commands."""
+    """Draw the commands that do the same."""
     with st.expander("By the command line"):
         st.code(COMMANDS, language="console")
+
+
+def draw_aside(page: str) -> None:
+    """Draw progress or outcome of an estimate in the sidebar of a page, and the way to Driver.
+
+    Driver itself shows all of that. The news stays on the page where it came.
+    """
+    job, trouble, news = RUN.job, _trouble(), _news_on(page)
+    if page == PAGE:
+        return
+    if news:  # no toast: what reads pages aloud has no name for those
+        st.success(news, icon=":material/visibility:")
+    elif trouble and job is None:
+        text = state.say("{What} the driver sees was estimated, but cannot be taken over: ")
+        st.error(text + trouble, icon=":material/error:")
+    elif job is not None and (job.is_busy or _is_waiting(job)):
+        doing = state.say("Estimating {what} the driver sees")
+        draw_job_aside(job, doing, until=lambda: _is_ready(job))
+    elif job is not None and job.state is JobState.FAILED and not job.is_told:
+        text = state.say("{What} the driver sees could not be estimated.")
+        st.error(text, icon=":material/error:")
+    else:
+        return
+    st.page_link(PAGES / f"{PAGE}.py", label="Driver", icon=":material/arrow_forward:")
+
+
+def _news_on(page: str) -> str:
+    """Return the news of estimates that were taken over, for the page that showed it first."""
+    notes = state.workspace().notes
+    text, where = notes.get(_NEWS, ("", None))
+    if where not in (None, page) or page == PAGE:
+        notes.pop(_NEWS, None)
+        return ""
+    if text:
+        notes[_NEWS] = text, page
+    return str(text)
+
+
+def _trouble() -> str:
+    """Return why the estimates of what is open could not be taken over, or ""."""
+    space = state.workspace()
+    n_opened, text = space.notes.get(_TROUBLE, (0, ""))
+    return str(text) if n_opened == space.n_opened else ""
+
+
+def _is_waiting(job: BackgroundJob[WrittenEstimates]) -> bool:
+    """Return whether estimates wait for other work of the session, which they would end."""
+    return job.state is JobState.DONE and state.workspace().is_busy
+
+
+def _is_ready(job: BackgroundJob[WrittenEstimates]) -> bool:
+    """Return whether the run has ended and its output, if any, may be taken over."""
+    return not job.is_busy and not _is_waiting(job)
+
+
+def take_over() -> None:
+    """Make the estimates of a run that is done what is open, and rerun the page.
+
+    Frame, settings and choices stay. To be called once all widgets have been drawn: nobody's click
+    is lost.
+    """
+    job = RUN.job
+    if job is None or job.output is None or not _is_ready(job):
+        return
+    written, space, session = job.output, state.workspace(), state.opened().session
+    session = with_estimates(session, written, is_upload=is_uploaded(space, session))
+    named, spec = session.driver.detectability, job.key
+    assert named is not None
+
+    def remember() -> None:
+        files = written.features, written.detectability, written.record
+        space.notes[OPENED] = OpenedRun(named, written.run, spec, files)
+        n = count_text(len(written.run.features.recordings), "recording")
+        text = "{What} the driver sees is estimated in {n}. All pages count with it now."
+        space.notes[_NEWS] = state.say(text, n=n), None
+
+    try:
+        open_written(space, job, lambda: state.read_again(session, then=remember))
+    except NvcoreError as error:
+        space.notes[_TROUBLE] = space.n_opened, shown_error(error)
+        RUN.drop()
+        st.rerun()  # the sidebar of this run is drawn
+
+
+def with_estimates(session: Session, written: WrittenEstimates, *, is_upload: bool) -> Session:
+    """Return the session with the estimates, named as by `named_in`."""
+    paths = written.detectability, written.record
+    named = [named_in(session, path, is_upload=is_upload) for path in paths]
+    return replace(session, driver=DriverTable(*named))  # type: ignore[call-arg]
+
+
+ASIDE: Final = Aside(draw_aside, take_over, RUN.drop)

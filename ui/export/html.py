@@ -3,36 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import date
-from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 import streamlit as st
 
 from nvcore.arguments.report import MAX_CHARACTERS, Inscription
 from nvcore.comparison import Result
-from nvcore.findings import Finding
-from nvcore.inputs.session import Session
 from nvcore.params import Params
-from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress
 from nvcore.protocols import Protocol
 from nvcore.report.html import write_html_report
 from nvcore.report.sections.evidence import AT_ONCE
 from ui.export.session import public_findings, with_public_names
-from ui.jobs.background import FileJob, JobState, new_path, while_open
-from ui.jobs.progress import draw_file, draw_job, start_as_made
+from ui.jobs.picture_run import PictureRun
+from ui.jobs.progress import start_as_made
 from ui.session import state, store
 from ui.session.results import input_findings
-from ui.session.workspace import Workspace
 from ui.shell.messages import path_remover
 from ui.widgets import drawing
-from ui.widgets.buttons import button
 from ui.widgets.text import plain
 
 NAME: Final = "nvcore-report.html"
-JOB: Final = "html"
+RUN: Final = PictureRun[None]("html", "report", "Making the report", folder="html")
 LABELS: Final = {
     "title": "Title",
     "author": "Author",
@@ -41,8 +35,7 @@ LABELS: Final = {
 }
 
 
-@dataclass(frozen=True)
-class ReportKey:
+class ReportKey(NamedTuple):
     """Inputs that determine a report. `with_map` None: stability maps only for few frames."""
 
     version: str
@@ -60,10 +53,9 @@ def draw(result: Result) -> None:
         "One HTML file with verdict, charts, evidence frames, tables, all parameters and hashes of "
         "the inputs. It opens in any browser without network, and prints to PDF."
     )
-    job: FileJob | None = state.workspace().job(JOB)
-    if job is not None:
+    if (job := RUN.job) is not None:
         made = {f"html_{name}": text for name, text in vars(job.key.inscription).items()}
-        start_as_made(job, JOB, html_stability=bool(job.key.with_map), **made)
+        start_as_made(job, RUN.name, html_stability=bool(job.key.with_map), **made)
     protocol = state.protocol()
     st.caption(
         f"Protocol of the detection measures: {plain(protocol.title)}, as on the Detection page."
@@ -76,23 +68,10 @@ def draw(result: Result) -> None:
         _ask_for_map(result),
         _ask_for_first_page(),
     )
-    if button(
-        "Make the report",
-        icon=":material/description:",
-        key="make_html",
-        disabled=job is not None and job.is_busy,
-    ):
+    if RUN.start_button("Make the report", "description", "make_html"):
         _start(result, key)
         st.rerun()
-    if job is None:
-        return
-    if draw_job(job, JOB, thing="report", doing="Making the report") is not JobState.DONE:
-        return
-    size = draw_file(job, JOB)
-    if job.key == key:
-        st.caption(f"{size} It stays here until the next one.")
-    else:
-        st.warning(f"{size} It was made with other settings: make it again for those of now.")
+    RUN.draw_file(key)
 
 
 def _ask_for_map(result: Result) -> bool | None:
@@ -121,16 +100,24 @@ def _ask_for_first_page() -> Inscription:
 
 
 def _start(result: Result, key: ReportKey) -> None:
-    space = state.workspace()
-    space.drop_job(JOB)
-    pictures = replace(space.pictures, stretch=drawing.stretch())
-    public = path_remover()
-    findings = public_findings(input_findings(), public)
-    path = new_path(space, ".html")
-    job = start_job(
-        space, key, shown_result(result, public), state.opened().session, findings, path, pictures
-    )
-    space.put_job(JOB, job)
+    pictures = replace(state.workspace().pictures, stretch=drawing.stretch())
+    public, session = path_remover(), state.opened().session
+    shown, findings = shown_result(result, public), public_findings(input_findings(), public)
+    folder = RUN.new_folder()
+
+    def write(progress: Progress) -> None:
+        write_html_report(
+            shown,
+            session,
+            findings,
+            folder / NAME,
+            pictures=pictures,
+            stability=key.with_map,
+            inscription=key.inscription,
+            progress=progress,
+        )
+
+    RUN.start(write, key=key, title=NAME, folder=folder)
 
 
 def shown_result(result: Result, public: Callable[[object], str]) -> Result:
@@ -138,29 +125,3 @@ def shown_result(result: Result, public: Callable[[object], str]) -> Result:
     named = with_public_names(result, public)
     notes = tuple(public(note) for note in result.dataset.notes)
     return replace(named, dataset=replace(named.dataset, notes=notes))
-
-
-def start_job(
-    space: Workspace,
-    key: ReportKey,
-    result: Result,
-    session: Session,
-    findings: tuple[Finding, ...],
-    path: Path,
-    pictures: RecordingPictures,
-) -> FileJob:
-    """Start writing the report. Closing the session or opening other data cancels the job."""
-
-    def write(progress: Progress) -> None:
-        write_html_report(
-            result,
-            session,
-            findings,
-            path,
-            pictures=pictures,
-            stability=key.with_map,
-            inscription=key.inscription,
-            progress=progress,
-        )
-
-    return FileJob(path, NAME, write, while_open(space), key=key)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import cache, partial
 from itertools import chain
-from typing import Final
+from typing import Final, NamedTuple
 
 import streamlit as st
 
@@ -15,7 +14,6 @@ from nvcore.findings import Finding
 from nvcore.inputs.session import Session
 from nvcore.report.files import REPORT_CONTENTS, export_files, report_zip
 from nvcore.tables.boxes.matches import MATCH_COLUMNS, MATCHES
-from nvcore.tables.column import Column
 from nvcore.tables.columns import report_columns
 from nvcore.wording import listed
 from ui.export.session import (
@@ -25,11 +23,13 @@ from ui.export.session import (
     public_findings,
     with_public_names,
 )
+from ui.jobs.picture_run import is_uploaded
 from ui.session import state
 from ui.session.opening import live_session
 from ui.session.results import input_findings
 from ui.shell.messages import path_remover, shown_root
 from ui.subjects import MadeFile, contributed
+from ui.widgets.buttons import download
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
 TERMS: Final = (
@@ -37,28 +37,15 @@ TERMS: Final = (
     "{encounter} is one {one}, from the first to the last annotated frame. In a {event} one missed "
     "{one} stands out."
 )
-MIME: Final = {
-    "csv": "text/csv",
-    "json": "application/json",
-    "toml": "application/toml",
-    "parquet": "application/vnd.apache.parquet",
-}
 COLUMNS: Final = {**report_columns(), MATCHES: MATCH_COLUMNS}
 MOST_BOXES: Final = 5_000_000
-"""Boxes that are written for a download, which is made in memory."""
+"""Limit on the boxes of a download, which is made in memory."""
 MOST_NAMED: Final = 12
 """Inputs that are named one by one."""
 
 
-@dataclass(frozen=True)
-class _Report:
-    """What goes into the files.
-
-    Attributes
-    ----------
-    made
-        Files that only the app has, by their names in the session.
-    """
+class _Report(NamedTuple):
+    """Contents of the files. `made` are those that only the app has, by name in the session."""
 
     session: Session
     findings: tuple[Finding, ...]
@@ -66,12 +53,11 @@ class _Report:
 
     @property
     def inputs(self) -> dict[str, Callable[[], bytes]]:
-        """Their contents."""
         return {name: file.path.read_bytes for name, file in self.made.items()}
 
 
 def draw(result: Result) -> None:
-    """Downloads of everything, of single files, and what their columns mean."""
+    """Draw downloads of everything and of single files, and the meaning of their columns."""
     remove_paths = path_remover()
     report = _report(result, remove_paths)
 
@@ -84,15 +70,13 @@ def draw(result: Result) -> None:
         "The files that `nvcore compare --out` writes, with the parameters in the sidebar. "
         "[What they hold](metrics?doc=report)."
     )
-    st.download_button(
+    download(
         "All files (ZIP)",
         lambda: report_zip(public(), report.session, report.findings, inputs=report.inputs),
         "nvcore-report.zip",
-        "application/zip",
-        on_click="ignore",
-        type="primary",
-        icon=":material/folder_zip:",
         key="export_zip",
+        icon="folder_zip",
+        type="primary",
     )
     with st.expander("Single files"):
         _draw_files(result, report, public)
@@ -112,10 +96,9 @@ def draw(result: Result) -> None:
 def _report(result: Result, remove_paths: Callable[[object], str]) -> _Report:
     x, y = state.systems()
     session = live_session(state.opened().session, result.dataset, result.params, x=x, y=y)
-    is_upload = session.folder.is_relative_to(state.workspace().folder)
     portable = portable_session(
         session,
-        is_upload=is_upload,
+        is_upload=is_uploaded(state.workspace(), session),
         recordings=names_in_files(session, state.opened().whole),
         root=shown_root(),
     )
@@ -150,16 +133,8 @@ def _draw_files(result: Result, report: _Report, public: Callable[[], Result]) -
     contents = REPORT_CONTENTS | {name: file.meaning for name, file in report.made.items()}
     for name in files(lambda: result):
         button, text = st.columns([1, 4], vertical_alignment="center")
-        button.download_button(
-            name,
-            partial(content, name),
-            name,
-            MIME[name.rpartition(".")[2]],
-            on_click="ignore",
-            width="stretch",
-            icon=":material/download:",
-            key=f"export_{name}",
-        )
+        key = f"export_{name}"
+        download(name, partial(content, name), name, key=key, at=button, width="stretch")
         what = state.say(contents[name])
         text.markdown(f"{counts[name]:,} {what}" if name in counts else what[:1].upper() + what[1:])
 
@@ -173,25 +148,17 @@ def _draw_columns() -> None:
         key="export_columns",
         label_visibility="collapsed",
     )
+    columns = {column.name: column for column in COLUMNS[file]}
     rows = ["| Column | Unit | Meaning | Empty |", "|---|---|---|---|"]
-    for names, column in _joined(COLUMNS[file]):
-        empty = column.empty or "never"
-        texts = " | ".join(map(state.say, (column.meaning, empty)))
-        rows.append(f"| {names} | {column.unit or UNDEFINED} | {texts} |")
+    for name, column in columns.items():
+        kind, letter = name[:-2], name[-2:]
+        if letter == "_y" and f"{kind}_x" in columns:  # in the row of X
+            continue
+        has_pair = letter == "_x" and f"{kind}_y" in columns
+        names = f"`{name}`, `{kind}_y`" if has_pair else f"`{name}`"
+        meaning, empty = state.say(column.meaning), state.say(column.empty or "never")
+        rows.append(f"| {names} | {column.unit or UNDEFINED} | {meaning} | {empty} |")
     st.markdown("\n".join(rows))
-
-
-def _joined(columns: tuple[Column, ...]) -> list[tuple[str, Column]]:
-    """Columns with their names as Markdown; those of X and of Y in one row."""
-    names = {column.name for column in columns}
-    rows = []
-    for column in columns:
-        of_y = column.name[:-1] + "y"
-        if column.name.endswith("_x") and of_y in names:
-            rows.append((f"`{column.name}`, `{of_y}`", column))
-        elif not (column.name.endswith("_y") and column.name[:-1] + "x" in names):
-            rows.append((f"`{column.name}`", column))
-    return rows
 
 
 def _draw_session_note(report: _Report) -> None:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 import streamlit as st
@@ -13,24 +11,27 @@ from nvcore.comparison import Result
 from nvcore.overlay import FPS_RANGE, write_video
 from nvcore.progress import Progress
 from ui.export.frame import file_stem
-from ui.jobs.background import FileJob, JobState, new_path, while_open
-from ui.jobs.progress import draw_file, draw_job
+from ui.jobs.picture_run import PictureRun
 from ui.session import state
-from ui.session.workspace import Workspace
 from ui.widgets import drawing
-from ui.widgets.buttons import button
 from ui.widgets.text import plain
 
 LONGEST_S: Final = 120.0
-"""Of the video, not of the recording."""
+"""Longest video; the interval of the recording may be longer."""
 USUAL_S: Final = 10.0
-"""Length that is proposed."""
+"""Length of the proposed interval."""
 SPEEDS: Final = {1.0: "real time", 0.5: "half", 0.25: "quarter", 2.0: "double"}
-JOB: Final = "video"
+RUN: Final = PictureRun[None](
+    # boxes and pictures do not depend on what is estimated
+    "video",
+    "video",
+    "Making {title}",
+    folder="video",
+    outlasts=True,
+)
 
 
-@dataclass(frozen=True)
-class Interval:
+class Interval(NamedTuple):
     """Rows within the recording that are to be written, and frames per second of the video."""
 
     row_start: int
@@ -39,28 +40,24 @@ class Interval:
 
     @property
     def n_frames(self) -> int:
-        """How many frames the video has."""
+        """Number of frames of the video."""
         return self.row_stop - self.row_start
 
     @property
     def length_s(self) -> float:
-        """How long the video plays."""
+        """Duration of the video."""
         return self.n_frames / self.fps
 
 
 def draw(result: Result) -> None:
-    """The form, or how far the video is."""
+    """Draw the choice of an interval, the button that makes the video, and the video."""
     st.header("Interval as video")
-    job: FileJob | None = state.workspace().job(JOB)
-    _draw_form(result, is_busy=job is not None and job.is_busy)
-    if job is None:
-        return
-    if draw_job(job, JOB, thing="video", doing=f"Making {job.name}") is JobState.DONE:
-        st.caption(f"{draw_file(job, JOB)} It stays here until the next one.")
+    _draw_form(result)
+    RUN.draw_file()
 
 
 @st.fragment
-def _draw_form(result: Result, *, is_busy: bool) -> None:
+def _draw_form(result: Result) -> None:
     recording, frames = state.recording(), result.dataset.frame_columns
     times = result.dataset.frames["time_s"].to_numpy()[frames.rows_of(recording)]
     end = float(times[-1])
@@ -88,12 +85,7 @@ def _draw_form(result: Result, *, is_busy: bool) -> None:
     )
     if trouble:
         st.warning(trouble, icon=":material/info:")
-    if button(
-        "Make the video",
-        icon=":material/movie:",
-        key="make_video",
-        disabled=bool(trouble) or is_busy,
-    ) and not (trouble or is_busy):  # a browser can be made to click what is disabled
+    if RUN.start_button("Make the video", "movie", "make_video", is_possible=not trouble):
         _start(result, recording, interval, labels=labels)
         st.rerun()
 
@@ -101,10 +93,10 @@ def _draw_form(result: Result, *, is_busy: bool) -> None:
 def chosen_interval(
     times: np.ndarray, first_s: float, last_s: float, speed: float, fps: float
 ) -> Interval:
-    """Rows from one time to another, both included, and how fast they are shown.
+    """Return the rows from one time to another, both included, and how fast they are shown.
 
-    At a speed of 1 evaluated frames follow each other as fast as they were taken; the recording's
-    frame rate counts where there is a single frame.
+    At a speed of 1, evaluated frames follow each other as fast as they were taken. The recording's
+    frame rate counts if there is a single frame.
     """
     step = float(np.median(np.diff(times))) if len(times) > 1 else 1 / fps
     near = step / 100  # fields round to hundredths
@@ -114,7 +106,7 @@ def chosen_interval(
 
 
 def why_not(interval: Interval) -> str:
-    """Why there can be no such video, and what to change; empty: there can."""
+    """Return why there can be no such video and what to change, or ""."""
     if interval.n_frames < 1:
         return "There is no evaluated frame between these times: choose a later end."
     if interval.length_s > LONGEST_S:
@@ -126,54 +118,25 @@ def why_not(interval: Interval) -> str:
 
 
 def _start(result: Result, recording: int, interval: Interval, *, labels: bool) -> None:
-    space = state.workspace()
-    space.drop_job(JOB)
+    pictures, (lo, hi) = state.workspace().pictures, drawing.stretch()
     numbers = state.frame_numbers(recording)[interval.row_start : interval.row_stop]
     name = f"{file_stem(state.recording_names()[recording])}-{numbers[0]}-{numbers[-1]}.mp4"
-    job = start_job(
-        space,
-        result,
-        recording,
-        interval,
-        new_path(space, ".mp4"),
-        name,
-        stretch=drawing.stretch(),
-        labels=labels,
-    )
-    space.put_job(JOB, job)
-
-
-def start_job(
-    space: Workspace,
-    result: Result,
-    recording: int,
-    interval: Interval,
-    path: Path,
-    name: str,
-    *,
-    stretch: tuple[float, float],
-    labels: bool,
-) -> FileJob:
-    """Start writing; it ends with the session, and when the session opens something else."""
-    pictures, indices = space.pictures.sources, space.pictures.indices.get(recording)
-    start = int(result.dataset.frame_columns.first[recording])
+    first, folder = int(result.dataset.frame_columns.first[recording]), RUN.new_folder()
 
     def write(progress: Progress) -> None:
         write_video(
             result,
-            pictures,
+            pictures.sources,
             recording,
-            start + interval.row_start,
-            start + interval.row_stop,
-            path,
+            first + interval.row_start,
+            first + interval.row_stop,
+            folder / name,
             fps=interval.fps,
             progress=progress,
-            indices=indices,
-            lo=stretch[0],
-            hi=stretch[1],
+            indices=pictures.indices.get(recording),
+            lo=lo,
+            hi=hi,
             labels=labels,
         )
 
-    job = FileJob(path, name, write, while_open(space))
-    job.outlasts = True  # boxes and pictures do not depend on what is estimated
-    return job
+    RUN.start(write, title=name, folder=folder)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import secrets
+import shutil
 import threading
 import weakref
 from collections.abc import Callable
@@ -11,9 +11,9 @@ from enum import Enum, auto
 from pathlib import Path
 from typing import Any, Final, Generic, TypeVar
 
-from nvcore.dataset import Dataset
 from nvcore.errors import NvcoreError
 from nvcore.progress import Progress
+from ui.session.uploads import remove_folder
 from ui.session.workspace import Workspace
 
 MOST_AT_ONCE: Final = 2
@@ -26,28 +26,24 @@ _slots = threading.BoundedSemaphore(MOST_AT_ONCE)
 
 
 def while_open(space: Workspace) -> Callable[[], bool]:
-    """A function for `BackgroundJob`: whether the session still has open what it has open now.
+    """Return a function that is true as long as the session has open what it has open now.
 
     It does not hold the workspace: a thread that did would keep the session's files alive.
     """
-
-    def dataset_of(workspace: Workspace | None) -> Dataset | None:
-        return None if workspace is None or workspace.opened is None else workspace.opened.dataset
-
-    dataset = dataset_of(space)
-    if dataset is None:
+    if space.opened is None:
         return lambda: False
-    space_ref, dataset_ref = weakref.ref(space), weakref.ref(dataset)
+    space_ref, dataset_ref = weakref.ref(space), weakref.ref(space.opened.dataset)
 
     def is_wanted() -> bool:
-        current = dataset_of(space_ref())
-        return current is not None and current is dataset_ref()
+        space = space_ref()
+        opened = None if space is None else space.opened
+        return opened is not None and opened.dataset is dataset_ref()
 
     return is_wanted
 
 
 class JobState(Enum):
-    """How far a job has come."""
+    """State of a job."""
 
     WAITING = auto()
     RUNNING = auto()
@@ -57,25 +53,29 @@ class JobState(Enum):
 
     @property
     def is_busy(self) -> bool:
-        """Whether it has not ended yet."""
+        """True before it has ended."""
         return self in (JobState.WAITING, JobState.RUNNING)
 
 
 class BackgroundJob(Generic[Output]):
-    """One piece of work; starts at once, or when another has ended.
+    """One piece of work. It starts at once, or when another has ended.
 
     Attributes
     ----------
     key
-        What it is made from, so that a page can check whether it fits; None: it does not matter.
+        Inputs of the work, so that a page can check whether it fits; None: it does not matter.
+    folder, title
+        Folder that the work writes to, if any, and how pages call the work.
+    is_kept
+        True if the folder outlasts the job, since the session has opened its files.
     share, step
-        What is done, 0..1, and in words.
-    error
-        Why it failed, in words.
-    is_wanted
-        Whether the session still shows what the work is for.
+        Share of the work that is done, 0..1, and in words.
+    output, error
+        Return value of the work once it is done, or why it failed, in words.
+    is_told
+        True once its page has said how it ended.
     outlasts
-        Whether what came out is of use, too, when the same recordings are read again.
+        True if its output stays useful when the same recordings are read again.
     """
 
     def __init__(
@@ -84,79 +84,75 @@ class BackgroundJob(Generic[Output]):
         is_wanted: Callable[[], bool],
         *,
         key: Any = None,
+        title: str = "",
+        folder: Path | None = None,
+        space: Workspace | None = None,
+        outlasts: bool = False,
     ):
         """Start.
 
         Parameters
         ----------
         work
-            Is given the job's `Progress`, which ends it where it is cancelled. It must not hold
+            Receives the job's `Progress`, which ends it when it is cancelled. It must not hold
             the session's workspace, which would then never end.
         is_wanted
             False once the session has ended or shows something else: the job then ends, too.
+        space
+            Workspace whose quota the files in `folder` are counted in.
         """
-        self.key = key
+        self.key, self.folder, self.title, self.outlasts = key, folder, title, outlasts
         self.share, self.step, self.error = 0.0, "", ""
+        self.is_kept = self.is_told = False
         self.state = JobState.WAITING
-        self.is_wanted, self.outlasts = is_wanted, False
-        self._output: Output | None = None
+        self._is_wanted = is_wanted
+        self.output: Output | None = None
+        self._space: Callable[[], Workspace | None] = weakref.ref(space) if space else lambda: None
         self._stop, self._ending = threading.Event(), threading.Lock()
-        self._thread = threading.Thread(
-            target=self._run, args=(work,), name=type(self).__name__, daemon=True
-        )
+        self._thread = threading.Thread(target=self._run, args=(work,), daemon=True)
         self._thread.start()
 
     @property
     def is_busy(self) -> bool:
-        """Whether it has not ended yet."""
+        """True before it has ended."""
         return self.state.is_busy
 
     @property
-    def output(self) -> Output | None:
-        """What came out; None before that is done."""
-        return self._output if self.state is JobState.DONE else None
-
-    @property
     def is_stopping(self) -> bool:
-        """Whether it was cancelled and is still at the step at which that happened."""
+        """True if it was cancelled and has not ended yet."""
         return self.is_busy and self._stop.is_set()
 
     def cancel(self) -> None:
-        """Stop at the next step; nothing is left of the work. What is done already stays."""
+        """Stop at the next step and leave nothing. Work that is done already stays."""
         self._stop.set()
 
     def discard(self) -> None:
-        """Stop at the next step; nothing is left, even of work that is done."""
+        """Stop at the next step and leave nothing, even of work that is done."""
         self.cancel()
         with self._ending:
             if not self.is_busy:
                 self._remove()
 
     def join(self) -> None:
-        """Wait until nothing more will happen."""
+        """Wait for the end."""
         self._thread.join()
-
-    def _goes_on(self) -> bool:
-        return not self._stop.is_set() and self.is_wanted()
 
     def _progress(self, share: float, step: str) -> None:
         self.share, self.step = share, step
-        if not self._goes_on():
+        if self._stop.is_set() or not self._is_wanted():
             raise CancelledError
 
-    def _remove(self) -> None:
-        """Remove what the work left; to be overridden by jobs that leave something."""
-
     def _run(self, work: Callable[[Progress], Output]) -> None:
-        while not _slots.acquire(timeout=WAIT_S):
-            if not self._goes_on():
-                self.state = JobState.CANCELLED
-                return
-        state = JobState.FAILED  # unless it comes to an end
+        state, output = JobState.FAILED, None  # unless it comes to an end
         try:
-            self.state = JobState.RUNNING
-            self._progress(0.0, "")
-            self._output = work(self._progress)
+            while not _slots.acquire(timeout=WAIT_S):
+                self._progress(0.0, "")
+            try:
+                self.state = JobState.RUNNING
+                self._progress(0.0, "")
+                output = work(self._progress)
+            finally:
+                _slots.release()
             state = JobState.DONE
         except CancelledError:
             state = JobState.CANCELLED
@@ -164,38 +160,19 @@ class BackgroundJob(Generic[Output]):
             self.error = str(error)
         finally:
             with self._ending:
-                is_late = state is JobState.DONE and self._stop.is_set()
-                self.state = JobState.CANCELLED if is_late else state
-                if self.state is not JobState.DONE:
+                if state is JobState.DONE and self._stop.is_set():
+                    state = JobState.CANCELLED
+                if state is JobState.DONE:
+                    self.output = output
+                else:
                     self._remove()
-            _slots.release()
-
-
-FOLDER: Final = "exports"
-
-
-def new_path(space: Workspace, suffix: str) -> Path:
-    """Where the workspace has room for such a file; it is there no longer than the workspace."""
-    folder = space.folder / FOLDER
-    folder.mkdir(mode=0o700, exist_ok=True)
-    return folder / f"{secrets.token_hex(8)}{suffix}"
-
-
-class FileJob(BackgroundJob[None]):
-    """One file for download; it is at its path only once the job is done."""
-
-    def __init__(
-        self,
-        path: Path,
-        name: str,
-        write: Callable[[Progress], None],
-        is_wanted: Callable[[], bool],
-        *,
-        key: Any = None,
-    ):
-        """Start to write; see `BackgroundJob`."""
-        self.path, self.name = path, name
-        super().__init__(write, is_wanted, key=key)
+                self.state = state
 
     def _remove(self) -> None:
-        self.path.unlink(missing_ok=True)
+        space = self._space()
+        if self.folder is None or self.is_kept:
+            return
+        if space is None:
+            shutil.rmtree(self.folder, ignore_errors=True)
+        else:
+            remove_folder(space, self.folder)

@@ -16,16 +16,16 @@ from ui.session.results import cached_miss_rate, comparison_key
 KIND: Final = "companions"
 MOST: Final = 4
 QUICK_BOXES: Final = 50_000
-"""Up to so many boxes it takes a fraction of a second and is done at once."""
+"""Number of boxes up to which it takes a fraction of a second and is done at once."""
 
 
 def is_quick(result: Result) -> bool:
-    """Whether the companions are computed at once."""
+    """Return whether the companions are computed at once."""
     return len(result.dataset.boxes) <= QUICK_BOXES
 
 
 def wait_for_companions(result: Result, evidence: pd.DataFrame) -> Companions | None:
-    """The companions of the comparison; None while they are computed in the background."""
+    """Return the companions of the comparison, or None while they are computed."""
     protocol = state.protocol()  # not to be asked in the background
     miss_rate = cached_miss_rate(state.cached, result, find_units(result), protocol)
     computation = Computation(

@@ -1,9 +1,10 @@
-"""Values that a page shows at once where they are quickly made, else makes in the background."""
+"""Values that a page computes at once if that is quick, else in the background."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Generic
 
 from nvcore.progress import Progress, no_progress
@@ -14,7 +15,7 @@ from ui.session import state
 
 @dataclass(frozen=True)
 class Computation(Generic[Output]):
-    """How a value is made, for which key, and what a sentence calls it (see `draw_job`)."""
+    """Computation of a value for a key, and its name in sentences (see `draw_job`)."""
 
     kind: str
     key: Any
@@ -29,7 +30,7 @@ class Computation(Generic[Output]):
         space.put_job(self.kind, BackgroundJob(self.compute, while_open(space), key=self.key))
 
     def draw(self, *, is_quick: bool) -> tuple[Output | None, bool]:
-        """The value, None until computed, and whether the page should offer to `start` it."""
+        """Return the value, None until computed, and whether the page should offer to `start`."""
         space = state.workspace()
         job: BackgroundJob[Output] | None = space.job(self.kind)
         if job is not None and job.key == self.key:
@@ -41,7 +42,5 @@ class Computation(Generic[Output]):
                 return output, False
         if not is_quick and state.known(self.kind, self.key) is None:
             return None, True
-        result = state.cached(
-            self.kind, self.key, lambda: self.compute(no_progress), most=self.most
-        )
-        return result, False
+        make = partial(self.compute, no_progress)
+        return state.cached(self.kind, self.key, make, most=self.most), False

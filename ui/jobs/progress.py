@@ -1,4 +1,4 @@
-"""How far a job in the background is, how it ended, and its file: the same on every page."""
+"""Progress of a job in the background and how it ended: the same on every page."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, Final
 import streamlit as st
 
 from nvcore.wording import percent
-from ui.jobs.background import BackgroundJob, FileJob, JobState
+from ui.jobs.background import BackgroundJob, JobState
 from ui.session import store
 from ui.widgets.text import plain
 
@@ -16,11 +16,10 @@ POLL_S: Final = 0.4
 NO_TIME_YET: Final = "estimating how long it takes"
 """While nothing is done."""
 WAITS: Final = "It is done, and waits until other work in this tab has ended"
-MIME: Final = {".html": "text/html", ".mp4": "video/mp4"}
 
 
 def start_as_made(job: BackgroundJob[Any], kind: str, **choices: object) -> None:
-    """Give the widgets of these keys the values of the job, before they are drawn.
+    """Set the widgets of these keys to the values of the job, before they are drawn.
 
     Only when the session sees the job for the first time: after a reload of the page the session
     is new, its widgets have lost their values, and the job goes on.
@@ -34,10 +33,10 @@ def start_as_made(job: BackgroundJob[Any], kind: str, **choices: object) -> None
 def draw_job(
     job: BackgroundJob[Any], kind: str, *, thing: str, doing: str, with_steps: bool = False
 ) -> JobState:
-    """Progress with a button to cancel, or why there is nothing; how far the job was.
+    """Draw progress with a button to cancel, or why there is no output. Return how far it was.
 
-    Sentences call the output `thing` ("report"), and begin with `doing` ("Making the report");
-    with `with_steps` they end with what the work says of itself, such as the time left.
+    Sentences call the output `thing` ("report"), and begin with `doing` ("Making the report").
+    With `with_steps` they end with the steps of the work, such as the time left.
     """
     job_state = job.state  # once: it may end meanwhile
     if job_state.is_busy:
@@ -65,13 +64,7 @@ def _draw_progress(job: BackgroundJob[Any], kind: str, doing: str, *, with_steps
 
 @st.fragment(run_every=POLL_S)
 def draw_job_aside(job: BackgroundJob[Any], doing: str, *, until: Callable[[], bool]) -> None:
-    """Progress of a job of another page; the page that is shown runs again when it is time.
-
-    Parameters
-    ----------
-    until
-        Whether what comes out can be taken over; a job that is done waits for that.
-    """
+    """Draw progress of a job of another page. Rerun once `until` it can be taken over."""
     if until():
         st.rerun()
     words = _words(job, doing, with_steps=True) if job.is_busy else WAITS
@@ -88,19 +81,3 @@ def _words(job: BackgroundJob[Any], doing: str, *, with_steps: bool) -> str:
         return words
     steps = filter(None, (plain(job.step), "" if job.share else NO_TIME_YET))
     return f"{words} ({'; '.join(steps)})"
-
-
-def draw_file(job: FileJob, kind: str) -> str:
-    """The button that downloads the file of a job that is done; its size, in words."""
-    path = job.path  # the callable must not hold the job, which holds the pictures
-    st.download_button(
-        job.name,
-        lambda: path.open("rb"),
-        job.name,
-        MIME[path.suffix],
-        on_click="ignore",
-        icon=":material/download:",
-        type="primary",
-        key=f"{kind}_download",
-    )
-    return f"{path.stat().st_size / 1e6:.1f} MB."

@@ -24,7 +24,7 @@ from nvcore.pictures.base import Pictures
 from nvcore.pictures.recordings import RecordingPictures
 from ui.access.people import owner_of_session
 from ui.confined.pictures import PictureProcess
-from ui.confined.process import MODELS, SteadyProcess
+from ui.confined.process import MODELS, Process
 from ui.session.lifetime import end_with_session, new_folder, of_session
 
 T = TypeVar("T")
@@ -244,7 +244,7 @@ class Workspace(Caching):
         self._all_visible = RecordingPictures()
         self.lock = threading.Lock()
         self.picture_process = PictureProcess()
-        self.model_process = SteadyProcess(MODELS)
+        self.model_process = Process(MODELS)
         self.picture_turns = CapacityLimiter(MOST_AT_ONCE)
         self.stored: dict[PurePosixPath, Stored] = {}
         self.form = 0

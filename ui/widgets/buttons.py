@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, Final
 
 import streamlit as st
 
@@ -31,3 +32,37 @@ def submit_button(
     draw = st.form_submit_button if at is None else at.form_submit_button
     draw(label, key=key, on_click=keep_click, args=(key, label), **options)
     return bool(take_click(key) == label)
+
+
+MIME: Final = {
+    "csv": "text/csv",
+    "html": "text/html",
+    "json": "application/json",
+    "mp4": "video/mp4",
+    "parquet": "application/vnd.apache.parquet",
+    "toml": "application/toml",
+    "zip": "application/zip",
+}
+
+
+def download(
+    label: str,
+    content: Callable[[], Any],
+    name: str,
+    *,
+    key: str,
+    at: DeltaGenerator | None = None,
+    icon: str = "download",
+    **options: Any,
+) -> None:
+    """Draw a button that downloads a file of this name. The content is made on the click."""
+    (st if at is None else at).download_button(
+        label,
+        content,
+        name,
+        MIME[name.rpartition(".")[2]],
+        on_click="ignore",
+        icon=f":material/{icon}:",
+        key=key,
+        **options,
+    )

@@ -7,9 +7,12 @@ import os
 import subprocess
 import sys
 import time
+from concurrent.futures import CancelledError
+from contextlib import closing
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from pathlib import Path
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -20,9 +23,10 @@ from places import ROOT
 
 from nvcore.errors import InputError, MediaError, MissingFactError
 from nvcore.inputs.load import load
+from nvcore.progress import Progress
 from ui.confined import process as confined
 from ui.confined.pictures import PictureProcess
-from ui.confined.process import Allowance, Process, SteadyProcess, call
+from ui.confined.process import Allowance, Process, call
 
 OOM_SCORE = Path("/proc/self/oom_score_adj")
 ENOUGH = Allowance(memory_mb=1000, seconds=300)
@@ -68,8 +72,7 @@ def large() -> tuple[np.ndarray, np.ndarray, str]:
 
 @pytest.mark.skipif(not hasattr(os, "memfd_create"), reason="memory is shared on Linux only")
 def test_large_arrays_come_in_shared_memory_and_not_through_the_socket():
-    other = Process(ENOUGH)
-    try:
+    with closing(Process(ENOUGH)) as other:
         numbers, halves, text = other.call(large, what="making")
         assert np.array_equal(numbers, np.arange(4_000_000))
         assert halves.shape == (100_001,)
@@ -77,8 +80,6 @@ def test_large_arrays_come_in_shared_memory_and_not_through_the_socket():
         assert text == "beside them"
         assert not numbers.flags.writeable  # what is mapped, rather than copied, is read-only
         assert other.call(process_id, what="asking") != os.getpid()  # and it goes on to answer
-    finally:
-        other.end()
     assert int(numbers[-1]) == 3_999_999  # the memory outlives the process
 
 
@@ -103,6 +104,55 @@ def test_too_much_time_and_a_fault_are_errors_in_words():
         call(end, allowance=ENOUGH, what="reading")
 
 
+def work(steps: list[float], *, progress: Progress) -> str:
+    for share in steps:
+        progress(share, f"{share:.0%} done")
+    return "done"
+
+
+def say_nothing(*, progress: Progress) -> None:
+    time.sleep(1000)
+
+
+def test_a_call_tells_its_progress_and_ends_with_who_does_not_want_it():
+    told = []
+    with_progress = {"what": "working", "progress": lambda *step: told.append(step)}
+    assert call(work, [0.25, 0.5], allowance=ENOUGH, **with_progress) == "done"
+    assert dict.fromkeys(told) == dict.fromkeys([(0.0, ""), (0.25, "25% done"), (0.5, "50% done")])
+
+    def cancel(*_: object) -> None:
+        raise CancelledError
+
+    with closing(Process(ENOUGH)) as process:
+        before = process.call(process_id, what="asking")
+        with pytest.raises(CancelledError):
+            process.call(say_nothing, what="working", progress=cancel)
+        assert process.call(process_id, what="asking") != before
+
+
+def stand_still(*, progress: Progress) -> None:
+    for number in range(10):
+        progress(0.5, f"try {number}")
+
+
+def test_a_call_with_progress_may_take_long_but_not_stand_still(monkeypatch: pytest.MonkeyPatch):
+    told: set[tuple[float, str]] = set()
+    # each step takes 200 s
+    clock = SimpleNamespace(monotonic=lambda: 200 * len(told))
+    monkeypatch.setattr(confined, "time", clock)
+
+    def tell(*step: float | str) -> None:
+        told.add(step)
+
+    steps = [number / 10 for number in range(10)]
+    assert call(work, steps, allowance=ENOUGH, what="working", progress=tell) == "done"
+    with pytest.raises(InputError, match="working stood still for 300 s, and was stopped"):
+        call(stand_still, allowance=ENOUGH, what="working", progress=tell)
+    monkeypatch.undo()
+    with pytest.raises(InputError, match=r"working stood still for 0\.1 s, and was stopped"):
+        call(say_nothing, allowance=Allowance(1000, 0.1), what="working", progress=tell)
+
+
 def mistake() -> None:
     raise TypeError("'>' not supported")
 
@@ -112,15 +162,11 @@ def no_room() -> None:
 
 
 def test_a_fault_of_the_program_is_told_as_such():
-    process = SteadyProcess(ENOUGH)
-    try:
-        with pytest.raises(
-            InputError, match=r"ended in a fault of the program \(TypeError: '>' not"
-        ):
+    words = r"ended in a fault of the program \(TypeError: '>' not"
+    with closing(Process(ENOUGH)) as process:
+        with pytest.raises(InputError, match=words):
             process.call(mistake, what="reading")
         assert process.call(process_id, what="asking") != os.getpid()
-    finally:
-        process.close()
 
 
 def test_memory_that_the_system_refuses_is_told_as_such():
@@ -171,8 +217,7 @@ def test_errors_keep_what_they_say():
 
 
 def test_pictures_are_those_of_the_video(tmp_path: Path):
-    process = PictureProcess()
-    try:
+    with closing(PictureProcess()) as process:
         pictures = process.open(write_numbered_video(tmp_path / "a.mp4"))
         assert (pictures.n, pictures.is_video, pictures.fps) == (100, True, 20.0)
         assert [number_in(pictures.read(index)) for index in (3, 99, 0)] == [3, 99, 0]
@@ -186,29 +231,26 @@ def test_pictures_are_those_of_the_video(tmp_path: Path):
         write_picture(tmp_path / "b" / "I07.png", numbered(7))
         assert process.open(tmp_path / "b").file_names([0]) == ["I07.png"]
         pictures.close()
-    finally:
-        process.close()
 
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is limited on Linux only")
 def test_a_picture_that_fills_the_memory_ends_neither_the_server_nor_the_others(tmp_path: Path):
-    cv2.imwrite(str(tmp_path / "large.png"), np.zeros((9000, 9000, 4), np.uint16))
+    large = np.zeros((7000, 7000, 4), np.uint16)
+    cv2.imwrite(str(tmp_path / "large.png"), large, [cv2.IMWRITE_PNG_COMPRESSION, 1])
     cv2.imwrite(str(tmp_path / "small.png"), np.full((20, 30), 9, np.uint8))
-    process = PictureProcess(Allowance(memory_mb=300, seconds=300))
-    try:
+    with closing(PictureProcess(Allowance(memory_mb=300, seconds=300))) as process:
         small = process.open(tmp_path / "small.png")
         with pytest.raises(MediaError):
             process.open(tmp_path / "large.png")
         assert small.read(0).tolist() == np.full((20, 30), 9).tolist()
-    finally:
-        process.close()
 
 
 def test_what_is_under_way_ends_with_a_server_that_is_killed():
     script = (
         "import time\nfrom ui.confined.process import *\n"
         "process = Process(Allowance(memory_mb=100, seconds=600))\n"
-        "print(process._number, flush=True)\nprocess.call(time.sleep, 600, what='waiting')\n"
+        "print(process.call(os.getpid, what='asking'), flush=True)\n"
+        "process.call(time.sleep, 600, what='waiting')\n"
     )
     with subprocess.Popen(
         [sys.executable, "-c", script], cwd=ROOT, stdout=subprocess.PIPE, text=True

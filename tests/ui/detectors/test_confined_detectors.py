@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from nvcore.detectors.base import DetectorError
 from nvcore.detectors.icf.displays import MOST_CELLS
 from nvcore.detectors.registry import open_detector
 from nvcore.errors import InputError, ParameterError
-from ui.confined.process import MODELS, Allowance, SteadyProcess
+from ui.confined.process import MODELS, Allowance, Process
 from ui.detectors.confined import (
     ConfinedDetector,
     DetectorSpec,
@@ -33,9 +34,8 @@ def test_several_threads_get_what_the_detector_gives(model: Path):
     pictures = [small_icf.scene(number).picture for number in range(4)]
     own = open_detector(model, {"stride": 2})
     confined = ConfinedDetector(DetectorSpec(str(model), "1", (("stride", 2),)), own.about)
-    with ThreadPoolExecutor(2) as pool:
+    with ThreadPoolExecutor(2) as pool, closing(confined):
         answers = [*pool.map(confined.detect, pictures)]
-    confined.close()
     for picture, answer in zip(pictures, answers, strict=True):
         expected = own.detect(picture)
         assert len(expected) > 0
@@ -46,14 +46,15 @@ def test_several_threads_get_what_the_detector_gives(model: Path):
 def test_what_takes_too_long_is_stopped_in_words(model: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("ui.detectors.confined.MODELS", Allowance(memory_mb=3000, seconds=0.001))
     spec = DetectorSpec(str(model))
-    confined = ConfinedDetector(spec, open_detector(model).about)
-    with pytest.raises(InputError, match=r"running the detector took more than 0\.001 s"):
+    with (
+        closing(ConfinedDetector(spec, open_detector(model).about)) as confined,
+        pytest.raises(InputError, match=r"running the detector took more than 0\.001 s"),
+    ):
         confined.detect(small_icf.scene(0).picture)
-    confined.close()
 
 
 def test_a_detector_that_cannot_be_opened_says_so():
-    process = SteadyProcess(MODELS)
+    process = Process(MODELS)
     with pytest.raises(DetectorError, match="did you mean 'hog"):
         process.call(describe, DetectorSpec("hogg"), what="opening")
     assert process.call(describe, DetectorSpec("hog"), what="opening").inside is None
@@ -72,7 +73,7 @@ def test_a_box_is_followed_over_the_trees(model: Path):
 
 def test_a_map_in_the_other_process_is_small_and_a_scale_without_a_window_is_said(model: Path):
     spec = DetectorSpec(str(model), "1", (("stride", 1),))
-    process = SteadyProcess(MODELS)
+    process = Process(MODELS)
     picture = np.tile(small_icf.scene(0).picture, (4, 4))
     windows = process.call(score_map, spec, picture, 1.5, what="looking")
     assert windows.n_windows == (426 - 16 + 1) * (320 - 32 + 1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from concurrent.futures import CancelledError
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,6 @@ from streamlit.testing.v1 import AppTest
 from nvcore.auditing import audit
 from nvcore.dataset.provenance import read_provenance
 from nvcore.detectors.icf.model_file import fingerprint, from_bytes
-from nvcore.errors import InputError
 from nvcore.findings import Severity
 from pages import (
     FRAMES,
@@ -29,9 +29,9 @@ from pages import (
     write,
 )
 from ui.access.files import LocalRoot
-from ui.detectors import finished, run, trial
+from ui.detectors import run, trial
 from ui.detectors.confined import DetectorSpec
-from ui.session.store import DETECTOR_BOX, DETECTOR_LEVELS
+from ui.session.store import DETECTOR_BOX, DETECTOR_LEVELS, NEXT_PAGE
 from ui.widgets.models import models_below
 
 PEOPLE = {"recording": "urban_crossing", "frame": "120"}
@@ -47,11 +47,14 @@ def send(page: AppTest, name: str, content: bytes) -> AppTest:
     return checked(page.run())
 
 
-def parts(**address: str) -> AppTest:
-    """The choice, the frame, and the run."""
+def parts(detector: str = "", **address: str) -> AppTest:
+    """The choice, of this detector if any is named, the frame, and the run."""
     on_screen = "None if spec is None else ui.detectors.frame.draw(spec)"
     calls = "spec = ui.detectors.choose.draw()", f"ui.detectors.run.draw_last({on_screen})"
-    return checked(part(*calls, **address).run())
+    page = part(*calls, **address)
+    if detector:
+        page.session_state["detector"] = detector
+    return checked(page.run())
 
 
 def with_model(model: bytes) -> AppTest:
@@ -87,23 +90,15 @@ def timed(page: AppTest) -> AppTest:
     """The page on one recording, its run timed."""
     checked(recordings(page).set_value(["urban_crossing"]).run())
     press(page, "time_detector")
-    job(page, run.TIMING).join()
+    job(page, run.TIMING.name).join()
     return checked(page.run())
 
 
-def with_hog() -> AppTest:
-    return checked(parts(**PEOPLE).selectbox(key="detector").set_value("hog").run())
-
-
-def test_the_sample_begins_with_the_detector_of_its_drawings():
+def test_the_sample_begins_with_a_detector_whose_training_is_marked_and_not_chosen():
     page = parts(**PEOPLE)
     assert page.selectbox(key="detector").value == "icf:sample"
     assert "That is 7 of the 10 open recordings" in texts(page)
     assert counts(page)[1] > 0
-
-
-def test_recordings_of_the_training_are_marked_and_not_chosen_at_first():
-    page = parts(**PEOPLE)
     unseen = ["urban_sidewalk", "rural_cyclist", "odd_pose"]
     assert recordings(page).value == unseen
     assert "trained on this frame" in texts(page)
@@ -124,8 +119,8 @@ def test_a_detector_that_has_seen_all_recordings_is_run_over_all():
     assert "Trained on all that is chosen: summer_night. Figures on them say" in texts(page)
 
 
-def test_a_built_in_detector_is_tried_on_the_current_frame():
-    page = with_hog()
+def test_a_built_in_detector_is_tried_on_the_current_frame_and_a_clicked_box_is_described():
+    page = parts("hog", **PEOPLE)
     (heading,) = headings(page)
     assert heading.startswith("HOG on frame 120")
     assert "the truth has 4" in heading
@@ -134,8 +129,12 @@ def test_a_built_in_detector_is_tried_on_the_current_frame():
     checked(slider(page, "Threshold").set_value(-1.0).run())
     n_before, n_after = counts(page)
     assert 0 < n_after < n_before
+    assert "Click the mark in the middle of a box" in texts(page)
+    page.session_state[DETECTOR_BOX.key] = (DetectorSpec("hog"), page.session_state["place"]), 0
     checked(slider(page, "Overlap").set_value(1.0).run())
     assert counts(page) == (n_before, n_before)
+    pattern = r"\*\*Chosen box:\*\* score \S+, \d+ × \d+ px, IoU with the truth \S+: \w+"
+    assert re.search(pattern, texts(page))
     # both stay while other frames are looked at
     (frame,) = [field for field in page.number_input if field.label == "Frame"]
     checked(frame.set_value(121).run())
@@ -152,19 +151,10 @@ def test_what_the_comparison_would_make_of_the_boxes_stands_beside_them():
     assert [metric.value for metric in page.metric][2:] == ["1", "0", "0"]
 
 
-def test_a_box_that_was_clicked_is_described():
-    page = with_hog()
-    checked(slider(page, "Threshold").set_value(-1.0).run())
-    assert "Click the mark in the middle of a box" in texts(page)
-    place = page.session_state["place"]
-    page.session_state[DETECTOR_BOX.key] = (DetectorSpec("hog"), place), 0
-    checked(page.run())
-    pattern = r"\*\*Chosen box:\*\* score \S+, \d+ × \d+ px, IoU with the truth \S+: \w+"
-    assert re.search(pattern, texts(page))
-
-
-def test_settings_are_the_detectors_own_and_a_wrong_one_is_said():
-    page = with_hog()
+def test_settings_and_training_are_the_detectors_own_and_what_the_page_is_told(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    page = parts("hog", **PEOPLE)
     items = [*page.number_input, *page.toggle, *page.selectbox]
     fields = {item.label: item for item in items}
     assert {"Stride", "Scale step", "Upscale", "Padding", "Person box"} <= {*fields}
@@ -175,6 +165,23 @@ def test_settings_are_the_detectors_own_and_a_wrong_one_is_said():
     (stride,) = [field for field in page.number_input if field.label == "Stride"]
     checked(stride.set_value(16).run())
     assert page.metric
+    (trained,) = [box for box in page.multiselect if box.label.startswith("Also trained on")]
+    checked(trained.set_value(["rural_road"]).run())
+    timed(page)
+    abouts = []
+
+    def start(detector, *_: object, **__: object) -> None:
+        abouts.append(detector.about)
+        raise CancelledError
+
+    monkeypatch.setattr(run, "run_detector", start)
+    press(page, "run_detector")
+    cancelled = job(page, run.RUN.name)
+    cancelled.join()
+    assert [part.recording for part in abouts[0].trained_on] == ["rural_road"]
+    assert abouts[0].settings["stride"] == 16
+    assert "Cancelled. No run was made." in texts(checked(page.run()))
+    assert not cancelled.folder.exists()
 
 
 def test_a_sent_model_is_described_and_shows_its_inside(model: bytes):
@@ -199,34 +206,29 @@ def test_a_sent_model_is_described_and_shows_its_inside(model: bytes):
     assert {"Scales", "Stride", "Cascade", "Overlap of"} <= labels
 
 
-def test_model_and_recordings_stay_when_one_comes_back_from_another_page(model: bytes):
-    page = send(checked(opened("detectors", is_folded=True, **PEOPLE)), "bars.npz", model)
+def test_detector_and_recordings_stay_when_one_comes_back_from_another_page():
+    page = checked(opened("detectors", is_folded=True, **PEOPLE))
+    checked(page.selectbox(key="detector").set_value("hog").run())
     checked(recordings(page).set_value(["odd_pose"]).run())
-    checked(to_page(page, "metrics"))
-    checked(to_page(page, "detectors"))
-    assert page.selectbox(key="detector").value.startswith("sent ")
+    checked(to_page(checked(to_page(page, "metrics")), "detectors"))
+    assert page.selectbox(key="detector").value == "hog"
     assert recordings(page).value == ["odd_pose"]
-    assert headings(page)[0].startswith("bars on frame 120")
+    assert headings(page)[0].startswith("HOG on frame 120")
 
 
-@pytest.mark.parametrize(
-    ("content", "words"),
-    [
-        (b"PK\3\4 and so on", "bars.npz: is not a detector that nvcore train wrote, or is damaged"),
-        (
-            b"frame,x,y\n",
-            "bars.npz: is text, no model; send a model that nvcore train wrote (.npz)",
-        ),
-        (b"\x08\x08\x12\x04nvco", "those of visitors do not run here"),
-    ],
-)
-def test_what_is_no_model_is_refused_in_words(content: bytes, words: str):
-    page = send(parts(**PEOPLE), "bars.npz", content)
-    assert words in texts(page)
-    assert "model-detector" not in texts(page)
-    assert str(page.session_state["workspace"].folder) not in texts(page)
-    checked(page.selectbox(key="detector").set_value("hog:daimler").run())
-    assert headings(page)[0].startswith("HOG Daimler on frame 120")
+def test_what_is_no_model_is_refused_in_words():
+    page = checked(part("ui.detectors.choose.draw()").run())
+    for content, words in {
+        b"PK\3\4 and so on": "bars.npz: is not a detector that nvcore train wrote, or is damaged",
+        b"frame,x,y\n": "bars.npz: is text, no model; send a model that nvcore train wrote (.npz)",
+        b"\x08\x08\x12\x04nvco": "those of visitors do not run here",
+    }.items():
+        shown = texts(send(page, "bars.npz", content))
+        assert words in shown
+        assert "model-detector" not in shown
+        assert str(page.session_state["workspace"].folder) not in shown
+    shown = texts(checked(page.selectbox(key="detector").set_value("hog:daimler").run()))
+    assert "Detects the class" in shown
 
 
 def test_networks_are_run_from_the_local_folder_alone(
@@ -238,8 +240,7 @@ def test_networks_are_run_from_the_local_folder_alone(
     (tmp_path / "notes.txt").write_text("no model")
     assert models_below(LocalRoot(tmp_path), (".npz", ".onnx")) == ["bars.npz", "models/blob.onnx"]
     monkeypatch.setenv("NVCORE_LOCAL_ROOT", str(tmp_path))
-    page = parts(**PEOPLE)
-    checked(page.selectbox(key="detector").set_value("local models/blob.onnx").run())
+    page = parts("local models/blob.onnx", **PEOPLE)
     assert headings(page)[0].startswith("blob on frame 120")
     assert slider(page, "Threshold").value == pytest.approx(0.25)
     assert counts(page)[1] > 0
@@ -265,13 +266,13 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(
     assert "300 pictures of 1 recording on" in texts(page)
     levels = page.session_state[DETECTOR_LEVELS.key]
     press(page, "run_detector")
-    done = job(page, finished.RUN)
+    done = job(page, run.RUN.name)
     done.join()
     checked(page.run())
     assert "**bars**: " in texts(page)
     assert "in 300 pictures of 1 recording" in texts(page)
     assert "Run over urban_crossing." in texts(page)
-    assert finished.packed(done.output).startswith(b"PK")
+    assert run.packed(done.output).startswith(b"PK")
     own = fingerprint(from_bytes(model, "bars.npz"))
     record = read_provenance(done.output.provenance, "provenance.json").about
     assert record.settings["overlap"] == 0.3
@@ -291,9 +292,9 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(
     assert "expected" in page.error[0].value
     assert "**bars**: " in texts(page)
     space = page.session_state["workspace"]
-    page = press(checked(opened("detectors", is_folded=True, space=space)), "compare_detector")
+    press(page, "compare_detector")
+    assert page.session_state[NEXT_PAGE.key] == "overview"
     session, dataset = space.opened.session, space.opened.dataset
-    assert page.title[0].value == "Overview"
     assert space.opened.label == "Sample recordings, with bars"
     assert dataset.compared() == ("FIR", "bars")
     assert dataset.systems == ("FIR", "NIR", "NIR 2", "bars")
@@ -302,43 +303,9 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(
     assert len(dataset.system("bars")) == done.output.run.n_boxes
     (finding,) = [item for item in audit(dataset) if item.code == "trained-on-tested"]
     assert finding.severity is Severity.ERROR
-    assert finding.message in texts(checked(to_page(page, "data")))
     # and back
-    press(checked(to_page(page, "detectors")), "before_detector")
+    page = checked(part("ui.detectors.run.draw_way_back()", space=space).run())
+    press(page, "before_detector")
     assert space.opened.label == "Sample recordings"
     assert space.opened.dataset.systems == ("FIR", "NIR", "NIR 2")
     assert [button.key for button in page.button if button.key == "before_detector"] == []
-
-
-def test_what_it_was_trained_on_may_be_said_on_the_page(monkeypatch: pytest.MonkeyPatch):
-    page = with_hog()
-    (trained,) = [box for box in page.multiselect if box.label.startswith("Also trained on")]
-    checked(trained.set_value(["rural_road"]).run())
-    timed(page)
-    abouts = []
-
-    def start(space, key, about, levels, dataset, pictures, folder, x):
-        abouts.append(about)
-        raise InputError("enough")
-
-    monkeypatch.setattr(run, "start_job", start)
-    page.button(key="run_detector").click().run()
-    assert [part.recording for part in abouts[0].trained_on] == ["rural_road"]
-
-
-def test_a_cancelled_run_leaves_nothing(model: bytes, monkeypatch: pytest.MonkeyPatch):
-    page = timed(with_model(model))
-    folders: list[Path] = []
-    start = run.start_job
-
-    def cancelled(space, key, about, levels, dataset, pictures, folder, x):
-        folders.append(folder)
-        begun = start(space, key, about, levels, dataset, pictures, folder, x)
-        begun.cancel()
-        begun.join()
-        return begun
-
-    monkeypatch.setattr(run, "start_job", cancelled)
-    press(page, "run_detector")
-    assert "Cancelled. No run was made." in texts(page)
-    assert [folder.exists() for folder in folders] == [False]

@@ -13,7 +13,7 @@ from nvcore.detectors.run import DetectorRun, RecordingRun
 from nvcore.detectors.writing import write_detections
 from nvcore.inputs.load import load
 from ui.detectors.confined import DetectorSpec
-from ui.detectors.finished import FOLDER, OnScreen, RunKey, differences_of, with_system
+from ui.detectors.run import RunSettings, differences_of, with_system
 from ui.detectors.trial import Levels
 from ui.export.session import inputs_beside, portable_session
 from ui.session.uploads import ANNOTATION_FOLDERS
@@ -31,7 +31,7 @@ def test_the_system_of_an_upload_lies_beside_its_files(tmp_path: Path):
     name = dataset.recordings["name"].iloc[0]
     frames = dataset.frame_columns.frame[dataset.frame_columns.rows_of(0)].astype(np.int64)
     run = DetectorRun(ABOUT, (RecordingRun(name, boxes, frames, len(frames)),), 1.0)
-    target = folder / f"{FOLDER}-3" / ANNOTATION_FOLDERS
+    target = folder / "detector-3" / ANNOTATION_FOLDERS
     target.mkdir(parents=True)
     written = write_detections(run, dataset, target)
     x, y = dataset.systems
@@ -54,11 +54,11 @@ def test_the_system_of_an_upload_lies_beside_its_files(tmp_path: Path):
 
 def test_what_is_set_in_another_way_since_the_run_began_is_named():
     spec = DetectorSpec("hog", "", (("stride", 16),))
-    started = OnScreen(RunKey(spec, ("a", "b")), Levels(-0.5, 0.5))
+    started = RunSettings(spec, ("a", "b"), Levels(-0.5, 0.5))
     assert differences_of(started, started) == []
-    key = RunKey(DetectorSpec("hog", "", (("person_box", True),)), ("a",))
-    assert differences_of(started, OnScreen(key, Levels(0.25, 0.5))) == [
+    now = RunSettings(DetectorSpec("hog", "", (("person_box", True),)), ("a",), Levels(0.25, 0.5))
+    assert differences_of(started, now) == [
         "person box", "stride", "threshold −0.5 (now 0.25)", "recordings",
     ]  # fmt: skip
-    other = OnScreen(RunKey(DetectorSpec("hog:daimler"), ("a", "b")), Levels(-0.5, 0.5))
+    other = started._replace(spec=DetectorSpec("hog:daimler"))
     assert differences_of(started, other) == ["another detector"]

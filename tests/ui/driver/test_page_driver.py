@@ -22,7 +22,7 @@ from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.driver.writing import WrittenEstimates
 from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source
-from nvcore.pictures.recordings import RecordingPictures
+from nvcore.report.verdict import verdict
 from pages import (
     FRAMES,
     TIMEOUT_S,
@@ -40,8 +40,7 @@ from pages import (
     write,
 )
 from ui.driver import run
-from ui.driver.finished import with_estimates
-from ui.driver.run import lost_words
+from ui.driver.run import lost_words, with_estimates
 from ui.jobs.background import BackgroundJob, while_open
 from ui.session import state, uploads
 from ui.session.store import DRIVER_REGION, ENCOUNTER
@@ -140,8 +139,7 @@ def test_at_unequal_operating_points_the_page_shows_what_the_verdict_shows(unequ
     assert of_verdict in texts(page)
     counts = tables(page)[0].set_index("who")["encounters"]
     assert (counts["Y alone"], counts["X and Y"]) == (1, 0)
-    overview = checked(opened("overview"))
-    assert of_verdict in texts(overview)
+    assert of_verdict in "".join(verdict(space_of(page).result).sentences)
     checked(page.button_group(key="operating_point").set_value("as-set").run())
     assert "Nothing is claimed from these" in texts(page)
     assert "Of the 1 not seen, X detects 1 and Y 1" in texts(page)
@@ -212,22 +210,17 @@ def visible(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def not_the_sample(page: AppTest, monkeypatch: pytest.MonkeyPatch) -> AppTest:
-    """The page once more, of what is open as of a session of one's own."""
+def test_the_sample_s_estimator_can_be_tried_on_any_session_behind_one_that_was_sent(
+    visible, monkeypatch: pytest.MonkeyPatch
+):
+    page = checked(part(*FORM).run())
     monkeypatch.setattr(state, "SAMPLE", Path("elsewhere") / "session.toml")
-    return checked(page.run())
-
-
-def test_the_sample_s_estimator_can_be_tried_on_any_session(visible, monkeypatch):
-    page = not_the_sample(checked(part(*FORM).run()), monkeypatch)
+    checked(page.run())
     words = "sample: trained on a simulated observer, not on people"
     assert page.selectbox(key="estimator").options == [words]
     assert "The subjects were **simulated**" in texts(page)
-    assert page.button(key="driver_estimate")
-
-
-def test_an_estimator_that_was_sent_is_chosen_ahead_of_the_sample_s(visible, monkeypatch):
-    chosen = not_the_sample(sent(visible), monkeypatch).selectbox(key="estimator")
+    assert not page.button(key="driver_estimate").disabled
+    chosen = send(page, small_estimator.write_model(visible / "small.npz")).selectbox("estimator")
     assert [option.split(":")[0] for option in chosen.options] == ["small.npz, as sent", "sample"]
     assert chosen.value.startswith("sent ")
 
@@ -246,8 +239,8 @@ def estimates(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
     """A workspace with estimates, to look at."""
     folder = tmp_path_factory.mktemp("visible")
     with pytest.MonkeyPatch.context() as patch:
-        begin_with(small_estimator.write_session(folder), patch)
-        return estimated(sent(folder))
+        begin_with(small_estimator.write_session(folder, first=600), patch)
+        return estimated(sent(folder, soon_high=50.0))
 
 
 def test_an_estimator_that_was_sent_is_run_and_says_whom_the_driver_sees(visible):
@@ -296,34 +289,6 @@ def test_the_form_is_folded_beside_estimates_and_open_while_it_is_at_work(
         job.join()
     assert fold(checked(page.run())).expanded
     assert "it has ended" in texts(page)
-
-
-def test_a_run_that_is_cancelled_leaves_all_as_it_was(visible):
-    space = space_of(press(sent(visible), "driver_estimate"))
-    job = space.job("driver_run")
-    job.discard()  # cancelled, also if it was quick
-    job.join()
-    assert not [*space.folder.glob("driver-*/annotations")]
-    assert space.opened.session.driver.detectability is None
-
-
-def test_estimates_that_cannot_be_opened_leave_nothing_and_are_not_tried_again(
-    visible, monkeypatch: pytest.MonkeyPatch
-):
-    def refuse(*_: object, **__: object) -> None:
-        raise InputError("it cannot be opened")
-
-    page = sent(visible)
-    space = space_of(page)
-    used = space.used_bytes
-    press(page, "driver_estimate")
-    assert space.used_bytes > used  # the estimator was copied
-    space.job("driver_run").join()
-    monkeypatch.setattr(state, "read_again", refuse)
-    assert "it cannot be opened" in texts(checked(page.run()))
-    assert (space.used_bytes, space.job("driver_run")) == (used, None)
-    assert not [*space.folder.glob("driver-*")]
-    assert "it cannot be opened" not in texts(checked(page.run()))
 
 
 @pytest.mark.parametrize(
@@ -403,7 +368,14 @@ def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(esti
     assert "The eyes count as adapted" in texts(page)
     assert "the estimator of the longest period (4.5\N{NO-BREAK SPACE}s) is taken" in texts(page)
     assert "one number for each adaptation period" in texts(page)
+    assert "outside of the training" not in texts(page)
     page = in_tunnel(page)
+    assert (
+        "After the change, outside of the training: Luminance contrast 80.0, trained on 0.0 to "
+        "50.0 grey levels. Take it with care." in texts(page)
+    )
+    assert "Detectability, outside" not in texts(page)
+    assert re.search(r"Since the change\s+0\.10 s, simulated", panel(page))
     # at once it is dark: the estimator of 0.5 s until 2.5 s later
     assert re.search(r"simulated change, estimator of 0\.5\ss\s+0\.16 ± 0\.10", panel(page))
     assert "The eyes count as adapted" not in texts(page)  # not of whom it became dark for
@@ -414,7 +386,12 @@ def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(esti
         "have" in texts(page)
     )
     page = checked(page.slider(key="driver_tunnel_s").set_value(1.0).run())
+    # panel, plot and words count from the first frame, whatever its number
     assert "dark from 1.00 s on" in texts(page)
+    assert re.search(r"Since the change\s+eyes adapted", panel(page))
+    (plot,) = (item for item in figures(page) if "light" in str(item))
+    changes = plot["layout"]["shapes"]
+    assert [round(line["x0"], 6) for line in changes if line["line"]["dash"] == "dot"] == [1, 4]
 
 
 def test_where_nothing_is_known_of_the_light_nobody_is_said_to_be_adapted(visible):
@@ -423,17 +400,6 @@ def test_where_nothing_is_known_of_the_light_nobody_is_said_to_be_adapted(visibl
     assert re.search(r"Since the change\s+not known", panel(page))
     assert "It is not known when the light last changed" in texts(page)
     assert "The eyes count as adapted" not in texts(page)
-
-
-def test_a_feature_outside_of_the_training_is_named_with_the_number_that_rests_on_it(visible):
-    page = course(space=estimated(sent(visible, soon_high=50.0)))
-    assert "outside of the training" not in texts(page)
-    page = in_tunnel(page)
-    assert (
-        "After the change, outside of the training: Luminance contrast 80.0, trained on 0.0 to "
-        "50.0 grey levels. Take it with care." in texts(page)
-    )
-    assert "Detectability, outside" not in texts(page)
 
 
 def test_beside_estimates_a_value_that_the_truth_states_is_called_so(tmp_path, monkeypatch):
@@ -499,53 +465,38 @@ def test_clips_that_are_rated_do_not_ask_for_the_light(monkeypatch: pytest.Monke
     assert asked == [0]
 
 
-def test_panel_plot_and_words_count_from_the_first_frame_whatever_its_number(tmp_path, monkeypatch):
-    begin_with(small_estimator.write_session(tmp_path, first=600), monkeypatch)
-    page = in_tunnel(course(space=estimated(sent(tmp_path))))
-    assert re.search(r"Since the change\s+0\.10 s, simulated", panel(page))
-    page = checked(page.slider(key="driver_tunnel_s").set_value(1.0).run())
-    assert "dark from 1.00 s on" in texts(page)
-    assert re.search(r"Since the change\s+eyes adapted", panel(page))
-    (plot,) = (item for item in figures(page) if "light" in str(item))
-    changes = plot["layout"]["shapes"]
-    assert [round(line["x0"], 6) for line in changes if line["line"]["dash"] == "dot"] == [1, 4]
-
-
-def test_where_the_light_is_not_known_the_eyes_are_not_called_adapted(tmp_path, monkeypatch):
-    session = small_estimator.write_session(tmp_path, stated=0.8)
-    (tmp_path / "lux.csv").write_text("time_s,lux\n100,1000\n101,1000\n")
-    begin_with(session, monkeypatch)
-    assert re.search(r"Since the change\s+not known", panel(course()))
-
-
-def with_estimates_of_a_file(folder: Path, simulated: str = "no", **light: float) -> Path:
+@pytest.fixture(scope="module")
+def estimated_by_command(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The session with estimates that the command line made."""
+    folder = tmp_path_factory.mktemp("estimated")
     session = small_estimator.write_session(folder)
-    small_estimator.write_model(folder / "small.npz", simulated=simulated)
-    return estimate_driver(session, folder / "small.npz", folder / "out", settings=light).session
+    small_estimator.write_model(folder / "small.npz", simulated="some")
+    settings = {"drop_factor": 1000}  # by default 10: it then becomes dark
+    return estimate_driver(session, folder / "small.npz", folder / "out", settings=settings).session
 
 
-@pytest.mark.parametrize(("factor", "since"), [(10, "2.00 s"), (1000, "eyes adapted")])
 def test_the_clock_beside_estimates_of_a_file_is_that_of_their_record(
-    tmp_path, monkeypatch, factor, since
+    estimated_by_command: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    begin_with(with_estimates_of_a_file(tmp_path, drop_factor=factor), monkeypatch)
+    begin_with(estimated_by_command, monkeypatch)
     page = course(1, recording="drive", frame="59")
-    assert re.search(rf"Since the change\s+{since}", panel(page))
+    assert re.search(r"Since the change\s+eyes adapted", panel(page))
     assert "by our default settings" not in texts(page)
+    # and the panel names a simulated observer
+    assert "Detectability (learnt in part from simulated subjects)" in panel(page)
 
 
-def test_the_panel_names_a_simulated_observer(tmp_path, monkeypatch):
-    begin_with(with_estimates_of_a_file(tmp_path, "some"), monkeypatch)
-    assert "Detectability (learnt in part from simulated subjects)" in panel(course())
-
-
-def test_where_no_record_says_how_light_was_judged_the_page_does(tmp_path, monkeypatch):
-    session = with_estimates_of_a_file(tmp_path)
-    lines = session.read_text().splitlines()
-    session.write_text("\n".join(line for line in lines if not line.startswith("provenance")))
+def test_where_no_record_says_how_light_was_judged_the_page_does(
+    estimated_by_command: Path, monkeypatch: pytest.MonkeyPatch
+):
+    lines = estimated_by_command.read_text().splitlines()
+    text = "\n".join(line for line in lines if not line.startswith("provenance"))
+    session = estimated_by_command.with_name("no-record.toml")
+    session.write_text(text)
     begin_with(session, monkeypatch)
-    assert "by our default settings" in texts(course())
+    page = course(1, recording="drive", frame="59")
+    assert re.search(r"Since the change\s+2\.00 s", panel(page))
+    assert "by our default settings" in texts(page)
 
 
 @pytest.fixture
@@ -561,14 +512,14 @@ def aside(page: AppTest) -> list[str]:
 
 
 def test_an_estimate_that_ends_while_another_page_is_open_is_taken_over_there(held):
-    page = checked(opened("timeline", space=held.space))
+    page = checked(opened("export", space=held.space))
     page.session_state["place"] = (0, 41)
     page.slider(key="alpha").set_value(0.25)
     n_opened = held.space.n_opened
     held.ends()
     checked(page.run())
     assert driver_in(held.space.result).venn.n_known == 2
-    assert [item.value for item in page.title] == ["Timeline"]
+    assert [item.value for item in page.title] == ["Export"]
     # nothing that was chosen is lost, and a reset still goes back to what the session says
     assert page.slider(key="alpha").value == 0.25
     assert held.space.opened.params.alpha == 0.9
@@ -577,51 +528,35 @@ def test_an_estimate_that_ends_while_another_page_is_open_is_taken_over_there(he
     assert [item.value for item in page.sidebar.success] == [news]
     assert checked(page.run()).sidebar.success  # as long as the page is open
     assert not checked(to_page(page, "metrics")).sidebar.success
-    assert not checked(to_page(page, "timeline")).sidebar.success
+    assert not checked(to_page(page, "export")).sidebar.success
 
 
-def test_the_sidebar_of_other_pages_shows_how_far_an_estimate_is(held):
+def test_the_sidebar_of_other_pages_shows_an_estimate_which_waits_for_other_work(held):
     assert aside(held.beside("driver")) == []  # the page itself says it
     page = held.beside("metrics")
     assert aside(page)[0].startswith("Estimating whom the driver sees: 0 %")
     assert aside(page)[1] == "Driver"
-    held.ends()
-    assert aside(checked(page.run())) == ["Driver"]
-    assert aside(held.beside("driver")) == []
-
-
-def test_estimates_wait_until_other_work_has_ended_which_they_would_end(held):
     is_over = threading.Event()
-    other = BackgroundJob(lambda _: is_over.wait(TIMEOUT_S), while_open(held.space))
-    held.space.put_job("other", other)
+
+    def work(_: object) -> str:
+        assert is_over.wait(TIMEOUT_S)
+        return "boxes"
+
+    other = BackgroundJob(work, while_open(held.space), outlasts=True)
+    held.space.put_job("detector_run", other)
     held.ends()
-    page = held.beside("metrics")
-    assert aside(page) == ["It is done, and waits until other work in this tab has ended", "Driver"]
+    assert aside(checked(page.run())) == [
+        "It is done, and waits until other work in this tab has ended",
+        "Driver",
+    ]
     assert not held.is_taken_over
     is_over.set()
     other.join()
     checked(page.run())
     assert held.is_taken_over
-
-
-def test_a_run_of_a_detector_that_is_not_compared_yet_outlasts_estimates(held):
-    of_detector = BackgroundJob(lambda _: "boxes", while_open(held.space))
-    of_detector.outlasts = True
-    held.space.put_job("detector_run", of_detector)
-    of_detector.join()
-    held.ends()
-    held.beside("metrics")
-    assert held.is_taken_over
+    assert aside(checked(page.run())) == ["Driver"]
     assert held.space.job("detector_run").output == "boxes"
-
-
-def test_estimates_do_not_come_to_another_session_that_was_opened_meanwhile(held):
-    held.space.show(held.space.opened, RecordingPictures())
-    held.ends()
-    page = held.beside("metrics")
-    assert held.space.job("driver_run") is None
-    assert not held.is_taken_over
-    assert not page.success
+    assert aside(held.beside("driver")) == []
 
 
 def test_what_cannot_be_taken_over_is_said_beside_every_page_until_its_own_has_said_it(
@@ -631,9 +566,14 @@ def test_what_cannot_be_taken_over_is_said_beside_every_page_until_its_own_has_s
         raise InputError("it cannot be opened")
 
     monkeypatch.setattr(state, "read_again", refuse)
+    assert held.space.used_bytes > held.used_before  # the estimator was copied
     held.ends()
     assert "it cannot be opened" in aside(held.beside("metrics"))[0]
-    assert "it cannot be opened" in texts(checked(part(*FORM, space=held.space).run()))
+    assert (held.space.used_bytes, held.space.job("driver_run")) == (held.used_before, None)
+    assert not held.job.folder.exists()
+    form = checked(part(*FORM, space=held.space).run())
+    assert "it cannot be opened" in texts(form)
+    assert "it cannot be opened" not in texts(checked(form.run()))
     assert aside(held.beside("metrics")) == []
 
 

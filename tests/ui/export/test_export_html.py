@@ -14,7 +14,7 @@ from streamlit.testing.v1 import AppTest
 from nvcore.errors import InputError
 from nvcore.protocols import PROTOCOLS
 from pages import checked, press
-from ui.export.html import JOB, NAME
+from ui.export.html import NAME
 from ui.jobs.background import JobState
 
 
@@ -26,37 +26,37 @@ def page(tmp_path: Path) -> AppTest:
 def made(page: AppTest) -> AppTest:
     """The page once the report is finished."""
     press(page, "make_html")
-    job_of(page, JOB).join()
+    job_of(page, "html").join()
     return checked(page.run())
+
+
+def file_of(page: AppTest) -> Path:
+    return job_of(page, "html").folder / NAME
 
 
 def is_of_other_settings(page: AppTest) -> bool:
     return any("made with other settings" in text.value for text in page.warning)
 
 
-def test_title_and_question_are_asked_for_and_stand_on_the_first_page(page):
+def test_the_report_is_made_and_offered_and_names_no_folder_of_the_machine(page, tmp_path):
+    assert NAME not in downloads(page)
     page.text_input(key="html_title").set_value("Night drive")
     page.text_input(key="html_question").set_value("Which is safer?")
     made(checked(page.run()))
-    content = job_of(page, JOB).path.read_text(encoding="utf-8")
+    assert job_of(page, "html").state is JobState.DONE
+    assert NAME in downloads(page)
+    content = file_of(page).read_text(encoding="utf-8")
     assert "<h1>Night drive</h1>" in content
     assert "Which is safer?" in content
     assert f'<p class="muted">{page.text_input(key="html_date").value}</p>' in content
-    page.text_input(key="html_title").set_value("Day drive")
-    assert is_of_other_settings(checked(page.run()))
-
-
-def test_the_report_is_made_and_offered_and_names_no_folder_of_the_machine(page, tmp_path):
-    assert NAME not in downloads(page)
-    made(page)
-    assert job_of(page, JOB).state is JobState.DONE
-    assert NAME in downloads(page)
-    content = job_of(page, JOB).path.read_text(encoding="utf-8")
     assert "fir (X) and nir (Y) compared" in content
     assert "<td>only X</td><td" in content
     assert str(tmp_path) not in content
     assert f"{tmp_path.name}/" not in content
     assert "truth.csv</td>" in content
+    assert not is_of_other_settings(page)
+    page.text_input(key="html_title").set_value("Day drive")
+    assert is_of_other_settings(checked(page.run()))
 
 
 @pytest.fixture
@@ -74,14 +74,14 @@ def written(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
 
 def test_a_report_made_with_other_settings_says_so_and_goes_when_there_is_a_new_one(page, written):
     assert not is_of_other_settings(made(page))
-    before = job_of(page, JOB).path
+    before = file_of(page)
     space = page.session_state["workspace"]
     session = replace(space.opened.session, protocol=PROTOCOLS["reasonable"])
     space.opened = replace(space.opened, session=session)
     assert is_of_other_settings(checked(page.run()))
     assert not is_of_other_settings(made(page))
     assert [report["protocol"] for report in written] == ["all", "reasonable"]
-    assert job_of(page, JOB).path.exists()
+    assert file_of(page).exists()
     assert not before.exists()
 
 
@@ -98,7 +98,7 @@ def test_with_many_frames_the_stability_map_is_made_when_asked_for(page, written
 @pytest.mark.parametrize(
     ("error", "message"),
     [
-        (InputError("no room on the disk"), "no room on the disk"),
+        (InputError("no *room* on the disk"), r"no \*room\* on the disk"),
         (CancelledError(), "Cancelled. No report was made."),
     ],
 )
@@ -110,4 +110,4 @@ def test_a_report_that_fails_or_is_cancelled_is_told(page, monkeypatch, error, m
     made(page)
     assert [text.value for text in (*page.error, *page.info)] == [message]
     assert NAME not in downloads(page)
-    assert not job_of(page, JOB).path.exists()
+    assert not file_of(page).exists()

@@ -6,7 +6,6 @@ import shutil
 import threading
 import zipfile
 from collections.abc import Callable
-from concurrent.futures import CancelledError
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
@@ -27,18 +26,17 @@ from streamlit.testing.v1 import AppTest
 import nvcore
 from nvcore.comparison import Result
 from nvcore.driver.comparison.steps import driver_in
-from nvcore.errors import MediaError
+from nvcore.overlay import write_video
 from nvcore.overlay.annotate import annotate
 from nvcore.overlay.brush import Canvas
-from nvcore.pictures.recordings import RecordingPictures
 from nvcore.progress import Progress
 from nvcore.report.files import REPORT_CONTENTS
 from pages import TIMEOUT_S, begin_with, checked, press, texts
 from ui.export.frame import file_stem
 from ui.export.link import link
 from ui.export.session import with_public_names
-from ui.export.video import JOB, LONGEST_S, Interval, chosen_interval, start_job, why_not
-from ui.jobs.background import FileJob, JobState, new_path, while_open
+from ui.export.video import LONGEST_S, Interval, chosen_interval, why_not
+from ui.jobs.background import BackgroundJob, JobState
 from ui.widgets.recording import nearest_row
 
 
@@ -194,25 +192,6 @@ def test_the_picture_of_a_frame_is_that_of_the_timeline(
     assert shown == [120, 113]
 
 
-def video_of(page: AppTest, recording: int, interval: Interval, path: Path) -> FileJob:
-    space = page.session_state["workspace"]
-    options = {"stretch": (0.0, 100.0), "labels": False}
-    return start_job(space, space.result, recording, interval, path, path.name, **options)
-
-
-def test_a_video_has_the_pictures_of_the_timeline(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    page = opened("video")
-    space = page.session_state["workspace"]
-    given = []
-
-    def written(*_: object, indices: np.ndarray, **__: object) -> None:
-        given.append(indices)
-
-    monkeypatch.setattr("ui.export.video.write_video", written)
-    video_of(page, 3, Interval(0, 10, 20), tmp_path / "v.mp4").join()
-    assert given[0] is space.pictures.indices[3]
-
-
 def test_the_link_keeps_recording_and_frame_which_can_be_gone_to():
     page = opened("link", "frame", recording="rural_child", frame="120")
     assert page.code[0].value.endswith("/timeline?recording=rural_child&frame=120")
@@ -278,69 +257,32 @@ def test_an_interval_that_is_too_long_cannot_be_made(monkeypatch: pytest.MonkeyP
     assert page.button(key="make_video").disabled
 
 
-def test_a_video_is_made_in_the_background_and_offered():
+def test_a_video_of_the_timelines_pictures_is_made_in_the_background_and_offered(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    given = []
+
+    def written(*positional: object, indices: np.ndarray, **named: object) -> None:
+        given.append(indices)
+        write_video(*positional, indices=indices, **named)
+
+    monkeypatch.setattr("ui.export.video.write_video", written)
     page = opened("video", recording="rural_child", frame="0")
     (end,) = [field for field in page.number_input if field.label == "To (s)"]
     checked(end.set_value(0.45).run())
     press(page, "make_video")
-    job = job_of(page, JOB)
+    job = job_of(page, "video")
     job.join()
     checked(page.run())
-    assert job.state is JobState.DONE
+    assert (job.state, job.outlasts) == (JobState.DONE, True)
     assert downloads(page)[-1] == "rural_child-0-9.mp4"
-    with av.open(str(job.path)) as video:
+    assert "MB. It stays here until the next one." in texts(page)
+    space = page.session_state["workspace"]
+    assert given[0] is space.pictures.indices[page.session_state["place"][0]]
+    with av.open(str(job.folder / job.title)) as video:
         assert sum(1 for _ in video.decode(video=0)) == 10
         assert '"fingerprint"' in video.metadata["comment"]
         assert str(ROOT) not in str(video.metadata)
-
-
-def put_video(page: AppTest, write: Callable[[Progress], None]) -> FileJob:
-    """A video in the page's workspace that `write` writes."""
-    space = page.session_state["workspace"]
-    job = FileJob(new_path(space, ".mp4"), "night.mp4", write, while_open(space))
-    space.put_job(JOB, job)
-    return job
-
-
-def buttons(page: AppTest) -> list[str]:
-    return [button.label for button in page.button]
-
-
-def test_opening_something_else_takes_the_video_away(tmp_path: Path):
-    may_go_on = threading.Event()
-
-    def write(progress: Progress) -> None:
-        assert may_go_on.wait(TIMEOUT_S)
-        progress(1.0, "frames")
-
-    page = opened("video", space=uploaded_drive(tmp_path))
-    job = put_video(page, write)
-    assert "Cancel" in buttons(checked(page.run()))
-    space = page.session_state["workspace"]
-    space.show(space.opened, RecordingPictures())
-    checked(page.run())
-    assert job_of(page, JOB) is None
-    assert "Cancel" not in buttons(page)
-    may_go_on.set()
-    job.join()
-    assert job.state is JobState.CANCELLED
-
-
-@pytest.mark.parametrize(
-    ("error", "message"),
-    [
-        (CancelledError(), "Cancelled. No video was made."),
-        (MediaError("no *room*"), r"no \*room\*"),  # without markup
-    ],
-)
-def test_a_video_that_fails_or_is_cancelled_is_told(error: Exception, message: str):
-    def fail(_: Progress) -> None:
-        raise error
-
-    page = opened("video")
-    put_video(page, fail).join()
-    checked(page.run())
-    assert [text.value for text in (*page.info, *page.error)] == [message]
 
 
 def test_while_it_is_cancelled_the_video_says_so():
@@ -353,9 +295,11 @@ def test_while_it_is_cancelled_the_video_says_so():
         progress(1.0, "frames")
 
     page = opened("video")
-    job = put_video(page, write)
+    job = BackgroundJob(write, lambda: True, title="night.mp4")
+    page.session_state["workspace"].put_job("video", job)
     assert is_halfway.wait(TIMEOUT_S)
     assert progress_of(checked(page.run())) == [r"Making night\.mp4: 50 %"]
+    assert page.button(key="make_video").disabled
     press(page, "video_cancel")
     assert progress_of(page) == ["Cancelling"]
     assert page.button(key="video_cancel").disabled
@@ -366,13 +310,3 @@ def test_while_it_is_cancelled_the_video_says_so():
 
 def progress_of(page: AppTest) -> list[str]:
     return [progress.proto.text for progress in page.get("progress")]
-
-
-def test_a_video_ends_with_its_session(tmp_path: Path):
-    page = opened("video")
-    space = page.session_state["workspace"]
-    job = video_of(page, 0, Interval(0, 300, 20), tmp_path / "v.mp4")
-    space.close()
-    job.join()
-    assert job.state is JobState.CANCELLED
-    assert not (tmp_path / "v.mp4").exists()

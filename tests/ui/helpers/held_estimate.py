@@ -14,7 +14,7 @@ from nvcore.errors import InputError
 from pages import TIMEOUT_S, checked, part, press, space_of
 from ui.driver import run
 
-TAKE_OVER = "ui.driver.finished.take_over()"
+TAKE_OVER = "ui.driver.run.take_over()"
 """What the app does once any page is drawn."""
 FORM = ("ui.driver.run.draw(is_known=False)", TAKE_OVER)
 
@@ -38,8 +38,10 @@ class Held:
         monkeypatch.setattr(run, "run_confined", self._wait)
         # a link has to lead to a page of the app, which a part of a page does not know
         monkeypatch.setattr(st, "page_link", lambda *_, **link: st.caption(link.get("label", "")))
-        page = press(sent(folder), "driver_estimate")
+        page = sent(folder)
         self.space = space_of(page)
+        self.used_before = self.space.used_bytes
+        press(page, "driver_estimate")
         self.job = self.space.job("driver_run")
 
     def _wait(self, *given, **more):
@@ -50,7 +52,7 @@ class Held:
 
     def beside(self, page: str) -> AppTest:
         """What is said of the estimate beside this page."""
-        aside = f"ui.driver.finished.draw_aside({page!r})"
+        aside = f"ui.driver.run.draw_aside({page!r})"
         return checked(part(aside, TAKE_OVER, space=self.space).run())
 
     def ends(self) -> None:

@@ -226,7 +226,7 @@ def test_a_report_goes_on_after_a_reload_of_its_page(gated):
     assert after.button(key="make_html").disabled
     assert "html_cancel" in keys(after)
     gate.is_open.set()
-    ended(after, html.JOB)
+    ended(after, html.RUN.name)
     assert html.NAME in [button.proto.label for button in after.get("download_button")]
     assert not any("other settings" in text.value for text in after.warning)
 

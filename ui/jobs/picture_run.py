@@ -1,0 +1,184 @@
+"""Runs over the pictures of the open recordings: how each kind starts, goes on, and is offered."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Generic
+
+import streamlit as st
+
+from nvcore.dataset import Dataset
+from nvcore.inputs.session import Session
+from nvcore.progress import Progress
+from ui.jobs.background import BackgroundJob, JobState, Output, while_open
+from ui.jobs.progress import draw_job
+from ui.session import state
+from ui.session.opening import live_session, relative_path
+from ui.session.uploads import ANNOTATION_FOLDERS, count_folder, remove_folder
+from ui.session.workspace import Workspace
+from ui.widgets.buttons import button, download
+
+
+@dataclass(frozen=True)
+class PictureRun(Generic[Output]):
+    """A kind of run over pictures. The workspace keeps the newest run of each kind.
+
+    Attributes
+    ----------
+    name
+        Name of its job in the workspace. Begins the keys of its widgets.
+    thing, doing
+        Its output in words ("report"), and the beginning of its progress ("Making {title}").
+    folder
+        Beginning of the name of the folder for its files; empty: it writes none.
+    outlasts
+        True if its output stays useful when the same recordings are read again.
+    has_time_left
+        True if the progress ends with the steps of the work and the time left.
+    """
+
+    name: str
+    thing: str
+    doing: str
+    folder: str = ""
+    outlasts: bool = False
+    has_time_left: bool = False
+
+    @property
+    def job(self) -> BackgroundJob[Output] | None:
+        """The newest run of this session, under way or ended."""
+        job: BackgroundJob[Output] | None = state.workspace().job(self.name)
+        return job
+
+    @property
+    def is_busy(self) -> bool:
+        """True while such a run is under way."""
+        return self.job is not None and self.job.is_busy
+
+    def start_button(
+        self, label: str, icon: str, key: str, *, is_possible: bool = True, **options: Any
+    ) -> bool:
+        """Draw the button that starts a run, disabled while one is under way. Return its click."""
+        icon, disabled = f":material/{icon}:", self.is_busy or not is_possible
+        return button(label, key=key, icon=icon, disabled=disabled, **options)
+
+    def drop(self) -> None:
+        """Cancel the newest run and remove its files."""
+        state.workspace().drop_job(self.name)
+
+    def new_folder(self) -> Path:
+        """Make the folder of a new run, and remove those of earlier ones that are not open.
+
+        It lies beside the other files of an upload, so that the session is exported as one.
+        """
+        self.drop()
+        space, session = state.workspace(), state.opened().session
+        base = session.folder if is_uploaded(space, session) else space.folder
+        in_use = [session.folder / path for path in session.paths()]
+        for folder in base.glob(f"{self.folder}-*"):
+            is_run = folder.name.removeprefix(f"{self.folder}-").isdecimal()
+            if is_run and not any(path.is_relative_to(folder) for path in in_use):
+                remove_folder(space, folder)
+        with space.lock:
+            space.n_received += 1
+            folder = base / f"{self.folder}-{space.n_received}"
+        (folder / ANNOTATION_FOLDERS).mkdir(mode=0o700, parents=True)
+        return folder
+
+    def start(
+        self,
+        work: Callable[[Progress], Output],
+        *,
+        key: Any = None,
+        title: str = "",
+        folder: Path | None = None,
+    ) -> None:
+        """Start a run (see `BackgroundJob`) in place of the last one.
+
+        It ends with the session, and when the session opens something else.
+        """
+        space = state.workspace()
+        job = BackgroundJob(
+            work,
+            while_open(space),
+            key=key,
+            title=title,
+            folder=folder,
+            space=space,
+            outlasts=self.outlasts,
+        )
+        space.put_job(self.name, job)
+
+    def draw(self, job: BackgroundJob[Output]) -> JobState:
+        """Draw the progress of a run, or why it has no output. Return how far it was."""
+        doing = self.doing.format(title=job.title)
+        return draw_job(
+            job, self.name, thing=self.thing, doing=doing, with_steps=self.has_time_left
+        )
+
+    def draw_file(self, key: Any = None) -> None:
+        """Draw the newest run, whose file has its title. Warn if it has another `key`."""
+        job = self.job
+        if job is None or self.draw(job) is not JobState.DONE:
+            return
+        assert job.folder is not None
+        path = job.folder / job.title  # the callable must not hold the job, which holds pictures
+        key_of_button = f"{self.name}_download"
+        download(path.name, lambda: path.open("rb"), path.name, key=key_of_button, type="primary")
+        size = f"{path.stat().st_size / 1e6:.1f} MB."
+        if job.key == key:
+            st.caption(f"{size} It stays here until the next one.")
+        else:
+            st.warning(f"{size} It was made with other settings: make it again for those of now.")
+
+
+@dataclass(frozen=True)
+class Aside:
+    """A page's run that goes on while the visitor is on other pages.
+
+    `draw` draws it in the sidebar of the page with that path. Once all widgets are drawn,
+    `take_over` opens its output if it is done. After a fault there, `give_up` forgets it.
+    """
+
+    draw: Callable[[str], None]
+    take_over: Callable[[], None]
+    give_up: Callable[[], None]
+
+
+def is_uploaded(space: Workspace, session: Session) -> bool:
+    """Return whether the session's files were uploaded."""
+    return session.folder.is_relative_to(space.folder)
+
+
+def named_in(session: Session, path: Path, *, is_upload: bool) -> str:
+    """Return how a session names a file of a run: if it is an upload, from its folder."""
+    return relative_path(path, session.folder) if is_upload else str(path)
+
+
+def dataset_of(names: Collection[str]) -> Dataset:
+    """Return these recordings of what is open, with the live session as settings."""
+    opened, (x, y) = state.opened(), state.systems()
+    session = live_session(opened.session, opened.dataset, state.params(), x=x, y=y)
+    dataset = opened.dataset.with_settings(session)
+    return dataset if {*names} == {*state.recording_names()} else dataset.only(names=names)
+
+
+def open_written(space: Workspace, job: BackgroundJob[Any], opens: Callable[[], None]) -> None:
+    """Open a session with the files of a run, which then stay. `opens` does, and reruns the page.
+
+    Raises
+    ------
+    NvcoreError
+        If there is no room for it, or it cannot be used. What was open stays open, and the files
+        go with the job.
+    """
+    before = space.opened
+    assert job.folder is not None
+    try:
+        count_folder(space, job.folder)
+        job.is_kept = True  # else its files go with what was open
+        opens()
+    finally:  # `opens` ends the page's run by an exception, too
+        job.is_kept = space.opened is not before
