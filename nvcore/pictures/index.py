@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import StrEnum
+from enum import Enum
 from typing import Final
 
 import numpy as np
@@ -11,8 +11,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from nvcore.pictures.base import Pictures
+from nvcore.pictures.listing import NOT_WHOLE
 from nvcore.pictures.notes import MAY_MISLEAD, PictureTrait
-from nvcore.pictures.timing import NOT_WHOLE
 from nvcore.wording import capitalised, count_text
 
 NO_FRAMES: Final = np.empty(0, np.int64)
@@ -29,46 +29,26 @@ _TIMES_FROM: Final = 10**9
 """From here on numbers in names are rather times, which are not even."""
 
 
-class NumberingRule(StrEnum):
-    """By what the picture of a frame is known."""
+class NumberingRule(Enum):
+    """How the picture of a frame is known, in words."""
 
-    GIVEN = "given"
-    """The user says which frame the first picture shows."""
-    COUNT = "count"
-    """Picture i shows frame i."""
-    COUNT_FROM_ONE = "count from one"
-    """Picture i shows frame i + 1."""
-    TIME = "time"
-    """The time of each picture tells its frame, as the video misses some."""
-    NUMBER = "number"
-    """The number in the name is the frame."""
-    NUMBER_LESS_ONE = "number less one"
-    """The number in the name less one is the frame."""
-    ORDER = "order"
-    """There are as many pictures as listed frames: they show these in their order."""
-    ORDER_FROM_ZERO = "order from zero"
-    """Single pictures, whose names say nothing of the frames, show frame 0, 1, 2, ..."""
-    UNCLEAR = "unclear"
-    """None of these fits: no picture is shown rather than a wrong one."""
+    GIVEN = "the first picture shows frame {first_picture}, as given"
+    COUNT = "picture i shows frame i, both counted from 0"
+    COUNT_FROM_ONE = "picture i, counted from 0, shows frame i + 1: the frames count from 1"
+    TIME = "the time of each picture tells its frame, as pictures are missing in the video"
+    NUMBER = "the number in a picture's name is the frame"
+    NUMBER_LESS_ONE = (
+        "the number in a picture's name, minus one, is the frame (names that count from 1)"
+    )
+    ORDER = "the pictures in their order show the listed frames"
+    ORDER_FROM_ZERO = "the pictures in their order show frame 0, 1, 2 and so on"
+    UNCLEAR = "which picture shows which frame is not clear, so that none is shown"
 
 
-_TEXTS: Final = {
-    NumberingRule.COUNT: "picture i shows frame i, both counted from 0",
-    NumberingRule.COUNT_FROM_ONE: "picture i, counted from 0, shows frame i + 1: the frames "
-    "count from 1",
-    NumberingRule.TIME: "the time of each picture tells its frame, as pictures are missing in "
-    "the video",
-    NumberingRule.NUMBER: "the number in a picture's name is the frame",
-    NumberingRule.NUMBER_LESS_ONE: "the number in a picture's name, minus one, is the frame "
-    "(names that count from 1)",
-    NumberingRule.ORDER: "the pictures in their order show the listed frames",
-    NumberingRule.ORDER_FROM_ZERO: "the pictures in their order show frame 0, 1, 2 and so on",
-    NumberingRule.UNCLEAR: "which picture shows which frame is not clear, so that none is shown",
-}
 USUAL: Final = tuple(
-    f"{capitalised(_TEXTS[rule])}." for rule in (NumberingRule.COUNT, NumberingRule.NUMBER)
+    f"{capitalised(rule.value)}." for rule in (NumberingRule.COUNT, NumberingRule.NUMBER)
 )
-"""Notes of `picture_index` that say nothing but what anybody expects."""
+"""Notes of `picture_index` that say only what anybody expects."""
 
 
 @dataclass(frozen=True)
@@ -175,11 +155,7 @@ def map_note(
     first_picture: int | None = None,
 ) -> str:
     """By which rule pictures show frames, and how many frames have none, as sentences."""
-    rule = (
-        f"the first picture shows frame {first_picture}, as given"
-        if mapped.rule is NumberingRule.GIVEN
-        else _TEXTS[mapped.rule]
-    )
+    rule = mapped.rule.value.format(first_picture=first_picture)
     if mapped.is_either:
         other = "minus one" if mapped.rule is NumberingRule.NUMBER else "the number itself"
         rule += f" ({other} would do as well: if boxes lag behind, give the first frame)"

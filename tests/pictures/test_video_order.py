@@ -27,8 +27,8 @@ from video_files import (
 
 from nvcore.errors import MediaError
 from nvcore.pictures import open_pictures
+from nvcore.pictures.listing import frame_rate, time_notes, usual_step
 from nvcore.pictures.notes import PictureNote, PictureTrait
-from nvcore.pictures.timing import frame_rate, time_notes, usual_step
 from nvcore.pictures.video import Video
 
 CODINGS = {
