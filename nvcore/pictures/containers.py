@@ -1,8 +1,8 @@
-"""Video containers: which are opened, and how.
+"""Video containers, opened by content.
 
-Only plain containers are opened, by the format that their first bytes show and with no protocol
-but the file's own: a playlist or script, whatever its name, never makes the program read another
-file or the network.
+Only plain containers are opened, in the format that their first bytes show and with the protocol
+for files alone. A playlist or script, whatever its name, never makes the program read another file
+or the network.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ DAMAGED: Final = "is damaged or no such video; copy or convert it again (MP4 wit
 _OPTIONS: Final = {"protocol_whitelist": "file", "max_pixels": str(MAX_PIXELS)}
 _MP4_BOXES: Final = frozenset({b"ftyp", b"moov", b"mdat", b"free", b"skip", b"wide", b"pnot"})
 REORDERED: Final = 16
-"""Most pictures by which the order of decoding and the order of showing differ."""
+"""Largest difference between a picture's place in the order of decoding and of showing."""
 _LOOKED_AT: Final = 512
 
 
 def video_format(content: bytes) -> str | None:
-    """The container's format by its first bytes (at least 400); None if it is none of those read.
+    """Return the container's format by its first bytes (at least 400), or None if it is not read.
 
-    MP4 and MOV, Matroska and WebM, AVI, MPEG transport and program stream.
+    Formats are MP4 and MOV, Matroska and WebM, AVI, MPEG transport and program stream.
     """
     if content[4:8] in _MP4_BOXES:
         return "mov"
@@ -37,17 +37,15 @@ def video_format(content: bytes) -> str | None:
         return "avi"
     if content.startswith(b"\0\0\1\xba"):
         return "mpeg"
-    for start, step in ((0, 188), (4, 192)):
-        if all(
-            content[position : position + 1] == b"\x47"
-            for position in range(start, start + 2 * step + 1, step)
-        ):
-            return "mpegts"
-    return None
+    is_transport = any(
+        content[start : start + 2 * step + 1 : step] == b"GGG"
+        for start, step in ((0, 188), (4, 192))
+    )
+    return "mpegts" if is_transport else None
 
 
 def format_of_file(path: Path, name: str) -> str:
-    """`video_format` of a file.
+    """Return the `video_format` of a file.
 
     Raises
     ------
@@ -65,12 +63,12 @@ def format_of_file(path: Path, name: str) -> str:
 
 
 def open_container(path: Path, container_format: str, name: str, **options: str) -> tuple[Any, Any]:
-    """The open container and its first stream of pictures, or of those marked as the default.
+    """Open a container, and its first stream of pictures, by preference a default one.
 
     Parameters
     ----------
     options
-        Of the demuxer.
+        Options of the demuxer.
 
     Raises
     ------
@@ -105,7 +103,7 @@ def open_container(path: Path, container_format: str, name: str, **options: str)
 
 
 def picture_streams(container: Any) -> list[Any]:
-    """The streams of pictures, those marked as the default first; no title pictures."""
+    """Return the streams of pictures without title pictures, default ones first."""
     flags = av.stream.Disposition
     streams = [
         stream for stream in container.streams.video if not stream.disposition & flags.attached_pic
@@ -114,7 +112,7 @@ def picture_streams(container: Any) -> list[Any]:
 
 
 def is_cut_off(path: Path, container_format: str) -> bool:
-    """Whether the file is shorter than it says; only for Matroska and AVI."""
+    """Whether a Matroska or AVI file is shorter than it states."""
     file_size = path.stat().st_size
     with path.open("rb") as file:
         head = file.read(_LOOKED_AT)

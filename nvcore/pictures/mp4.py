@@ -1,6 +1,6 @@
-"""What an MP4 or MOV states of its samples, before a demuxer takes memory for each of them.
+"""Number of samples that an MP4 or MOV states, read before a demuxer takes memory for each.
 
-A few bytes can state millions: the demuxer makes an entry for each, whether the file holds it or
+A few bytes can state millions. The demuxer makes an entry for each, whether the file holds it or
 not.
 """
 
@@ -14,14 +14,14 @@ from typing import BinaryIO, Final
 from nvcore.errors import MediaError
 
 MOST_SAMPLES: Final = 10_000_000
-"""Samples up to which a file is opened: two days of pictures at 60 a second, 0.6 GB of entries."""
+"""Largest number of samples: two days of pictures at 60 a second, 0.6 GB of entries."""
 _DEEPEST: Final = 10
-"""Boxes within boxes that the demuxer follows."""
+"""Depth of boxes up to which the demuxer follows them."""
 _CONTAINERS: Final = frozenset(
     b"moov trak mdia minf stbl moof traf mvex edts udta dinf tref wave gmhd".split()
 )
 _EXTENDED: Final = 16
-"""Bytes of the head of a box whose size takes eight of them."""
+"""Bytes of the head of a box with a size of eight bytes."""
 
 
 def check_samples(path: Path, name: str) -> None:
@@ -52,7 +52,7 @@ def check_samples(path: Path, name: str) -> None:
 
 
 def is_short(path: Path) -> bool:
-    """Whether the file ends within a box of pictures or of what is stated of them."""
+    """Whether the file ends within a box of pictures or of a fragment's tables."""
     with path.open("rb") as file:
         end = file.seek(0, 2)
         return any(
@@ -61,7 +61,7 @@ def is_short(path: Path) -> bool:
 
 
 def _count(file: BinaryIO, start: int, end: int, file_size: int, name: str, depth: int) -> int:
-    """Samples that the boxes of this part of the file state, those within boxes as well."""
+    """Count the samples that the boxes of a part of the file state, and the boxes within them."""
     n_samples, n_alike, has_unit_steps = 0, 0, False
     for kind, content, stop in _boxes(file, start, end):
         if kind in _CONTAINERS and depth < _DEEPEST:
@@ -86,16 +86,13 @@ def _count(file: BinaryIO, start: int, end: int, file_size: int, name: str, dept
 
 
 def _boxes(file: BinaryIO, start: int, end: int) -> Iterator[tuple[bytes, int, int]]:
-    """Kind, start and end of the content of each box in this part of the file, as it is stated."""
+    """Yield kind, start and end of the content of each box in a part of the file, as stated."""
     while start + 8 <= end:
         file.seek(start)
         head = file.read(_EXTENDED).ljust(_EXTENDED, b"\0")
         size, kind, long_size = struct.unpack(">I4sQ", head)
-        n_head = 8
-        if size == 1:
-            size, n_head = long_size, _EXTENDED
-        elif size == 0:  # up to the end
-            size = end - start
+        n_head = _EXTENDED if size == 1 else 8
+        size = {0: end - start, 1: long_size}.get(size, size)  # 0: up to the end
         if size < n_head:
             return
         yield kind, start + n_head, start + size
@@ -103,6 +100,6 @@ def _boxes(file: BinaryIO, start: int, end: int) -> Iterator[tuple[bytes, int, i
 
 
 def _numbers(file: BinaryIO, start: int, n: int) -> tuple[int, ...]:
-    """So many numbers of four bytes; 0 beyond the end of the file."""
+    """Read `n` numbers of four bytes, 0 beyond the end of the file."""
     file.seek(start)
     return struct.unpack(f">{n}I", file.read(4 * n).ljust(4 * n, b"\0"))
