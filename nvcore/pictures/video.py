@@ -77,6 +77,8 @@ class Video:
         self._frames: Iterator[Any] = iter(())
         self._at = -1
         self._lost: set[int] = set()
+        # the one of each frame would begin with threads of its own
+        self._reformatter = av.video.reformatter.VideoReformatter()
 
     def read(self, index: int) -> Picture:
         """See `Pictures.read`."""
@@ -222,8 +224,7 @@ class Video:
             pixel_format = "gray" if name == "gray" else "gray16le"
         width, height = self._stream.width, self._stream.height
         check_size(width, height, self.name)  # it may change in the middle of a video
-        picture: Picture = frame.reformat(
-            width=width, height=height, format=pixel_format
-        ).to_ndarray()
+        scaled = self._reformatter.reformat(frame, width, height, pixel_format)
+        picture: Picture = scaled.to_ndarray()
         quarters = round(frame.rotation / 90) % 4
         return np.ascontiguousarray(np.rot90(picture, quarters)) if quarters else picture
