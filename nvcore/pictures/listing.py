@@ -20,7 +20,6 @@ from nvcore.pictures.containers import (
     open_container,
     picture_streams,
 )
-from nvcore.pictures.mp4 import is_short
 from nvcore.pictures.notes import MOST_PLACES, PictureNote, PictureTrait
 
 NOT_WHOLE: Final = 0.25
@@ -106,10 +105,9 @@ def list_pictures(
             for other in picture_streams(container)[1:]
             if other.codec_context is not None
         )
-    is_cut = is_cut or is_cut_off(path, container_format)
-    if container_format == "mov" and not n_stated:
-        is_cut = is_cut or is_short(path)
-    elif container_format == "mov" and n_stated != len(packets):
+    if container_format != "mov" or not n_stated:
+        is_cut = is_cut or is_cut_off(path, container_format)
+    elif n_stated != len(packets):
         # an edit list shows samples twice or leaves them out: they are in the file all the same
         is_cut = is_cut or _n_packets(path, container_format, name) < n_stated
     # AVI has no presentation times: with reordered pictures they are guesses

@@ -19,10 +19,15 @@ from numpy.typing import NDArray
 
 from nvcore.errors import MediaError
 from nvcore.pictures.base import Picture, RecentPictures, check_index
-from nvcore.pictures.containers import DAMAGED, REORDERED, format_of_file, open_container
+from nvcore.pictures.containers import (
+    DAMAGED,
+    REORDERED,
+    check_samples,
+    format_of_file,
+    open_container,
+)
 from nvcore.pictures.header import check_size
 from nvcore.pictures.listing import decoded, list_pictures
-from nvcore.pictures.mp4 import check_samples
 from nvcore.wording import one_line
 
 _NEAR: Final = 8

@@ -135,10 +135,12 @@ def test_two_fields_are_one_picture_also_among_whole_frames(
     assert (video.fps, video.notes) == (25, ())
 
 
-def test_the_rate_of_fields_is_that_of_the_stream_where_the_container_takes_them_for_frames(
-    tmp_path: Path,
+@pytest.mark.parametrize(("ending", "per_second"), [("ts", 25), ("mkv", 60)])
+def test_fields_at_other_times_than_the_stream_states_are_shown_at_its_rate(
+    tmp_path: Path, ending: str, per_second: int
 ):
-    assert Video(field_pictures(tmp_path / "a.ts", per_second=25)).fps == 25
+    video = Video(field_pictures(tmp_path / f"a.{ending}", per_second=per_second))
+    assert (video.n, video.fps) == (24, 25)
 
 
 @pytest.mark.parametrize("share", [0.2, 0.6])
