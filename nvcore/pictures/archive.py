@@ -1,8 +1,8 @@
-"""Untrusted ZIP archives: checked before a member is read, read without unpacking.
+"""Untrusted ZIP archives, checked before a member is read, and read without unpacking.
 
 Refused are members outside the archive's own folder (absolute, ``..``), links, encrypted members,
-unusual compression, the same name twice, and more data than the limits allow: those are checked
-by what the archive says and again by what it really holds.
+unusual compression, the same name twice, and more data than the limits allow, both by what the
+archive states and by what it holds.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from nvcore.wording import one_line
 
 _CHUNK: Final = 1 << 20
 _MOST_FOLDERS: Final = 32
-"""Folders inside one another; some thousand cannot be removed again by Python 3.11."""
+"""Depth of folders: Python 3.11 cannot remove some thousand again."""
 _END: Final = struct.Struct("<4s4H2LH")
 _END_64: Final = struct.Struct("<4sQ2H2L4Q")
 _LOCATOR_64: Final = struct.Struct("<4sLQL")
@@ -32,27 +32,25 @@ _UNREADABLE = (
     zipfile.BadZipFile,
     zlib.error,
     EOFError,
-    NotImplementedError,
     RuntimeError,
     ValueError,
-    UnicodeDecodeError,
     struct.error,
 )
-"""What zipfile raises for damaged or malicious archives."""
+"""Exceptions that zipfile raises for a damaged or malicious archive."""
 
 
 @dataclass(frozen=True)
 class ArchiveLimits:
-    """What an archive may hold.
+    """Limits on the content of an archive.
 
     Attributes
     ----------
     members
         Number of files.
-    member_bytes, total_bytes
-        Size of one file and of all, unpacked.
+    member_bytes, total_bytes, directory_bytes
+        Size of one file and of all, unpacked, and of the table of contents.
     ratio
-        Unpacked over packed size, of archives that unpack to more than `ratio_from_bytes`.
+        Unpacked over packed size, for archives that unpack to more than `ratio_from_bytes`.
     """
 
     members: int = 200_000
@@ -71,7 +69,7 @@ class Archive:
     name
         File name of the archive, for errors.
     names
-        Paths of its files in the archive's order; what operating systems add is left out.
+        Paths of its files in the archive's order, without those that operating systems add.
     """
 
     def __init__(self, path: Path, limits: ArchiveLimits | None = None):
@@ -80,7 +78,7 @@ class Archive:
         Raises
         ------
         MediaError
-            If it is no archive, is damaged, or may not be unpacked; with the member.
+            If it is no archive, is damaged, or may not be unpacked. Names the member.
         """
         self.name = path.name
         self._limits = limits or ArchiveLimits()
@@ -111,7 +109,7 @@ class Archive:
         self._zip.close()
 
     def read(self, name: str, *, first_bytes: int | None = None) -> bytes:
-        """Content of one file, or its first bytes; any thread may call it.
+        """Return the content of one file, or its first bytes. Any thread may call it.
 
         Raises
         ------
@@ -127,12 +125,12 @@ class Archive:
         return content
 
     def unpack(self, folder: Path) -> list[Path]:
-        """Unpack all files below a folder; paths of the files, in the archive's order.
+        """Unpack all files below a folder and return their paths, in the archive's order.
 
         Raises
         ------
         MediaError
-            If a member is damaged, or there is no room; what was unpacked stays.
+            If a member is damaged, or there is no room. Files unpacked before stay.
         """
         paths = []
         for name, member in self._members.items():
@@ -232,7 +230,7 @@ def _is_added(name: str) -> bool:
 
 
 def _check_directory(path: Path, limits: ArchiveLimits) -> None:
-    """Refuse a table of contents that would fill the memory; zipfile reads it all at once."""
+    """Refuse a table of contents that would fill the memory: zipfile reads it all at once."""
     with path.open("rb") as file:
         n_bytes = file.seek(0, 2)
         start = file.seek(max(0, n_bytes - (1 << 16) - _END.size - _LOCATOR_64.size))

@@ -1,4 +1,4 @@
-"""What every source of pictures offers, whatever it is made of."""
+"""The interface of every source of pictures, and a cache of decoded pictures."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from nvcore.errors import MediaError
 from nvcore.pictures.notes import PictureNote
 
 Picture: TypeAlias = NDArray[Any]
-"""Grey (h, w) or RGB (h, w, 3), uint8 or uint16; not to be written to."""
+"""Grey (h, w) or RGB (h, w, 3), uint8 or uint16, read-only."""
 
 _CACHED_PICTURES: Final = 16
 _CACHED_BYTES: Final = 1 << 26
 
 
 class PictureReader(Protocol):
-    """Pictures by their index, and no more."""
+    """Reader of pictures by their index."""
 
     def read(self, index: int) -> Picture:
-        """The picture `index` (0-based).
+        """Return the picture `index` (0-based).
 
         Raises
         ------
@@ -35,7 +35,7 @@ class PictureReader(Protocol):
 
 
 class Pictures(PictureReader, Protocol):
-    """Pictures of one recording; any thread may read.
+    """Pictures of one recording, for readers in any thread.
 
     Attributes
     ----------
@@ -46,15 +46,15 @@ class Pictures(PictureReader, Protocol):
     width, height
         Size of the first picture, px.
     is_video
-        Whether they come from one file in their order: a video, or a TIFF of many pages.
+        Whether one file holds them in their order: a video, or a TIFF of many pages.
     numbers
         Frame number in the name of each picture, int64, shape (n,), all different; None for a
         video and where names have none.
     fps
-        Frame rate that a video states, 1/s; None: it states none, or these are single pictures.
+        Frame rate that a video states, 1/s; None for single pictures, and where it states none.
     times_s
-        When each picture is shown, s after the first, float64, shape (n,), ascending; None: single
-        pictures, or a video whose times cannot be relied on.
+        Time of each picture, s after the first, float64, shape (n,), ascending; None for single
+        pictures, and for a video whose times cannot be relied on.
     notes
         Facts that the user should know.
     """
@@ -70,13 +70,13 @@ class Pictures(PictureReader, Protocol):
     notes: tuple[PictureNote, ...]
 
     def file_names(self, indices: Sequence[int]) -> list[str] | None:
-        """File name of each of these pictures, without folders; None: they are of one video."""
+        """Return the file name of each picture, without folders, or None for a video."""
         ...
 
     def another(self) -> Pictures:
-        """The same pictures for another reader, with a place of its own; nothing is listed again.
+        """Return the same pictures for another reader, without listing them again.
 
-        This one is to stay open as long.
+        This one has to stay open as long.
         """
         ...
 
@@ -86,20 +86,20 @@ class Pictures(PictureReader, Protocol):
 
 
 class RecentPictures:
-    """The pictures read last, up to 16 of them and 64 MiB."""
+    """Cache of the pictures read last, up to 16 of them and 64 MiB."""
 
     def __init__(self) -> None:
         self._pictures: OrderedDict[int, Picture] = OrderedDict()
 
     def get(self, index: int) -> Picture | None:
-        """The picture, if it is still cached."""
+        """Return the picture if it is still cached."""
         if index not in self._pictures:
             return None
         self._pictures.move_to_end(index)
         return self._pictures[index]
 
     def put(self, index: int, picture: Picture) -> Picture:
-        """Cache a picture and make it read-only; returns the same picture."""
+        """Make a picture read-only, cache it and return it."""
         picture.setflags(write=False)
         self._pictures[index] = picture
         self._pictures.move_to_end(index)
@@ -111,17 +111,17 @@ class RecentPictures:
         return picture
 
     def clear(self) -> None:
-        """Forget all."""
+        """Drop all pictures."""
         self._pictures.clear()
 
 
 def first_bytes(path: Path, n_bytes: int, name: str) -> bytes:
-    """The beginning of a file.
+    """Return the beginning of a file.
 
     Raises
     ------
     MediaError
-        If it cannot be opened; with the name.
+        If it cannot be opened. Gives the name.
     """
     try:
         with path.open("rb") as file:

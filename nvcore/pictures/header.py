@@ -1,10 +1,9 @@
 """The size that a picture's header states, read before anything is decoded.
 
-By hand, since what stands here must accept exactly the files that OpenCV decodes. Pillow, the
-library for this, refuses TIFFs of temperatures (float64, and float32 or int16 of several
-channels), warns about TIFF tags that it does not know, and has one limit of pixels for the whole
-process, beyond which it does not give the size. The tests compare the sizes with what Pillow
-wrote and what OpenCV decodes.
+This is done by hand as it must accept exactly the files that OpenCV decodes. Pillow refuses TIFFs
+of temperatures (float64, and float32 or int16 of several channels), warns about TIFF tags that it
+does not know, and has one limit of pixels for the whole process, beyond which it gives no size.
+The tests compare the sizes with files that Pillow wrote and pictures that OpenCV decodes.
 """
 
 from __future__ import annotations
@@ -18,9 +17,9 @@ from typing import Final
 from nvcore.errors import MediaError
 
 MAX_PIXELS: Final = 100_000_000
-"""Pictures of more pixels are refused: no camera of these drives makes them."""
+"""Largest number of pixels. No camera of these drives makes larger pictures."""
 MAX_SIDE: Final = 65_500
-"""Wider or taller ones cannot be sent to a browser as JPEG, px."""
+"""Largest side, px. A JPEG for the browser cannot have a longer one."""
 
 _BITMAP_HEADERS: Final = frozenset(struct.pack("<L", n) for n in (12, 40, 52, 56, 108, 124))
 """Lengths of the headers that bitmaps have."""
@@ -47,9 +46,9 @@ def _is_bitmap(content: bytes) -> bool:
 
 
 def image_size(content: bytes, name: str) -> tuple[int, int]:
-    """Width and height of a PNG, JPEG, TIFF or BMP as it is shown, px.
+    """Return width and height of a PNG, JPEG, TIFF or BMP as it is shown, px.
 
-    A camera that was turned says so in the file (Exif).
+    The size is that after the rotation that a camera states (Exif).
 
     Parameters
     ----------
@@ -85,24 +84,20 @@ def check_size(width: int, height: int, name: str) -> None:
         If there are no pixels, or more than `MAX_PIXELS`, or a side is longer than `MAX_SIDE`.
     """
     if width <= 0 or height <= 0:
-        raise MediaError(f"states a size of {width} x {height} px; it is damaged", file=name)
-    if width * height > MAX_PIXELS:
-        raise MediaError(
-            f"states a size of {width} x {height} px; at most {MAX_PIXELS // 10**6} megapixels "
-            "are read: scale it down",
-            file=name,
-        )
-    if max(width, height) > MAX_SIDE:
-        raise MediaError(
-            f"states a size of {width} x {height} px; at most {MAX_SIDE:,} px a side are read",
-            file=name,
-        )
+        fault = "it is damaged"
+    elif width * height > MAX_PIXELS:
+        fault = f"at most {MAX_PIXELS // 10**6} megapixels are read: scale it down"
+    elif max(width, height) > MAX_SIDE:
+        fault = f"at most {MAX_SIDE:,} px a side are read"
+    else:
+        return
+    raise MediaError(f"states a size of {width} x {height} px; {fault}", file=name)
 
 
 def is_whole(content: bytes) -> bool:
-    """Whether a PNG or JPEG is complete; other formats are trusted."""
+    """Whether a picture is complete. Formats other than PNG and JPEG are trusted."""
     if content.startswith(b"\x89PNG"):
-        # The decoder takes as much memory as a part states, before it finds that there is less.
+        # the decoder takes as much memory as a part states, before it finds that there is less
         return any(kind == b"IEND" for kind, _ in _png_parts(content))
     if content.startswith(b"\xff\xd8"):
         return b"\xff\xd9" in content[-(1 << 16) :]
@@ -110,7 +105,7 @@ def is_whole(content: bytes) -> bool:
 
 
 def _png_parts(content: bytes) -> Iterator[tuple[bytes, slice]]:
-    """Kind and content of the parts of a PNG, each as long as it states."""
+    """Yield kind and content of the parts of a PNG, each as long as it states."""
     position = 8
     while position + 12 <= len(content):  # a step per part
         n_bytes = int.from_bytes(content[position : position + 4], "big")
@@ -176,14 +171,14 @@ def _lies_on_its_side(exif: bytes) -> bool:
 
 @dataclass(frozen=True)
 class TiffPage:
-    """One of the pictures in a TIFF.
+    """Picture in a TIFF.
 
     Attributes
     ----------
     start
-        Where its list of tags lies in the file, bytes.
+        Position of its list of tags in the file, bytes.
     width, height
-        Its size as it is shown, px.
+        Size as it is shown, px.
     is_white_zero
         Whether 0 is white, as in the negative.
     is_extra
@@ -198,15 +193,15 @@ class TiffPage:
 
 
 def tiff_pages(content: bytes, most: int | None = None) -> list[TiffPage]:
-    """The pages of a TIFF that are pictures of the commonest size; empty: it is none, or damaged.
+    """Return the pages of a TIFF that are pictures of the commonest size, or of the largest such.
 
-    A file of many such pages is a recording; pages of other sizes are previews. Of sizes that are
-    equally common, the largest.
+    A file of many such pages is a recording, and pages of other sizes are previews. A file that is
+    damaged or no TIFF has none.
 
     Parameters
     ----------
     most
-        Pages to look at; None: all.
+        Number of pages to look at; None: all.
     """
     pages: list[TiffPage] = []
     if not content.startswith(_TIFF_STARTS):
@@ -232,7 +227,7 @@ def tiff_pages(content: bytes, most: int | None = None) -> list[TiffPage]:
 
 
 def with_first_page(content: bytes, page: TiffPage) -> bytes:
-    """The TIFF with this page as its first, the one that is decoded."""
+    """Return the TIFF with this page as its first, the one that is decoded."""
     return content[:4] + struct.pack(_order(content) + "L", page.start) + content[8:]
 
 
@@ -241,7 +236,7 @@ def _order(content: bytes) -> str:
 
 
 def _tags(content: bytes, start: int) -> tuple[dict[int, int], int]:
-    """Values of the tags in the list that lies there, and where the next list lies."""
+    """Return the values of the tags in the list at `start`, and the position of the next list."""
     order = _order(content)
     n_tags = struct.unpack_from(order + "H", content, start)[0]
     values: dict[int, int] = {}
@@ -255,17 +250,12 @@ def _tags(content: bytes, start: int) -> tuple[dict[int, int], int]:
 
 
 def _tiff_page(content: bytes, start: int) -> tuple[TiffPage | None, int]:
-    """The page whose tags lie there, None without a size, and where those of the next one lie."""
+    """Return the page with tags at `start`, None without a size, and the position of the next."""
     values, following = _tags(content, start)
-    if _TIFF_WIDTH not in values or _TIFF_HEIGHT not in values:
+    sides = [values.get(_TIFF_WIDTH), values.get(_TIFF_HEIGHT)]
+    width, height = sides[::-1] if values.get(_TIFF_ORIENTATION, 1) >= 5 else sides
+    if width is None or height is None:
         return None, following
-    width, height = values[_TIFF_WIDTH], values[_TIFF_HEIGHT]
-    is_turned = values.get(_TIFF_ORIENTATION, 1) >= 5
-    page = TiffPage(
-        start,
-        height if is_turned else width,
-        width if is_turned else height,
-        is_white_zero=values.get(_TIFF_PHOTOMETRIC) == 0,
-        is_extra=bool(values.get(_TIFF_KIND, 0) & 5),
-    )
-    return page, following
+    is_white_zero = values.get(_TIFF_PHOTOMETRIC) == 0
+    is_extra = bool(values.get(_TIFF_KIND, 0) & 5)
+    return TiffPage(start, width, height, is_white_zero, is_extra), following

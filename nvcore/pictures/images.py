@@ -1,4 +1,4 @@
-"""Pictures as single files: a folder, a list, or a ZIP archive of PNG, JPEG, TIFF or BMP."""
+"""Pictures in single files: a folder, a list, or a ZIP archive of PNG, JPEG, TIFF or BMP."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from nvcore.wording import MOST_NAMED, one_line
 _MAX_BYTES: Final = 1 << 29
 _SHOWN_FOLDERS: Final = 5
 _FAR: Final = 25
-"""The sun in a picture of a night in kelvin is nearer than that, 0 for a masked border is not."""
+"""Largest multiple of the quartiles' distance: the sun at night in kelvin is nearer, 0 is not."""
 
 
 class Images:
-    """Pictures that are files of their own; see `nvcore.pictures.base.Pictures`."""
+    """Pictures that are files of their own, or the pages of one TIFF (`Pictures`)."""
 
     def __init__(
         self,
@@ -39,18 +39,16 @@ class Images:
         read_bytes: Callable[[str], bytes],
         close: Callable[[], None],
     ):
-        """Take over files in their order; each page of a single TIFF is a picture.
+        """Take over files in their order, of a single TIFF its pages.
 
         Parameters
         ----------
         name
-            Of all of them together.
-        series
-            The files.
+            Name of all of them together.
         read_bytes
-            Content of a file by its name in the series.
+            Returns the content of a file by its name in the series.
         close
-            Called once, by `close`.
+            Is called by `close`.
 
         Raises
         ------
@@ -61,20 +59,20 @@ class Images:
         self.fps: float | None = None
         self.times_s: NDArray[np.floating] | None = None
         self._read_bytes, self._close = read_bytes, close
-        first = series.names[0]
-        is_tiff = PurePosixPath(first).suffix.lower() in (".tif", ".tiff")
-        self._pages = tiff_pages(read_bytes(first)) if is_tiff else []
-        self.notes: tuple[PictureNote, ...] = ()
-        if others := [PurePosixPath(other).name for other in series.passed_over]:
-            named = tuple(others[:MOST_NAMED])
-            self.notes += (PictureNote(PictureTrait.PASSED_OVER, len(others), names=named),)
-        if len(self._pages) > 1 < len(series.names):
-            n_further, named = len(self._pages) - 1, (PurePosixPath(first).name,)
-            self.notes += (PictureNote(PictureTrait.FURTHER_PAGES, n_further, names=named),)
-        if len(self._pages) > 1 == len(series.names):
+        first = PurePosixPath(series.names[0])
+        is_tiff = first.suffix.lower() in (".tif", ".tiff")
+        pages = tiff_pages(read_bytes(series.names[0])) if is_tiff else []
+        is_single = len(pages) > 1 == len(series.names)
+        self._pages = pages if is_single else []
+        if is_single:
             self.numbers = None
-        else:
-            self._pages = []
+        self.notes: tuple[PictureNote, ...] = ()
+        if others := series.passed_over:
+            named = tuple(PurePosixPath(other).name for other in others[:MOST_NAMED])
+            self.notes += (PictureNote(PictureTrait.PASSED_OVER, len(others), names=named),)
+        if len(pages) > 1 and not is_single:
+            further = PictureNote(PictureTrait.FURTHER_PAGES, len(pages) - 1, names=(first.name,))
+            self.notes += (further,)
         self.n, self.is_video = len(self._pages) or len(series.names), bool(self._pages)
         self._recent, self._lock = RecentPictures(), Lock()
         self.height, self.width = self.read(0).shape[:2]
@@ -114,10 +112,9 @@ class Images:
 
 
 def decode_image(content: bytes, name: str) -> Picture:
-    """A PNG, JPEG, TIFF or BMP as grey or RGB, uint8 or uint16, turned as its camera says.
+    """Decode a PNG, JPEG, TIFF or BMP as grey or RGB, uint8 or uint16, turned as its camera says.
 
-    Transparency is dropped. Fractions (TIFF of temperatures) become uint16, least to greatest,
-    without those that are far from all others (`_as_uint16`).
+    Transparency is dropped. Fractions (TIFF of temperatures) become uint16 (`_as_uint16`).
 
     Raises
     ------
@@ -145,11 +142,11 @@ def decode_image(content: bytes, name: str) -> Picture:
 
 
 def _as_uint16(picture: NDArray[np.generic]) -> NDArray[np.uint16]:
-    """The values from the least to the greatest as 0..65535.
+    """Scale the values from the least to the greatest to 0..65535.
 
-    So that a masked border or a single wrong pixel does not take the contrast of all others, what
-    is no number becomes one of the darkest values, as do those that are lower than the quartiles by
-    more than `_FAR` times their distance; those as far above become one of the brightest.
+    A masked border or a single wrong pixel must not take the contrast of all others. NaN becomes
+    one of the darkest values, as do values lower than the quartiles by more than `_FAR` times their
+    distance. Values as far above become one of the brightest.
     """
     values = picture.astype(np.float64)
     near = values[np.isfinite(values)]
@@ -172,12 +169,7 @@ def _as_uint16(picture: NDArray[np.generic]) -> NDArray[np.uint16]:
 
 
 def files_as_pictures(paths: Sequence[Path], name: str, passed_over: Sequence[str] = ()) -> Images:
-    """Given picture files, in natural order of their names.
-
-    Parameters
-    ----------
-    passed_over
-        Files that were found beside them.
+    """Open the given picture files, in natural order of their names.
 
     Raises
     ------
@@ -192,14 +184,14 @@ def files_as_pictures(paths: Sequence[Path], name: str, passed_over: Sequence[st
 
 
 def folder_as_pictures(folder: Path, *, inside: str | None = None, pattern: str = "*") -> Images:
-    """Pictures of a folder, or of its only subfolder that holds some; hidden ones are left out.
+    """Open the pictures of a folder, or of its only subfolder with pictures. Skip hidden files.
 
     Parameters
     ----------
     inside
-        Which of its folders; ``.``: itself.
+        One of its folders, ``.`` for itself.
     pattern
-        Of the names of files, as in a shell; others are left out.
+        Pattern of the file names, as in a shell.
 
     Raises
     ------
@@ -220,7 +212,7 @@ def folder_as_pictures(folder: Path, *, inside: str | None = None, pattern: str 
 
 
 def archive_as_pictures(path: Path, *, inside: str | None = None, pattern: str = "*") -> Images:
-    """Pictures of a ZIP archive, read without unpacking.
+    """Open the pictures of a ZIP archive without unpacking it.
 
     Parameters
     ----------
@@ -249,15 +241,17 @@ def archive_as_pictures(path: Path, *, inside: str | None = None, pattern: str =
 def _one_folder(
     names: Sequence[str], where: str, inside: str | None, pattern: str
 ) -> tuple[list[str], list[str]]:
-    """Those of one folder: the one named, else the top one, else the only one; and strays above."""
+    """Return the names in one folder, and stray ones above it.
+
+    The folder is `inside`, else the top one, else the only one.
+    """
     by_folder: dict[str, list[str]] = {}
-    wanted = composed(pattern)
+    wanted, strays = composed(pattern), list[str]()
     for name in names:
         path = PurePosixPath(name)
         is_hidden = any(part.startswith(".") for part in path.parts)
         if not is_hidden and fnmatchcase(composed(path.name), wanted):
             by_folder.setdefault(str(path.parent), []).append(name)
-    strays: list[str] = []
     if inside is not None:
         by_folder = {inside: by_folder[inside]} if inside in by_folder else {}
     elif "." in by_folder:
@@ -283,7 +277,7 @@ def _one_folder(
 
 
 def file_bytes(path: Path) -> bytes:
-    """Content of a picture file.
+    """Return the content of a picture file.
 
     Raises
     ------

@@ -1,9 +1,9 @@
-"""Which picture shows which frame."""
+"""Map from the frames of a recording to its pictures."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import StrEnum
+from enum import Enum
 from typing import Final
 
 import numpy as np
@@ -11,78 +11,56 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from nvcore.pictures.base import Pictures
+from nvcore.pictures.listing import NOT_WHOLE
 from nvcore.pictures.notes import MAY_MISLEAD, PictureTrait
-from nvcore.pictures.timing import NOT_WHOLE
 from nvcore.wording import capitalised, count_text
 
 NO_FRAMES: Final = np.empty(0, np.int64)
 _SAME_SHAPE: Final = 0.02
-"""By so much the scales across and down may differ: sides are whole numbers of pixels."""
+"""Largest difference of the scales across and down, as sides are whole numbers of pixels."""
 _ENOUGH: Final = 0.5
-"""Share of the frames that numbers in names find, where they cover all frames but have gaps."""
+"""Least share of the frames with a number in names that cover all frames but have gaps."""
 _NEARLY_ALL: Final = 0.95
 _CLEARLY_MORE: Final = 1.5
-"""By so much pictures of every frame are more than the listed frames, every second or fifth."""
+"""Least ratio of pictures of every frame to listed frames, of which each is a second or fifth."""
 _SAME_RATE: Final = 0.005
-"""Share by which frame rates that are the same may differ: 29.97 is called 30."""
+"""Largest difference of frame rates that are the same, as a share: 29.97 is called 30."""
 _TIMES_FROM: Final = 10**9
-"""From here on numbers in names are rather times, which are not even."""
+"""Least number in a name that is rather a time, and times are not even."""
 
 
-class NumberingRule(StrEnum):
-    """By what the picture of a frame is known."""
+class NumberingRule(Enum):
+    """Rule by which the picture of a frame is known, in words."""
 
-    GIVEN = "given"
-    """The user says which frame the first picture shows."""
-    COUNT = "count"
-    """Picture i shows frame i."""
-    COUNT_FROM_ONE = "count from one"
-    """Picture i shows frame i + 1."""
-    TIME = "time"
-    """The time of each picture tells its frame, as the video misses some."""
-    NUMBER = "number"
-    """The number in the name is the frame."""
-    NUMBER_LESS_ONE = "number less one"
-    """The number in the name less one is the frame."""
-    ORDER = "order"
-    """There are as many pictures as listed frames: they show these in their order."""
-    ORDER_FROM_ZERO = "order from zero"
-    """Single pictures, whose names say nothing of the frames, show frame 0, 1, 2, ..."""
-    UNCLEAR = "unclear"
-    """None of these fits: no picture is shown rather than a wrong one."""
+    GIVEN = "the first picture shows frame {first_picture}, as given"
+    COUNT = "picture i shows frame i, both counted from 0"
+    COUNT_FROM_ONE = "picture i, counted from 0, shows frame i + 1: the frames count from 1"
+    TIME = "the time of each picture tells its frame, as pictures are missing in the video"
+    NUMBER = "the number in a picture's name is the frame"
+    NUMBER_LESS_ONE = (
+        "the number in a picture's name, minus one, is the frame (names that count from 1)"
+    )
+    ORDER = "the pictures in their order show the listed frames"
+    ORDER_FROM_ZERO = "the pictures in their order show frame 0, 1, 2 and so on"
+    UNCLEAR = "which picture shows which frame is not clear, so that none is shown"
 
 
-_TEXTS: Final = {
-    NumberingRule.COUNT: "picture i shows frame i, both counted from 0",
-    NumberingRule.COUNT_FROM_ONE: "picture i, counted from 0, shows frame i + 1: the frames "
-    "count from 1",
-    NumberingRule.TIME: "the time of each picture tells its frame, as pictures are missing in "
-    "the video",
-    NumberingRule.NUMBER: "the number in a picture's name is the frame",
-    NumberingRule.NUMBER_LESS_ONE: "the number in a picture's name, minus one, is the frame "
-    "(names that count from 1)",
-    NumberingRule.ORDER: "the pictures in their order show the listed frames",
-    NumberingRule.ORDER_FROM_ZERO: "the pictures in their order show frame 0, 1, 2 and so on",
-    NumberingRule.UNCLEAR: "which picture shows which frame is not clear, so that none is shown",
-}
 USUAL: Final = tuple(
-    f"{capitalised(_TEXTS[rule])}." for rule in (NumberingRule.COUNT, NumberingRule.NUMBER)
+    f"{capitalised(rule.value)}." for rule in (NumberingRule.COUNT, NumberingRule.NUMBER)
 )
-"""Notes of `picture_index` that say nothing but what anybody expects."""
+"""Notes of `picture_index` that say only what anybody expects."""
 
 
 @dataclass(frozen=True)
 class FrameMap:
-    """Which picture shows which frame of a recording.
+    """Pictures of the frames of a recording.
 
     Attributes
     ----------
     index
-        Of the picture of each frame, -1 none; int64, shape (n_frames,).
-    rule
-        How that is known.
+        Index of the picture of each frame, -1 none; int64, shape (n_frames,).
     is_either
-        Whether the numbers in the names fit the frames as well less one as they are.
+        Whether the numbers in the names fit the frames as well minus one as they are.
     """
 
     index: NDArray[np.int64]
@@ -98,16 +76,22 @@ def map_frames(
     others: NDArray[np.int64] = NO_FRAMES,
     fps: float | None = None,
 ) -> FrameMap:
-    """The picture of every listed frame.
+    """Find the picture of every listed frame.
 
-    In this order: `first_picture`; a video's picture i shows frame i, or frame i + 1 where the last
-    listed frame is the number of pictures, or, where frames go beyond that number and the times say
-    that pictures are missing, the frame of its time; the number in a picture's name is the frame,
-    or the frame + 1 (names that count from 1), if every frame has a picture, or every picture a
-    frame, or pictures that cover the frames lack some; the pictures in their order show the frames,
-    if they are as many, or else frame 0, 1, 2, ... if no frame is beyond them, and either their
-    names have no numbers or the frames reach to their end. Where nothing fits, no frame has a
-    picture.
+    The first rule that fits counts:
+
+    1. `first_picture` is given.
+    2. A video's picture i shows frame i, or frame i + 1 if the last listed frame is the number of
+       pictures. If frames go beyond that number and the times say that pictures are missing, it
+       shows the frame of its time.
+    3. The number in a picture's name is the frame, or the frame + 1 (names that count from 1), if
+       every frame has a picture, or every picture a frame, or pictures that cover the frames lack
+       some.
+    4. The pictures in their order show the frames, if they are as many.
+    5. They show frame 0, 1, 2, ..., if no frame is beyond them, and either their names have no
+       numbers or the frames reach to their end.
+
+    Otherwise no frame has a picture.
 
     Parameters
     ----------
@@ -118,8 +102,7 @@ def map_frames(
     first_picture
         Number of the frame that the first picture shows; None: by the rules above.
     others
-        Further frames of the recording, which are not listed: a selection of frames changes no
-        rule.
+        Further frames of the recording, so that a selection of frames changes no rule.
     fps
         Frame rate of the recording, 1/s; None: that of the video.
     """
@@ -152,18 +135,7 @@ def picture_index(
     others: NDArray[np.int64] = NO_FRAMES,
     fps: float | None = None,
 ) -> tuple[NDArray[np.int64], str]:
-    """`map_frames` with its rule in words.
-
-    Parameters
-    ----------
-    frames, pictures, first_picture, others, fps
-        As of `map_frames`.
-
-    Returns
-    -------
-    tuple
-        Index of the picture, -1 none, int64, shape (n,); and a note for the user.
-    """
+    """Return the index of `map_frames` (-1 none, int64, shape (n,)) and a note for the user."""
     mapped = map_frames(frames, pictures, first_picture, others=others, fps=fps)
     return mapped.index, map_note(mapped, frames, pictures, first_picture)
 
@@ -174,12 +146,8 @@ def map_note(
     pictures: Pictures,
     first_picture: int | None = None,
 ) -> str:
-    """By which rule pictures show frames, and how many frames have none, as sentences."""
-    rule = (
-        f"the first picture shows frame {first_picture}, as given"
-        if mapped.rule is NumberingRule.GIVEN
-        else _TEXTS[mapped.rule]
-    )
+    """Say by which rule pictures show frames, and how many frames have none."""
+    rule = mapped.rule.value.format(first_picture=first_picture)
     if mapped.is_either:
         other = "minus one" if mapped.rule is NumberingRule.NUMBER else "the number itself"
         rule += f" ({other} would do as well: if boxes lag behind, give the first frame)"
@@ -199,7 +167,7 @@ def map_note(
 
 
 def why_unclear(frames: NDArray[np.int64], pictures: Pictures) -> str:
-    """What of pictures and frames does not fit together, as a clause."""
+    """Say in a clause why pictures and frames do not fit together."""
     there = (
         f"there are {count_text(pictures.n, 'picture')} for {count_text(len(frames), 'frame')} "
         f"({frames[0]} to {frames[-1]})"
@@ -219,7 +187,7 @@ def _within(index: NDArray[np.int64], n: int) -> NDArray[np.int64]:
 
 
 def _of_names(frames: NDArray[np.int64], numbers: NDArray[np.int64] | None) -> FrameMap | None:
-    """The number in a name is the frame, or the frame + 1; None: neither fits."""
+    """Take the number in a name for the frame or the frame + 1, or return None if neither fits."""
     if numbers is None or not len(frames):
         return None
     as_named, less_one = _find(frames, numbers), _find(frames, numbers - 1)
@@ -252,7 +220,7 @@ def _fits(frames: NDArray[np.int64], numbers: NDArray[np.int64], n_hits: int) ->
 
 
 def _is_in_order(frames: NDArray[np.int64], pictures: Pictures) -> bool:
-    """Whether as many pictures show these frames: their numbers have no gaps that frames lack.
+    """Whether as many pictures show these frames, without gaps in their numbers that frames lack.
 
     A video shows every second frame, or fifth, and has no gaps.
     """
@@ -268,7 +236,7 @@ def _is_in_order(frames: NDArray[np.int64], pictures: Pictures) -> bool:
 
 
 def _of_count(frames: NDArray[np.int64], pictures: Pictures) -> FrameMap:
-    """Picture i shows frame i, or i + 1 where the last frame is the number of pictures.
+    """Let picture i show frame i, or i + 1 if the last frame is the number of pictures.
 
     Single pictures do so if every frame then has one. Where their names have other numbers, the
     frames have to reach to their end.
@@ -291,10 +259,10 @@ def _of_count(frames: NDArray[np.int64], pictures: Pictures) -> FrameMap:
 def _by_time(
     frames: NDArray[np.int64], pictures: Pictures, fps: float | None
 ) -> NDArray[np.int64] | None:
-    """Picture of the time of each frame; None: the video misses none, or frames do not go so far.
+    """Find the picture of the time of each frame, or None if times do not count.
 
-    Frames that a video lacks are counted by whoever numbers frames by time, or as they were
-    recorded; programs that count decoded pictures do not come to a number beyond these.
+    They count if the video misses pictures and frames go beyond the number of pictures: programs
+    that count decoded pictures do not come so far, but those that number frames by time do.
     """
     times = pictures.times_s
     if times is None or not any(note.trait is PictureTrait.GAP for note in pictures.notes):
@@ -318,20 +286,17 @@ def _is_even(numbers: NDArray[np.int64]) -> bool:
 
 
 def _find(frames: NDArray[np.int64], numbers: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Position of each frame among the numbers, -1 none."""
+    """Return the position of each frame among the numbers, -1 none."""
     return np.asarray(pd.Index(numbers).get_indexer(pd.Index(frames)), dtype=np.int64)
 
 
 def is_of_other_shape(pictures: Pictures, width: float, height: float) -> bool:
-    """Whether width and height of the pictures are in another proportion than a recording's."""
+    """Whether the pictures have another aspect ratio than the recording."""
     return abs(pictures.width / width / (pictures.height / height) - 1) > _SAME_SHAPE
 
 
 def size_note(pictures: Pictures, width: float, height: float) -> str:
-    """What to say of pictures of another size than their recording's; empty: the same size.
-
-    Boxes are drawn scaled to the picture.
-    """
+    """Note that the pictures have another size than their recording, or return an empty text."""
     if (pictures.width, pictures.height) == (width, height):
         return ""
     note = (

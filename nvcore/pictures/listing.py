@@ -1,4 +1,4 @@
-"""Which pictures a video holds, by its packets; where these do not tell, by decoding it once."""
+"""Pictures of a video, listed from its packets or, where these do not tell, by decoding it once."""
 
 from __future__ import annotations
 
@@ -20,21 +20,34 @@ from nvcore.pictures.containers import (
     open_container,
     picture_streams,
 )
-from nvcore.pictures.mp4 import is_short
 from nvcore.pictures.notes import MOST_PLACES, PictureNote, PictureTrait
-from nvcore.pictures.timing import frame_rate, time_notes, usual_step
 
+NOT_WHOLE: Final = 0.25
+"""Share of a step by which a time may miss a whole number of steps."""
+_UNEVEN: Final = 0.1
+"""Share of steps that are no whole ones from which on the rate varies."""
+_SAME_RATE: Final = 1e-3
 _WIDE_GAP: Final = 1.5
-"""Times the usual step from which on a step is a gap."""
+"""Multiple of the usual step from which on a step is a gap."""
 _UNCODED_BYTES: Final = 19
 """Size of the largest packet of MPEG-4 that may hold no picture of its own."""
 _UNKNOWN: Final = int(np.iinfo(np.int64).min)
-"""Stands for a presentation time that is missing."""
+"""Stands for a missing presentation time."""
+_PACKET: Final = np.dtype(
+    [
+        ("shown_at", np.int64),  # presentation time, or _UNKNOWN
+        ("decoded_at", np.int64),  # decoding time, or the number of the packet
+        ("is_key", np.bool_),
+        # a key picture that can be sought: MPEG need not say the time of one within a part
+        ("is_place", np.bool_),
+        ("is_hidden", np.bool_),  # decoded but not shown
+    ]
+)
 
 
 @dataclass(frozen=True)
 class PictureTable:
-    """Which pictures there are.
+    """The pictures of a video.
 
     Attributes
     ----------
@@ -64,39 +77,10 @@ class PictureTable:
     notes: tuple[PictureNote, ...]
 
 
-@dataclass(frozen=True)
-class _Packets:
-    """Packets with pictures, in the order of decoding; n of them.
-
-    Attributes
-    ----------
-    shown_at, decoded_at
-        Presentation times, `_UNKNOWN` where they are missing, and decoding times, where they are
-        missing the number of the packet; int64.
-    is_key, is_place, is_hidden
-        Key pictures; those of them that can be sought: MPEG need not say the time of a picture that
-        begins within a part; pictures that are decoded but not shown.
-    are_pictures
-        Whether each packet shown seems to be a picture: all have presentation times, which differ
-        and nearly follow the order of decoding. Not where MPEG-4 begins without a key picture, or
-        where a packet is so small that its picture may lie in the one before, or be that one again.
-    is_partial
-        Whether the file ends early.
-    """
-
-    shown_at: NDArray[np.int64]
-    decoded_at: NDArray[np.int64]
-    is_key: NDArray[np.bool_]
-    is_place: NDArray[np.bool_]
-    is_hidden: NDArray[np.bool_]
-    are_pictures: bool
-    is_partial: bool
-
-
 def list_pictures(
     path: Path, container_format: str, name: str, *, must_decode: bool = False
 ) -> PictureTable:
-    """The pictures of a file; it is decoded only where its packets may not be its pictures.
+    """List the pictures of a file, decoding it only where packets may not be pictures.
 
     Parameters
     ----------
@@ -112,35 +96,30 @@ def list_pictures(
     """
     container, stream = open_container(path, container_format, name)
     with container:
-        packets = _read_packets(container, stream)
+        packets, are_pictures, is_cut = _read_packets(container, stream)
         codec, n_stated, tick_s = stream.codec_context, stream.frames, float(stream.time_base or 1)
         is_reordered = bool(codec.has_b_frames)
         fps = float(stream.average_rate or 0) or None
-        # AVI has no presentation times: with reordered pictures they are guesses
-        is_avi = container_format == "avi"
-        is_guess = is_avi and is_reordered and codec.name in ("h264", "hevc")
         others = tuple(
             f"{other.codec_context.name} {other.width} x {other.height}"
             for other in picture_streams(container)[1:]
             if other.codec_context is not None
         )
-    is_cut = packets.is_partial or is_cut_off(path, container_format)
-    if container_format == "mov" and not n_stated:
-        is_cut = is_cut or is_short(path)
-    elif container_format == "mov" and n_stated != len(packets.is_key):
+    if container_format != "mov" or not n_stated:
+        is_cut = is_cut or is_cut_off(path, container_format)
+    elif n_stated != len(packets):
         # an edit list shows samples twice or leaves them out: they are in the file all the same
         is_cut = is_cut or _n_packets(path, container_format, name) < n_stated
-    keys = seeks = np.empty(0, np.int64)
-    is_sure, n_listed = not is_guess, len(packets.shown_at)
-    is_shown, is_leading = _is_shown(packets)
-    fps_of_frames = None
-    if must_decode or (
-        len(time_notes(packets.decoded_at)) if is_guess else not packets.are_pictures
-    ):
+    # AVI has no presentation times: with reordered pictures they are guesses
+    is_avi = container_format == "avi"
+    is_guess = is_avi and is_reordered and codec.name in ("h264", "hevc")
+    is_shown, is_leading = _shown_packets(packets)
+    is_sure, n_listed, rate_of_codec = not is_guess, len(packets), None
+    if must_decode or (time_notes(packets.decoded_at) if is_guess else not are_pictures):
         given = _decoded_times(path, container_format, name)
         is_given = np.isin(packets.shown_at, given)
         if codec.name == "h264" and (is_shown & ~is_given).any():  # the container counts fields
-            fps_of_frames = float(codec.framerate or 0) or None
+            rate_of_codec = float(codec.framerate or 0) or None
         is_shown, n_listed = is_shown & is_given, len(given)
         is_sure = is_sure and bool(n_listed == is_shown.sum() and (np.diff(given) > 0).all())
     if is_sure:
@@ -150,7 +129,6 @@ def list_pictures(
             is_shown &= packets.shown_at < _end_of_certainty(packets, is_shown, is_cut=is_cut)
         times = np.sort(packets.shown_at[is_shown])
         is_cut = is_cut or len(times) < n_listed
-        keys, seeks = _keys(packets, is_shown, times, by_shown=container_format == "matroska")
     else:
         moments = np.sort(packets.decoded_at)
         # among the last ones of a cut file a lost one may be missing
@@ -158,8 +136,8 @@ def list_pictures(
     if not len(times):
         raise MediaError(f"holds no picture that can be read: it {DAMAGED}", file=name)
 
-    shown, times_s, notes = np.arange(len(times)), None, []
-    chunks = None
+    shown, times_s, chunks = np.arange(len(times)), None, None
+    notes: list[PictureNote] = []
     if is_avi and (is_sure or is_guess) and len(moments) == n_listed:
         # the time of decoding is the number of the chunk, that of showing a guess
         moments = moments[: len(times)]
@@ -177,67 +155,72 @@ def list_pictures(
         moments = moments if is_avi else times
         times_s = (moments - moments[0]) * tick_s
         notes += time_notes(moments)
-        is_even = not any(note.trait is PictureTrait.UNEVEN for note in notes)
-        if fps_of_frames or is_even:
-            fps = fps_of_frames or frame_rate(usual_step(moments) * tick_s, fps)
+        if rate_of_codec or not any(note.trait is PictureTrait.UNEVEN for note in notes):
+            fps = rate_of_codec or frame_rate(usual_step(moments) * tick_s, fps)
     elif is_guess:
         notes += time_notes(packets.decoded_at)
     if is_cut:
         n_total = n_stated
         if n_stated and is_sure and not is_avi:  # those never shown are stated, too
-            n_total = max(0, n_stated - len(packets.is_key) + n_listed)
+            n_total = max(0, n_stated - len(packets) + n_listed)
         notes.insert(0, PictureNote(PictureTrait.CUT, len(shown), n_total))
     if others:
         notes.append(PictureNote(PictureTrait.OTHER_STREAMS, len(others), names=others))
+    keys, seeks = _keys(packets, is_shown & is_sure, times, container_format)
     return PictureTable(times, keys, seeks, is_sure, shown, times_s, fps, tuple(notes))
 
 
-def _read_packets(container: Any, stream: Any) -> _Packets:
-    """As far as the file can be read; of the two fields of a frame only the first."""
-    coding = stream.codec_context.name
-    is_mpeg4, is_vp8, is_partial, are_pictures = coding == "mpeg4", coding == "vp8", False, True
+def _read_packets(container: Any, stream: Any) -> tuple[Any, bool, bool]:
+    """Read the packets with pictures, in the order of decoding, as far as the file can be read.
+
+    Returns
+    -------
+    tuple
+        A record array of `_PACKET`. Whether each packet shown seems to be a picture: all have
+        presentation times, which differ and nearly follow the order of decoding. Not where MPEG-4
+        begins without a key picture, or where a packet is so small that its picture may lie in the
+        one before, or be that one again. Whether the file ends early.
+    """
+    coding, are_pictures, is_partial = stream.codec_context.name, True, False
     is_stream = container.format.name in ("mpeg", "mpegts")
-    rows: list[tuple[int | None, int | None, bool, bool, bool]] = []
+    rows: list[tuple[int, int, bool, bool, bool]] = []
     partial: list[bool] = []
     try:
         for packet in container.demux(stream):  # a step per picture: the demuxer's way
-            size = packet.size
-            if not size:
+            if not packet.size:
                 continue
             is_hidden, is_key = packet.is_discard, packet.is_keyframe
-            if is_mpeg4:  # its decoder begins before the first key picture, with other times
-                are_pictures &= size > _UNCODED_BYTES and (is_key or bool(rows))
-            elif is_vp8:  # some pictures only help to decode others, as this bit says
+            if coding == "mpeg4":  # its decoder begins before the first key picture, at other times
+                are_pictures &= packet.size > _UNCODED_BYTES and (is_key or bool(rows))
+            elif coding == "vp8":  # some pictures only help to decode others, as this bit says
                 is_hidden = is_hidden or not memoryview(packet)[0] & 16
+            shown_at = _UNKNOWN if packet.pts is None else packet.pts
+            decoded_at = len(rows) if packet.dts is None else packet.dts
             is_place = is_key and (not is_stream or packet.pos is not None)
-            rows.append((packet.pts, packet.dts, is_key, is_place, is_hidden))
+            rows.append((shown_at, decoded_at, is_key, is_place, is_hidden))
             partial.append(packet.is_corrupt)
     except av.error.FFmpegError:
         is_partial = True
     if any(partial[-2:]):  # the file ends within the last packet, or within what it lies in
         is_partial = True
         rows.pop()
-    shown_at = np.array([_UNKNOWN if row[0] is None else row[0] for row in rows], np.int64)
-    is_hidden = np.array([row[4] for row in rows], bool)
-    order = np.argsort(shown_at[~is_hidden])  # joined files may begin again with earlier times
-    return _Packets(
-        shown_at,
-        np.array([n if row[1] is None else row[1] for n, row in enumerate(rows)], np.int64),
-        np.array([row[2] for row in rows], bool),
-        np.array([row[3] for row in rows], bool),
-        is_hidden,
+    packets = np.array(rows, _PACKET).view(np.recarray)
+    times = packets.shown_at[~packets.is_hidden]
+    order = np.argsort(times)  # joined files may begin again with earlier times
+    are_pictures = (
         are_pictures
-        and _UNKNOWN not in shown_at[~is_hidden]
-        and bool((np.diff(shown_at[~is_hidden][order]) > 0).all())
-        and bool((np.abs(order - np.arange(len(order))) <= REORDERED).all()),
-        is_partial,
+        and _UNKNOWN not in times
+        and bool((np.diff(times[order]) > 0).all())
+        and bool((np.abs(order - np.arange(len(order))) <= REORDERED).all())
     )
+    return packets, are_pictures, is_partial
 
 
-def _is_shown(packets: _Packets) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Which packets' pictures are shown, and which lie behind the first key picture's and are not.
+def _shown_packets(packets: Any) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return which packets are shown, and which follow the first key picture but are not.
 
-    Not what is shown before that one: it cannot be decoded, and no program counts it.
+    A picture that is shown before the first key picture cannot be decoded, and no program counts
+    it.
     """
     is_shown: NDArray[np.bool_] = ~packets.is_hidden
     if not packets.is_key.any():
@@ -249,40 +232,35 @@ def _is_shown(packets: _Packets) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
 
 
 def _keys(
-    packets: _Packets, is_shown: NDArray[np.bool_], times: NDArray[np.int64], *, by_shown: bool
+    packets: Any, is_shown: NDArray[np.bool_], times: NDArray[np.int64], container_format: str
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """First position that can be decoded from each key picture, ascending, and what to seek.
+    """Return the first position that each key picture opens, ascending, and the time to seek.
 
     A hidden key picture is none of those shown, but they are decoded from it. Pictures that are
     decoded after it and shown before it need an earlier one as well.
-
-    Parameters
-    ----------
-    by_shown
-        Whether the file's index has presentation times.
     """
     is_place = packets.is_place & (is_shown | packets.is_hidden)  # no second field of a key picture
-    group = np.cumsum(is_place) - 1
-    key_times = packets.shown_at[is_place]
-    is_of_key = is_shown & (group >= 0)
-    is_of_key[is_of_key] = packets.shown_at[is_of_key] >= key_times[group[is_of_key]]
+    starts = np.flatnonzero(is_place)
+    key_of = np.maximum.accumulate(np.where(is_place, np.arange(len(packets)), 0))
+    is_of_key = is_shown & (packets.shown_at >= packets.shown_at[key_of])
     never = np.iinfo(np.int64).max
-    first = np.full(len(key_times), never)
-    np.minimum.at(first, group[is_of_key], packets.shown_at[is_of_key])
+    first = np.minimum.reduceat(np.where(is_of_key, packets.shown_at, never), starts)
     is_used = first < never
     keys = np.searchsorted(times, first[is_used])
-    seeks = (packets.shown_at if by_shown else packets.decoded_at)[is_place][is_used]
+    # the index of Matroska holds presentation times
+    seeks = (packets.shown_at if container_format == "matroska" else packets.decoded_at)[starts]
     order = np.argsort(keys, kind="stable")
-    return keys[order], seeks[order]
+    return keys[order], seeks[is_used][order]
 
 
 def _chunks(
     occupied: NDArray[np.int64], n_stated: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
-    """Picture of each chunk of an AVI, of an empty one the picture before; and which are empty.
+    """Return the picture of each chunk of an AVI, and which chunks are empty.
 
-    Chunks before the first picture and after the last one are counted if the file states as many.
-    None: most are empty, which fill a rate that was never that of the pictures.
+    An empty chunk repeats the picture before. Chunks before the first picture and after the last
+    one are counted if the file states as many. None if most are empty: these fill a rate that was
+    never that of the pictures.
 
     Parameters
     ----------
@@ -301,7 +279,7 @@ def _chunks(
 
 
 def _n_packets(path: Path, container_format: str, name: str) -> int:
-    """Packets of an MP4 or MOV without its edit list."""
+    """Count the packets of an MP4 or MOV without its edit list."""
     container, stream = open_container(path, container_format, name, advanced_editlist="0")
     n_packets = 0
     with container, suppress(av.error.FFmpegError):
@@ -311,7 +289,7 @@ def _n_packets(path: Path, container_format: str, name: str) -> int:
 
 
 def _decoded_times(path: Path, container_format: str, name: str) -> NDArray[np.int64]:
-    """Presentation times of the pictures that the decoder gives, in its order."""
+    """Return the presentation times of the pictures that the decoder gives, in its order."""
     container, stream = open_container(path, container_format, name)
     times: list[int] = []
     with container, suppress(av.error.FFmpegError):  # as far as the file can be read
@@ -321,7 +299,7 @@ def _decoded_times(path: Path, container_format: str, name: str) -> NDArray[np.i
 
 
 def decoded(container: Any, stream: Any) -> Iterator[Any]:
-    """All frames from here on; those of damaged packets are missing."""
+    """Yield all frames from here on, but for those of damaged packets."""
     for packet in container.demux(stream):
         try:
             yield from packet.decode()
@@ -329,11 +307,11 @@ def decoded(container: Any, stream: Any) -> Iterator[Any]:
             continue
 
 
-def _end_of_certainty(packets: _Packets, is_shown: NDArray[np.bool_], *, is_cut: bool) -> int:
-    """Presentation time from which on pictures may be missing, and others be taken for them.
+def _end_of_certainty(packets: Any, is_shown: NDArray[np.bool_], *, is_cut: bool) -> int:
+    """Return the presentation time from which on pictures may be missing.
 
-    Of a file that is cut off, that is what is shown after the last picture was to be decoded: lost
-    ones may come before it. Where nothing says that it is cut, a gap there counts, if all other
+    In a file that is cut off, lost pictures may come before whatever is shown after the last
+    picture was to be decoded. Where nothing says that it is cut, a gap there counts, if all other
     steps are regular.
     """
     if not is_shown.any():
@@ -347,3 +325,49 @@ def _end_of_certainty(packets: _Packets, is_shown: NDArray[np.bool_], *, is_cut:
     if (is_wide & ~is_tail).any() or not is_wide.any():
         return int(display_times[-1]) + 1
     return int(display_times[1:][is_wide][0])
+
+
+def usual_step(times: NDArray[np.int64]) -> float:
+    """Return the commonest step between times, or 0 if there is none.
+
+    It is the mean of the steps near the median: gaps do not lengthen it, and containers round each.
+    """
+    steps = np.sort(np.diff(times.astype(np.float64)))  # damaged files state times of 63 bit
+    median = steps[(len(steps) - 1) // 2] if len(steps) else 0
+    if median <= 0:
+        return 0.0
+    return float(steps[np.abs(steps - median) <= NOT_WHOLE * median].mean())
+
+
+def time_notes(times: NDArray[np.int64]) -> tuple[PictureNote, ...]:
+    """Note that pictures are missing by the times, or that the rate varies.
+
+    Times that go back tell neither.
+    """
+    step, steps = usual_step(times), np.diff(times.astype(np.float64))
+    if not step or (steps <= 0).any():
+        return ()
+    passed = steps / step
+    whole = np.rint(passed)
+    n_beside = int(np.count_nonzero((np.abs(passed - whole) > NOT_WHOLE) | (whole < 1)))
+    if n_beside > _UNEVEN * len(passed):
+        return (PictureNote(PictureTrait.UNEVEN, n_beside, len(passed)),)
+    after = np.flatnonzero(whole > 1)
+    if not len(after):
+        return ()
+    n_missing = int(whole[after].sum()) - len(after)
+    places = tuple(int(place) + 1 for place in after[:MOST_PLACES])
+    return (PictureNote(PictureTrait.GAP, n_missing, len(times) + n_missing, places),)
+
+
+def frame_rate(step_s: float, stated: float | None) -> float | None:
+    """Return the rate by the commonest step, or the stated one if it agrees or the step is 0."""
+    if not step_s:
+        return stated
+    rate = 1 / step_s
+    if stated and abs(stated / rate - 1) < _SAME_RATE:
+        return stated
+    # times are rounded in a container: rates are whole, or those of colour television
+    near = [usual for usual in (round(rate), round(rate * 1.001) / 1.001) if usual]
+    nearest = min(near, key=lambda usual: abs(usual - rate), default=rate)
+    return float(nearest) if abs(nearest / rate - 1) < _SAME_RATE / 2 else rate

@@ -1,4 +1,4 @@
-"""Pictures of another camera, cut to what the recording's own pictures show."""
+"""Pictures of another camera, cut to the area that the recording's own pictures show."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 from nvcore.pictures.base import Picture, PictureReader
 
 LONGEST_SIDE_PX: Final = 4096
-"""Of what is cut: where the other camera sees but a small part, all of it in full would be huge."""
+"""Limit for cut pictures, which are huge where the other camera sees but a small part."""
 
 
 class MappedPictures:
-    """Pictures in which boxes of the recording lie where their shares of its size say.
+    """Pictures of another camera in which boxes keep their relative place in the recording.
 
-    What the other camera does not show is black. They are as fine as the other camera's, but no
-    side is longer than `LONGEST_SIDE_PX`.
+    Areas that the other camera does not show are black. The resolution is that of the other camera,
+    but no side is longer than `LONGEST_SIDE_PX`.
     """
 
     def __init__(
@@ -31,8 +31,8 @@ class MappedPictures:
         Parameters
         ----------
         to_picture
-            (sx, sy, dx, dy): what is at (x, y) of the recording, px, is at (sx x + dx, sy y + dy)
-            of the pictures.
+            (sx, sy, dx, dy): the point (x, y) of the recording, px, is (sx x + dx, sy y + dy) in
+            the pictures.
         size
             Width and height of the recording, px.
         """
@@ -44,6 +44,6 @@ class MappedPictures:
         self._size = max(1, round(shrink * width)), max(1, round(shrink * height))
 
     def read(self, index: int) -> Picture:
-        """The picture of that index, cut; see `Pictures.read`."""
+        """Return the picture of that index, cut, as `Pictures.read` does."""
         picture = self._pictures.read(index)
         return np.asarray(cv2.warpAffine(picture, self._move, self._size))

@@ -1,4 +1,4 @@
-"""Facts about a recording's pictures that may make them show other frames than one expects."""
+"""Notes about pictures that may make them show other frames than one expects."""
 
 from __future__ import annotations
 
@@ -9,30 +9,23 @@ from typing import Final
 from nvcore.wording import count_text, listed, one_line
 
 MOST_PLACES: Final = 100
-"""Of a note."""
+"""Number of places that a note names."""
 
 
 class PictureTrait(StrEnum):
-    """What is unusual about pictures."""
+    """Unusual property of pictures. `_TEXTS` words it."""
 
     CUT = "cut"
-    """The file ends early or is damaged: `count` pictures can be read, `total` are stated."""
     GAP = "gap"
-    """The times leave out `count` pictures, before the pictures at `places`."""
     UNEVEN = "uneven"
-    """`count` of `total` steps between the times differ from the commonest: the rate varies."""
     REPEATED = "repeated"
-    """The file holds nothing for the `count` pictures at `places`: each shows the one before."""
     OTHER_STREAMS = "other streams"
-    """`count` further streams of pictures are in the file and are not shown, of these `names`."""
     PASSED_OVER = "passed over"
-    """`count` files lie beside the pictures and are not taken for one of them, of these `names`."""
     FURTHER_PAGES = "further pages"
-    """Each file holds `count` further pages, which are not shown, as the one of these `names`."""
 
 
 MAY_MISLEAD: Final = frozenset({PictureTrait.CUT, PictureTrait.GAP, PictureTrait.UNEVEN})
-"""With these a frame may have no picture, or its neighbour's: they are told beside the pictures."""
+"""Traits because of which a frame may show no picture, or that of its neighbour."""
 
 _TEXTS: Final = {
     PictureTrait.CUT: (
@@ -64,21 +57,22 @@ _TEXTS: Final = {
         "further pages in each file are not shown (as in {names})",
     ),
 }
-"""What follows `PictureNote.count`: of one and of several."""
+"""Text after `PictureNote.count`, singular and plural."""
 
 
 @dataclass(frozen=True)
 class PictureNote:
-    """A fact about the pictures of one recording; `trait` says what the others mean.
+    """A trait of the pictures of one recording.
 
     Attributes
     ----------
     count, total
-        How many, and out of how many; 0: not known.
+        Number that has the trait, and number in all (0: unknown): of pictures, or for UNEVEN of
+        steps between their times, or of streams, files or pages.
     places
-        Indices of pictures, ascending; where they are many, the first ones.
+        Indices of the first pictures that have it; for GAP, of those after a gap; ascending.
     names
-        Of files or streams; where they are many, the first ones.
+        Names of the first files or streams that have it.
     """
 
     trait: PictureTrait
@@ -89,7 +83,7 @@ class PictureNote:
 
     @property
     def text(self) -> str:
-        """The fact in words, without a full stop; pictures are counted from 0."""
+        """The note in words, without a full stop. Pictures are counted from 0."""
         names = listed([*map(one_line, self.names)])
         if self.count > len(self.names) > 0 and self.trait is not PictureTrait.FURTHER_PAGES:
             names += f" and {self.count - len(self.names):,} more"

@@ -1,4 +1,4 @@
-"""Whatever holds the pictures of a recording, opened by its content, not by its name."""
+"""Open a recording's images or video, detecting the container from its content."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ def open_pictures(path: Path | Sequence[Path], *, inside: str | None = None) -> 
     Parameters
     ----------
     path
-        A video, a folder of pictures, a ZIP archive of pictures, one picture, or several; below a
-        folder or archive a pattern such as ``*.png`` of the names of those that are meant.
+        A video, a folder of pictures, a ZIP archive of pictures, one picture, or several. The last
+        part may be a pattern of names in a folder or archive, such as ``*.png``.
     inside
         Folder within the folder or archive; None: the top one, or the only one with pictures.
 
     Raises
     ------
     MediaError
-        If it holds no pictures that can be read; with what to do.
+        If it holds no pictures that can be read. Says what to do.
     """
     if not isinstance(path, Path):
         paths = list(path)
@@ -70,10 +70,10 @@ def open_pictures(path: Path | Sequence[Path], *, inside: str | None = None) -> 
 
 
 def is_below(path: Path, root: Path) -> bool:
-    """Whether a path, links followed, lies in a folder; of a folder also all that it holds.
+    """Whether a path and all that it holds lie in a folder, links followed.
 
-    For places where people may look at one folder only: pictures there may be links. A name that
-    no file can have (too long, with a NUL) lies where it would lie, or nowhere.
+    For places where people may look at one folder only, as pictures there may be links. A name
+    that no file can have (too long, with a NUL) lies where it would lie, or nowhere.
     """
     real_root = os.path.realpath(root)
 

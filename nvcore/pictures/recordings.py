@@ -1,4 +1,4 @@
-"""The pictures that a session names for its recordings, opened."""
+"""Open pictures of the recordings of a session."""
 
 from __future__ import annotations
 
@@ -33,52 +33,52 @@ class RecordingPictures:
     Attributes
     ----------
     sources
-        A recording without pictures is absent.
+        Pictures. A recording without them is absent.
     indices
         Picture of each frame of a recording, -1 none; int64, shape (n_frames_of_recording,).
     stretch
         Percentiles of the grey levels (`nvcore.pictures.stretch`).
     notes
-        Which picture shows which frame, in words; without a source, why it cannot be opened.
+        Which picture shows which frame, in words, or why there is no source.
     frame_maps
-        The same as data, of those with a source.
+        Which picture shows which frame, if there is a source.
     steps
-        Ways on where pictures cannot be opened.
+        Suggested fixes where pictures cannot be opened.
     maps
-        (sx, sy, dx, dy) by recording: what is at (x, y) of the recording, px, is at
-        (sx x + dx, sy y + dy) of its pictures.
+        (sx, sy, dx, dy): the point (x, y) of the recording, px, is (sx x + dx, sy y + dy) in its
+        pictures.
     """
 
-    sources: Mapping[int, Pictures] = field(default_factory=dict)
-    indices: Mapping[int, np.ndarray] = field(default_factory=dict)
+    sources: dict[int, Pictures] = field(default_factory=dict)
+    indices: dict[int, np.ndarray] = field(default_factory=dict)
     stretch: tuple[float, float] = STRETCH
-    notes: Mapping[int, str] = field(default_factory=dict)
-    frame_maps: Mapping[int, FrameMap] = field(default_factory=dict)
-    steps: Mapping[int, tuple[Step, ...]] = field(default_factory=dict)
-    maps: Mapping[int, tuple[float, float, float, float]] = field(default_factory=dict)
+    notes: dict[int, str] = field(default_factory=dict)
+    frame_maps: dict[int, FrameMap] = field(default_factory=dict)
+    steps: dict[int, tuple[Step, ...]] = field(default_factory=dict)
+    maps: dict[int, tuple[float, float, float, float]] = field(default_factory=dict)
 
     def renumbered(self, number_of: Mapping[int, int]) -> RecordingPictures:
-        """Those of some recordings under other numbers, by their numbers so far."""
-
-        def of_those(values: Mapping[int, Any]) -> dict[int, Any]:
-            return {number_of[old]: value for old, value in values.items() if old in number_of}
-
+        """Return the pictures of some recordings under other numbers, by their numbers so far."""
+        by_recording = (item.name for item in fields(self) if item.name != "stretch")
         changed: dict[str, Any] = {
-            item.name: of_those(getattr(self, item.name))
-            for item in fields(self)
-            if item.name != "stretch"
+            name: {
+                number_of[old]: value
+                for old, value in getattr(self, name).items()
+                if old in number_of
+            }
+            for name in by_recording
         }
         return replace(self, **changed)
 
     def area_of(self, recording: int) -> tuple[float, float, float, float]:
-        """Where its pictures lie: x, y, w, h, px of the recording."""
+        """Area of the pictures: x, y, w, h, px of the recording."""
         across, down, right, lower = self.maps[recording]
         source = self.sources[recording]
         return -right / across, -lower / down, source.width / across, source.height / down
 
     @property
     def troubles(self) -> dict[int, str]:
-        """Why a recording has no pictures although it names some, by recording."""
+        """Reasons, by recording, for which pictures that are named cannot be shown."""
         return {
             number: note
             for number, note in self.notes.items()
@@ -87,18 +87,16 @@ class RecordingPictures:
         }
 
     def why_none(self, *others: RecordingPictures, how: str) -> str:
-        """That no frame has a picture, why, and how pictures are named.
+        """Say that no frame has a picture, why, and how pictures are named.
 
         Parameters
         ----------
         others
             More pictures that were tried.
         how
-            To name pictures in the session file, in words.
+            How pictures are named in the session file, in words.
         """
-        troubles: dict[int, str] = {}
-        for tried in (self, *others):
-            troubles |= tried.troubles
+        troubles = dict(item for tried in (self, *others) for item in tried.troubles.items())
         why = list(dict.fromkeys(map(one_line, troubles.values())))
         cause = [listed(why, most=MOST_NAMED).rstrip(".")] if why else []
         return (
@@ -107,7 +105,7 @@ class RecordingPictures:
         )
 
     def another(self) -> RecordingPictures:
-        """The same for another reader; see `Pictures.another`."""
+        """Return the same pictures for another reader (`Pictures.another`)."""
         sources = {number: pictures.another() for number, pictures in self.sources.items()}
         return replace(self, sources=sources)
 
@@ -120,18 +118,9 @@ class RecordingPictures:
 def picture_names(
     frames: FrameColumns, rows: Iterable[int], pictures: RecordingPictures
 ) -> dict[int, str]:
-    """File name of the picture that shows a frame, by the row of the frame.
+    """Return the file name of the picture that shows a frame, by the row of the frame.
 
-    Frames without a picture of their own, such as those of a video, are absent.
-
-    Parameters
-    ----------
-    frames
-        Of the dataset.
-    rows
-        Rows of frames.
-    pictures
-        Those of the recordings.
+    Frames without a picture file, such as those of a video, are absent.
     """
     names: dict[int, str] = {}
     every = np.unique(np.asarray([*rows], dtype=np.int64))
@@ -157,7 +146,7 @@ def session_pictures(
     opener: Callable[[Path], Pictures] | None = None,
     key: Source = "pictures",
 ) -> RecordingPictures:
-    """Open the pictures that a session names; `notes` says what cannot be opened.
+    """Open the pictures that a session names.
 
     Parameters
     ----------
@@ -171,48 +160,38 @@ def session_pictures(
         Opens the pictures of a recording, and raises `MediaError` if it cannot; None:
         `open_pictures`.
     key
-        Under which the session names them: those of the recording, or those of visible light that
-        were taken beside them.
+        Setting of the session that names them: the recording's own pictures, or those of visible
+        light that were taken beside them.
     """
     names = [str(name) for name in dataset.recordings["name"]]
-    entries = session.entries(names)
-    frames = dataset.frame_columns
-    sources: dict[int, Pictures] = {}
-    indices: dict[int, np.ndarray] = {}
-    notes: dict[int, str] = {}
-    maps: dict[int, tuple[float, float, float, float]] = {}
-    frame_maps: dict[int, FrameMap] = {}
-    steps: dict[int, tuple[Step, ...]] = {}
+    entries, frames, found = session.entries(names), dataset.frame_columns, RecordingPictures()
     for number, name in enumerate(names):
         entry = entries.get(name)
         path = None if entry is None else getattr(entry, key)
-        is_needed = recordings is None or number in recordings
-        if entry is None or path is None or not is_needed:
+        if entry is None or path is None or (recordings is not None and number not in recordings):
             continue
         try:
             pictures = (opener or open_pictures)(session.folder / path)
         except MediaError as error:
             inner = f"{error.file}: " if error.file and error.file not in path else ""
-            notes[number] = f"{path}: {inner}{error.message}"
+            found.notes[number] = f"{path}: {inner}{error.message}"
             folder = str(PurePosixPath(path).parent) if glob.has_magic(path) else path.rstrip("/")
-            steps[number] = tuple(
+            found.steps[number] = tuple(
                 replace(step, value=f"{folder}/{step.value}", subject=name) for step in error.steps
             )
             continue
-        listed = frames.frame[frames.rows_of(number)]
-        others = dataset.unlisted_frames(name)
+        listed, others = frames.frame[frames.rows_of(number)], dataset.unlisted_frames(name)
         first, fps = entry.first_picture, float(frames.fps[number])
         mapped = map_frames(listed, pictures, first, others=others, fps=fps)
-        note = map_note(mapped, listed, pictures, first)
-        indices[number], frame_maps[number] = mapped.index, mapped
-        other_size = ""
-        size = float(frames.width[number]), float(frames.height[number])
-        of_size = pictures.width / size[0], pictures.height / size[1], 0.0, 0.0
-        maps[number] = (entry.visible_map if key == "visible" else None) or of_size
-        if key == "pictures":
-            other_size = size_note(pictures, *size)
-        sources[number] = pictures
-        notes[number] = " ".join(part for part in (note, other_size) if part)
-    return RecordingPictures(
-        sources, indices, notes=notes, frame_maps=frame_maps, steps=steps, maps=maps
-    )
+        width, height = float(frames.width[number]), float(frames.height[number])
+        other_size = size_note(pictures, width, height) if key == "pictures" else ""
+        found.sources[number], found.frame_maps[number] = pictures, mapped
+        found.indices[number] = mapped.index
+        found.notes[number] = f"{map_note(mapped, listed, pictures, first)} {other_size}".rstrip()
+        found.maps[number] = (entry.visible_map if key == "visible" else None) or (
+            pictures.width / width,
+            pictures.height / height,
+            0.0,
+            0.0,
+        )
+    return found

@@ -1,4 +1,4 @@
-"""Grey levels for display: dim night pictures and 16-bit pictures become visible 8-bit ones."""
+"""Grey levels for display, so that dim night pictures and 16-bit pictures become visible."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from nvcore.errors import ParameterError
 from nvcore.pictures.base import Picture
 
 _MANY: Final = 0.002
-"""Share of the pixels: fewer are left to the percentiles."""
 _FEWEST: Final = 8
+"""Share and number of pixels from which on an extreme value may stand for no measurement."""
 _APART: Final = 3
 STRETCH: Final = (0.5, 99.8)
-"""Percentiles of the grey levels between which contrast is stretched: night pictures are dim."""
+"""Percentiles of the grey levels between which contrast is stretched by default."""
 _SAMPLED: Final = 1 << 16
 """Approximate number of pixels sampled for the percentiles."""
 
 
 def stretch(picture: Picture, lo: float = 0.0, hi: float = 100.0) -> NDArray[np.uint8]:
-    """The picture with the grey levels between two percentiles spread over 0..255.
+    """Spread the grey levels between two percentiles over 0..255.
 
-    An 8-bit picture with ``lo`` 0 and ``hi`` 100 stays as it is; a 16-bit one is spread from its
+    An 8-bit picture with ``lo`` 0 and ``hi`` 100 stays as it is. A 16-bit one is spread from its
     least to its greatest value, without those that stand for no measurement (`measured`), as of a
-    masked border. Colours are spread together, so that hues stay. Where both
-    percentiles are the same value, that becomes 128, what is darker 0 and what is brighter 255.
+    masked border. Colours are spread together, so that hues stay. Where both percentiles are the
+    same value, it becomes 128, darker values 0 and brighter ones 255.
 
     Parameters
     ----------
@@ -63,9 +63,9 @@ def stretch(picture: Picture, lo: float = 0.0, hi: float = 100.0) -> NDArray[np.
 
 
 def measured(values: NDArray[Any]) -> NDArray[Any]:
-    """The values without a least or greatest one that stands for no measurement, such as -9999.
+    """Drop a least or greatest value that stands for no measurement, such as -9999.
 
-    Many pixels, yet no more than half, share it: 0 or less, or more than twice all others (of
+    Many pixels, yet no more than half, share it. It is 0 or less, or more than twice all others (of
     whole numbers the greatest there is), and further from them than `_APART` times their range.
     """
     for is_least in (True, False):
@@ -85,7 +85,7 @@ def measured(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def jpeg(picture: Picture, lo: float = 0.0, hi: float = 100.0, quality: int = 85) -> bytes:
-    """The picture, stretched (`stretch`), as JPEG.
+    """Encode the picture as JPEG after `stretch`.
 
     Parameters
     ----------
@@ -101,12 +101,12 @@ def jpeg(picture: Picture, lo: float = 0.0, hi: float = 100.0, quality: int = 85
 
 
 def picture_address(content: bytes, kind: Literal["jpeg", "png"] = "jpeg") -> str:
-    """An address that holds the encoded picture: what shows it has nothing left to fetch."""
+    """Return a data URL of the encoded picture."""
     return f"data:image/{kind};base64,{b64encode(content).decode()}"
 
 
 def png(picture: Picture) -> bytes:
-    """The picture as PNG, without loss."""
+    """Encode the picture as PNG."""
     return _encode(".png", picture, [])
 
 

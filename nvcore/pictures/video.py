@@ -1,8 +1,8 @@
 """Exact random access to the pictures of a video.
 
-The demuxer's sorted presentation times identify the pictures (`nvcore.pictures.listing`).
-A picture is reached from the key picture before it, and is taken only if its own time is the
-wanted one. Containers whose times cannot be trusted (H.264 in AVI) are counted from their start.
+The sorted presentation times identify the pictures (`nvcore.pictures.listing`). A picture is
+decoded from the key picture before it, and is taken only if its own time is the wanted one.
+Where times cannot be trusted (H.264 in AVI), pictures are counted from the start of the video.
 """
 
 from __future__ import annotations
@@ -19,21 +19,25 @@ from numpy.typing import NDArray
 
 from nvcore.errors import MediaError
 from nvcore.pictures.base import Picture, RecentPictures, check_index
-from nvcore.pictures.containers import DAMAGED, REORDERED, format_of_file, open_container
+from nvcore.pictures.containers import (
+    DAMAGED,
+    REORDERED,
+    check_samples,
+    format_of_file,
+    open_container,
+)
 from nvcore.pictures.header import check_size
 from nvcore.pictures.listing import decoded, list_pictures
-from nvcore.pictures.mp4 import check_samples
 from nvcore.wording import one_line
 
 _NEAR: Final = 8
-"""Pictures before the wanted one that are kept on the way, for steps backwards."""
-
+"""Number of pictures before the wanted one that are cached on the way, for steps backwards."""
 _SAME_STEP: Final = 1.25
-"""Times the least step between pictures: times are rounded in a container."""
+"""Multiple of the least step up to which a step is the same: containers round times."""
 
 
 class Video:
-    """Pictures of a video; see `nvcore.pictures.base.Pictures`. Picture i is the i-th shown."""
+    """Pictures of a video in the order in which they are shown (`Pictures`)."""
 
     is_video = True
 
@@ -71,13 +75,15 @@ class Video:
         self.times_s, self.notes = self._table.times_s, self._table.notes
 
     def _start(self) -> None:
-        """As nobody has read anything yet."""
+        """Reset to the state before anything was read."""
         self._lock, self._recent = Lock(), RecentPictures()
         self._container: Any = None
         self._stream: Any = None
         self._frames: Iterator[Any] = iter(())
         self._at = -1
         self._lost: set[int] = set()
+        # the one of each frame would begin with threads of its own
+        self._reformatter = av.video.reformatter.VideoReformatter()
 
     def read(self, index: int) -> Picture:
         """See `Pictures.read`."""
@@ -110,18 +116,12 @@ class Video:
         return other
 
     def close(self) -> None:
-        """See `Pictures.close`; reading opens the file again."""
+        """See `Pictures.close`. Reading opens the file again."""
         with self._lock:
             self._recent.clear()
             self._let_go()
 
     # Reading the file. Everything below is called with the lock held, or while opening.
-
-    def _open(self) -> Any:
-        """The stream of pictures of the newly opened file."""
-        self._let_go()
-        self._container, stream = open_container(self._path, self._format, self.name)
-        return stream
 
     def _let_go(self) -> None:
         self._frames, self._at = iter(()), -1
@@ -130,7 +130,7 @@ class Video:
             self._container = None
 
     def _find(self, index: int) -> Picture | None:
-        """The picture, decoded; None if the decoder does not give it."""
+        """Decode the picture, or return None if the decoder does not give it."""
         key = int(np.searchsorted(self._table.keys, index, side="right")) - 1
         key_at = int(self._table.keys[key]) if key >= 0 else 0
         if self._container is not None and (
@@ -140,7 +140,7 @@ class Video:
             if picture is not None:
                 return picture
         # key pictures further and further back, where a seek lands too late; at last the start
-        for number in [key - back for back in (0, 1, 3) if key - back > 0 and self._table.is_sure]:
+        for number in [key - back for back in (0, 1, 3) if key - back > 0]:
             self._seek(int(self._table.key_seeks[number]))
             picture, was_reached = self._forward(index, int(self._table.keys[number]))
             if was_reached:
@@ -169,17 +169,19 @@ class Video:
             return False
 
     def _seek(self, time: int | None) -> None:
-        """Go to a key picture; None: to the start of the file."""
-        stream = self._open() if time is None or self._container is None else self._stream
-        self._stream, self._at = stream, -1
+        """Go to a key picture, or with None to the start of the file, which is opened anew."""
+        if time is None or self._container is None:
+            self._let_go()
+            self._container, self._stream = open_container(self._path, self._format, self.name)
         if time is not None:
-            self._container.seek(time, stream=stream, backward=True)
-        self._frames = decoded(self._container, stream)
+            self._container.seek(time, stream=self._stream, backward=True)
+        self._at, self._frames = -1, decoded(self._container, self._stream)
 
     def _forward(self, index: int, start: int) -> tuple[Picture | None, bool]:
-        """Decode up to the picture: the picture, and whether decoding began at `start` or before.
+        """Decode up to the picture.
 
-        None and True: the decoder does not give this picture.
+        Returns the picture, or None, and whether decoding began at `start` or before: if so, the
+        decoder does not give a picture that is None.
         """
         n_beyond, is_first = 0, self._at < 0
         for frame in self._frames:
@@ -203,15 +205,15 @@ class Video:
     def _is_shifted(self, frame: Any, position: int, start: int) -> bool:
         """Whether the first picture after a seek is another one than its time says.
 
-        A program stream need not give each picture its time. What is guessed after a seek may
-        differ from what was guessed from the start; then key pictures are where none are listed.
+        A program stream need not give each picture its time. A guess after a seek may differ from
+        the guess from the start: then key pictures are where none are listed.
         """
         if self._format != "mpeg" or start == len(self._table.times):  # from the start
             return False
         return not frame.key_frame or position not in self._table.keys
 
     def _position(self, frame: Any) -> int | None:
-        """Which picture this is; None: none of those listed."""
+        """Return which picture this is, or None if it is not listed."""
         times = self._table.times
         if not self._table.is_sure:
             return self._at + 1 if self._at + 1 < len(times) else None
@@ -227,8 +229,7 @@ class Video:
             pixel_format = "gray" if name == "gray" else "gray16le"
         width, height = self._stream.width, self._stream.height
         check_size(width, height, self.name)  # it may change in the middle of a video
-        picture: Picture = frame.reformat(
-            width=width, height=height, format=pixel_format
-        ).to_ndarray()
+        scaled = self._reformatter.reformat(frame, width, height, pixel_format)
+        picture: Picture = scaled.to_ndarray()
         quarters = round(frame.rotation / 90) % 4
         return np.ascontiguousarray(np.rot90(picture, quarters)) if quarters else picture

@@ -140,14 +140,8 @@ def test_a_file_and_a_folder_of_one_name_are_an_error(tmp_path: Path):
 @pytest.mark.parametrize("content", [b"", b"PK\3\4" + bytes(100), b"frame,x\n", b"PK\5\6" * 9])
 def test_what_is_no_whole_archive_is_refused(tmp_path: Path, content: bytes):
     (tmp_path / "a.zip").write_bytes(content)
-    words = r"is no ZIP archive, or is cut off|is damaged, or no ZIP archive"
+    words = "is no ZIP archive, or is cut off: its table of contents is missing; pack or copy it"
     assert_refused(tmp_path / "a.zip", words)
-
-
-def test_an_archive_that_is_cut_off_is_refused(tmp_path: Path):
-    path = write_zip(tmp_path / "a.zip", {"a": b"x" * 1000})
-    path.write_bytes(path.read_bytes()[:-30])
-    assert_refused(path, "cut off: its table of contents is missing; pack or copy it again")
 
 
 def test_names_are_shown_as_one_harmless_line(tmp_path: Path):

@@ -12,7 +12,7 @@ from picture_files import write_numbered_video
 
 from nvcore.errors import MediaError
 from nvcore.pictures import open_pictures
-from nvcore.pictures.mp4 import MOST_SAMPLES, check_samples
+from nvcore.pictures.containers import MOST_SAMPLES, check_samples
 
 MILLIONS = 85_000_000
 

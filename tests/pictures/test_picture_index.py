@@ -31,24 +31,27 @@ def index_of(frames: list[int], pictures: Pictures, first: int | None = None) ->
     return index.tolist(), note
 
 
-def test_picture_i_of_a_video_shows_frame_i(tmp_path: Path):
+@pytest.mark.parametrize(
+    ("frames", "right", "words"),
+    [
+        ([0, 2, 4], [0, 2, 4], "Picture i shows frame i, both counted from 0."),
+        (
+            [-1, 3, 4, 5, 9],
+            [-1, 3, 4, -1, -1],
+            "3 of 5 listed frames have no picture (5 pictures in a.mp4).",
+        ),
+        ([1, 2, 5], [0, 1, 4], "the frames count from 1."),
+        ([0, 2, 4, 6, 8], [*range(5)], "in their order show the listed frames."),
+        ([*range(100, 105)], [*range(5)], "in their order show the listed frames."),
+    ],
+)
+def test_pictures_of_a_video_are_counted(
+    tmp_path: Path, frames: list[int], right: list[int], words: str
+):
     video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=5))
-    index, note = index_of([0, 2, 4], video)
-    assert (index, note) == ([0, 2, 4], "Picture i shows frame i, both counted from 0.")
-
-
-def test_frames_beyond_the_end_of_a_video_have_no_picture_and_are_counted(tmp_path: Path):
-    video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=5))
-    index, note = index_of([-1, 3, 4, 5, 9], video)
-    assert index == [-1, 3, 4, -1, -1]
-    assert note.endswith("3 of 5 listed frames have no picture (5 pictures in a.mp4).")
-
-
-def test_frames_from_one_to_the_number_of_pictures_count_from_one(tmp_path: Path):
-    video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=5))
-    index, note = index_of([1, 2, 5], video)
-    assert index == [0, 1, 4]
-    assert note.endswith("the frames count from 1.")
+    index, note = index_of(frames, video)
+    assert index == right
+    assert note.endswith(words)
 
 
 RECORDED = [*range(20), *range(30, 60)]
@@ -97,33 +100,27 @@ def test_the_frame_of_the_first_picture_goes_before_every_rule(tmp_path: Path):
     assert index_of([0, 1], pictures, 1)[0] == [-1, 0]
 
 
-def test_numbers_in_names_are_frames_where_all_frames_are_among_them(tmp_path: Path):
-    pictures = folder_of(tmp_path, ["I00019", "I00039", "I00059"])
-    index, note = index_of([19, 59], pictures)
-    assert (index, note) == ([0, 2], "The number in a picture's name is the frame.")
-
-
-def test_names_that_count_from_one_are_noticed(tmp_path: Path):
-    pictures = folder_of(tmp_path, ["000001", "000002", "000003"])
-    index, note = index_of([0, 1, 2], pictures)
-    assert index == [0, 1, 2]
-    assert note == (
-        "The number in a picture's name, minus one, is the frame (names that count from 1)."
-    )
-
-
-def test_where_both_ways_of_counting_fit_the_note_says_so(tmp_path: Path):
-    pictures = folder_of(tmp_path, ["1", "2", "3", "4"])
-    index, note = index_of([1, 2, 3], pictures)
-    assert index == [0, 1, 2]
-    assert "minus one would do as well" in note
-
-
-def test_missing_picture_files_leave_frames_without_pictures(tmp_path: Path):
-    pictures = folder_of(tmp_path, ["10", "12", "13"])
-    index, note = index_of([10, 11, 12, 13], pictures)
-    assert index == [0, -1, 1, 2]
-    assert "1 of 4 listed frames have no picture (3 pictures" in note
+@pytest.mark.parametrize(
+    ("frames", "names", "right", "words"),
+    [
+        ([19, 59], ["I00019", "I00039", "I00059"], [0, 2], "a picture's name is the frame."),
+        (
+            [0, 1, 2],
+            ["000001", "000002", "000003"],
+            [0, 1, 2],
+            "a picture's name, minus one, is the frame (names that count from 1).",
+        ),
+        ([1, 2, 3], ["1", "2", "3", "4"], [0, 1, 2], "minus one would do as well"),
+        ([10, 11, 12, 13], ["10", "12", "13"], [0, -1, 1, 2], "1 of 4 listed frames have no pict"),
+    ],
+)
+def test_the_number_in_a_name_is_the_frame(
+    tmp_path: Path, frames: list[int], names: list[str], right: list[int], words: str
+):
+    index, note = index_of(frames, folder_of(tmp_path, names))
+    assert index == right
+    assert note.startswith("The number in a picture's name")
+    assert words in note
 
 
 @pytest.mark.parametrize("names", [["501", "502", "503"], ["a", "b", "c"]])
@@ -199,13 +196,6 @@ def test_what_does_not_fit_is_said_with_its_numbers(tmp_path: Path):
         "2 pictures for 3 frames (0 to 5), and the pictures' names have no numbers."
         in (index_of([0, 3, 5], nameless)[1])
     )
-
-
-def test_a_video_of_every_second_frame_shows_the_listed_ones(tmp_path: Path):
-    video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=5))
-    assert index_of([0, 2, 4, 6, 8], video)[0] == [0, 1, 2, 3, 4]
-    assert index_of([100, 101, 102, 103, 104], video)[0] == [0, 1, 2, 3, 4]
-    assert index_of([0, 2, 4], video)[0] == [0, 2, 4]
 
 
 def test_a_recording_without_frames_has_no_pictures(tmp_path: Path):
