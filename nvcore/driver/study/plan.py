@@ -43,6 +43,16 @@ class Trial(NamedTuple):
     picture: int
     adaptation_s: float
 
+    @property
+    def table(self) -> str:
+        """Table of the answer."""
+        return "trial"
+
+    @property
+    def place(self) -> int:
+        """Number of the answer in its table."""
+        return self.order
+
 
 def plan_trials(
     n_pictures: int, participant: int, *, design: Design, timing: Timing

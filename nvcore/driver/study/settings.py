@@ -10,8 +10,7 @@ from typing import Any, Final, Literal
 
 from nvcore.driver.inputs.trials import LATE_S, is_same_time
 from nvcore.errors import InputError
-from nvcore.people.form import check_questions, form_of
-from nvcore.people.participants import KEPT_DAYS, check_terms
+from nvcore.people.form import KEPT_DAYS, check_terms, form_of
 from nvcore.wording import listed
 
 Design = Literal["all", "latin"]
@@ -205,8 +204,7 @@ class StudySettings:
     def __post_init__(self) -> None:
         if self.design not in DESIGNS:
             raise InputError(f"design: expected {' or '.join(DESIGNS)}, got {self.design}")
-        check_terms(self.consent, self.keep_days)
-        check_questions(self.questions)
+        check_terms(self.consent, self.keep_days, self.questions)
         if not 0 <= self.n_practice <= 10:
             raise InputError(f"expected 0 to 10 practice runs, got {self.n_practice}")
 

@@ -9,10 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Final, Literal
 
-from nvcore.driver.study.pictures import coarse, load_picture
-from nvcore.driver.study.practice import FIGURES, practice_picture
-from nvcore.driver.study.records import Answer, DetectabilityStudy
-from nvcore.driver.study.store import DetectabilityStore
+from nvcore.driver.study.pictures import FIGURES, coarse, load_picture, practice_picture
+from nvcore.driver.study.touch_task import Answer, DetectabilityStore, DetectabilityStudy
 from nvcore.errors import InputError
 from nvcore.pictures.stretch import png
 
@@ -30,7 +28,7 @@ class OnScreen:
 
     Attributes
     ----------
-    store, study, code
+    store, study, name
         Where answers go, to which study, of whom.
     folder
         Of the study's pictures.
@@ -42,7 +40,7 @@ class OnScreen:
 
     store: DetectabilityStore
     study: DetectabilityStudy
-    code: str
+    name: str
     folder: Path
     screen: str = ""
     page: ClassVar[str] = "study"
@@ -72,7 +70,7 @@ class OnScreen:
     @property
     def whose(self) -> str:
         """Whose answers these are, in each of them: the browser may have kept those of others."""
-        return f"{self.study.token} {self.code}"
+        return f"{self.study.token} {self.name}"
 
     def keep(self, place: int, kind: str, content: bytes) -> bool:
         """Keep an answer, or the report that a picture appears, as the browser sends it.
@@ -90,11 +88,11 @@ class OnScreen:
         if sent.get("whose", self.whose) != self.whose:
             return False
         if kind == "answer":
-            self.store.answer(self.study, self.code, place, answer_of(sent, self.screen))
+            self.store.answer(self.study, self.name, place, answer_of(sent, self.screen))
         else:
-            name = sent.get("name")
-            name = name if isinstance(name, str) else ""
-            self.store.note_showing(self.study, self.code, place, name)
+            report = sent.get("name")
+            report = report if isinstance(report, str) else ""
+            self.store.note_showing(self.study, self.name, place, report)
         return True
 
 

@@ -6,14 +6,14 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+import streamlit as st
 import study_pictures
 from streamlit.testing.v1 import AppTest
 
 import pages
-from nvcore.driver.study.records import Answer, DetectabilityStudy
-from nvcore.driver.study.store import DetectabilityStore
+from nvcore.driver.study.touch_task import Answer, DetectabilityStore, DetectabilityStudy
 from pages import checked, part, press, texts
-from ui.driver.study import files, participant
+from ui.driver.study import files, touch_studies
 from ui.driver.study.on_screen import OnScreen
 from ui.people.studies import ON_SCREEN
 
@@ -38,16 +38,17 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> list[dict]:
 
     def draw_run(run, title, trials, timing, *, whose, on_end):
         drawn.append({"run": run, "title": title, "trials": trials})
-        participant.st.button("End the run", key="study_screen", on_click=on_end, args=(run,))
+        st.button("End the run", key="study_screen", on_click=on_end, args=(run,))
 
-    monkeypatch.setattr(participant, "draw_run", draw_run)
+    monkeypatch.setattr(touch_studies, "draw_run", draw_run)
     return drawn
 
 
 def opened(**address: str) -> AppTest:
     """What participants see, by their address, else what the conductor sees."""
     side = "participant" if "study" in address else "conduct"
-    return checked(part(f"ui.driver.study.{side}.draw()", **address).run())
+    call = f"ui.people.{side}.draw(touch_studies.STUDIES)"
+    return checked(part("from ui.driver.study import touch_studies", call, **address).run())
 
 
 def begun(store: DetectabilityStore, page: AppTest | None = None) -> DetectabilityStudy:
@@ -194,8 +195,9 @@ def test_the_form_is_kept_under_a_code_and_says_nothing_where_it_is_empty(
     checked(page.button[0].click().run())
     (person,) = store.participants(study)
     assert person.form == {"age": "31", "licence": "yes", "1. Glasses?": "no"}
-    assert "".join(page.query_params["participant"]) == person.code
-    assert f"**{person.code}**" in texts(page)
+    code = "".join(page.query_params["participant"])
+    assert store.by_code(study, code) == person
+    assert f"**{code}**" in texts(page)
 
 
 def test_practice_comes_once_then_run_after_run_until_all_are_answered(
@@ -204,25 +206,26 @@ def test_practice_comes_once_then_run_after_run_until_all_are_answered(
     study = begun(store)
     page = joined(study)
     (person,) = store.participants(study)
+    code = "".join(page.query_params["participant"])
     practice = runs[-1]
     assert [trial["place"] for trial in practice["trials"]] == [0, 0]
     press(page, "study_screen")
-    assert store.participant(study, person.code).has_practised
+    assert store.find(study, person.name).has_practised
     for run in range(1, 4):
-        page = opened(study=study.token, participant=person.code)  # as after a reload
+        page = opened(study=study.token, participant=code)  # as after a reload
         assert runs[-1]["title"] == f"Begin run {run} of 3"
         trials = [trial for trial in person.plan if trial.run == run]
         assert [trial["place"] for trial in runs[-1]["trials"]] == [t.order for t in trials]
         assert [trial["picture"] for trial in runs[-1]["trials"]] == [
             str(t.picture) for t in trials
         ]
-        store.answer(study, person.code, trials[0].order, SEEN)
+        store.answer(study, person.name, trials[0].order, SEEN)
         checked(page.run())
         assert [trial["place"] for trial in runs[-1]["trials"]] == [trials[1].order]
-        store.answer(study, person.code, trials[1].order, SEEN)
+        store.answer(study, person.name, trials[1].order, SEEN)
     checked(page.run())
     assert page.title[0].value == "Thank you"
-    assert f"**{person.code}**" in texts(page)
+    assert f"**{code}**" in texts(page)
 
 
 def test_every_practice_run_has_to_be_seen_to_its_end(store: DetectabilityStore, runs: list[dict]):
@@ -235,9 +238,9 @@ def test_every_practice_run_has_to_be_seen_to_its_end(store: DetectabilityStore,
     assert page.title[0].value == "Practice 2 of 2"
     checked(page.run())  # as after a run that was stopped
     assert page.title[0].value == "Practice 2 of 2"
-    assert not store.participant(study, person.code).has_practised
+    assert not store.find(study, person.name).has_practised
     press(page, "study_screen")
-    assert store.participant(study, person.code).has_practised
+    assert store.find(study, person.name).has_practised
     assert runs[-1]["title"] == "Begin run 1 of 3"
 
 
@@ -245,11 +248,9 @@ def test_the_end_of_another_run_ends_no_practice(
     store: DetectabilityStore, monkeypatch: pytest.MonkeyPatch
 ):
     def draw_run(run, title, trials, timing, *, whose, on_end):
-        participant.st.button(
-            "End another run", key="study_screen", on_click=on_end, args=("3 of it",)
-        )
+        st.button("End another run", key="study_screen", on_click=on_end, args=("3 of it",))
 
-    monkeypatch.setattr(participant, "draw_run", draw_run)
+    monkeypatch.setattr(touch_studies, "draw_run", draw_run)
     study = begun(store)
     page = press(joined(study), "study_screen")
     assert page.title[0].value == "Practice"
@@ -263,7 +264,7 @@ def test_the_browser_may_answer_for_this_participant_only(
     page = joined(study)
     note = page.session_state["workspace"].notes[ON_SCREEN]
     assert isinstance(note, OnScreen)
-    assert note.code == store.participants(study)[0].code
+    assert note.name == store.participants(study)[0].name
     assert note.folder.name == "dusk"
 
 
@@ -295,9 +296,9 @@ def test_whoever_has_seen_all_pictures_answers_no_more(store: DetectabilityStore
     study = begun(store)
     page = joined(study)
     (person,) = store.participants(study)
-    store.end_practice(study, person.code)
+    store.end_practice(study, person.name)
     for trial in person.plan:
-        store.answer(study, person.code, trial.order, SEEN)
+        store.answer(study, person.name, trial.order, SEEN)
     checked(page.run())
     assert page.title[0].value == "Thank you"
     assert ON_SCREEN not in page.session_state["workspace"].notes
@@ -311,29 +312,29 @@ def test_strange_links_and_codes_lead_nowhere(store: DetectabilityStore, runs: l
     assert "Nobody takes part" in texts(page)
     assert runs == []
     checked(page.text_input(key="study_known_code").set_value("x").run())
-    assert "Nobody takes part" in texts(press(page, "study_go_on"))
+    assert "Nobody takes part" in texts(press(page, "study_continue"))
 
 
 def test_a_code_goes_on_where_it_was_left_on_any_screen(
     store: DetectabilityStore, runs: list[dict]
 ):
     study = begun(store)
-    person = store.join(study, {})
-    store.end_practice(study, person.code)
+    person, code = store.join(study, {})
+    store.end_practice(study, person.name)
     page = opened(study=study.token)
-    checked(page.text_input(key="study_known_code").set_value(person.code.lower()).run())
-    press(page, "study_go_on")
+    checked(page.text_input(key="study_known_code").set_value(code.lower()).run())
+    press(page, "study_continue")
     assert runs[-1]["title"] == "Begin run 1 of 3"
 
 
 def test_the_conductor_sees_progress_and_marks(store: DetectabilityStore):
     study = begun(store)
     for n in (6, 2):
-        person = store.join(study, {})
+        person, _ = store.join(study, {})
         for trial in person.plan[:n]:
             measured = trial.adaptation_s + (0.2 if trial.order == 1 else 0.01)
-            store.note_showing(study, person.code, trial.order)
-            store.answer(study, person.code, trial.order, Answer(measured_s=measured, shown_s=0.5))
+            store.note_showing(study, person.name, trial.order)
+            store.answer(study, person.name, trial.order, Answer(measured_s=measured, shown_s=0.5))
     page = opened(conduct=study.conductor)
     assert metrics(page) == {
         "participants": "2", "have seen all pictures": "1", "trials so far": "8", "marked": "2",
@@ -342,13 +343,13 @@ def test_the_conductor_sees_progress_and_marks(store: DetectabilityStore):
 
 def test_one_participants_data_are_deleted_on_request(store: DetectabilityStore):
     study = begun(store)
-    ann, bob = (store.join(study, {"age": age}) for age in ("31", "32"))
+    ann, bob = (store.join(study, {"age": age})[0] for age in ("31", "32"))
     page = opened(conduct=study.conductor)
     checked(page.text_input(key="study_code").set_value("nobody").run())
-    assert "Nobody takes part" in texts(page)
-    checked(page.text_input(key="study_code").set_value(ann.code.lower()).run())
+    assert "Nobody with that name or code takes part" in texts(page)
+    checked(page.text_input(key="study_code").set_value(ann.name.lower()).run())
     press(page, "study_delete")
-    assert [person.code for person in store.participants(study)] == [bob.code]
+    assert [person.name for person in store.participants(study)] == [bob.name]
     assert metrics(page)["participants"] == "1"
 
 
@@ -365,8 +366,8 @@ def test_pictures_that_are_gone_are_told(
     store: DetectabilityStore, runs: list[dict], monkeypatch: pytest.MonkeyPatch
 ):
     study = begun(store)
-    person = store.join(study, {})
+    _, code = store.join(study, {})
     monkeypatch.delenv("NVCORE_LOCAL_ROOT")
-    page = opened(study=study.token, participant=person.code)
+    page = opened(study=study.token, participant=code)
     assert "now it was started without" in texts(page)
     assert runs == []
