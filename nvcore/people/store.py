@@ -2,8 +2,8 @@
 
 To add a task, derive a store from `StudyStore`, as `nvcore.ratings.clip_task` does:
 
-1. Write a frozen dataclass of the study: ``token``, ``conductor``, ``ends_at``, ``consent`` and
-   ``form``, the task's settings, and ``plan(number)``, which returns a participant's trials.
+1. Derive a frozen dataclass from `Study`: the task's settings, and ``plan(number)``, which returns
+   a participant's trials.
 2. A trial is a named tuple that has ``table`` and ``place``: where its answer is kept.
 3. Declare ``what`` the answers are, the columns of the study and of each `Table` of answers. The
    file is created, extended, exported and emptied by these.
@@ -21,11 +21,11 @@ import secrets
 import sqlite3
 from collections.abc import Iterator, Mapping
 from contextlib import closing, contextmanager
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from itertools import count
 from pathlib import Path
-from typing import Any, ClassVar, Final, Generic, NamedTuple, Protocol, TypeVar
+from typing import Any, ClassVar, Final, Generic, NamedTuple, TypeVar
 
 from nvcore.errors import InputError, StoreError
 from nvcore.people.form import check_answers
@@ -49,33 +49,33 @@ OF_PARTICIPANT: Final = """study TEXT NOT NULL, participant TEXT NOT NULL, {colu
     PRIMARY KEY ({key}), FOREIGN KEY (study, participant) REFERENCES participant (study, name)"""
 
 
-class Study(Protocol):
-    """A study of any task."""
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """Study of any task.
 
-    __dataclass_fields__: ClassVar[dict[str, Any]]
+    Attributes
+    ----------
+    token
+        Name of the study in participants' links. It cannot be guessed.
+    conductor
+        Name of the study for its conductor. It cannot be derived from `token`.
+    ends_at
+        Time (UTC) at which the study is deleted with all answers; None: never.
+    consent
+        Text that participants agree to; empty: none is shown.
+    form
+        Labels of the fields that participants are asked to fill in.
+    """
 
-    @property
-    def token(self) -> str:
-        """Name of the study in participants' links. It cannot be guessed."""
-
-    @property
-    def conductor(self) -> str:
-        """Name of the study for its conductor. It cannot be derived from `token`."""
-
-    @property
-    def ends_at(self) -> datetime | None:
-        """Time (UTC) at which the study is deleted with all answers; None: never."""
-
-    @property
-    def consent(self) -> str:
-        """Text that participants agree to; empty: none is shown."""
-
-    @property
-    def form(self) -> Mapping[str, str]:
-        """Labels of the fields that participants are asked to fill in."""
+    token: str
+    conductor: str
+    ends_at: datetime | None = None
+    consent: str = ""
+    form: Mapping[str, str] = field(default_factory=dict)
 
     def plan(self, number: int, /) -> tuple[Any, ...]:
-        """Return the trials of a participant in their order."""
+        """Return the trials of a participant, by their number, in their order."""
+        raise NotImplementedError
 
 
 S = TypeVar("S", bound=Study)
@@ -226,7 +226,8 @@ class StudyStore(Generic[S]):
 
     def _begin(self, study: S) -> S:
         """Keep a new study."""
-        row = {of.name: _stored(getattr(study, of.name)) for of in fields(study)}
+        columns = [of.split()[0] for of in f"{STUDY}, {self.study_columns}".split(",")]
+        row = {column: _stored(getattr(study, column)) for column in columns}
         with self.connect() as base:
             (n,) = base.execute("SELECT COUNT(*) FROM study").fetchone()
             _check_room(n, MOST_STUDIES, "studies")

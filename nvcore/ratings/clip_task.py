@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import Any, ClassVar, Final, NamedTuple
 
@@ -14,7 +14,7 @@ import pandas as pd
 from nvcore.errors import InputError
 from nvcore.people.form import KEPT_DAYS, check_terms, form_of
 from nvcore.people.participants import counterbalanced_order
-from nvcore.people.store import Person, StudyStore, Table, new_names
+from nvcore.people.store import Person, Study, StudyStore, Table, new_names
 from nvcore.ratings.clips import clip_name
 from nvcore.ratings.worth import ANSWERS, Alert
 from nvcore.wording import listed
@@ -77,9 +77,9 @@ class Shown(NamedTuple):
     place: int
 
 
-@dataclass(frozen=True)
-class RatingStudy:
-    """Rating session; what is not listed is as in `nvcore.people.store.Study`.
+@dataclass(frozen=True, kw_only=True)
+class RatingStudy(Study):
+    """Rating session.
 
     Attributes
     ----------
@@ -94,17 +94,12 @@ class RatingStudy:
         Alerts that participants judge after the clips.
     """
 
-    token: str
-    conductor: str
     fingerprint: str
     clips: tuple[Clip, ...]
     low: int
     high: int
     thresholds: Mapping[str, float | None]
-    consent: str = ""
-    ends_at: datetime | None = None
     alerts: tuple[Alert, ...] = ()
-    form: Mapping[str, str] = field(default_factory=dict)
 
     def plan(self, number: int) -> tuple[Shown, ...]:
         """Return the clips, then the alerts, each in the participant's own balanced order."""

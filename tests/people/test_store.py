@@ -20,7 +20,7 @@ import pytest
 from nvcore.errors import InputError, StoreError
 from nvcore.people import store as engine
 from nvcore.people.participants import counterbalanced_order
-from nvcore.people.store import StudyStore, Table, new_names
+from nvcore.people.store import Study, StudyStore, Table, new_names
 
 NOW = datetime(2026, 3, 1, tzinfo=UTC)
 FORM = {"age": "Age in years", "1. Shoe size": "Shoe size"}
@@ -33,16 +33,11 @@ class Question(NamedTuple):
     table: str = "reply"
 
 
-@dataclass(frozen=True)
-class Quiz:
+@dataclass(frozen=True, kw_only=True)
+class Quiz(Study):
     """A study of the smallest task that there may be."""
 
-    token: str
-    conductor: str
     n: int
-    ends_at: datetime | None = None
-    consent: str = "We keep your replies."
-
     form: ClassVar = FORM
 
     def plan(self, number: int) -> tuple[Question, ...]:
@@ -70,7 +65,8 @@ class QuizStore(StudyStore[Quiz]):
         yield "form", {"consented_at": person.consented_at.isoformat(), "answers": "{}"}
 
     def begin(self, n=4, *, days=10):
-        return self._begin(Quiz(**new_names(), n=n, ends_at=NOW + timedelta(days=days)))
+        ends_at = NOW + timedelta(days=days)
+        return self._begin(Quiz(**new_names(), n=n, ends_at=ends_at, consent="We keep it."))
 
 
 @pytest.fixture
@@ -336,7 +332,7 @@ def test_a_file_of_an_earlier_version_gets_what_it_lacks(path):
         )
     base.close()
     store = QuizStore(path)
-    assert store.study("a") == Quiz("a", "b", 4, None, "")
+    assert store.study("a") == Quiz(token="a", conductor="b", n=4)
     joined(store, store.study("a"), "Ann")
 
 

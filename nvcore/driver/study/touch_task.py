@@ -18,14 +18,14 @@ from nvcore.driver.study.plan import Trial, plan_trials
 from nvcore.driver.study.settings import StudySettings, Timing
 from nvcore.errors import InputError
 from nvcore.people.participants import MOST_NAME
-from nvcore.people.store import Person, StudyStore, Table, new_names
+from nvcore.people.store import Person, Study, StudyStore, Table, new_names
 
 MOST_DEVICE: Final = 200
 
 
-@dataclass(frozen=True)
-class DetectabilityStudy:
-    """Detectability study; what is not listed is as in `nvcore.people.store.Study`.
+@dataclass(frozen=True, kw_only=True)
+class DetectabilityStudy(Study):
+    """Detectability study.
 
     Attributes
     ----------
@@ -35,23 +35,11 @@ class DetectabilityStudy:
         Folder of the pictures, as whoever began the study names it.
     """
 
-    token: str
-    conductor: str
     settings: StudySettings
     pictures: tuple[StudyPicture, ...]
     folder: str
     begun_at: datetime
     ends_at: datetime
-
-    @property
-    def consent(self) -> str:
-        """Text that participants agree to."""
-        return self.settings.consent
-
-    @property
-    def form(self) -> dict[str, str]:
-        """Labels of the form's fields."""
-        return self.settings.form
 
     def plan(self, number: int) -> tuple[Trial, ...]:
         """Return the trials of a participant in their order."""
@@ -143,8 +131,9 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
 
     def study_of(self, row: dict[str, Any]) -> DetectabilityStudy:
         """Return the study of a row of the file."""
-        row["settings"] = StudySettings.from_json(json.loads(row["settings"]))
+        settings = StudySettings.from_json(json.loads(row["settings"]))
         row["pictures"] = tuple(StudyPicture(**picture) for picture in json.loads(row["pictures"]))
+        row |= {"settings": settings, "consent": settings.consent, "form": settings.form}
         return DetectabilityStudy(**row)
 
     def _entry(self, person: Person) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -176,6 +165,8 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
         begun_at = now or datetime.now(UTC)
         study = DetectabilityStudy(
             **new_names(),
+            consent=settings.consent,
+            form=settings.form,
             settings=settings,
             pictures=tuple(pictures),
             folder=folder,
@@ -212,20 +203,18 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
             If there is no such participant or trial.
         """
         self._trial(study, name, place)
-        now = datetime.now(UTC).isoformat()
         with self.connect() as base:
             changed = base.execute(
                 "INSERT INTO showing_report VALUES (?, ?, ?, ?) "
                 "ON CONFLICT DO UPDATE SET name = excluded.name WHERE name <> excluded.name",
                 (study.token, name, place, report[:MOST_NAME]),
             )
-            if report and not changed.rowcount:
-                return
-            base.execute(
-                "INSERT INTO showing VALUES (?, ?, ?, 1, ?) ON CONFLICT DO UPDATE SET n = n + 1, "
-                "shown_at = excluded.shown_at",
-                (study.token, name, place, now),
-            )
+            if changed.rowcount or not report:
+                base.execute(
+                    "INSERT INTO showing VALUES (?, ?, ?, 1, ?) "
+                    "ON CONFLICT DO UPDATE SET n = n + 1, shown_at = excluded.shown_at",
+                    (study.token, name, place, datetime.now(UTC).isoformat()),
+                )
 
     def answer(self, study: DetectabilityStudy, name: str, place: int, answer: Answer) -> None:
         """Keep an answer. Another one to the same picture changes nothing.
@@ -377,46 +366,6 @@ def participants_table(store: DetectabilityStore, study: DetectabilityStudy) -> 
         rows[person.name]["n_marked"] += bool(marks)
     first = ("subject", "joined", "n_trials", "n_answered", "n_marked")
     return pd.DataFrame([*rows.values()], columns=[*first, *study.form])
-
-
-@dataclass(frozen=True)
-class Advance:
-    """Progress of a study.
-
-    Attributes
-    ----------
-    n_participants
-        Participants who have joined.
-    n_finished
-        Participants who have answered all their trials, or whose time for an answer was over.
-    n_trials
-        Trials so far, of all participants: the rows of `trials_table`.
-    n_marked
-        Those of them that are marked (`marks_of`); fewer is better.
-    """
-
-    n_participants: int
-    n_finished: int
-    n_trials: int
-    n_marked: int
-
-
-def advance_of(participants: pd.DataFrame) -> Advance:
-    """Return the progress of a study; all 0 where nobody has joined.
-
-    Parameters
-    ----------
-    participants
-        `participants_table` of the study.
-
-    Examples
-    --------
-    >>> advance_of(pd.DataFrame({"n_trials": [6, 6], "n_answered": [6, 2], "n_marked": [1, 0]}))
-    Advance(n_participants=2, n_finished=1, n_trials=8, n_marked=1)
-    """
-    is_finished = participants["n_answered"] == participants["n_trials"]
-    sums = participants[["n_answered", "n_marked"]].sum()
-    return Advance(len(participants), int(is_finished.sum()), *(int(n) for n in sums))
 
 
 def boxes_table(study: DetectabilityStudy) -> pd.DataFrame:

@@ -12,11 +12,9 @@ from nvcore.driver.study.pictures import StudyPicture
 from nvcore.driver.study.settings import Facts, StudySettings
 from nvcore.driver.study.touch_task import (
     TRIAL_COLUMNS,
-    Advance,
     Answer,
     DetectabilityStore,
     about,
-    advance_of,
     boxes_table,
     participants_table,
     trials_table,
@@ -198,20 +196,6 @@ def test_how_a_study_was_done_is_told_without_anybody(store, study):
     assert about(other)["facts"] == {
         "screen_inch": None, "distance_cm": None, "bright_lux": None, "dark_lux": 10,
     }  # fmt: skip
-
-
-def test_the_progress_of_a_study_counts_who_has_seen_all_and_the_trials(store, study):
-    assert advance_of(participants_table(store, study)) == Advance(0, 0, 0, 0)
-    for n in (6, 2, 0):
-        person = join(store, study)
-        for trial in person.plan[:n]:
-            store.note_showing(study, person.name, trial.order)
-            measured_s = trial.adaptation_s + (0.2 if trial.order == 1 else 0.01)
-            answer = Answer(measured_s=measured_s, shown_s=0.5)
-            store.answer(study, person.name, trial.order, answer)
-    assert advance_of(participants_table(store, study)) == Advance(
-        n_participants=3, n_finished=1, n_trials=8, n_marked=2
-    )
 
 
 def test_tables_without_anybody_have_their_columns(store, study):

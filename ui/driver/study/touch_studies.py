@@ -18,7 +18,6 @@ from nvcore.driver.study.touch_task import (
     DetectabilityStore,
     DetectabilityStudy,
     about,
-    advance_of,
     boxes_table,
     participants_table,
     trials_table,
@@ -187,17 +186,17 @@ class TouchStudies(Studies[DetectabilityStudy]):
     def progress(self, study: DetectabilityStudy) -> Progress:
         """Return how many trials everybody has answered, and how many are marked."""
         people = participants_table(self.store(), study)
-        so_far = advance_of(people)
         hint = (
             f"More than {1000 * LATE_S:g} ms early or late, shown for more or less than asked, "
             "shown again after a reload, never reported as shown, or without an answer in time. "
             "They stay in the table, with the reason."
         )
+        has_finished = people["n_answered"] == people["n_trials"]
         metrics = {
-            "participants": (so_far.n_participants, None),
-            "have seen all pictures": (so_far.n_finished, None),
-            "trials so far": (so_far.n_trials, None),
-            "marked": (so_far.n_marked, hint),
+            "participants": (len(people), None),
+            "have seen all pictures": (int(has_finished.sum()), None),
+            "trials so far": (int(people["n_answered"].sum()), None),
+            "marked": (int(people["n_marked"].sum()), hint),
         }
         columns = {
             "subject": TableColumn("Participant", is_head=True),
