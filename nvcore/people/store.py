@@ -5,8 +5,8 @@ To add a task, derive a store from `StudyStore`, as `nvcore.ratings.clip_task` d
 1. Derive a frozen dataclass from `Study`: the task's settings, and ``plan(number)``, which returns
    a participant's trials.
 2. A trial is a named tuple that has ``table`` and ``place``: where its answer is kept.
-3. Declare ``what`` the answers are, the columns of the study and of each `Table` of answers. The
-   file is created, extended, exported and emptied by these.
+3. Declare ``what`` the answers are, ``study_columns`` with your settings and ``ends_at``, a `Table`
+   for each kind of answer, and the ``trial``. By these the file is created, exported and emptied.
 4. Give ``study_of`` (a row as a study), ``begin`` (check the settings, then ``_begin``), and a
    method for each kind of answer that checks it and calls ``keep``.
 5. Return answers as DataFrames: their columns are those of the CSV files.
@@ -96,6 +96,13 @@ class Table(NamedTuple):
     key: str = ""
 
 
+JSON: Final = ("answers", "plan")
+FORM: Final = Table(
+    """consented_at TEXT NOT NULL, answers TEXT NOT NULL, plan TEXT NOT NULL,
+    has_practised INTEGER NOT NULL DEFAULT 0"""
+)
+
+
 @dataclass(frozen=True)
 class Person:
     """Participant of a study.
@@ -150,12 +157,16 @@ class StudyStore(Generic[S]):
     study_columns: ClassVar[str]
     """SQL of the fields of a study, but for its two names."""
     tables: ClassVar[Mapping[str, Table]]
-    people: ClassVar[str]
-    """SQL of ``name, number, consented_at, answers, plan, has_practised``, from ``participant``.
-
-    ``answers`` is JSON, and so is ``plan``; without a stored plan it's NULL.
-    """
+    """Answers that participants give."""
     trial: ClassVar[type[Any]]
+    """Named tuple of a trial."""
+    entry: ClassVar[Mapping[str, Table]] = {"form": FORM}
+    """What participants leave when they join; another one needs its own `people` and `_entry`."""
+    people: ClassVar[str] = (
+        "SELECT name, number, consented_at, answers, plan, has_practised FROM participant "
+        "JOIN form ON form.study = participant.study AND form.participant = name"
+    )
+    """SQL of everybody; ``answers`` and ``plan`` are JSON. Without a stored plan it is NULL."""
     has_names: ClassVar[bool] = True
     """False: participants get pseudonyms. Those without a code use their pseudonym as one."""
 
@@ -182,14 +193,14 @@ class StudyStore(Generic[S]):
             time = (now or datetime.now(UTC)).isoformat()
             ended = base.execute("SELECT token FROM study WHERE ends_at <= ?", (time,)).fetchall()
             for (token,) in ended:
-                for name in (*self.tables, "participant"):
+                for name in (*self.tables, *self.entry, "participant"):
                     base.execute(f"DELETE FROM {name} WHERE study = ?", (token,))  # noqa: S608  # our own names
                 base.execute("DELETE FROM study WHERE token = ?", (token,))
 
     def _missing(self, base: sqlite3.Connection) -> list[str]:
         """Return SQL that adds the tables and columns that a new or earlier file lacks."""
         wanted = {"study": f"{STUDY}, {self.study_columns}", "participant": PARTICIPANT}
-        for name, (columns, key) in self.tables.items():
+        for name, (columns, key) in {**self.entry, **self.tables}.items():
             keys = ", ".join(filter(None, ("study", "participant", key)))
             wanted[name] = OF_PARTICIPANT.format(columns=columns, key=keys)
         statements = []
@@ -304,7 +315,9 @@ class StudyStore(Generic[S]):
 
     def _entry(self, person: Person) -> Iterator[tuple[str, dict[str, Any]]]:
         """Yield the rows, with their tables, that a new participant leaves."""
-        raise NotImplementedError
+        assert person.consented_at is not None
+        row = {"answers": json.dumps(person.form), "plan": json.dumps(person.plan)}
+        yield "form", {"consented_at": person.consented_at.isoformat(), **row}
 
     def participants(self, study: S, name: str | None = None) -> list[Person]:
         """Return all who take part by their number, or the one of exactly this name."""
@@ -417,7 +430,7 @@ class StudyStore(Generic[S]):
         """Return all that the file holds of a participant but the code, as values of JSON."""
         record: dict[str, Any] = {"participant": person.name, "number": person.number}
         with self.connect() as base:
-            for table in self.tables:
+            for table in (*self.entry, *self.tables):
                 rows = _dicts(
                     base.execute(
                         f"SELECT * FROM {table} WHERE study = ? AND participant = ?",  # noqa: S608  # our own names
@@ -425,13 +438,20 @@ class StudyStore(Generic[S]):
                     )
                 )
                 hidden = {"study", "participant"}
-                record[table] = [{k: v for k, v in row.items() if k not in hidden} for row in rows]
+                record[table] = [
+                    {
+                        column: json.loads(value) if column in JSON else value
+                        for column, value in row.items()
+                        if column not in hidden
+                    }
+                    for row in rows
+                ]
         return record
 
     def delete(self, study: S, person: Person) -> None:
         """Delete a participant with all that the file holds of them."""
         with self.connect() as base:
-            for table in self.tables:
+            for table in (*self.entry, *self.tables):
                 base.execute(
                     f"DELETE FROM {table} WHERE study = ? AND participant = ?",  # noqa: S608  # our own names
                     (study.token, person.name),

@@ -118,8 +118,11 @@ class RatingStore(StudyStore[RatingStudy]):
     study_columns = """fingerprint TEXT NOT NULL, clips TEXT NOT NULL, low INTEGER NOT NULL,
         high INTEGER NOT NULL, thresholds TEXT NOT NULL, consent TEXT NOT NULL DEFAULT '',
         ends_at TEXT, alerts TEXT NOT NULL DEFAULT '[]', form TEXT NOT NULL DEFAULT '{}'"""
-    tables: ClassVar = {
+    entry: ClassVar = {
         "consent": Table("consented_at TEXT NOT NULL"),
+        "form": Table("field TEXT NOT NULL, answer TEXT NOT NULL", key="field"),
+    }
+    tables: ClassVar = {
         "rating": Table(
             """clip INTEGER NOT NULL, rating INTEGER NOT NULL,
             rated_at TEXT NOT NULL DEFAULT CURRENT_TIMESTAMP, n_plays INTEGER,
@@ -131,8 +134,8 @@ class RatingStore(StudyStore[RatingStudy]):
             answered_at TEXT NOT NULL DEFAULT CURRENT_TIMESTAMP""",
             key="alert",
         ),
-        "form": Table("field TEXT NOT NULL, answer TEXT NOT NULL", key="field"),
     }
+    trial = Shown
     people = (
         "SELECT name, number, consented_at, (SELECT json_group_object(field, answer) FROM form "
         "WHERE form.study = participant.study AND form.participant = name), NULL, 1 "

@@ -49,20 +49,11 @@ class QuizStore(StudyStore[Quiz]):
 
     what = "replies"
     study_columns = "n INTEGER NOT NULL, ends_at TEXT, consent TEXT NOT NULL DEFAULT ''"
-    tables: ClassVar = {
-        "form": Table("consented_at TEXT NOT NULL, answers TEXT NOT NULL"),
-        "reply": Table("place INTEGER NOT NULL, text TEXT NOT NULL", key="place"),
-    }
-    people = (
-        "SELECT name, number, consented_at, answers, NULL, 1 FROM participant LEFT JOIN form "
-        "ON form.study = participant.study AND form.participant = name"
-    )
+    tables: ClassVar = {"reply": Table("place INTEGER NOT NULL, text TEXT NOT NULL", key="place")}
+    trial = Question
 
     def study_of(self, row):
         return Quiz(**row)
-
-    def _entry(self, person):
-        yield "form", {"consented_at": person.consented_at.isoformat(), "answers": "{}"}
 
     def begin(self, n=4, *, days=10):
         ends_at = NOW + timedelta(days=days)
@@ -155,7 +146,8 @@ def test_who_has_not_agreed_gets_no_code(store):
     study = store.begin()
     with store.connect() as base:
         base.execute("INSERT INTO participant VALUES (?, 'Cem', 0, NULL)", (study.token,))
-        base.execute("INSERT INTO form VALUES (?, 'Cem', ?, '{}')", (study.token, NOW.isoformat()))
+        row = (study.token, NOW.isoformat())
+        base.execute("INSERT INTO form VALUES (?, 'Cem', ?, '{}', '[]', 1)", row)
     cem = store.find(study, "Cem")
     store.new_code(study, cem)
     stranger = replace(cem, consented_at=None)
@@ -185,11 +177,16 @@ def test_who_leaves_takes_the_answers_along_and_leaves_no_bytes(store, path):
     assert text.encode() in path.read_bytes()
     assert store.record(study, ann) == {
         "participant": "Ann", "number": 0, "reply": [{"place": 0, "text": text}],
-        "form": [{"consented_at": ann.consented_at.isoformat(), "answers": "{}"}],
+        "form": [
+            {
+                "consented_at": ann.consented_at.isoformat(), "answers": {},
+                "plan": [list(trial) for trial in ann.plan], "has_practised": 0,
+            }
+        ],
     }  # fmt: skip
     store.delete(study, ann)
     assert text.encode() not in path.read_bytes()
-    assert store.participants(study) == [replace(bob, form={})]
+    assert store.participants(study) == [bob]
     assert store.rows(study, "reply", "text") == [("Bob", "x")]
 
 

@@ -14,6 +14,7 @@ from nvcore.pictures.stretch import STRETCH
 from nvcore.ratings.clip_task import Clip, RatingStore, RatingStudy, Shown
 from nvcore.ratings.clips import rows_between
 from nvcore.ratings.worth import ANSWERS, Alert
+from ui.people.participant import draw_code
 from ui.session import state
 from ui.session.store import RATING_CHANGES
 from ui.widgets.buttons import button
@@ -52,6 +53,8 @@ class ClipScreen:
         n, number = len(alike), alike.index(left[0]) + 1
         st.markdown(f"# {'Clip' if kind == 'rating' else 'Alert'} {number} of {n}")
         st.progress((number - 1) / n)
+        if len(left) == len(plan):
+            draw_code()
         if kind == "worth":
             self._alert(place)
             return True

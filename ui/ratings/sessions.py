@@ -9,7 +9,6 @@ import streamlit as st
 from nvcore.people.store import Person
 from nvcore.ratings.clip_task import RatingStore, RatingStudy
 from nvcore.wording import count_text
-from ui.people.participant import draw_code
 from ui.people.studies import CONDUCT, PARTICIPANT, Progress, Studies, enter
 from ui.ratings import session_setup
 from ui.ratings.clip_screen import ENDS, ClipScreen, offer_change
@@ -75,11 +74,9 @@ class RatingSessions(Studies[RatingStudy]):
             )
 
     def draw_trial(self, study: RatingStudy, person: Person, left: list[Any]) -> bool:
-        """Draw a clip or an alert, and before the first one the code."""
+        """Draw a clip or an alert."""
         result = state.result()
         assert result is not None
-        if len(left) == len(person.plan):
-            draw_code()
         return ClipScreen(result, self.store(), study, person.name).draw(person.plan, left)
 
     def draw_end(self, study: RatingStudy, person: Person) -> None:

@@ -107,10 +107,6 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
     study_columns = """settings TEXT NOT NULL, pictures TEXT NOT NULL, folder TEXT NOT NULL,
         begun_at TEXT NOT NULL, ends_at TEXT NOT NULL"""
     tables: ClassVar = {
-        "form": Table(
-            """consented_at TEXT NOT NULL, answers TEXT NOT NULL, plan TEXT NOT NULL,
-            has_practised INTEGER NOT NULL DEFAULT 0"""
-        ),
         "showing": Table(
             "place INTEGER NOT NULL, n INTEGER NOT NULL, shown_at TEXT NOT NULL", key="place"
         ),
@@ -122,10 +118,6 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
             key="place",
         ),
     }
-    people = (
-        "SELECT name, number, consented_at, answers, plan, has_practised FROM participant "
-        "JOIN form ON form.study = participant.study AND form.participant = name"
-    )
     trial = Trial
     has_names = False
 
@@ -135,17 +127,6 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
         row["pictures"] = tuple(StudyPicture(**picture) for picture in json.loads(row["pictures"]))
         row |= {"settings": settings, "consent": settings.consent, "form": settings.form}
         return DetectabilityStudy(**row)
-
-    def _entry(self, person: Person) -> Iterator[tuple[str, dict[str, Any]]]:
-        assert person.consented_at is not None
-        yield (
-            "form",
-            {
-                "consented_at": person.consented_at.isoformat(),
-                "answers": json.dumps(person.form),
-                "plan": json.dumps(person.plan),
-            },
-        )
 
     def begin(
         self,
@@ -269,13 +250,6 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
             given["is_answered"] = bool(given["is_answered"])
             answers.setdefault(name, {})[place] = Answer(**given), n_shown
         return answers
-
-    def record(self, study: DetectabilityStudy, person: Person) -> dict[str, Any]:
-        """Return all that the file holds of a participant."""
-        record = super().record(study, person)
-        for row in record["form"]:
-            row |= {name: json.loads(row[name]) for name in ("answers", "plan")}
-        return record
 
 
 def marks_of(trial: Trial, answer: Answer, n_shown: int, timing: Timing) -> list[str]:
