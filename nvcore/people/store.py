@@ -5,8 +5,9 @@ To add a task, derive a store from `StudyStore`, as `nvcore.ratings.clip_task` d
 1. Derive a frozen dataclass from `Study`: the task's settings, and ``plan(number)``, which returns
    a participant's trials.
 2. A trial is a named tuple that has ``table`` and ``place``: where its answer is kept.
-3. Declare ``what`` the answers are, ``study_columns`` with your settings and ``ends_at``, a `Table`
-   for each kind of answer, and the ``trial``. By these the file is created, exported and emptied.
+3. Declare ``what`` the answers are, the ``trial``, a `Table` for each kind of answer, and
+   ``study_columns``: fields of the study but for its two names (composite values become JSON). By
+   these the file is created, exported and emptied.
 4. Give ``study_of`` (a row as a study), ``begin`` (check the settings, then ``_begin``), and a
    method for each kind of answer that checks it and calls ``keep``.
 5. Return answers as DataFrames: their columns are those of the CSV files.

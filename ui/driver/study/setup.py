@@ -13,7 +13,6 @@ from nvcore.driver.estimators.nested import LEAST_PEDESTRIANS
 from nvcore.driver.study.pictures import BOXES_FILE, StudyPicture, read_pictures
 from nvcore.driver.study.plan import duration_s, plan_trials
 from nvcore.driver.study.settings import (
-    ADAPTATION_S,
     CONSENT,
     DESIGNS,
     LONGEST_S,
@@ -154,6 +153,7 @@ def _draw_settings() -> StudySettings:
 
 def _draw_timing() -> tuple[str, dict[str, float]]:
     """Ask for times after the change of light, as text, and the length of each part of a run."""
+    usual = Timing()
     with st.expander("Times"):
         st.caption(
             "A run shows its first picture at one of the first half of these times, its second at "
@@ -161,29 +161,20 @@ def _draw_timing() -> tuple[str, dict[str, float]]:
         )
         text = st.text_input(
             "Seconds from dark to each picture",
-            ", ".join(f"{time_s:g}" for time_s in ADAPTATION_S),
+            ", ".join(f"{time_s:g}" for time_s in usual.adaptation_s),
             key="study_adaptation_s",
             max_chars=MOST_TIMES_TEXT,
             width=420,
         )
-        usual = Timing()
+        parts_s = {}
         columns = st.columns(len(TIMES) // 2) * 2
-        values = {
-            name: column.number_input(
-                f"{label}, s",
-                min_value=0.0,
-                max_value=LONGEST_S,
-                value=float(getattr(usual, name)),
-                step=0.1,
-                format="%g",
-                key=f"study_{name}",
+        for (name, label), column in zip(TIMES.items(), columns, strict=True):
+            limits = (0.0, LONGEST_S, float(getattr(usual, name)), 0.1)
+            parts_s[name] = float(
+                column.number_input(f"{label}, s", *limits, format="%g", key=f"study_{name}")
             )
-            for (name, label), column in zip(TIMES.items(), columns, strict=True)
-        }
-        st.number_input(
-            "Practice runs", min_value=0, max_value=10, value=1, key="study_n_practice", width=200
-        )
-    return text, {name: float(value) for name, value in values.items()}
+        st.number_input("Practice runs", 0, 10, 1, key="study_n_practice", width=200)
+    return text, parts_s
 
 
 def _times(text: str) -> tuple[float, ...]:
