@@ -488,9 +488,7 @@ def _stored(value: Any) -> Any:
         return value.isoformat()
     if value is None or isinstance(value, str | int):
         return value
-    return json.dumps(
-        value, default=lambda of: of.to_json() if hasattr(of, "to_json") else asdict(of)
-    )
+    return json.dumps(value, default=asdict)
 
 
 def _check_room(n: int, most: int, what: str) -> None:

@@ -39,7 +39,7 @@ def draw(studies: Studies[S]) -> None:
             f"All {studies.answers} are deleted on {study.ends_at:%d %B %Y}. Save them before: "
             "then this address leads nowhere."
         )
-    studies.draw_notes(study)
+    studies.draw_notes()
     with st.container(horizontal=True):
         if button(studies.here, key=f"{studies.prefix}_here", icon=":material/play_circle:"):
             enter(study.token)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 import streamlit as st
@@ -60,7 +59,7 @@ def _welcome(studies: Studies[S], study: S) -> None:
             f"Your {studies.answers} are kept until **{study.ends_at:%d %B %Y}** and then deleted, "
             "earlier if you ask for it."
         )
-    studies.explain(study)
+    studies.explain()
     with st.form(f"{prefix}_join", border=False):
         answers = {}
         if study.form:
@@ -103,7 +102,7 @@ def _welcome(studies: Studies[S], study: S) -> None:
 def _thank(studies: Studies[S], study: S, person: Person) -> None:
     leave_screen(state.workspace())
     st.title("Thank you")
-    studies.draw_end(study, person)
+    studies.draw_end(person)
     draw_code()
     if button("Next participant", key=f"{studies.prefix}_next"):
         enter(study.token)
@@ -124,7 +123,9 @@ def _offer_back(studies: Studies[S], study: S) -> None:
         st.rerun()
 
 
-def draw_form(form: Mapping[str, str], key: str, *, usual: Mapping[str, float]) -> dict[str, str]:
+def draw_form(
+    form: Mapping[str, str], key: str, *, usual: Mapping[str, float | None]
+) -> dict[str, str]:
     """Draw the fields, and return what was entered; what is left empty is not in it.
 
     Parameters
@@ -134,7 +135,7 @@ def draw_form(form: Mapping[str, str], key: str, *, usual: Mapping[str, float]) 
     key
         Start of the keys of what is drawn.
     usual
-        Values of screen and distance; NaN: not known.
+        Values of screen and distance; None: not known.
     """
     answers: dict[str, str] = {}
     columns = st.columns(3)
@@ -146,9 +147,7 @@ def draw_form(form: Mapping[str, str], key: str, *, usual: Mapping[str, float]) 
             age = column.number_input(label, 1, 120, None, key=own)
             answers[field] = "" if age is None else str(age)
         elif field in ("screen_inch", "distance_cm"):
-            known = usual.get(field, math.nan)
-            value = None if math.isnan(known) else known
-            size = column.number_input(label, 1.0, 1000.0, value, format="%g", key=own)
+            size = column.number_input(label, 1.0, 1000.0, usual.get(field), format="%g", key=own)
             answers[field] = "" if size is None else f"{size:g}"
         else:
             answers[field] = st.text_input(plain(label), key=own, max_chars=MOST_QUESTION).strip()

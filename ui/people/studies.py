@@ -121,11 +121,11 @@ class Studies(Generic[S]):
     def introduce(self, study: S) -> None:
         """Draw what participants will do, before they agree."""
 
-    def explain(self, study: S) -> None:
+    def explain(self) -> None:
         """Draw what participants may want to know, between terms and form."""
 
-    def usual(self, study: S) -> Mapping[str, float]:
-        """Return values of the form's number fields before it is filled in; NaN: not known."""
+    def usual(self, study: S) -> Mapping[str, float | None]:
+        """Return values of the form's number fields before it is filled in."""
         del study
         return {}
 
@@ -133,7 +133,7 @@ class Studies(Generic[S]):
         """Draw the participant's next trial; False if there is none."""
         raise NotImplementedError
 
-    def draw_end(self, study: S, person: Person) -> None:
+    def draw_end(self, person: Person) -> None:
         """Draw what is said after the last trial."""
 
     def on_back(self) -> None:
@@ -142,7 +142,7 @@ class Studies(Generic[S]):
     def draw_setup(self) -> None:
         """Draw the form that begins a study."""
 
-    def draw_notes(self, study: S) -> None:
+    def draw_notes(self) -> None:
         """Draw what the conductor has to know, below the addresses."""
 
     def draw_downloads(self, study: S) -> None:

@@ -79,11 +79,12 @@ class RatingSessions(Studies[RatingStudy]):
         assert result is not None
         return ClipScreen(result, self.store(), study, person.name).draw(person.plan, left)
 
-    def draw_end(self, study: RatingStudy, person: Person) -> None:
+    def draw_end(self, person: Person) -> None:
         """Say what is kept, and offer to change the last rating."""
-        del person
-        alerts = f", all {len(study.alerts)} alerts answered" if study.alerts else ""
-        st.success(f"All {len(study.clips)} clips are rated{alerts}, and what you said is kept.")
+        n_clips = sum(shown.table == "rating" for shown in person.plan)
+        n_alerts = len(person.plan) - n_clips
+        alerts = f", all {n_alerts} alerts answered" if n_alerts else ""
+        st.success(f"All {n_clips} clips are rated{alerts}, and what you said is kept.")
         offer_change()
 
     def on_back(self) -> None:
@@ -96,9 +97,8 @@ class RatingSessions(Studies[RatingStudy]):
         assert result is not None
         session_setup.draw_setup(self, self.store, result)
 
-    def draw_notes(self, study: RatingStudy) -> None:
+    def draw_notes(self) -> None:
         """Say what participants' browsers need where other files than at the start are open."""
-        del study
         start = state.shared_start().opened
         if state.opened().dataset.fingerprint != start.dataset.fingerprint:
             st.caption(

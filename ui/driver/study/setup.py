@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final
@@ -127,11 +126,10 @@ def _draw_settings() -> StudySettings:
             "tells the light. Participants may state a screen and distance of their own."
         )
         columns = st.columns(len(FACTS))
-        values = {
+        facts = {
             name: column.number_input(label, min_value=0.1, value=None, key=f"study_{name}")
             for (name, label), column in zip(FACTS.items(), columns, strict=True)
         }
-        facts = {k: math.nan if v is None else float(v) for k, v in values.items()}
     with st.expander("Consent, form, and how long answers are kept"):
         consent, questions, keep_days = ask_terms(
             CONSENT,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from itertools import groupby
 from typing import Any, Final
@@ -13,7 +13,7 @@ import streamlit as st
 from nvcore.driver.estimators.nested import LEAST_PEDESTRIANS
 from nvcore.driver.inputs.trials import LATE_S
 from nvcore.driver.study.pictures import FIGURES, PRACTICE_SIZE
-from nvcore.driver.study.plan import Trial, duration_s
+from nvcore.driver.study.plan import duration_s
 from nvcore.driver.study.touch_task import (
     DetectabilityStore,
     DetectabilityStudy,
@@ -41,6 +41,16 @@ from ui.widgets.text import docs_link
 COMMANDS: Final = """\
 nvcore driver features --images PICTURES --boxes boxes.csv --out features.csv
 nvcore driver train trials.csv --features features.csv --out driver.npz
+"""
+INSTRUCTIONS: Final = """\
+Look at the **bright screen**, then at the coarse picture of the place where you will look for a \
+pedestrian, then at the **cross**. The screen goes **dark** at once, and after some seconds the \
+picture appears, for a moment. Then **touch or click the place** where the pedestrian was, or \
+press *Not seen*. By keyboard: arrow keys move a mark (with Shift in small steps), Enter takes its \
+place, N is *not seen*. A second picture follows.
+
+**You may stop at any time:** press *Stop* at the edge on the lower right, or Esc. In the dark the \
+button is not to be seen, but it works at the same place.
 """
 
 
@@ -72,13 +82,12 @@ class TouchStudies(Studies[DetectabilityStudy]):
             "every run, and go on later."
         )
 
-    def explain(self, study: DetectabilityStudy) -> None:
+    def explain(self) -> None:
         """Draw the limits of a screen."""
-        del study
         with st.expander("What a screen cannot be"):
             st.markdown(setup.LIMITS)
 
-    def usual(self, study: DetectabilityStudy) -> Mapping[str, float]:
+    def usual(self, study: DetectabilityStudy) -> Mapping[str, float | None]:
         """Return screen and distance as the conductor measured them."""
         return asdict(study.settings.facts)
 
@@ -97,66 +106,23 @@ class TouchStudies(Studies[DetectabilityStudy]):
         state.workspace().notes[ON_SCREEN] = screen
         n_practised = PRACTISED.of(person.name).get()
         if not person.has_practised and n_practised < study.settings.n_practice:
-            self._practise(screen, n_practised)
-        else:
-            run = [*next(own for _, own in groupby(left, key=lambda trial: trial.run))]
-            self._run(screen, person.plan, run)
+            _draw_practice(screen, n_practised)
+            return True
+        run = [*next(own for _, own in groupby(left, key=lambda trial: trial.run))]
+        number, n_runs = run[0].run, person.plan[-1].run
+        st.markdown(f"# Run {number} of {n_runs}")
+        st.progress((run[0].order - 1) / len(person.plan))
+        scenes = [(trial, study.pictures[trial.picture]) for trial in run]
+        trials = [
+            (trial.place, str(trial.picture), (of.width, of.height), trial.adaptation_s)
+            for trial, of in scenes
+        ]
+        name, title = f"{run[0].order} of {person.name}", f"Begin run {number} of {n_runs}"
+        _draw_run(screen, name, title, trials, is_first=number == 1)
         return True
 
-    def _practise(self, screen: OnScreen, n_practised: int) -> None:
-        settings, n = screen.study.settings, screen.study.settings.n_practice
-        st.title("Practice" if n == 1 else f"Practice {n_practised + 1} of {n}")
-        draw_code()
-        _draw_instructions()
-        times_s = settings.timing.pairs[n_practised % len(settings.timing.pairs)]
-        size = {"width": PRACTICE_SIZE[0], "height": PRACTICE_SIZE[1]}
-        trials = [
-            {"place": 0, "picture": f"{PRACTICE}{i}", **size, "adaptation_s": times_s[i]}
-            for i in range(len(FIGURES))
-        ]
-        name = f"practice {n_practised + 1} of {screen.name}"
-
-        def end(run: str) -> None:
-            if run != name:
-                return
-            PRACTISED.of(screen.name).set(n_practised + 1)
-            if n_practised + 1 >= n:
-                screen.store.end_practice(screen.study, screen.name)
-
-        draw_run(
-            name, "Begin the practice", trials, settings.timing, whose=screen.whose, on_end=end
-        )
-        st.caption("Answers of the practice are not kept.")
-
-    def _run(self, screen: OnScreen, plan: Sequence[Trial], run: list[Trial]) -> None:
-        study, n_runs = screen.study, plan[-1].run
-        st.markdown(f"# Run {run[0].run} of {n_runs}")
-        st.progress((run[0].order - 1) / len(plan))
-        draw_code()
-        if run[0].run == 1:
-            _draw_instructions()
-        trials = [
-            {
-                "place": trial.order,
-                "picture": str(trial.picture),
-                "width": study.pictures[trial.picture].width,
-                "height": study.pictures[trial.picture].height,
-                "adaptation_s": trial.adaptation_s,
-            }
-            for trial in run
-        ]
-        draw_run(
-            f"{run[0].order} of {screen.name}",
-            f"Begin run {run[0].run} of {n_runs}",
-            trials,
-            study.settings.timing,
-            whose=screen.whose,
-            on_end=lambda _: None,  # what is left is asked of the file
-        )
-
-    def draw_end(self, study: DetectabilityStudy, person: Person) -> None:
+    def draw_end(self, person: Person) -> None:
         """Say that all is kept."""
-        del study
         st.success(f"You have answered all {len(person.plan)} pictures, and your answers are kept.")
 
     def draw_setup(self) -> None:
@@ -220,18 +186,49 @@ class TouchStudies(Studies[DetectabilityStudy]):
             st.code(COMMANDS, language="sh")
 
 
+def _draw_practice(screen: OnScreen, n_practised: int) -> None:
+    settings, n = screen.study.settings, screen.study.settings.n_practice
+    st.title("Practice" if n == 1 else f"Practice {n_practised + 1} of {n}")
+    times_s = settings.timing.pairs[n_practised % len(settings.timing.pairs)]
+    trials = [(0, f"{PRACTICE}{i}", PRACTICE_SIZE, times_s[i]) for i in range(len(FIGURES))]
+    name = f"practice {n_practised + 1} of {screen.name}"
+
+    def end(run: str) -> None:
+        if run != name:
+            return
+        PRACTISED.of(screen.name).set(n_practised + 1)
+        if n_practised + 1 >= n:
+            screen.store.end_practice(screen.study, screen.name)
+
+    _draw_run(screen, name, "Begin the practice", trials, is_first=True, on_end=end)
+    st.caption("Answers of the practice are not kept.")
+
+
+def _draw_run(
+    screen: OnScreen,
+    name: str,
+    title: str,
+    trials: list[tuple[int, str, tuple[int, int], float]],
+    *,
+    is_first: bool,
+    on_end: Callable[[str], None] = lambda _: None,  # what is left is asked of the file
+) -> None:
+    """Draw the code and the run, after the instructions if it is the first one.
+
+    Parameters
+    ----------
+    trials
+        Place, picture, its size (px) and time of each.
+    """
+    draw_code()
+    if is_first:
+        st.markdown(INSTRUCTIONS)
+    sent = [
+        {"place": place, "picture": picture, "width": w, "height": h, "adaptation_s": time_s}
+        for place, picture, (w, h), time_s in trials
+    ]
+    timing = screen.study.settings.timing
+    draw_run(name, title, sent, timing, whose=screen.whose, on_end=on_end)
+
+
 STUDIES: Final = TouchStudies()
-
-
-def _draw_instructions() -> None:
-    st.markdown(
-        "Look at the **bright screen**, then at the coarse picture of the place where you will "
-        "look for a pedestrian, then at the **cross**. The screen goes **dark** at once, and after "
-        "some seconds the picture appears, for a moment. Then **touch or click the place** where "
-        "the pedestrian was, or press *Not seen*. By keyboard: arrow keys move a mark (with Shift "
-        "in small steps), Enter takes its place, N is *not seen*. A second picture follows."
-    )
-    st.markdown(
-        "**You may stop at any time:** press *Stop* at the edge on the lower right, or Esc. In the "
-        "dark the button is not to be seen, but it works at the same place."
-    )
