@@ -6,8 +6,7 @@ import os
 import signal
 import sqlite3
 import stat
-import subprocess
-import sys
+import warnings
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -17,10 +16,14 @@ from typing import ClassVar, NamedTuple
 
 import pytest
 
+from nvcore.driver.study.pictures import StudyPicture
+from nvcore.driver.study.settings import StudySettings
+from nvcore.driver.study.touch_task import Answer, DetectabilityStore
 from nvcore.errors import InputError, StoreError
 from nvcore.people import store as engine
 from nvcore.people.participants import counterbalanced_order
 from nvcore.people.store import Study, StudyStore, Table, new_names
+from nvcore.ratings.clip_task import RatingStore
 
 NOW = datetime(2026, 3, 1, tzinfo=UTC)
 FORM = {"age": "Age in years", "1. Shoe size": "Shoe size"}
@@ -245,49 +248,39 @@ def test_there_is_room_for_so_many_and_no_more(store, monkeypatch):
         store.begin()
 
 
-KILLED = """
-import sys
-from pathlib import Path
-from nvcore.driver.study.touch_task import Answer, DetectabilityStore, StudyPicture, StudySettings
-from nvcore.ratings.clip_task import RatingStore
-folder = Path(sys.argv[1])
-ratings, studies = RatingStore(folder / "r.sqlite"), DetectabilityStore(folder / "s.sqlite")
-session = ratings.begin("print", [("A", str(n)) for n in range(400)])
-picture = StudyPicture("a.png", "p", 10, 5, 6, 12, 40, 30, "0" * 64)
-study = studies.begin(StudySettings(), [picture] * 400, folder="sample")
-ratings.join(session, {}, name="P1")
-person, _ = studies.join(study, {})
-print(session.token, study.token, person.name, flush=True)
-for n in range(400):
-    ratings.rate(session, "P1", n, 1 + n % 7)
-    print("rating", n, flush=True)
-    studies.answer(study, person.name, n + 1, Answer(measured_s=1, shown_s=0.5))
-    print("trial", n + 1, flush=True)
-"""
-
-
 def test_no_acknowledged_answer_is_lost_when_the_program_is_killed(tmp_path):
-    from nvcore.driver.study.touch_task import DetectabilityStore
-    from nvcore.ratings.clip_task import RatingStore
-
-    child = subprocess.Popen(
-        [sys.executable, "-c", KILLED, str(tmp_path)],
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    session, study, name = child.stdout.readline().split()
-    said = [child.stdout.readline().split() for _ in range(21)]
-    child.kill()  # while it writes on
-    said += [line.split() for line in child.stdout.read().splitlines()]
-    assert child.wait() == -signal.SIGKILL
-    child.stdout.close()
-    acknowledged = {kind: {int(n) for k, n in said if k == kind} for kind in ("rating", "trial")}
-    assert 10 <= len(acknowledged["trial"]) < 400
     ratings, studies = RatingStore(tmp_path / "r.sqlite"), DetectabilityStore(tmp_path / "s.sqlite")
-    kept = ratings.ratings_of(ratings.study(session), "P1")
-    assert acknowledged["rating"] <= set(kept)
+    session = ratings.begin("print", [("A", str(n)) for n in range(400)])
+    ratings.join(session, {}, name="P1")
+    picture = StudyPicture("a.png", "p", 10, 5, 6, 12, 40, 30, "0" * 64)
+    study = studies.begin(StudySettings(), [picture] * 400, folder="sample")
+    person, _ = studies.join(study, {})
+    reader, writer = os.pipe()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # later versions of Python warn where threads run
+        child = os.fork()
+    if child == 0:
+        try:
+            for n in range(400):
+                ratings.rate(session, "P1", n, 1 + n % 7)
+                os.write(writer, f"rating {n}\n".encode())
+                studies.answer(study, person.name, n + 1, Answer(measured_s=1, shown_s=0.5))
+                os.write(writer, f"trial {n + 1}\n".encode())
+        finally:
+            os._exit(1)
+    os.close(writer)
+    with os.fdopen(reader) as pipe:
+        said = [pipe.readline().split() for _ in range(21)]
+        os.kill(child, signal.SIGKILL)  # while it writes on
+        said += [line.split() for line in pipe]
+    _, status = os.waitpid(child, 0)
+    assert os.WTERMSIG(status) == signal.SIGKILL
+    rated, answered = ({int(n) for k, n in said if k == of} for of in ("rating", "trial"))
+    assert 10 <= len(answered) < 400
+    kept = ratings.ratings_of(session, "P1")
+    assert rated <= set(kept)
     assert all(rating == 1 + n % 7 for n, rating in kept.items())
-    assert acknowledged["trial"] <= set(studies.answers(studies.study(study))[name])
+    assert answered <= set(studies.answers(study)[person.name])
 
 
 def test_every_connection_waits_until_the_disk_has_what_is_written(store):

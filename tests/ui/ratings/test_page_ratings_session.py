@@ -26,7 +26,6 @@ from nvcore.output.csv_text import to_csv_bytes
 from nvcore.ratings.clip_task import Clip, RatingStore, RatingStudy, Shown
 from nvcore.ratings.worth import read_alerts
 from pages import alone, begin_with, checked, part, press, rows, write
-from pages import opened as app_opened
 from ui.people import conduct
 from ui.ratings import clip_screen, source
 from ui.session import state
@@ -107,8 +106,7 @@ def test_a_participant_sees_clips_only_and_every_rating_is_kept(
 
     monkeypatch.setattr(clip_screen, "viewer", seen)
     study = begun(store, "odd_pose", "rural_child")
-    page = checked(app_opened("ratings", study=study.token))
-    assert not page.sidebar.slider
+    page = rating(study)
     assert "FIR" not in words(page)
     page.text_input(key="rating_name").set_value(" Ann ")
     assert "Without your agreement nothing is kept" in words(page.button[0].click().run())
@@ -133,7 +131,9 @@ def test_a_participant_sees_clips_only_and_every_rating_is_kept(
     assert page.title[0].value == "Thank you"
 
 
-def test_the_conductor_comes_back_to_progress_and_results(store: RatingStore):
+def test_the_conductor_comes_back_to_progress_and_to_the_thresholds_of_the_clips(
+    store: RatingStore,
+):
     study = begun(store, "odd_pose", "rural_child", "rural_road")
     for name, shift in (("Ann", 0), ("Bob", 1)):
         joined(store, study, name)
@@ -144,9 +144,13 @@ def test_the_conductor_comes_back_to_progress_and_results(store: RatingStore):
         "participants": "2", "have rated all clips": "1", "ratings so far": "11",
     }  # fmt: skip
     assert table(page, "n_rated")["n_rated"].tolist() == [6, 5]
-    page = show_source(opened(conduct=study.conductor), source.SESSION)
-    assert metrics(page)["ratings missing"] == "1"
-    assert metrics(page)["clips"] == "6"
+    call, address = "ui.ratings.source.choose(RESULT)", {"conduct": study.conductor}
+    page = show_source(checked(part(call, **address, threshold_x="0.7").run()), source.SESSION)
+    assert "X FIR: clips at 0.5, now 0.7." in warnings(page)
+    press(page, "ratings_thresholds")
+    assert page.session_state["params"].threshold_x == 0.5
+    assert "clips at" not in warnings(page)
+    assert "ratings_thresholds" not in keys(page)
 
 
 def test_neither_participants_nor_strangers_see_the_ratings(store: RatingStore):
@@ -170,10 +174,9 @@ def test_a_participant_with_another_comparison_open_goes_on_once_the_right_one_i
 
     code = joined(store, study, "Ann")
     be_of("of another dataset")
-    page = checked(app_opened("ratings", study=study.token, participant=code))
+    page = checked(alone("ratings", study=study.token, participant=code).run())
     assert "about another comparison than the one that is open" in words(page)
-    assert page.sidebar.slider  # so that it can be opened
-    assert "study" not in page.query_params
+    assert "study" not in page.query_params  # all of the app is there, so that it can be opened
     be_of(study.fingerprint)
     press(checked(page.run()), "rating_go_on")
     assert "Clip 1 of 2" in words(page)
@@ -208,7 +211,7 @@ def test_the_conductors_screen_can_be_handed_to_others_and_taken_back_with_its_s
 ):
     study = begun(store, "odd_pose")
     address = {"conduct": study.conductor, "midpoint": "60", "threshold_x": "0.7"}
-    page = checked(app_opened("ratings", **address))
+    page = checked(alone("ratings", **address).run())
     press(page, "rating_here")
     assert page.session_state["params"].threshold_x == study.thresholds["FIR"] == 0.5
     join(page, "Anna")
@@ -262,19 +265,6 @@ def test_a_second_form_under_one_name_is_refused_with_all_that_was_typed(store: 
     ]  # fmt: skip
 
 
-def test_the_conductor_gives_a_new_code_which_ends_the_one_before(store: RatingStore):
-    study = begun(store, "odd_pose")
-    before = joined(store, study, "Ann")
-    page = conducting(conduct=study.conductor)
-    checked(page.text_input(key="rating_code").set_value("ann").run())
-    press(page, "rating_new_code")
-    code = page.code[-1].value.rpartition("participant=")[2]
-    assert f"Ann goes on with the code {code}" in words(page)
-    assert store.by_code(study, before) is None
-    assert "Clip 1 of 2" in words(rating(study, participant=code))
-    assert "Nobody takes part" in words(rating(study, participant=before))
-
-
 def test_the_last_rating_can_be_changed_which_is_recorded_with_how_often_it_was_played(
     store: RatingStore, monkeypatch: pytest.MonkeyPatch
 ):
@@ -319,59 +309,25 @@ def test_plays_are_those_that_the_browser_tells(
     assert viewer.n_plays_in("clip") == n_plays
 
 
-def test_clips_have_the_thresholds_of_their_session(store: RatingStore):
-    study = begun(store, "odd_pose", page=conducting(threshold_y="0.83"))
-    person = rating(study)
-    assert person.session_state["params"].threshold_y == 0.83
-
-
-def test_ratings_of_clips_with_other_thresholds_are_told_and_can_be_mended(store: RatingStore):
-    study = begun(store, "odd_pose")
-    joined(store, study, "Ann")
-    store.rate(study, "Ann", 0, 3)
-    page = show_source(opened(conduct=study.conductor, threshold_x="0.7"), source.SESSION)
-    assert "X FIR: clips at 0.5, now 0.7." in warnings(page)
-    press(page, "ratings_thresholds")
-    assert page.session_state["params"].threshold_x == 0.5
-    assert "clips at" not in warnings(page)
-    assert "ratings_thresholds" not in keys(page)
-
-
-def test_an_address_of_this_computer_only_is_told(
-    store: RatingStore, monkeypatch: pytest.MonkeyPatch
-):
-    monkeypatch.setattr(conduct, "is_local", lambda _: True)
-    page = conducting()
-    begun(store, "odd_pose", page=page)
-    assert "ask whoever runs the app to open it to the network" in warnings(page)
-
-
-def test_the_data_of_a_participant_are_saved_or_deleted_on_request(store: RatingStore):
+def test_a_participant_gets_a_new_code_or_is_deleted_on_request(store: RatingStore):
     page = conducting()
     study = begun(store, "odd_pose", page=page)
     assert study.ends_at is not None
     assert f"All ratings are deleted on {study.ends_at:%d %B %Y}" in words(page)
-    for name in ("Ann", "Bob"):
-        joined(store, study, name)
+    codes = {name: joined(store, study, name) for name in ("Ann", "Bob")}
+    for name in codes:
         store.rate(study, name, 0, 3)
     checked(page.text_input(key="rating_code").set_value("Eve").run())
     assert "Nobody with that name or code takes part" in words(page)
     checked(page.text_input(key="rating_code").set_value("ann").run())
+    press(page, "rating_new_code")
+    code = page.code[-1].value.rpartition("participant=")[2]
+    assert f"Ann goes on with the code {code}" in words(page)
+    assert "Clip 2 of 2" in words(rating(study, participant=code))
+    assert "Nobody takes part" in words(rating(study, participant=codes["Ann"]))
     press(page, "rating_delete")
     assert store.progress(study)["participant"].tolist() == ["Bob"]
     assert page.text_input(key="rating_code").value == ""
-
-
-def test_the_terms_are_those_that_the_conductor_writes(store: RatingStore):
-    page = conducting()
-    page.text_area(key="rating_consent").set_value("Only for us.")
-    page.number_input(key="rating_keep_days").set_value(10)
-    study = begun(store, "odd_pose", page=page)
-    assert study.consent == "Only for us."
-    person = rating(study)
-    assert "Only for us" in words(person)
-    assert study.ends_at is not None
-    assert f"Your ratings are kept until {study.ends_at:%d %B %Y}" in words(person)
 
 
 def test_clips_are_cut_played_and_counted_one_by_one(
@@ -381,7 +337,7 @@ def test_clips_are_cut_played_and_counted_one_by_one(
     checked(page.button_group(key="rating_what").set_value("clips").run())
     page.number_input(key="rating_length_s").set_value(4.0)
     checked(page.number_input(key="rating_lead_s").set_value(1.0).run())
-    names = [recording.name for recording in read_session(state.SAMPLE).recordings]
+    names = ("odd_pose", "rural_child")
     study = begun(store, *names, page=page)
     assert all(clip.end_s - clip.start_s < 4.01 and clip.reason for clip in study.clips)
     assert len(study.clips) > 2 * len(names)
@@ -401,10 +357,11 @@ def test_clips_are_cut_played_and_counted_one_by_one(
     assert seek == (rows_shown.start, 0)
     assert 0 < rows_shown.start < rows_shown.stop <= n_rows
     for person in ("Ann", "Bob"):
-        for clip in range(len(study.clips)):
+        for clip in range(person == "Bob", len(study.clips)):
             store.rate(study, person, clip, 1 + clip % 7)
     page = show_source(opened(conduct=study.conductor), source.SESSION)
     assert metrics(page)["clips"] == str(len(study.clips))
+    assert metrics(page)["ratings missing"] == "1"
     ranked = table(page, "mean_rank")
     assert set(ranked["clip"]) == {clip.name for clip in study.clips}
     assert "not in this comparison" not in warnings(page)
@@ -418,9 +375,8 @@ def sent_alerts(page: AppTest, *lines: str) -> AppTest:
 
 
 def test_the_alerts_of_the_comparison_are_taken_at_a_click(store: RatingStore):
-    page = checked(alone("alerts", alerts="policy").run())
-    view = alerts_in(page.session_state["workspace"].result)
     page = conducting(alerts="policy")
+    view = alerts_in(page.session_state["workspace"].result)
     checked(page.button_group(key=RATING_ALERTS.key).set_value("these").run())
     taken = read_alerts(to_csv_bytes(view.table), view.result)
     kinds = view.table["kind"].value_counts()
@@ -430,6 +386,34 @@ def test_the_alerts_of_the_comparison_are_taken_at_a_click(store: RatingStore):
         of for of in taken if of.recording in ("odd_pose", "rural_child") and of.system == "NIR"
     )
     assert len(study.alerts) > 1
+
+
+def test_terms_and_form_are_those_that_the_conductor_writes(
+    store: RatingStore, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(conduct, "is_local", lambda _: True)
+    page = conducting(threshold_y="0.83")
+    checked(page.checkbox(key="rating_has_form").check().run())
+    page.text_area(key="rating_questions").set_value("Shoe size\n\n")
+    page.text_area(key="rating_consent").set_value("Only for us.")
+    page.number_input(key="rating_keep_days").set_value(10)
+    study = begun(store, "odd_pose", page=page)
+    assert "ask whoever runs the app to open it to the network" in warnings(page)
+    assert study.consent == "Only for us."
+    person = rating(study)
+    assert person.session_state["params"].threshold_y == 0.83  # that of the session
+    assert "Only for us" in words(person)
+    assert study.ends_at is not None
+    assert f"Your ratings are kept until {study.ends_at:%d %B %Y}" in words(person)
+    person.number_input(key="rating_form_0").set_value(41)
+    person.selectbox(key="rating_form_3").select("every week")
+    person.text_input(key="rating_form_4").set_value("39")
+    join(person, "Ann")
+    said = store.forms(study).iloc[0].to_dict()
+    assert said == {
+        "participant": "Ann", "age": "41", "sex": "", "licence": "", "night_driving": "every week",
+        "1. Shoe size": "39",
+    }  # fmt: skip
 
 
 def test_where_alerts_are_off_the_page_leads_to_their_policy(store: RatingStore):
@@ -464,20 +448,3 @@ def test_it_is_asked_of_every_alert_whether_it_was_worth_it(store: RatingStore):
         ["all", 1, 1], ["false", 0, 1], ["needed", 1, 0],
     ]  # fmt: skip
     assert shown["share"].tolist() == ["1.00", "–", "1.00"]
-
-
-def test_participants_fill_in_the_form_that_the_conductor_asks_for(store: RatingStore):
-    page = conducting()
-    checked(page.checkbox(key="rating_has_form").check().run())
-    page.text_area(key="rating_questions").set_value("Shoe size\n\n")
-    study = begun(store, "odd_pose", page=page)
-    person = rating(study)
-    person.number_input(key="rating_form_0").set_value(41)
-    person.selectbox(key="rating_form_3").select("every week")
-    person.text_input(key="rating_form_4").set_value("39")
-    join(person, "Ann")
-    said = store.forms(study).iloc[0].to_dict()
-    assert said == {
-        "participant": "Ann", "age": "41", "sex": "", "licence": "", "night_driving": "every week",
-        "1. Shoe size": "39",
-    }  # fmt: skip

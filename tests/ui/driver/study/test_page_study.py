@@ -14,7 +14,6 @@ import pages
 from nvcore.driver.study.touch_task import Answer, DetectabilityStore, DetectabilityStudy
 from pages import checked, part, press, texts
 from ui.driver.study import files, touch_studies
-from ui.driver.study.on_screen import OnScreen
 from ui.people.studies import ON_SCREEN
 
 SEEN = Answer(measured_s=1, shown_s=0.5, touch_x=30, touch_y=80, response_s=1)
@@ -172,22 +171,21 @@ def test_folders_below_the_root_are_offered_and_none_outside(tmp_path: Path):
             files.folder_of(path)
 
 
-def test_nobody_takes_part_without_agreeing(store: DetectabilityStore):
-    study = begun(store)
+def test_who_agrees_gets_a_code_and_the_form_says_nothing_where_it_is_empty(
+    store: DetectabilityStore, runs: list[dict]
+):
+    page = opened()
+    page.text_area(key="study_consent").set_value("# Hi\n\n[x](http://evil) <b>")
+    checked(page.text_area(key="study_questions").set_value("Glasses?").run())
+    study = begun(store, page)
     page = opened(study=study.token)
+    shown = [item.value for item in page.markdown]
+    assert not any("](http" in text for text in shown)  # the text of consent is text
+    assert "# Hi" not in shown
     assert f"{study.ends_at:%d %B %Y}" in texts(page)
     checked(page.button[0].click().run())
     assert "Without your agreement" in texts(page)
     assert store.participants(study) == []
-
-
-def test_the_form_is_kept_under_a_code_and_says_nothing_where_it_is_empty(
-    store: DetectabilityStore, runs: list[dict]
-):
-    page = opened()
-    checked(page.text_area(key="study_questions").set_value("Glasses?").run())
-    study = begun(store, page)
-    page = opened(study=study.token)
     page.number_input(key="study_form_0").set_value(31)
     page.selectbox(key="study_form_2").select("yes")
     page.text_input(key="study_form_5").set_value("no")
@@ -207,6 +205,8 @@ def test_practice_comes_once_then_run_after_run_until_all_are_answered(
     page = joined(study)
     (person,) = store.participants(study)
     code = "".join(page.query_params["participant"])
+    note = page.session_state["workspace"].notes[ON_SCREEN]
+    assert (note.name, note.folder.name) == (person.name, "dusk")
     practice = runs[-1]
     assert [trial["place"] for trial in practice["trials"]] == [0, 0]
     press(page, "study_screen")
@@ -226,6 +226,7 @@ def test_practice_comes_once_then_run_after_run_until_all_are_answered(
     checked(page.run())
     assert page.title[0].value == "Thank you"
     assert f"**{code}**" in texts(page)
+    assert ON_SCREEN not in page.session_state["workspace"].notes
 
 
 def test_every_practice_run_has_to_be_seen_to_its_end(store: DetectabilityStore, runs: list[dict]):
@@ -257,17 +258,6 @@ def test_the_end_of_another_run_ends_no_practice(
     assert not store.participants(study)[0].has_practised
 
 
-def test_the_browser_may_answer_for_this_participant_only(
-    store: DetectabilityStore, runs: list[dict]
-):
-    study = begun(store)
-    page = joined(study)
-    note = page.session_state["workspace"].notes[ON_SCREEN]
-    assert isinstance(note, OnScreen)
-    assert note.name == store.participants(study)[0].name
-    assert note.folder.name == "dusk"
-
-
 @pytest.mark.parametrize("way", ["next", "conductor", "other page", "ratings"])
 def test_who_has_left_the_screen_can_no_longer_be_answered_for(
     store: DetectabilityStore, runs: list[dict], way: str
@@ -292,19 +282,9 @@ def test_who_has_left_the_screen_can_no_longer_be_answered_for(
     assert ON_SCREEN not in notes
 
 
-def test_whoever_has_seen_all_pictures_answers_no_more(store: DetectabilityStore, runs: list[dict]):
-    study = begun(store)
-    page = joined(study)
-    (person,) = store.participants(study)
-    store.end_practice(study, person.name)
-    for trial in person.plan:
-        store.answer(study, person.name, trial.order, SEEN)
-    checked(page.run())
-    assert page.title[0].value == "Thank you"
-    assert ON_SCREEN not in page.session_state["workspace"].notes
-
-
-def test_strange_links_and_codes_lead_nowhere(store: DetectabilityStore, runs: list[dict]):
+def test_strange_links_and_codes_lead_nowhere_and_ones_own_code_goes_on(
+    store: DetectabilityStore, runs: list[dict]
+):
     study = begun(store)
     assert "leads to no study" in texts(opened(study="guess"))
     assert "no study of the name in the address" in texts(opened(conduct=study.token))
@@ -313,24 +293,19 @@ def test_strange_links_and_codes_lead_nowhere(store: DetectabilityStore, runs: l
     assert runs == []
     checked(page.text_input(key="study_known_code").set_value("x").run())
     assert "Nobody takes part" in texts(press(page, "study_continue"))
-
-
-def test_a_code_goes_on_where_it_was_left_on_any_screen(
-    store: DetectabilityStore, runs: list[dict]
-):
-    study = begun(store)
     person, code = store.join(study, {})
     store.end_practice(study, person.name)
-    page = opened(study=study.token)
     checked(page.text_input(key="study_known_code").set_value(code.lower()).run())
     press(page, "study_continue")
     assert runs[-1]["title"] == "Begin run 1 of 3"
 
 
-def test_the_conductor_sees_progress_and_marks(store: DetectabilityStore):
+def test_the_conductor_sees_progress_and_marks_and_deletes_on_request(store: DetectabilityStore):
     study = begun(store)
+    names = []
     for n in (6, 2):
         person, _ = store.join(study, {})
+        names.append(person.name)
         for trial in person.plan[:n]:
             measured = trial.adaptation_s + (0.2 if trial.order == 1 else 0.01)
             store.note_showing(study, person.name, trial.order)
@@ -339,27 +314,12 @@ def test_the_conductor_sees_progress_and_marks(store: DetectabilityStore):
     assert metrics(page) == {
         "participants": "2", "have seen all pictures": "1", "trials so far": "8", "marked": "2",
     }  # fmt: skip
-
-
-def test_one_participants_data_are_deleted_on_request(store: DetectabilityStore):
-    study = begun(store)
-    ann, bob = (store.join(study, {"age": age})[0] for age in ("31", "32"))
-    page = opened(conduct=study.conductor)
     checked(page.text_input(key="study_code").set_value("nobody").run())
     assert "Nobody with that name or code takes part" in texts(page)
-    checked(page.text_input(key="study_code").set_value(ann.name.lower()).run())
+    checked(page.text_input(key="study_code").set_value(names[0].lower()).run())
     press(page, "study_delete")
-    assert [person.name for person in store.participants(study)] == [bob.name]
+    assert [person.name for person in store.participants(study)] == names[1:]
     assert metrics(page)["participants"] == "1"
-
-
-def test_the_text_of_consent_is_shown_as_text(store: DetectabilityStore):
-    page = opened()
-    checked(page.text_area(key="study_consent").set_value("# Hi\n\n[x](http://evil) <b>").run())
-    study = begun(store, page)
-    shown = [item.value for item in opened(study=study.token).markdown]
-    assert not any("](http" in text for text in shown)
-    assert "# Hi" not in shown
 
 
 def test_pictures_that_are_gone_are_told(
