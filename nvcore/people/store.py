@@ -85,12 +85,8 @@ S = TypeVar("S", bound=Study)
 class Table(NamedTuple):
     """Kind of record that participants leave.
 
-    Attributes
-    ----------
-    columns
-        SQL of the columns. A column that files of earlier versions lack needs a default.
-    key
-        Column that tells the records of a participant apart; empty: there is one record each.
+    Its `columns` are SQL; those that files of earlier versions lack need a default. The `key` is
+    the column that tells the records of a participant apart; empty: there is one record each.
     """
 
     columns: str
@@ -110,16 +106,10 @@ class Person:
 
     Attributes
     ----------
-    name
-        Name or pseudonym in tables.
     number
         0-based row of the design.
     consented_at
         Time (UTC) at which they agreed; None: they didn't.
-    form
-        Answers in the form, by field.
-    plan
-        Their trials.
     has_practised
         True if there is no practice, or it was seen to its end.
     """
@@ -360,13 +350,7 @@ class StudyStore(Generic[S]):
         return self.by_code(study, text)
 
     def new_code(self, study: S, person: Person) -> str:
-        """Give a participant another personal code; the one before no longer works.
-
-        Raises
-        ------
-        InputError
-            If they have not agreed to the terms.
-        """
+        """Give a participant who has agreed another personal code; the one before ends."""
         if study.consent and person.consented_at is None:
             raise InputError(
                 f"{person.name} has not agreed to the terms; delete them, and let them begin anew"
@@ -388,13 +372,7 @@ class StudyStore(Generic[S]):
         *,
         conflict: str = "DO NOTHING",
     ) -> None:
-        """Keep what a participant answers in a table, with SQL for what is there already.
-
-        Raises
-        ------
-        InputError
-            If there is no such participant.
-        """
+        """Keep what a participant answers in a table, with SQL for what is there already."""
         try:
             with self.connect() as base:
                 values = {"study": study.token, "participant": name, **row}

@@ -227,11 +227,6 @@ class RatingStore(StudyStore[RatingStudy]):
         n_plays
             Number of times that the clip was played to its end before this rating (again, for
             another one of the same clip); None: not known.
-
-        Raises
-        ------
-        InputError
-            If there is no such clip or participant, or the rating is not on the scale.
         """
         if not 0 <= clip < len(study.clips):
             raise InputError(f"there is no clip {clip + 1}")
@@ -241,18 +236,7 @@ class RatingStore(StudyStore[RatingStudy]):
         self.keep(study, name, "rating", row, conflict=REPLACE)
 
     def judge(self, study: RatingStudy, name: str, alert: int, answer: str) -> None:
-        """Keep whether an alert was worth it. Another answer to the same replaces it.
-
-        Parameters
-        ----------
-        answer
-            One of `nvcore.ratings.worth.ANSWERS`.
-
-        Raises
-        ------
-        InputError
-            If there is no such alert, answer or participant.
-        """
+        """Keep whether an alert was worth it, by one of `ANSWERS`. Another answer replaces it."""
         if not 0 <= alert < len(study.alerts):
             raise InputError(f"there is no alert {alert + 1}")
         if answer not in ANSWERS:

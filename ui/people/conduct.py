@@ -145,14 +145,7 @@ def ask_terms(
 ) -> tuple[str, tuple[str, ...] | None, int]:
     """Ask for the text of consent, own questions, and the days that answers are kept.
 
-    Parameters
-    ----------
-    consent
-        Text before it is changed.
-    questions, days
-        Labels.
-    choice
-        Label of a checkbox; unless it's ticked, there is no form and the questions are None.
+    With a `choice`, the label of a checkbox, questions are None unless it is ticked.
     """
     text = st.text_area(
         "What participants agree to",

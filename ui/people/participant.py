@@ -126,16 +126,9 @@ def _offer_back(studies: Studies[S], study: S) -> None:
 def draw_form(
     form: Mapping[str, str], key: str, *, usual: Mapping[str, float | None]
 ) -> dict[str, str]:
-    """Draw the fields, and return what was entered; what is left empty is not in it.
+    """Draw the fields with these labels, and return what was entered, without what is empty.
 
-    Parameters
-    ----------
-    form
-        Labels by field (`nvcore.people.form.form_of`).
-    key
-        Start of the keys of what is drawn.
-    usual
-        Values of screen and distance; None: not known.
+    Screen and distance begin with their `usual` values.
     """
     answers: dict[str, str] = {}
     columns = st.columns(3)

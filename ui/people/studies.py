@@ -45,12 +45,9 @@ def enter(token: str, code: str = "") -> None:
 
 
 def leave_screen(space: Workspace, page: str = "") -> None:
-    """Forget what a participant has on the screen, so that the browser gets and sends nothing.
+    """Forget what a participant has on the screen of other pages than this one.
 
-    Parameters
-    ----------
-    page
-        What is on the screen of this page stays.
+    The browser then gets and sends nothing.
     """
     screen = space.notes.get(ON_SCREEN)
     if screen is not None and screen.page != page:
@@ -69,17 +66,7 @@ def is_local(address: str) -> bool:
 
 
 class Progress(NamedTuple):
-    """Progress of a study.
-
-    Attributes
-    ----------
-    metrics
-        Numbers, and a help text or None, by label.
-    people
-        Row for each participant; `columns` are shown.
-    note
-        Caption below the table; empty: none.
-    """
+    """Progress of a study: numbers with a help text by label, and columns of a table of people."""
 
     metrics: Mapping[str, tuple[int, str | None]]
     people: pd.DataFrame
@@ -90,28 +77,17 @@ class Progress(NamedTuple):
 class Studies(Generic[S]):
     """Studies of one task: facts and words about it, and hooks that draw what only it has."""
 
-    page: ClassVar[str]
-    """Name of the page in addresses."""
-    what: ClassVar[str]
-    """Word for a study."""
-    answers: ClassVar[str] = "answers"
-    """Word for what participants give."""
-    prefix: ClassVar[str]
-    """Start of the keys of its widgets and of its entries in the session's store."""
-    variable: ClassVar[str]
-    """Variable of the environment with the path of the file of answers."""
-    file_name: ClassVar[str]
-    """Name of that file in the user's own folder, if the variable is not set."""
-    start: ClassVar[str]
-    """Label of the button by which the conductor starts a study."""
-    title: ClassVar[str]
-    """Title of a participant's page."""
-    begin: ClassVar[str]
-    """Label of the button by which a participant begins."""
-    here: ClassVar[str]
-    """Label of the button by which the conductor hands over the screen."""
-    back: ClassVar[str]
-    """Label of the button by which the conductor takes it back."""
+    page: ClassVar[str]  # name of the page in addresses
+    what: ClassVar[str]  # a study
+    answers: ClassVar[str] = "answers"  # what participants give
+    prefix: ClassVar[str]  # start of keys of widgets and of entries in the session's store
+    variable: ClassVar[str]  # of the environment: path of the file of answers
+    file_name: ClassVar[str]  # of that file in the user's own folder, without the variable
+    start: ClassVar[str]  # button of the conductor: start a study
+    title: ClassVar[str]  # of a participant's page
+    begin: ClassVar[str]  # button of a participant: begin
+    here: ClassVar[str]  # button of the conductor: hand over this screen
+    back: ClassVar[str]  # button of the conductor: take it back
 
     def is_ready(self, study: S) -> bool:
         """Return True if the study can be shown; else say or do what is needed."""
@@ -165,13 +141,7 @@ class Studies(Generic[S]):
         return Path(path) if path else Path(click.get_app_dir("nvcore")) / self.file_name
 
     def store(self) -> StudyStore[S]:
-        """Open the file of all answers, which deletes the studies that are over.
-
-        Raises
-        ------
-        InputError
-            If it cannot be used.
-        """
+        """Open the file of all answers, which deletes the studies that are over."""
         raise NotImplementedError
 
     def conducted(self) -> S | None:

@@ -136,13 +136,7 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
         folder: str,
         now: datetime | None = None,
     ) -> DetectabilityStudy:
-        """Begin a study of these pictures.
-
-        Raises
-        ------
-        InputError
-            If there are too few pictures for the design, or too many studies.
-        """
+        """Begin a study of these pictures, of which the design may need more."""
         begun_at = now or datetime.now(UTC)
         study = DetectabilityStudy(
             **new_names(),
@@ -168,20 +162,9 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
     def note_showing(
         self, study: DetectabilityStudy, name: str, place: int, report: str = ""
     ) -> None:
-        """Remember that a picture appears: who reloads the page then has seen it.
+        """Remember that the picture of a trial appears: who reloads the page has seen it.
 
-        Parameters
-        ----------
-        place
-            ``order`` of the trial, from 1.
-        report
-            Name of this showing. The last report, sent again, is not counted again unless it has
-            no name.
-
-        Raises
-        ------
-        InputError
-            If there is no such participant or trial.
+        The last `report`, sent again, is not counted again, unless it has no name.
         """
         self._trial(study, name, place)
         with self.connect() as base:
@@ -198,12 +181,7 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
                 )
 
     def answer(self, study: DetectabilityStudy, name: str, place: int, answer: Answer) -> None:
-        """Keep an answer. Another one to the same picture changes nothing.
-
-        Parameters
-        ----------
-        place
-            ``order`` of the trial, from 1.
+        """Keep an answer to the trial with this ``order``. Another one changes nothing.
 
         Raises
         ------

@@ -30,8 +30,6 @@ class OnScreen:
     ----------
     name
         Name of the participant.
-    folder
-        Folder of the study's pictures.
     screen
         Size and distance of the screen, in words.
     """
@@ -44,13 +42,7 @@ class OnScreen:
     page: ClassVar[str] = "study"
 
     def picture(self, name: str, view: View) -> bytes:
-        """Return a picture, by its index or of the practice, as PNG.
-
-        Raises
-        ------
-        InputError
-            If there is none of that name, or it is no longer what the study began with.
-        """
+        """Return a picture, by its index or of the practice, as PNG."""
         is_practice = name.startswith(PRACTICE)
         index = name.removeprefix(PRACTICE)
         known = FIGURES if is_practice else self.study.pictures
@@ -71,14 +63,7 @@ class OnScreen:
     def keep(self, place: int, kind: str, content: bytes) -> bool:
         """Keep an answer, or the report that a picture appears, as the browser sends it.
 
-        False: it is another participant's, and nothing is kept.
-
-        Raises
-        ------
-        InputError
-            If it is none, or the participant has no such trial.
-        StoreError
-            If it cannot be kept now.
+        Returns False if it is another participant's: then nothing is kept.
         """
         sent = sent_by_browser(content)
         if sent.get("whose", self.whose) != self.whose:
@@ -93,13 +78,7 @@ class OnScreen:
 
 
 def sent_by_browser(content: bytes) -> Mapping[str, Any]:
-    """Return the fields of what a browser sends; numbers are floats.
-
-    Raises
-    ------
-    InputError
-        If it has none.
-    """
+    """Return the fields of what a browser sends; numbers are floats."""
     try:
         sent = json.loads(content, parse_int=float)
     except (ValueError, RecursionError) as error:
@@ -110,13 +89,7 @@ def sent_by_browser(content: bytes) -> Mapping[str, Any]:
 
 
 def answer_of(sent: Mapping[str, Any], screen: str = "") -> Answer:
-    """Return an answer from the fields that a browser sends, of which nothing is trusted.
-
-    Raises
-    ------
-    InputError
-        If it is no answer.
-    """
+    """Return an answer from the fields that a browser sends, of which nothing is trusted."""
     touch = sent.get("touch")
     if touch is not None and not (isinstance(touch, list) and len(touch) == 2):
         raise InputError("this is no answer: a touch has two places")
