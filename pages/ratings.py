@@ -3,8 +3,9 @@
 import streamlit as st
 
 from nvcore.comparison import Result
+from ui.people import conduct, participant
 from ui.people.studies import is_participant
-from ui.ratings import conduct, groups, participant, results
+from ui.ratings import groups, results, sessions
 from ui.session.store import RATINGS_PART
 from ui.shell.messages import needs_comparison
 from ui.widgets.text import docs_link
@@ -22,11 +23,11 @@ def draw(result: Result) -> None:
     elif RATINGS_PART.get() == "results":
         results.draw(result)
     else:
-        conduct.draw(result)
+        conduct.draw(sessions.SESSIONS)
 
 
 if is_participant():
-    participant.draw()
+    participant.draw(sessions.SESSIONS)
 else:
     st.title("Ratings")
     st.caption(
@@ -34,8 +35,8 @@ else:
         "to drive with. Saliency claims to say the same without asking anybody; here the two are "
         f"compared ({docs_link('Ratings', 'ratings', doc='ratings')})."
     )
-    participant.draw_waiting()
-    if conduct.choose_part() == "groups":
+    sessions.draw_waiting()
+    if sessions.choose_part() == "groups":
         groups.draw()
     else:
         draw()

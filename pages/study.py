@@ -2,12 +2,13 @@
 
 import streamlit as st
 
-from ui.driver.study import conduct, participant
+from ui.driver.study.touch_studies import STUDIES
+from ui.people import conduct, participant
 from ui.people.studies import is_participant
 from ui.widgets.text import docs_link
 
 if is_participant():
-    participant.draw()
+    participant.draw(STUDIES)
 else:
     st.title("Study")
     st.caption(
@@ -15,4 +16,4 @@ else:
         "answers train the estimate of what a driver would have seen "
         f"({docs_link('Study', 'study', doc='study')})."
     )
-    conduct.draw()
+    conduct.draw(STUDIES)

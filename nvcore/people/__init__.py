@@ -1,5 +1,5 @@
-"""Studies with people: what the subjects that ask people share.
+"""Studies with people: one engine for every task that participants may be given.
 
-`store`: a file that keeps every answer at once. `participants`: who takes part, under which name.
-`form`: what they say about themselves.
+`store` keeps studies, participants and answers, and says how to add a task. `participants` has
+names, codes and orders, `form` the terms and what participants say about themselves.
 """

@@ -1,4 +1,4 @@
-"""What participants say about themselves: fields that studies share, and own questions."""
+"""Terms that participants agree to, and the form in which they describe themselves."""
 
 from __future__ import annotations
 
@@ -24,14 +24,39 @@ CHOICES: Final = {
     "night_driving": ("never", "less than once a month", "every month", "every week", "every day"),
 }
 """Fields with few answers."""
+MOST_TEXT: Final = 20_000
+"""Characters of a text of consent."""
+KEPT_DAYS: Final = 365
+"""Days that answers are kept, unless the conductor says otherwise."""
+LONGEST_KEPT_DAYS: Final = 3650
 MOST_QUESTIONS: Final = 20
 MOST_QUESTION: Final = 300
 MOST_ANSWER: Final = 2000
 """Characters of a field of the form."""
 
 
+def check_terms(consent: str, keep_days: int, questions: Sequence[str] = ()) -> None:
+    """Refuse a text of consent, days of keeping answers, or own questions that cannot be.
+
+    Raises
+    ------
+    InputError
+        If a text is missing, too long or asked twice, or answers are kept too briefly or too long.
+    """
+    if not 0 < len(consent.strip()) <= MOST_TEXT:
+        raise InputError(f"the text of consent has 1 to {MOST_TEXT:,} characters")
+    if not 1 <= keep_days <= LONGEST_KEPT_DAYS:
+        raise InputError(f"answers are kept 1 to {LONGEST_KEPT_DAYS} days")
+    if len(questions) > MOST_QUESTIONS:
+        raise InputError(f"a form has {MOST_QUESTIONS} own questions at most")
+    if any(not 0 < len(text.strip()) <= MOST_QUESTION for text in questions):
+        raise InputError(f"a question has 1 to {MOST_QUESTION} characters")
+    if len(set(questions)) < len(questions):
+        raise InputError("two questions of the form are the same")
+
+
 def form_of(fields: Iterable[str], questions: Sequence[str]) -> dict[str, str]:
-    """Label of each field of a form; own questions are numbered.
+    """Return the label of each field of a form. Own questions are numbered.
 
     Examples
     --------
@@ -42,24 +67,8 @@ def form_of(fields: Iterable[str], questions: Sequence[str]) -> dict[str, str]:
     return {**{field: FIELDS[field] for field in fields}, **own}
 
 
-def check_questions(questions: Sequence[str]) -> None:
-    """Refuse own questions that cannot be.
-
-    Raises
-    ------
-    InputError
-        If there are too many, one is empty or too long, or two are the same.
-    """
-    if len(questions) > MOST_QUESTIONS:
-        raise InputError(f"a form has {MOST_QUESTIONS} own questions at most")
-    if any(not 0 < len(text.strip()) <= MOST_QUESTION for text in questions):
-        raise InputError(f"a question has 1 to {MOST_QUESTION} characters")
-    if len(set(questions)) < len(questions):
-        raise InputError("two questions of the form are the same")
-
-
 def check_answers(form: Mapping[str, str], answers: Mapping[str, str]) -> None:
-    """Refuse answers to what the form does not ask, or that are too long.
+    """Refuse answers that are too long, or to a field that the form does not have.
 
     Raises
     ------

@@ -1,39 +1,141 @@
-"""A file of answers: each is on disk before the next question is asked."""
+"""The engine of studies with people: studies, participants and answers in one SQLite file.
+
+To add a task, derive a store from `StudyStore`, as `nvcore.ratings.clip_task` does:
+
+1. Derive a frozen dataclass from `Study`: the task's settings, and ``plan(number)``, which returns
+   a participant's trials.
+2. A trial is a named tuple that has ``table`` and ``place``: where its answer is kept.
+3. Declare ``what`` the answers are, the ``trial``, a `Table` for each kind of answer, and
+   ``study_columns``: fields of the study but for its two names (composite values become JSON). By
+   these the file is created, exported and emptied.
+4. Give ``study_of`` (a row as a study), ``begin`` (check the settings, then ``_begin``), and a
+   method for each kind of answer that checks it and calls ``keep``.
+5. Return answers as DataFrames: their columns are those of the CSV files.
+6. On the page, derive from `ui.people.studies.Studies`, and name it in ``STUDIES`` of the subject.
+"""
 
 from __future__ import annotations
 
+import json
 import os
 import secrets
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import closing, contextmanager
+from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime
+from itertools import count
 from pathlib import Path
-from typing import Final
+from typing import Any, ClassVar, Final, Generic, NamedTuple, TypeVar
 
 from nvcore.errors import InputError, StoreError
+from nvcore.people.form import check_answers
+from nvcore.people.participants import (
+    MOST_NAME,
+    draw_code,
+    draw_pseudonym,
+    fold_name,
+    hash_code,
+)
 
 WAIT_S: Final = 10.0
 """Timeout of a write that waits for another, seconds."""
+MOST_STUDIES: Final = 1000
+MOST_PARTICIPANTS: Final = 2000
+"""Participants of a study. On a public server somebody may try how many there can be."""
+STUDY: Final = "token TEXT PRIMARY KEY, conductor TEXT NOT NULL UNIQUE"
+PARTICIPANT: Final = """study TEXT NOT NULL REFERENCES study, name TEXT NOT NULL,
+    number INTEGER NOT NULL, code TEXT, PRIMARY KEY (study, name), UNIQUE (study, number)"""
+OF_PARTICIPANT: Final = """study TEXT NOT NULL, participant TEXT NOT NULL, {columns},
+    PRIMARY KEY ({key}), FOREIGN KEY (study, participant) REFERENCES participant (study, name)"""
 
 
-class AnswerFile:
-    """One SQLite file with the answers of people.
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """Study of any task.
+
+    Attributes
+    ----------
+    token
+        Name of the study in participants' links. It cannot be guessed.
+    conductor
+        Name of the study for its conductor. It cannot be derived from `token`.
+    ends_at
+        Time (UTC) at which the study is deleted with all answers; None: never.
+    consent
+        Text that participants agree to; empty: none is shown.
+    form
+        Labels of the fields that participants are asked to fill in.
+    """
+
+    token: str
+    conductor: str
+    ends_at: datetime | None = None
+    consent: str = ""
+    form: Mapping[str, str] = field(default_factory=dict)
+
+    def plan(self, number: int, /) -> tuple[Any, ...]:
+        """Return the trials of a participant, by their number, in their order."""
+        raise NotImplementedError
+
+
+S = TypeVar("S", bound=Study)
+
+
+class Table(NamedTuple):
+    """Kind of record that participants leave.
+
+    Its `columns` are SQL; those that files of earlier versions lack need a default. The `key` is
+    the column that tells the records of a participant apart; empty: there is one record each.
+    """
+
+    columns: str
+    key: str = ""
+
+
+JSON: Final = ("answers", "plan")
+FORM: Final = Table(
+    """consented_at TEXT NOT NULL, answers TEXT NOT NULL, plan TEXT NOT NULL,
+    has_practised INTEGER NOT NULL DEFAULT 0"""
+)
+
+
+@dataclass(frozen=True)
+class Person:
+    """Participant of a study.
+
+    Attributes
+    ----------
+    number
+        0-based row of the design.
+    consented_at
+        Time (UTC) at which they agreed; None: they didn't.
+    has_practised
+        True if there is no practice, or it was seen to its end.
+    """
+
+    name: str
+    number: int
+    consented_at: datetime | None
+    form: Mapping[str, str]
+    plan: tuple[Any, ...]
+    has_practised: bool = True
+
+
+class StudyStore(Generic[S]):
+    """Studies of one task in one SQLite file, which any thread may use.
+
+    Writes are committed with ``synchronous=FULL`` before a call returns, so they outlive a crash
+    of the program or the machine. Deleted values are overwritten. Opening the file deletes the
+    studies whose time is over.
 
     Parameters
     ----------
     path
-        The file; it and its folder are created if necessary, for this user alone. A file that is
-        there keeps its permissions.
-    tables
-        SQL that creates what is not there yet.
-    what
-        What the answers are, as in "the file of the answers".
-
-    Notes
-    -----
-    Every call has a connection of its own, so that any thread may call. What is written is
-    committed with ``synchronous=FULL``: it outlives a crash of program or machine. What is deleted
-    is overwritten.
+        The file. It and its folder are created if necessary, for this user alone. An existing file
+        keeps its permissions.
+    now
+        The time, UTC; None: the clock's.
 
     Raises
     ------
@@ -41,24 +143,73 @@ class AnswerFile:
         Here and in every call: if the file cannot be used.
     """
 
-    def __init__(self, path: Path, tables: str, *, what: str):
-        self._path, self._what = path, what
+    what: ClassVar[str]
+    """Word for the answers, as in "the file of the ratings"."""
+    study_columns: ClassVar[str]
+    """SQL of the fields of a study, but for its two names."""
+    tables: ClassVar[Mapping[str, Table]]
+    """Answers that participants give."""
+    trial: ClassVar[type[Any]]
+    """Named tuple of a trial."""
+    entry: ClassVar[Mapping[str, Table]] = {"form": FORM}
+    """What participants leave when they join; another one needs its own `people` and `_entry`."""
+    people: ClassVar[str] = (
+        "SELECT name, number, consented_at, answers, plan, has_practised FROM participant "
+        "JOIN form ON form.study = participant.study AND form.participant = name"
+    )
+    """SQL of everybody; ``answers`` and ``plan`` are JSON. Without a stored plan it is NULL."""
+    has_names: ClassVar[bool] = True
+    """False: participants get pseudonyms. Those without a code use their pseudonym as one."""
+
+    def __init__(self, path: Path, *, now: datetime | None = None):
+        self._path = path
         try:
             path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         except OSError as error:
             raise InputError(
-                f"the folder of the {what} cannot be made ({error.strerror})"
+                f"the folder of the {self.what} cannot be made ({error.strerror})"
             ) from error
         try:
-            _create(path)
+            if not path.exists():  # to close a file that is in use would drop SQLite's locks on it
+                os.close(os.open(path, os.O_CREAT | os.O_WRONLY, 0o600))
         except OSError as error:
-            raise InputError(f"the file of the {what} cannot be used ({error.strerror})") from error
+            raise InputError(
+                f"the file of the {self.what} cannot be used ({error.strerror})"
+            ) from error
         with self.connect() as base:
-            base.executescript(tables)
+            if self._missing(base):
+                base.execute("BEGIN IMMEDIATE")  # nobody else extends the file in between
+                for statement in self._missing(base):
+                    base.execute(statement)
+            time = (now or datetime.now(UTC)).isoformat()
+            ended = base.execute("SELECT token FROM study WHERE ends_at <= ?", (time,)).fetchall()
+            for (token,) in ended:
+                for name in (*self.tables, *self.entry, "participant"):
+                    base.execute(f"DELETE FROM {name} WHERE study = ?", (token,))  # noqa: S608  # our own names
+                base.execute("DELETE FROM study WHERE token = ?", (token,))
+
+    def _missing(self, base: sqlite3.Connection) -> list[str]:
+        """Return SQL that adds the tables and columns that a new or earlier file lacks."""
+        wanted = {"study": f"{STUDY}, {self.study_columns}", "participant": PARTICIPANT}
+        for name, (columns, key) in {**self.entry, **self.tables}.items():
+            keys = ", ".join(filter(None, ("study", "participant", key)))
+            wanted[name] = OF_PARTICIPANT.format(columns=columns, key=keys)
+        statements = []
+        for name, columns in wanted.items():
+            existing = {row[1] for row in base.execute(f"PRAGMA table_info({name})")}
+            if existing:
+                statements += [
+                    f"ALTER TABLE {name} ADD COLUMN {column}"
+                    for column in map(str.strip, columns.partition("PRIMARY KEY (")[0].split(","))
+                    if column and column.split()[0] not in existing
+                ]
+            else:
+                statements.append(f"CREATE TABLE {name} ({columns})")
+        return statements
 
     @contextmanager
     def connect(self) -> Iterator[sqlite3.Connection]:
-        """A connection; what was written is committed at the end, or rolled back after an error."""
+        """Open the file; writes are committed at the end, or rolled back after an error."""
         try:
             with closing(sqlite3.connect(self._path, timeout=WAIT_S)) as base:
                 base.execute("PRAGMA foreign_keys = ON")
@@ -69,15 +220,255 @@ class AnswerFile:
         except sqlite3.IntegrityError:
             raise
         except sqlite3.DatabaseError as error:
-            raise StoreError(f"the file of the {self._what} cannot be used ({error})") from error
+            raise StoreError(f"the file of the {self.what} cannot be used ({error})") from error
+
+    def study_of(self, row: dict[str, Any]) -> S:
+        """Return the study of a row of the file, in which times are read already."""
+        raise NotImplementedError
+
+    def _begin(self, study: S) -> S:
+        """Keep a new study."""
+        columns = [of.split()[0] for of in f"{STUDY}, {self.study_columns}".split(",")]
+        row = {column: _stored(getattr(study, column)) for column in columns}
+        with self.connect() as base:
+            (n,) = base.execute("SELECT COUNT(*) FROM study").fetchone()
+            _check_room(n, MOST_STUDIES, "studies")
+            _insert(base, "study", row)
+        return study
+
+    def study(self, token: str) -> S | None:
+        """Return the study that participants know by that name, if there is one."""
+        return self._study("token", token)
+
+    def study_of_conductor(self, conductor: str) -> S | None:
+        """Return the study that its conductor knows by that name, if there is one."""
+        return self._study("conductor", conductor)
+
+    def _study(self, column: str, name: str) -> S | None:
+        with self.connect() as base:
+            rows = _dicts(base.execute(f"SELECT * FROM study WHERE {column} = ?", (name,)))  # noqa: S608  # our own names
+        for row in rows:
+            times = {of: value for of, value in row.items() if of.endswith("_at") and value}
+            row |= {of: datetime.fromisoformat(value) for of, value in times.items()}
+        return self.study_of(rows[0]) if rows else None
+
+    def join(
+        self,
+        study: S,
+        answers: Mapping[str, str],
+        *,
+        name: str = "",
+        now: datetime | None = None,
+    ) -> tuple[Person, str]:
+        """Add a participant who agrees to the terms; return them and their personal code.
+
+        The participant gets the first number that is free: who has left makes room, so that orders
+        stay balanced. The file keeps a hash of the code alone.
+
+        Parameters
+        ----------
+        answers
+            Answers in the form, by field.
+        name
+            Name that they typed, where the task has names.
+
+        Raises
+        ------
+        InputError
+            If somebody of that name takes part, the form has no such field, an answer or the name
+            is too long, or the study is full.
+        """
+        check_answers(study.form, answers)
+        name = name.strip() if self.has_names else draw_pseudonym()
+        if not 0 < len(name) <= MOST_NAME:
+            raise InputError(f"a participant's name or code has 1 to {MOST_NAME} characters")
+        code = draw_code()
+        query = "SELECT name, number FROM participant WHERE study = ?"
+        with self.connect() as base:
+            base.execute("BEGIN IMMEDIATE")  # no one else joins in between
+            taken = base.execute(query, (study.token,)).fetchall()
+            _check_room(len(taken), MOST_PARTICIPANTS, "participants")
+            if fold_name(name) in {fold_name(known) for known, _ in taken}:
+                raise InputError(
+                    f"somebody called {name} takes part already: choose another name, or go on "
+                    "with the personal code of that participant"
+                )
+            numbers = {number for _, number in taken}
+            number = next(number for number in count() if number not in numbers)
+            consented_at = now or datetime.now(UTC)
+            person = Person(name, number, consented_at, dict(answers), study.plan(number))
+            hashed = hash_code(study.token, code)
+            values = {"study": study.token, "name": name, "number": number, "code": hashed}
+            _insert(base, "participant", values)
+            for table, row in self._entry(person):
+                _insert(base, table, {"study": study.token, "participant": name, **row})
+        return self.participants(study, name)[0], code
+
+    def _entry(self, person: Person) -> Iterator[tuple[str, dict[str, Any]]]:
+        """Yield the rows, with their tables, that a new participant leaves."""
+        assert person.consented_at is not None
+        row = {"answers": json.dumps(person.form), "plan": json.dumps(person.plan)}
+        yield "form", {"consented_at": person.consented_at.isoformat(), **row}
+
+    def participants(self, study: S, name: str | None = None) -> list[Person]:
+        """Return all who take part by their number, or the one of exactly this name."""
+        query = f"{self.people} WHERE participant.study = ?1 AND (?2 IS NULL OR name = ?2)"
+        with self.connect() as base:
+            rows = base.execute(f"{query} ORDER BY number", (study.token, name)).fetchall()
+        return [
+            Person(
+                name,
+                number,
+                datetime.fromisoformat(consented_at) if consented_at else None,
+                json.loads(answers),
+                study.plan(number)
+                if plan is None
+                else tuple(self.trial(*trial) for trial in json.loads(plan)),
+                bool(has_practised),
+            )
+            for name, number, consented_at, answers, plan, has_practised in rows
+        ]
+
+    def by_code(self, study: S, code: str) -> Person | None:
+        """Return the participant with this personal code, however it is typed."""
+        with self.connect() as base:
+            rows = base.execute(
+                "SELECT name FROM participant WHERE study = ?1 AND "
+                "(code = ?2 OR ?3 AND code IS NULL AND name = ?4)",
+                (study.token, hash_code(study.token, code), not self.has_names,
+                 code.strip().upper()),
+            ).fetchall()  # fmt: skip
+        return self.participants(study, rows[0][0])[0] if rows else None
+
+    def find(self, study: S, text: str) -> Person | None:
+        """Return the participant with this name or code, for the study's conductor."""
+        people = self.participants(study)
+        for person in sorted(people, key=lambda person: person.name != text.strip()):
+            # files of earlier versions may have two spellings
+            if fold_name(person.name) == fold_name(text):
+                return person
+        return self.by_code(study, text)
+
+    def new_code(self, study: S, person: Person) -> str:
+        """Give a participant who has agreed another personal code; the one before ends."""
+        if study.consent and person.consented_at is None:
+            raise InputError(
+                f"{person.name} has not agreed to the terms; delete them, and let them begin anew"
+            )
+        code = draw_code()
+        with self.connect() as base:
+            base.execute(
+                "UPDATE participant SET code = ? WHERE study = ? AND name = ?",
+                (hash_code(study.token, code), study.token, person.name),
+            )
+        return code
+
+    def keep(
+        self,
+        study: S,
+        name: str,
+        table: str,
+        row: Mapping[str, Any],
+        *,
+        conflict: str = "DO NOTHING",
+    ) -> None:
+        """Keep what a participant answers in a table, with SQL for what is there already."""
+        try:
+            with self.connect() as base:
+                values = {"study": study.token, "participant": name, **row}
+                _insert(base, table, values, f"ON CONFLICT {conflict}")
+        except sqlite3.IntegrityError as error:
+            raise InputError(f"{name} does not take part in this study") from error
+
+    def rows(
+        self, study: S, table: str, columns: str, name: str | None = None
+    ) -> list[tuple[Any, ...]]:
+        """Return participant and these columns of all records in a table, or of one participant.
+
+        They are in the order of participants' numbers, then of the columns.
+        """
+        with self.connect() as base:
+            return base.execute(
+                f"SELECT participant, {columns} FROM {table} JOIN participant ON "  # noqa: S608  # our own names
+                f"participant.study = {table}.study AND participant.name = {table}.participant "
+                f"WHERE {table}.study = ?1 AND (?2 IS NULL OR participant.name = ?2) "
+                f"ORDER BY number, {columns}",
+                (study.token, name),
+            ).fetchall()
+
+    def left(self, study: S, person: Person) -> list[Any]:
+        """Return the participant's trials that have no answer, in their order."""
+        done = {
+            (table, place)
+            for table in {trial.table for trial in person.plan}
+            for _, place in self.rows(study, table, self.tables[table].key, person.name)
+        }
+        return [trial for trial in person.plan if (trial.table, trial.place) not in done]
+
+    def record(self, study: S, person: Person) -> dict[str, Any]:
+        """Return all that the file holds of a participant but the code, as values of JSON."""
+        record: dict[str, Any] = {"participant": person.name, "number": person.number}
+        with self.connect() as base:
+            for table in (*self.entry, *self.tables):
+                rows = _dicts(
+                    base.execute(
+                        f"SELECT * FROM {table} WHERE study = ? AND participant = ?",  # noqa: S608  # our own names
+                        (study.token, person.name),
+                    )
+                )
+                hidden = {"study", "participant"}
+                record[table] = [
+                    {
+                        column: json.loads(value) if column in JSON else value
+                        for column, value in row.items()
+                        if column not in hidden
+                    }
+                    for row in rows
+                ]
+        return record
+
+    def delete(self, study: S, person: Person) -> None:
+        """Delete a participant with all that the file holds of them."""
+        with self.connect() as base:
+            for table in (*self.entry, *self.tables):
+                base.execute(
+                    f"DELETE FROM {table} WHERE study = ? AND participant = ?",  # noqa: S608  # our own names
+                    (study.token, person.name),
+                )
+            base.execute(
+                "DELETE FROM participant WHERE study = ? AND name = ?", (study.token, person.name)
+            )
 
 
-def _create(path: Path) -> None:
-    """Create the file if it is not there, for this user alone; SQLite's journals take its mode."""
-    if not path.exists():  # to close a file that is in use would drop SQLite's locks on it
-        os.close(os.open(path, os.O_CREAT | os.O_WRONLY, 0o600))
+def new_names() -> dict[str, str]:
+    """Draw the names of a study for participants and for its conductor."""
+    return {"token": secrets.token_urlsafe(16), "conductor": secrets.token_urlsafe(16)}
 
 
-def new_names() -> tuple[str, str]:
-    """Names of a study for participants and for its conductor; neither can be guessed."""
-    return secrets.token_urlsafe(16), secrets.token_urlsafe(16)
+def _insert(
+    base: sqlite3.Connection, table: str, row: Mapping[str, Any], conflict: str = ""
+) -> None:
+    places = ", ".join("?" * len(row))
+    base.execute(
+        f"INSERT INTO {table} ({', '.join(row)}) VALUES ({places}) {conflict}",  # noqa: S608  # our own names
+        [*row.values()],
+    )
+
+
+def _dicts(rows: sqlite3.Cursor) -> list[dict[str, Any]]:
+    names = [column[0] for column in rows.description]
+    return [dict(zip(names, row, strict=True)) for row in rows]
+
+
+def _stored(value: Any) -> Any:
+    """Return a field of a study as a value of SQLite: times and composite values as text."""
+    if isinstance(value, datetime):
+        return value.isoformat()
+    if value is None or isinstance(value, str | int):
+        return value
+    return json.dumps(value, default=asdict)
+
+
+def _check_room(n: int, most: int, what: str) -> None:
+    if n >= most:
+        raise InputError(f"there are {most:,} {what} already, which is all that there may be")

@@ -54,8 +54,8 @@ from nvcore.params import Params
 from nvcore.pictures.index import map_frames
 from nvcore.pictures.open import open_pictures
 from nvcore.ratings.agreement import measure_agreement, rank_ratings
+from nvcore.ratings.clip_task import RatingStore
 from nvcore.ratings.reading import parse_ratings
-from nvcore.ratings.store import RatingStore
 from nvcore.ratings.worth import read_alerts
 from nvcore.report.gate.measures import measure_names
 from nvcore.report.gate.outcomes import judge
@@ -424,9 +424,8 @@ def forms(content: bytes, folder: Path) -> None:
     assert study is not None
     assert study.form == begun.form, "another form"
     assert len(study.form) - len(questions) == 4, "a question without a field"
-    store.order(study, "Ann")
     answers = {field: plain(label) for field, label in study.form.items()}
-    store.fill_in(study, "Ann", answers)
+    store.join(study, answers, name="Ann")
     table = store.forms(study)
     assert table.iloc[0].to_dict() == {"participant": "Ann", **answers}, "another answer"
     to_csv_bytes(table)

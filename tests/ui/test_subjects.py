@@ -14,7 +14,7 @@ from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
 
 from nvcore import subjects
-from nvcore.people.store import AnswerFile
+from nvcore.ratings.clip_task import RatingStore
 from nvcore.stages import SALIENCY
 from nvcore.subjects import Subject
 from ui.documentation import page as documentation
@@ -29,6 +29,14 @@ async def answer(request: Request) -> Response:
     return PlainTextResponse(f"toy {request.path_params['row']}")
 
 
+class ToyStudies(Studies):
+    variable = "NVCORE_TOYS"
+    file_name = "toys.sqlite"
+
+    def store(self):
+        return RatingStore(self.file())
+
+
 @pytest.fixture
 def toy(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """A subject whose room has pages, a place and studies."""
@@ -38,10 +46,7 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     room.PAGES = (Page("toy", "Toy", "Compare", after="overview", shown=(), own=(SALIENCY,)),)
     room.DOCUMENTS = (Document("toy", "The toy", after="metrics"),)
     parts.ROUTES = (Place("toy/{row}", answer),)
-    parts.STUDIES = Studies(
-        page="toy", what="toy", prefix="toy", variable="NVCORE_TOYS", file_name="toys.sqlite",
-        open=lambda path: AnswerFile(path, "", what="toys"),
-    )  # fmt: skip
+    parts.STUDIES = ToyStudies()
     for module in (package, room, parts):
         monkeypatch.setitem(sys.modules, module.__name__, module)
     monkeypatch.setattr(subjects, "SUBJECTS", (*subjects.SUBJECTS, "toy"))

@@ -1,1 +1,1 @@
-"""Studies with people: what the pages that ask people share, below them and above the widgets."""
+"""Studies with people: the page of participants and that of conductors, for every task."""

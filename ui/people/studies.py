@@ -1,24 +1,26 @@
-"""The studies of a page: the file of their answers, addresses of participants and conductor.
+"""Base of each task on its page: file of answers, addresses, words, and what the task draws.
 
-A participant's address is ``PAGE?study=TOKEN&participant=NAME``, the conductor's
-``PAGE?conduct=SECRET``; neither follows from the other.
+A participant's address is ``PAGE?study=TOKEN&participant=CODE``, the conductor's
+``PAGE?conduct=SECRET``; none follows from another.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final, Generic, Protocol, TypeVar
+from typing import Any, ClassVar, Final, Generic, NamedTuple, TypeVar
 from urllib.parse import quote, urlsplit
 
 import click
+import pandas as pd
 import streamlit as st
 
 from nvcore.errors import InputError
+from nvcore.people.store import Person, Study, StudyStore
 from ui.session.store import CONDUCTED, OWN_STUDIES, Entry
 from ui.session.workspace import Workspace
+from ui.widgets.table import TableColumn
 
 STUDY: Final = "study"
 PARTICIPANT: Final = "participant"
@@ -27,49 +29,25 @@ ON_SCREEN: Final = "on_screen"
 """Name among a workspace's notes of what a participant has on the screen; it knows its ``page``."""
 LOCAL: Final = ("localhost", "127.0.0.1", "::1")
 
-
-class AnyStudy(Protocol):
-    """A study, with its names in addresses."""
-
-    @property
-    def token(self) -> str:
-        """For participants."""
-
-    @property
-    def conductor(self) -> str:
-        """For its conductor."""
-
-
-class Store(Protocol):
-    """A file with the answers of all studies of a page."""
-
-    def study_of_conductor(self, secret: str, /) -> Any:
-        """The study of a conductor's name; None: there is none."""
-
-
-StudyKind = TypeVar("StudyKind", bound=AnyStudy)
-StoreKind = TypeVar("StoreKind", bound=Store)
+S = TypeVar("S", bound=Study)
 
 
 def is_participant() -> bool:
-    """Whether the address is a participant's: then nothing else of the app is shown."""
+    """True if the address is a participant's: then nothing else of the app is shown."""
     return STUDY in st.query_params
 
 
-def enter(token: str, participant: str | None = None) -> None:
+def enter(token: str, code: str = "") -> None:
     """Show a study to a participant, on this screen."""
     # at once: an address that is emptied first would be that of a page that is left
-    st.query_params.from_dict({STUDY: token} | ({PARTICIPANT: participant} if participant else {}))
+    st.query_params.from_dict({STUDY: token} | ({PARTICIPANT: code} if code else {}))
     st.rerun()
 
 
 def leave_screen(space: Workspace, page: str = "") -> None:
-    """Forget what a participant has on the screen, so that the browser gets and sends nothing.
+    """Forget what a participant has on the screen of other pages than this one.
 
-    Parameters
-    ----------
-    page
-        What is on the screen of this page stays.
+    The browser then gets and sends nothing.
     """
     screen = space.notes.get(ON_SCREEN)
     if screen is not None and screen.page != page:
@@ -77,7 +55,7 @@ def leave_screen(space: Workspace, page: str = "") -> None:
 
 
 def is_local(address: str) -> bool:
-    """Whether the address leads to the machine that it is opened on, whichever that is.
+    """True if the address leads to the machine that it is opened on, whichever that is.
 
     Examples
     --------
@@ -87,72 +65,104 @@ def is_local(address: str) -> bool:
     return urlsplit(address).hostname in LOCAL
 
 
-@dataclass(frozen=True)
-class Studies(Generic[StudyKind, StoreKind]):
-    """The studies of one page.
+class Progress(NamedTuple):
+    """Progress of a study: numbers with a help text by label, and columns of a table of people."""
 
-    Attributes
-    ----------
-    page
-        Name of the page in addresses.
-    what
-        What a study is called.
-    prefix
-        Tells its entries of the session's store from those of others.
-    variable, file_name
-        Where answers are kept: the file that this variable of the environment names, else the one
-        of this name in the user's own folder.
-    open
-        Opens that file, which deletes what is over.
-    """
+    metrics: Mapping[str, tuple[int, str | None]]
+    people: pd.DataFrame
+    columns: dict[str, TableColumn]
+    note: str = ""
 
-    page: str
-    what: str
-    prefix: str
-    variable: str
-    file_name: str
-    open: Callable[[Path], StoreKind]
+
+class Studies(Generic[S]):
+    """Studies of one task: facts and words about it, and hooks that draw what only it has."""
+
+    page: ClassVar[str]  # name of the page in addresses
+    what: ClassVar[str]  # a study
+    answers: ClassVar[str] = "answers"  # what participants give
+    prefix: ClassVar[str]  # start of keys of widgets and of entries in the session's store
+    variable: ClassVar[str]  # of the environment: path of the file of answers
+    file_name: ClassVar[str]  # of that file in the user's own folder, without the variable
+    start: ClassVar[str]  # button of the conductor: start a study
+    title: ClassVar[str]  # of a participant's page
+    begin: ClassVar[str]  # button of a participant: begin
+    here: ClassVar[str]  # button of the conductor: hand over this screen
+    back: ClassVar[str]  # button of the conductor: take it back
+
+    def is_ready(self, study: S) -> bool:
+        """Return True if the study can be shown; else say or do what is needed."""
+        del study
+        return True
+
+    def introduce(self, study: S) -> None:
+        """Draw what participants will do, before they agree."""
+
+    def explain(self) -> None:
+        """Draw what participants may want to know, between terms and form."""
+
+    def usual(self, study: S) -> Mapping[str, float | None]:
+        """Return values of the form's number fields before it is filled in."""
+        del study
+        return {}
+
+    def draw_trial(self, study: S, person: Person, left: list[Any]) -> bool:
+        """Draw the participant's next trial; False if there is none."""
+        raise NotImplementedError
+
+    def draw_end(self, person: Person) -> None:
+        """Draw what is said after the last trial."""
+
+    def on_back(self) -> None:
+        """Restore what participants changed on the conductor's screen."""
+
+    def draw_setup(self) -> None:
+        """Draw the form that begins a study."""
+
+    def draw_notes(self) -> None:
+        """Draw what the conductor has to know, below the addresses."""
+
+    def draw_downloads(self, study: S) -> None:
+        """Draw the buttons that save tables and settings."""
+
+    def progress(self, study: S) -> Progress:
+        """Return how far the study has come."""
+        raise NotImplementedError
+
+    def draw_results(self, study: S) -> None:
+        """Draw what the answers say, below the progress."""
 
     @property
     def _conducted(self) -> Entry[str | None]:
         return CONDUCTED.of(self.prefix)
 
     def file(self) -> Path:
-        """The file of all answers."""
+        """Return the file of all answers."""
         path = os.environ.get(self.variable)
         return Path(path) if path else Path(click.get_app_dir("nvcore")) / self.file_name
 
-    def store(self) -> StoreKind:
-        """All studies, in their file; those that are over are deleted.
+    def store(self) -> StudyStore[S]:
+        """Open the file of all answers, which deletes the studies that are over."""
+        raise NotImplementedError
 
-        Raises
-        ------
-        InputError
-            If it cannot be used.
-        """
-        return self.open(self.file())
-
-    def conducted(self) -> StudyKind | None:
-        """The study that this person conducts, from the address or this session.
+    def conducted(self) -> S | None:
+        """Return the study that this person conducts, from the address or this session.
 
         Raises
         ------
         InputError
             If the address names none that there is.
         """
-        key = st.query_params.get(CONDUCT)
-        secret = key or self._conducted.get()
+        secret = st.query_params.get(CONDUCT) or self._conducted.get()
         if secret is None:
             return None
-        study: StudyKind | None = self.store().study_of_conductor(secret)
+        study = self.store().study_of_conductor(secret)
         if study is None:
-            self._conducted.pop()
-            st.query_params.pop(CONDUCT, None)
+            self.close()
             raise InputError(f"there is no {self.what} of the name in the address")
         self.conduct(study)
         return study
 
-    def conduct(self, study: StudyKind) -> None:
+    def conduct(self, study: S) -> None:
         """Make this the study that is conducted, in the address as well."""
         own = OWN_STUDIES.of(self.prefix)
         own.set(own.get() | {study.token})
@@ -160,8 +170,8 @@ class Studies(Generic[StudyKind, StoreKind]):
         if st.query_params.get(CONDUCT) != study.conductor:
             st.query_params[CONDUCT] = study.conductor
 
-    def is_own(self, study: StudyKind) -> bool:
-        """Whether this browser session conducts it."""
+    def is_own(self, study: S) -> bool:
+        """True if this browser session conducts the study."""
         return study.token in OWN_STUDIES.of(self.prefix).get()
 
     def close(self) -> None:
@@ -169,7 +179,9 @@ class Studies(Generic[StudyKind, StoreKind]):
         self._conducted.pop()
         st.query_params.pop(CONDUCT, None)
 
-    def addresses(self, study: StudyKind) -> tuple[str, str]:
-        """Addresses of the page for participants and for the conductor."""
+    def addresses(self, study: S, code: str = "") -> tuple[str, str]:
+        """Return addresses for participants, or the one with this code, and for the conductor."""
         page = str(st.context.url or self.page).partition("?")[0]
-        return f"{page}?{STUDY}={quote(study.token)}", f"{page}?{CONDUCT}={quote(study.conductor)}"
+        person = f"&{PARTICIPANT}={quote(code)}" if code else ""
+        secret = quote(study.conductor)
+        return f"{page}?{STUDY}={quote(study.token)}{person}", f"{page}?{CONDUCT}={secret}"

@@ -17,10 +17,9 @@ from nvcore.inputs.readers.parse.table import TextTable, parse_table
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.people.participants import MOST_NAME
 from nvcore.wording import minus
-from ui.ratings.source import ask_for_file
 from ui.session import state
 from ui.shell.messages import shown_error
-from ui.widgets.choices import choose_side_by_side, download_csv
+from ui.widgets.choices import ask_for_file, choose_side_by_side, download_csv
 from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.text import docs_link, plain
 

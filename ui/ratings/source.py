@@ -15,17 +15,16 @@ from nvcore.errors import InputError
 from nvcore.people.participants import fold_name
 from nvcore.ratings.reading import DELAY, RATINGS_FILE, parse_ratings, read_ratings
 from ui.ratings import typed
-from ui.ratings.sessions import SESSIONS, set_thresholds, thresholds_apart
+from ui.ratings.sessions import SESSIONS
+from ui.ratings.thresholds import set_thresholds, thresholds_apart
 from ui.session import state
-from ui.settings.limits import MEBI
-from ui.widgets.choices import choose_side_by_side
+from ui.widgets.choices import ask_for_file, choose_side_by_side
 from ui.widgets.text import plain
 
 SIMULATED: Final = "Simulated"
 FILE: Final = "CSV file"
 TYPED: Final = "Typed in"
 SESSION: Final = "Rating session"
-MOST_MB: Final = 5
 
 
 @dataclass(frozen=True)
@@ -97,22 +96,6 @@ def _simulated(_: Result) -> pd.DataFrame:
 
 def _simulated_file() -> Path:
     return state.SAMPLE.parent / RATINGS_FILE
-
-
-def ask_for_file(label: str, key: str, help: str | None = None) -> tuple[bytes, str] | None:  # noqa: A002
-    """A field for a small CSV file: its content and name; None while there is none.
-
-    Raises
-    ------
-    InputError
-        If it is too large.
-    """
-    sent = st.file_uploader(label, type=["csv", "txt"], key=key, max_upload_size=MOST_MB, help=help)
-    if sent is None:
-        return None
-    if sent.size > MOST_MB * MEBI:  # the browser refuses it, unless it is made not to
-        raise InputError(f"the file is larger than {MOST_MB} MB", file=sent.name)
-    return sent.getvalue(), sent.name
 
 
 def _file(_: Result) -> pd.DataFrame | None:

@@ -335,10 +335,8 @@ RATINGS_EDITOR_OF: Entry[str | None] = Entry("ratings_typed_drawn_of", None)
 """Token of the workspace whose ratings the table shows."""
 RATINGS_START: Entry[pd.DataFrame | None] = Entry("ratings_typed_start", None)
 """Initial content of the table."""
-RATING_WAITING: Entry[tuple[str, str | None] | None] = Entry("rating_waiting", None)
-"""Participant's link that was opened with another comparison: study and name."""
-RATING_NAME = Entry("rating_known_name", "")
-"""Name entered by somebody who has rated before."""
+RATING_WAITING: Entry[tuple[str, str] | None] = Entry("rating_waiting", None)
+"""Participant's link that was opened with another comparison: study and code."""
 RATING_CHANGES = Entry("rating_changing", False)
 """True while the last rating is being changed."""
 RATING_THRESHOLDS: Entry[dict[str, Any]] = Entry("rating_thresholds_before", {})

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Literal, TypeVar
+from typing import Any, Final, Literal, TypeVar
 
 import pandas as pd
 import streamlit as st
 
+from nvcore.errors import InputError
 from nvcore.output.csv_text import to_csv_bytes
 from ui.session import store
 from ui.session.store import Entry
+from ui.settings.limits import MEBI
 
 Option = TypeVar("Option")
+MOST_MB: Final = 5
+"""Size of a small file."""
 
 
 def choose_side_by_side(
@@ -68,6 +72,22 @@ def choose_first(label: str, n: int, most: int, key: str, **more: Any) -> int:
         **more,
     )
     return first
+
+
+def ask_for_file(label: str, key: str, help: str | None = None) -> tuple[bytes, str] | None:  # noqa: A002
+    """Draw a field for a small CSV file, and return its content and name; None while there is none.
+
+    Raises
+    ------
+    InputError
+        If it is too large.
+    """
+    sent = st.file_uploader(label, type=["csv", "txt"], key=key, max_upload_size=MOST_MB, help=help)
+    if sent is None:
+        return None
+    if sent.size > MOST_MB * MEBI:  # the browser refuses it, unless it is made not to
+        raise InputError(f"the file is larger than {MOST_MB} MB", file=sent.name)
+    return sent.getvalue(), sent.name
 
 
 def download_csv(label: str, make: Callable[[], pd.DataFrame], file_name: str, key: str) -> None:

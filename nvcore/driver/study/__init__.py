@@ -2,8 +2,7 @@
 
 A run: bright light, a coarse picture in which the pedestrian cannot be seen, a cross, dark at
 once, after some seconds the picture for half a second, an answer, and a second picture without a
-new change of light. `settings`: what the conductor decides. `plan`: which picture after how many
-seconds. `pictures`: the folder, and coarse pictures. `records`: a study, its
-participants, their answers. `store`: the file that keeps them. `tables`: trials as the CSV that the
-driver's estimators are trained on.
+new change of light. `settings`: decisions of the conductor. `plan`: which picture after how many
+seconds. `pictures`: the folder, coarse pictures, practice. `touch_task`: studies and answers in
+their file, and the tables that the driver's estimators are trained on.
 """

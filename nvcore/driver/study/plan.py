@@ -12,7 +12,7 @@ from nvcore.driver.study.settings import Design, Timing
 from nvcore.errors import InputError
 
 MOST_TRIALS: Final = 3000
-"""Of one participant: 500 pictures at six times, some twenty hours."""
+"""Trials of one participant: 500 pictures at six times, some twenty hours."""
 SEED: Final = 20_140_051
 N_ORDERS: Final = 5
 """Orders of runs among which the one with the fewest repeats of a picture is taken."""
@@ -43,11 +43,21 @@ class Trial(NamedTuple):
     picture: int
     adaptation_s: float
 
+    @property
+    def table(self) -> str:
+        """Table of the answer."""
+        return "trial"
+
+    @property
+    def place(self) -> int:
+        """Number of the answer in its table."""
+        return self.order
+
 
 def plan_trials(
     n_pictures: int, participant: int, *, design: Design, timing: Timing
 ) -> tuple[Trial, ...]:
-    """The trials of one participant, in their order; the same for the same number.
+    """Return the trials of one participant in their order, the same for the same number.
 
     With ``all`` every picture is shown at every time; the two pictures of a run differ. With
     ``latin`` every picture is shown once; over as many participants as there are times every
@@ -86,11 +96,12 @@ def plan_trials(
     rng = np.random.default_rng([SEED, participant])
     draw = _every_time if design == "all" else _latin_square
     runs = _in_order(draw(n_pictures, participant, times, rng), rng)
-    trials: list[Trial] = []
-    for run, pictures in enumerate(runs, start=1):
-        for position, (picture, adaptation_s) in enumerate(pictures, start=1):
-            trials.append(Trial(len(trials) + 1, run, position, picture, adaptation_s))
-    return tuple(trials)
+    places = [
+        (run, position, *shown)
+        for run, pictures in enumerate(runs, start=1)
+        for position, shown in enumerate(pictures, start=1)
+    ]
+    return tuple(Trial(order, *place) for order, place in enumerate(places, start=1))
 
 
 _Run = list[tuple[int, float]]
@@ -100,7 +111,7 @@ _Run = list[tuple[int, float]]
 def _every_time(
     n: int, _participant: int, times: Sequence[float], rng: np.random.Generator
 ) -> list[_Run]:
-    """Every picture at every time: first and second pictures are one order, shifted."""
+    """Draw every picture at every time: first and second pictures are one order, shifted."""
     half = len(times) // 2
     runs: list[_Run] = []
     for first_s, second_s in zip(times[:half], times[half:], strict=True):
@@ -114,7 +125,7 @@ def _every_time(
 def _latin_square(
     n: int, participant: int, times: Sequence[float], rng: np.random.Generator
 ) -> list[_Run]:
-    """Every picture once. Neighbours in the list of pictures are of one kind of run."""
+    """Draw every picture once. Neighbours in the list of pictures are of one kind of run."""
     half = len(times) // 2
     cycle = [index for k in range(half) for index in (k, k + half)]
     at_time: list[list[int]] = [[] for _ in times]
@@ -131,31 +142,26 @@ def _latin_square(
 
 
 def _in_order(runs: list[_Run], rng: np.random.Generator) -> list[_Run]:
-    """The runs in a random order; a picture comes in two runs in a row only if it must."""
+    """Return the runs in a random order; a picture comes in two runs in a row only if it must."""
     pictures = [{picture for picture, _ in run} for run in runs]
-    orders = [_apart(pictures, rng.permutation(len(runs)).tolist()) for _ in range(N_ORDERS)]
-    best = min(orders, key=lambda order: _n_repeats(pictures, order))
-    return [runs[i] for i in best]
+    orders = []
+    for _ in range(N_ORDERS):
+        first, *left = rng.permutation(len(runs)).tolist()
+        order = [first]
+        while left:  # the next is the first that shares no picture with the last
+            last = pictures[order[-1]]
+            order.append(next((i for i in left if last.isdisjoint(pictures[i])), left[0]))
+            left.remove(order[-1])
+        orders.append(order)
 
+    def n_repeats(order: list[int]) -> int:
+        return sum(not pictures[a].isdisjoint(pictures[b]) for a, b in pairwise(order))
 
-def _apart(pictures: list[set[int]], order: list[int]) -> list[int]:
-    """An order in which the next run is the first left that shares no picture with the last."""
-    left, chosen = list(order), [order[0]]
-    left.remove(order[0])
-    while left:
-        last = pictures[chosen[-1]]
-        chosen.append(next((i for i in left if last.isdisjoint(pictures[i])), left[0]))
-        left.remove(chosen[-1])
-    return chosen
-
-
-def _n_repeats(pictures: list[set[int]], order: list[int]) -> int:
-    sets = [pictures[i] for i in order]
-    return sum(not a.isdisjoint(b) for a, b in pairwise(sets))
+    return [runs[i] for i in min(orders, key=n_repeats)]
 
 
 def duration_s(trials: Sequence[Trial], timing: Timing) -> float:
-    """How long these trials last, seconds; for an answer the longest time is taken, or 2 s."""
+    """Return how long these trials last, s; for an answer the longest time is taken, or 2 s."""
     answer_s = timing.answer_s or ANSWER_S
     last_s: dict[int, float] = {}
     for trial in trials:

@@ -1,17 +1,15 @@
-"""What the conductor of a study decides before it begins."""
+"""Settings that the conductor of a study decides before it begins."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from itertools import pairwise
 from typing import Any, Final, Literal
 
 from nvcore.driver.inputs.trials import LATE_S, is_same_time
 from nvcore.errors import InputError
-from nvcore.people.form import check_questions, form_of
-from nvcore.people.participants import KEPT_DAYS, check_terms
+from nvcore.people.form import KEPT_DAYS, check_terms, form_of
 from nvcore.wording import listed
 
 Design = Literal["all", "latin"]
@@ -40,7 +38,7 @@ FORM: Final = ("age", "vision", "licence", "screen_inch", "distance_cm")
 
 @dataclass(frozen=True, kw_only=True)
 class Timing:
-    """How long each part of a run lasts, seconds.
+    """Length of each part of a run, seconds.
 
     Attributes
     ----------
@@ -79,52 +77,47 @@ class Timing:
     again_s: float = 0.5
 
     def __post_init__(self) -> None:
-        if len(self.adaptation_s) > MOST_TIMES:
-            raise InputError(
-                f"times after the change of light: expected {MOST_TIMES} at most, got "
-                f"{len(self.adaptation_s):,}"
-            )
-        object.__setattr__(self, "adaptation_s", tuple(float(t) for t in self.adaptation_s))
-        times = self.adaptation_s
-        if len(times) < 2 or len(times) % 2 or list(times) != sorted(set(times)):
-            raise InputError(
-                "times after the change of light: expected an even number, rising; "
-                f"got {len(times):,}: {listed([f'{t:g}' for t in times], most=MOST_TIMES)}"
-            )
+        times = tuple(float(t) for t in self.adaptation_s)
+        object.__setattr__(self, "adaptation_s", times)
         near = [t for t, then in pairwise(times) if is_same_time(then - t)]
-        if near:
-            raise InputError(
-                f"times after the change of light: {near[0]:g} s and the next are less than "
-                f"{1000 * LATE_S:g} ms apart; a picture could be on time for both"
+        fault = ""
+        if len(times) > MOST_TIMES:
+            fault = f"expected {MOST_TIMES} at most, got {len(times):,}"
+        elif len(times) < 2 or len(times) % 2 or list(times) != sorted(set(times)):
+            listed_times = listed([f"{t:g}" for t in times], most=MOST_TIMES)
+            fault = f"expected an even number, rising; got {len(times):,}: {listed_times}"
+        elif near:
+            fault = (
+                f"{near[0]:g} s and the next are less than {1000 * LATE_S:g} ms apart; a picture "
+                "could be on time for both"
             )
-        if not 0 <= times[0] <= times[-1] <= LONGEST_S:  # NaN too
-            raise InputError(f"times after the change of light: expected 0 to {LONGEST_S:g} s")
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if field.name != "adaptation_s" and not 0 <= value <= LONGEST_S:
-                raise InputError(f"{field.name}: expected 0 to {LONGEST_S:g} s, got {value:g}")
+        elif not 0 <= times[0] <= times[-1] <= LONGEST_S:  # NaN too
+            fault = f"expected 0 to {LONGEST_S:g} s"
+        if fault:
+            raise InputError(f"times after the change of light: {fault}")
+        for name, value in vars(self).items():
+            if name != "adaptation_s" and not 0 <= value <= LONGEST_S:
+                raise InputError(f"{name}: expected 0 to {LONGEST_S:g} s, got {value:g}")
         if self.show_s <= 0:
             raise InputError("show_s: a picture is shown for more than 0 s")
-        if self.answer_s > 0:
-            needed_s = self.show_s + self.answer_s + self.again_s
-            for first_s, second_s in self.pairs:
-                if second_s - first_s < needed_s - 1e-9:
-                    raise InputError(
-                        f"the second picture comes {second_s - first_s:g} s after the first, "
-                        f"which needs {needed_s:g} s (picture, answer, cross); give less time for "
-                        "the answer"
-                    )
+        needed_s = self.show_s + self.answer_s + self.again_s
+        least_s = min(second_s - first_s for first_s, second_s in self.pairs)
+        if self.answer_s > 0 and least_s < needed_s - 1e-9:
+            raise InputError(
+                f"the second picture comes {least_s:g} s after the first, which needs "
+                f"{needed_s:g} s (picture, answer, cross); give less time for the answer"
+            )
 
     @property
     def pairs(self) -> list[tuple[float, float]]:
-        """The two times of each kind of run, seconds."""
+        """Two times of each kind of run, seconds."""
         half = len(self.adaptation_s) // 2
         return list(zip(self.adaptation_s[:half], self.adaptation_s[half:], strict=True))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Facts:
-    """What was measured or set where the study takes place; NaN: not known.
+    """Facts measured or set where the study takes place; None: not known.
 
     Attributes
     ----------
@@ -141,36 +134,33 @@ class Facts:
         If one is not above 0.
     """
 
-    screen_inch: float = math.nan
-    distance_cm: float = math.nan
-    bright_lux: float = math.nan
-    dark_lux: float = math.nan
+    screen_inch: float | None = None
+    distance_cm: float | None = None
+    bright_lux: float | None = None
+    dark_lux: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if value is not None and not 0 < value < 1e6:
+                raise InputError(f"{name}: expected a number above 0, got {value:g}")
 
     def screen_text(self, form: Mapping[str, str]) -> str:
-        """Screen and distance in words, as a participant's form has them, else as here.
+        """Return screen and distance in words, as a participant's form has them, else as here.
 
         Examples
         --------
         >>> Facts(screen_inch=24, distance_cm=60).screen_text({"distance_cm": "55"})
         '24 inch, 55 cm away'
         """
-        parts = []
-        for name, text in (("screen_inch", "{} inch"), ("distance_cm", "{} cm away")):
-            value = getattr(self, name)
-            known = form.get(name, "") or ("" if math.isnan(value) else f"{value:g}")
-            parts += [text.format(known)] if known else []
-        return ", ".join(parts)
-
-    def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if not (math.isnan(value) or 0 < value < 1e6):
-                raise InputError(f"{field.name}: expected a number above 0, got {value:g}")
+        known = {name: f"{value:g}" for name, value in vars(self).items() if value is not None}
+        known |= {name: text for name, text in form.items() if text}
+        words = {"screen_inch": "{} inch", "distance_cm": "{} cm away"}
+        return ", ".join(text.format(known[name]) for name, text in words.items() if name in known)
 
 
 @dataclass(frozen=True, kw_only=True)
 class StudySettings:
-    """A study, as its participants get it; the same for all of them.
+    """Settings of a study, the same for all participants.
 
     Attributes
     ----------
@@ -205,31 +195,25 @@ class StudySettings:
     def __post_init__(self) -> None:
         if self.design not in DESIGNS:
             raise InputError(f"design: expected {' or '.join(DESIGNS)}, got {self.design}")
-        check_terms(self.consent, self.keep_days)
-        check_questions(self.questions)
+        check_terms(self.consent, self.keep_days, self.questions)
         if not 0 <= self.n_practice <= 10:
             raise InputError(f"expected 0 to 10 practice runs, got {self.n_practice}")
 
     @property
     def form(self) -> dict[str, str]:
-        """Label of each field of the form; own questions are numbered."""
+        """Label of each field of the form. Own questions are numbered."""
         return form_of(FORM, self.questions)
 
     def to_json(self) -> dict[str, Any]:
-        """As values of JSON; what is not known is null."""
-        values = asdict(self)
-        values["facts"] = {
-            name: None if math.isnan(value) else value for name, value in values["facts"].items()
-        }
-        return values
+        """Return the settings as values of JSON; what is not known is null."""
+        return asdict(self)
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> StudySettings:
-        """The inverse of `to_json`."""
-        facts = {
-            name: math.nan if value is None else float(value)
-            for name, value in values["facts"].items()
+        """Return the settings that `to_json` gave."""
+        parts = {
+            "timing": Timing(**values["timing"]),
+            "facts": Facts(**values["facts"]),
+            "questions": tuple(values["questions"]),
         }
-        timing = {**values["timing"], "adaptation_s": tuple(values["timing"]["adaptation_s"])}
-        others = {**values, "questions": tuple(values["questions"])}
-        return cls(**{**others, "facts": Facts(**facts), "timing": Timing(**timing)})
+        return cls(**{**values, **parts})

@@ -3,8 +3,13 @@
 import numpy as np
 import pytest
 
-from nvcore.driver.study.pictures import coarse, load_picture, read_pictures
-from nvcore.driver.study.practice import FIGURES, practice_picture
+from nvcore.driver.study.pictures import (
+    FIGURES,
+    coarse,
+    load_picture,
+    practice_picture,
+    read_pictures,
+)
 from nvcore.errors import InputError
 from nvcore.pictures.stretch import png
 

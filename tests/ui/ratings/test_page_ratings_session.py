@@ -23,12 +23,11 @@ from streamlit.testing.v1 import AppTest
 from nvcore.alerts.steps import alerts_in
 from nvcore.inputs.session_toml import read_session
 from nvcore.output.csv_text import to_csv_bytes
-from nvcore.ratings.store import Clip, RatingStore, Study
+from nvcore.ratings.clip_task import Clip, RatingStore, RatingStudy, Shown
 from nvcore.ratings.worth import read_alerts
 from pages import alone, begin_with, checked, part, press, rows, write
-from pages import opened as app_opened
-from ui.people import terms
-from ui.ratings import participant, source
+from ui.people import conduct
+from ui.ratings import clip_screen, source
 from ui.session import state
 from ui.session.store import RATING_ALERTS
 from ui.widgets import viewer
@@ -39,24 +38,32 @@ STRANGE = "there is no rating session of the name in the address"
 @pytest.fixture(autouse=True)
 def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RatingStore:
     """The file of the ratings; whoever rates has seen each clip to its end."""
-    monkeypatch.setattr(participant, "viewer", lambda **of: of["rows"][-1])
+    monkeypatch.setattr(clip_screen, "viewer", lambda **of: of["rows"][-1])
     monkeypatch.setenv("NVCORE_RATINGS", str(tmp_path / "kept" / "ratings.sqlite"))
     return RatingStore(tmp_path / "kept" / "ratings.sqlite")
 
 
+def drawn(side: str) -> tuple[str, str]:
+    return "from ui.ratings import sessions", f"ui.people.{side}.draw(sessions.SESSIONS)"
+
+
+def joined(store: RatingStore, study: RatingStudy, name: str) -> str:
+    """Let somebody take part; their code."""
+    return store.join(study, {}, name=name)[1]
+
+
 def conducting(**address: str) -> AppTest:
-    return checked(part("ui.ratings.conduct.draw(RESULT)", **address).run())
+    return checked(part(*drawn("conduct"), **address).run())
 
 
-def rating(study: Study, **address: str) -> AppTest:
+def rating(study: RatingStudy, **address: str) -> AppTest:
     """What a participant sees."""
-    calls = "ui.ratings.participant.draw()"
-    return checked(part(calls, study=study.token, **address).run())
+    return checked(part(*drawn("participant"), study=study.token, **address).run())
 
 
 def begun(
     store: RatingStore, *recordings: str, page: AppTest | None = None, whose: str = "both"
-) -> Study:
+) -> RatingStudy:
     """Begin a rating session."""
     page = page or conducting()
     page.multiselect(key="rating_recordings").set_value(list(recordings))
@@ -97,22 +104,25 @@ def test_a_participant_sees_clips_only_and_every_rating_is_kept(
         assert of["names"] == ("", "")
         return of["n_rows"] - 1 if is_seen else 0
 
-    monkeypatch.setattr(participant, "viewer", seen)
+    monkeypatch.setattr(clip_screen, "viewer", seen)
     study = begun(store, "odd_pose", "rural_child")
-    page = checked(app_opened("ratings", study=study.token))
-    assert not page.sidebar.slider
+    page = rating(study)
     assert "FIR" not in words(page)
     page.text_input(key="rating_name").set_value(" Ann ")
     assert "Without your agreement nothing is kept" in words(page.button[0].click().run())
-    assert store.participants(study).empty
+    assert store.participants(study) == []
     page.checkbox(key="rating_agrees").check()
     checked(page.button[0].click().run())
-    assert only(page, "participant") == "Ann"
+    code = only(page, "participant")
+    ann = store.by_code(study, code)
+    assert ann is not None
+    assert ann.name == "Ann"
+    assert f"Your code is {code}" in words(page)
     assert not page.button  # before the end of the clip there is nothing to press
     is_seen = True
     names = [recording.name for recording in read_session(state.SAMPLE).recordings]
-    for number, clip in enumerate(store.order(study, "Ann")):
-        page = rating(study, participant="Ann")  # as after a crash
+    for number, (_, clip) in enumerate(ann.plan):
+        page = rating(study, participant=code)  # as after a crash
         assert f"Clip {number + 1} of 4" in words(page)
         recording, system, *_ = study.clips[clip]
         assert shown[-1] == (names.index(recording), "x" if system == "FIR" else "y")
@@ -121,10 +131,12 @@ def test_a_participant_sees_clips_only_and_every_rating_is_kept(
     assert page.title[0].value == "Thank you"
 
 
-def test_the_conductor_comes_back_to_progress_and_results(store: RatingStore):
+def test_the_conductor_comes_back_to_progress_and_to_the_thresholds_of_the_clips(
+    store: RatingStore,
+):
     study = begun(store, "odd_pose", "rural_child", "rural_road")
     for name, shift in (("Ann", 0), ("Bob", 1)):
-        store.order(study, name)
+        joined(store, study, name)
         for clip in range(6 - shift):
             store.rate(study, name, clip, 1 + clip)
     page = conducting(conduct=study.conductor)
@@ -132,9 +144,13 @@ def test_the_conductor_comes_back_to_progress_and_results(store: RatingStore):
         "participants": "2", "have rated all clips": "1", "ratings so far": "11",
     }  # fmt: skip
     assert table(page, "n_rated")["n_rated"].tolist() == [6, 5]
-    page = show_source(opened(conduct=study.conductor), source.SESSION)
-    assert metrics(page)["ratings missing"] == "1"
-    assert metrics(page)["clips"] == "6"
+    call, address = "ui.ratings.source.choose(RESULT)", {"conduct": study.conductor}
+    page = show_source(checked(part(call, **address, threshold_x="0.7").run()), source.SESSION)
+    assert "X FIR: clips at 0.5, now 0.7." in warnings(page)
+    press(page, "ratings_thresholds")
+    assert page.session_state["params"].threshold_x == 0.5
+    assert "clips at" not in warnings(page)
+    assert "ratings_thresholds" not in keys(page)
 
 
 def test_neither_participants_nor_strangers_see_the_ratings(store: RatingStore):
@@ -156,16 +172,15 @@ def test_a_participant_with_another_comparison_open_goes_on_once_the_right_one_i
         with closing(sqlite3.connect(tmp_path / "kept" / "ratings.sqlite")) as base, base:
             base.execute("UPDATE study SET fingerprint = ?", (fingerprint,))
 
-    store.agree(study, "Ann")
+    code = joined(store, study, "Ann")
     be_of("of another dataset")
-    page = checked(app_opened("ratings", study=study.token, participant="Ann"))
+    page = checked(alone("ratings", study=study.token, participant=code).run())
     assert "about another comparison than the one that is open" in words(page)
-    assert page.sidebar.slider  # so that it can be opened
-    assert "study" not in page.query_params
+    assert "study" not in page.query_params  # all of the app is there, so that it can be opened
     be_of(study.fingerprint)
     press(checked(page.run()), "rating_go_on")
     assert "Clip 1 of 2" in words(page)
-    assert only(page, "participant") == "Ann"
+    assert only(page, "participant") == code
 
 
 def test_an_unusable_file_of_ratings_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -196,34 +211,65 @@ def test_the_conductors_screen_can_be_handed_to_others_and_taken_back_with_its_s
 ):
     study = begun(store, "odd_pose")
     address = {"conduct": study.conductor, "midpoint": "60", "threshold_x": "0.7"}
-    page = checked(app_opened("ratings", **address))
+    page = checked(alone("ratings", **address).run())
     press(page, "rating_here")
     assert page.session_state["params"].threshold_x == study.thresholds["FIR"] == 0.5
     join(page, "Anna")
     press(page, "rating_0_5")
     press(page, "rating_1_5")
+    code = only(page, "participant")
+    assert f"Your code is {code}" in words(page)
     press(page, "rating_next")
     assert "participant" not in page.query_params
-    join(page, " anna")  # in other capitals: the same participant, if they say so
-    assert "anna has rated 2 of 2 clips already" in words(page)
-    assert "participant" not in page.query_params
-    press(page, "rating_known")
+    page.text_input(key="rating_known_code").set_value(code.lower())
+    press(page, "rating_continue")
     assert page.title[0].value == "Thank you"
-    assert store.participants(study)["participant"].tolist() == ["Anna"]
+    assert store.progress(study)["participant"].tolist() == ["Anna"]
     press(page, "rating_back")
     assert only(page, "conduct") == study.conductor
     assert metrics(page)["have rated all clips"] == "1"
     params = page.session_state["params"]
     assert (params.midpoint, params.threshold_x) == (60, 0.7)
-    stranger = rating(study, participant="Anna")
+    stranger = rating(study, participant=code)
     assert keys(stranger) == ["rating_change", "rating_next"]
+
+
+def test_nobody_goes_on_as_another_person_by_a_name(store: RatingStore):
+    study = begun(store, "odd_pose")
+    joined(store, study, "Anna")
+    store.rate(study, "Anna", 0, 5)
+    for name in ("Anna", " anna"):
+        page = rating(study, participant=name)
+        assert "Nobody takes part in this rating session with the code in the address" in words(
+            page
+        )
+        assert "rating_change" not in keys(page)
+        page.text_input(key="rating_known_code").set_value(name)
+        assert "with that code" in words(press(page, "rating_continue"))
+    assert store.ratings_of(study, "Anna") == {0: 5}
+
+
+def test_a_second_form_under_one_name_is_refused_with_all_that_was_typed(store: RatingStore):
+    page = conducting()
+    checked(page.checkbox(key="rating_has_form").check().run())
+    study = begun(store, "odd_pose", page=page)
+    store.join(study, {"age": "60"}, name="Anna")
+    page = rating(study)
+    page.number_input(key="rating_form_0").set_value(31)
+    join(page, "anna")
+    assert "somebody called anna takes part already" in words(page)
+    assert page.number_input(key="rating_form_0").value == 31
+    join(page, "Anna K")  # the rest is still there
+    assert store.forms(study)[["participant", "age"]].to_numpy().tolist() == [
+        ["Anna", "60"], ["Anna K", "31"],
+    ]  # fmt: skip
 
 
 def test_the_last_rating_can_be_changed_which_is_recorded_with_how_often_it_was_played(
     store: RatingStore, monkeypatch: pytest.MonkeyPatch
 ):
     asked = []
-    monkeypatch.setattr(participant, "n_plays_in", lambda key: asked.append(key) or 3)
+    monkeypatch.setattr(clip_screen, "n_plays_in", lambda key: asked.append(key) or 3)
     study = begun(store, "odd_pose")
     page = rating(study)
     join(page, "Ann")
@@ -263,59 +309,25 @@ def test_plays_are_those_that_the_browser_tells(
     assert viewer.n_plays_in("clip") == n_plays
 
 
-def test_clips_have_the_thresholds_of_their_session(store: RatingStore):
-    study = begun(store, "odd_pose", page=conducting(threshold_y="0.83"))
-    person = rating(study, participant="Ann")
-    assert person.session_state["params"].threshold_y == 0.83
-
-
-def test_ratings_of_clips_with_other_thresholds_are_told_and_can_be_mended(store: RatingStore):
-    study = begun(store, "odd_pose")
-    store.order(study, "Ann")
-    store.rate(study, "Ann", 0, 3)
-    page = show_source(opened(conduct=study.conductor, threshold_x="0.7"), source.SESSION)
-    assert "X FIR: clips at 0.5, now 0.7." in warnings(page)
-    press(page, "ratings_thresholds")
-    assert page.session_state["params"].threshold_x == 0.5
-    assert "clips at" not in warnings(page)
-    assert "ratings_thresholds" not in keys(page)
-
-
-def test_an_address_of_this_computer_only_is_told(
-    store: RatingStore, monkeypatch: pytest.MonkeyPatch
-):
-    monkeypatch.setattr(terms, "is_local", lambda _: True)
-    page = conducting()
-    begun(store, "odd_pose", page=page)
-    assert "ask whoever runs the app to open it to the network" in warnings(page)
-
-
-def test_the_data_of_a_participant_are_saved_or_deleted_on_request(store: RatingStore):
+def test_a_participant_gets_a_new_code_or_is_deleted_on_request(store: RatingStore):
     page = conducting()
     study = begun(store, "odd_pose", page=page)
     assert study.ends_at is not None
     assert f"All ratings are deleted on {study.ends_at:%d %B %Y}" in words(page)
-    for name in ("Ann", "Bob"):
-        store.agree(study, name)
+    codes = {name: joined(store, study, name) for name in ("Ann", "Bob")}
+    for name in codes:
         store.rate(study, name, 0, 3)
     checked(page.text_input(key="rating_code").set_value("Eve").run())
-    assert "Nobody of that name takes part" in words(page)
+    assert "Nobody with that name or code takes part" in words(page)
     checked(page.text_input(key="rating_code").set_value("ann").run())
+    press(page, "rating_new_code")
+    code = page.code[-1].value.rpartition("participant=")[2]
+    assert f"Ann goes on with the code {code}" in words(page)
+    assert "Clip 2 of 2" in words(rating(study, participant=code))
+    assert "Nobody takes part" in words(rating(study, participant=codes["Ann"]))
     press(page, "rating_delete")
-    assert store.participants(study)["participant"].tolist() == ["Bob"]
+    assert store.progress(study)["participant"].tolist() == ["Bob"]
     assert page.text_input(key="rating_code").value == ""
-
-
-def test_the_terms_are_those_that_the_conductor_writes(store: RatingStore):
-    page = conducting()
-    page.text_area(key="rating_consent").set_value("Only for us.")
-    page.number_input(key="rating_keep_days").set_value(10)
-    study = begun(store, "odd_pose", page=page)
-    assert study.consent == "Only for us."
-    person = rating(study)
-    assert "Only for us" in words(person)
-    assert study.ends_at is not None
-    assert f"Your ratings are kept until {study.ends_at:%d %B %Y}" in words(person)
 
 
 def test_clips_are_cut_played_and_counted_one_by_one(
@@ -325,7 +337,7 @@ def test_clips_are_cut_played_and_counted_one_by_one(
     checked(page.button_group(key="rating_what").set_value("clips").run())
     page.number_input(key="rating_length_s").set_value(4.0)
     checked(page.number_input(key="rating_lead_s").set_value(1.0).run())
-    names = [recording.name for recording in read_session(state.SAMPLE).recordings]
+    names = ("odd_pose", "rural_child")
     study = begun(store, *names, page=page)
     assert all(clip.end_s - clip.start_s < 4.01 and clip.reason for clip in study.clips)
     assert len(study.clips) > 2 * len(names)
@@ -335,21 +347,21 @@ def test_clips_are_cut_played_and_counted_one_by_one(
         shown.append((of["rows"], of["seek"], of["n_rows"]))
         return of["rows"][-1]
 
-    monkeypatch.setattr(participant, "viewer", seen)
+    monkeypatch.setattr(clip_screen, "viewer", seen)
     number = next(i for i, clip in enumerate(study.clips) if clip.start_s)
-    orders = {"clips": [number], "alerts": []}
-    monkeypatch.setattr(RatingStore, "order", lambda *_, of="clips": orders[of])
-    store.agree(study, "Ann")
-    press(rating(study, participant="Ann"), f"rating_{number}_4")
+    monkeypatch.setattr(RatingStore, "left", lambda *_: [Shown("rating", number)])
+    code = joined(store, study, "Ann")
+    joined(store, study, "Bob")
+    press(rating(study, participant=code), f"rating_{number}_4")
     rows_shown, seek, n_rows = shown[0]
     assert seek == (rows_shown.start, 0)
     assert 0 < rows_shown.start < rows_shown.stop <= n_rows
     for person in ("Ann", "Bob"):
-        store.agree(study, person)
-        for clip in range(len(study.clips)):
+        for clip in range(person == "Bob", len(study.clips)):
             store.rate(study, person, clip, 1 + clip % 7)
     page = show_source(opened(conduct=study.conductor), source.SESSION)
     assert metrics(page)["clips"] == str(len(study.clips))
+    assert metrics(page)["ratings missing"] == "1"
     ranked = table(page, "mean_rank")
     assert set(ranked["clip"]) == {clip.name for clip in study.clips}
     assert "not in this comparison" not in warnings(page)
@@ -363,9 +375,8 @@ def sent_alerts(page: AppTest, *lines: str) -> AppTest:
 
 
 def test_the_alerts_of_the_comparison_are_taken_at_a_click(store: RatingStore):
-    page = checked(alone("alerts", alerts="policy").run())
-    view = alerts_in(page.session_state["workspace"].result)
     page = conducting(alerts="policy")
+    view = alerts_in(page.session_state["workspace"].result)
     checked(page.button_group(key=RATING_ALERTS.key).set_value("these").run())
     taken = read_alerts(to_csv_bytes(view.table), view.result)
     kinds = view.table["kind"].value_counts()
@@ -375,6 +386,34 @@ def test_the_alerts_of_the_comparison_are_taken_at_a_click(store: RatingStore):
         of for of in taken if of.recording in ("odd_pose", "rural_child") and of.system == "NIR"
     )
     assert len(study.alerts) > 1
+
+
+def test_terms_and_form_are_those_that_the_conductor_writes(
+    store: RatingStore, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(conduct, "is_local", lambda _: True)
+    page = conducting(threshold_y="0.83")
+    checked(page.checkbox(key="rating_has_form").check().run())
+    page.text_area(key="rating_questions").set_value("Shoe size\n\n")
+    page.text_area(key="rating_consent").set_value("Only for us.")
+    page.number_input(key="rating_keep_days").set_value(10)
+    study = begun(store, "odd_pose", page=page)
+    assert "ask whoever runs the app to open it to the network" in warnings(page)
+    assert study.consent == "Only for us."
+    person = rating(study)
+    assert person.session_state["params"].threshold_y == 0.83  # that of the session
+    assert "Only for us" in words(person)
+    assert study.ends_at is not None
+    assert f"Your ratings are kept until {study.ends_at:%d %B %Y}" in words(person)
+    person.number_input(key="rating_form_0").set_value(41)
+    person.selectbox(key="rating_form_3").select("every week")
+    person.text_input(key="rating_form_4").set_value("39")
+    join(person, "Ann")
+    said = store.forms(study).iloc[0].to_dict()
+    assert said == {
+        "participant": "Ann", "age": "41", "sex": "", "licence": "", "night_driving": "every week",
+        "1. Shoe size": "39",
+    }  # fmt: skip
 
 
 def test_where_alerts_are_off_the_page_leads_to_their_policy(store: RatingStore):
@@ -393,10 +432,10 @@ def test_it_is_asked_of_every_alert_whether_it_was_worth_it(store: RatingStore):
     study = begun(store, "odd_pose", page=page)
     assert [alert.kind for alert in study.alerts] == ["needed", "false"]
     assert "Were the alerts worth it?" not in words(page)
-    store.agree(study, "Ann")
+    code = joined(store, study, "Ann")
     for clip in range(2):
         store.rate(study, "Ann", clip, 3)
-    person = rating(study, participant="Ann")
+    person = rating(study, participant=code)
     assert "after 3.0 s, the system alerts the driver, for 1.0 s" in words(person)
     assert "needed" not in words(person)
     press(person, "worth_0_yes")
@@ -409,20 +448,3 @@ def test_it_is_asked_of_every_alert_whether_it_was_worth_it(store: RatingStore):
         ["all", 1, 1], ["false", 0, 1], ["needed", 1, 0],
     ]  # fmt: skip
     assert shown["share"].tolist() == ["1.00", "–", "1.00"]
-
-
-def test_participants_fill_in_the_form_that_the_conductor_asks_for(store: RatingStore):
-    page = conducting()
-    checked(page.checkbox(key="rating_has_form").check().run())
-    page.text_area(key="rating_questions").set_value("Shoe size\n\n")
-    study = begun(store, "odd_pose", page=page)
-    person = rating(study)
-    person.number_input(key="rating_form_0").set_value(41)
-    person.selectbox(key="rating_form_3").select("every week")
-    person.text_input(key="rating_form_4").set_value("39")
-    join(person, "Ann")
-    said = store.forms(study).iloc[0].to_dict()
-    assert said == {
-        "participant": "Ann", "age": "41", "sex": "", "licence": "", "night_driving": "every week",
-        "1. Shoe size": "39",
-    }  # fmt: skip

@@ -1,4 +1,4 @@
-"""The file of all detectability studies, and the folders of their pictures."""
+"""Folders with pictures for a study."""
 
 from __future__ import annotations
 
@@ -6,11 +6,8 @@ from pathlib import Path
 from typing import Final
 
 from nvcore.driver.study.pictures import BOXES_FILE
-from nvcore.driver.study.records import DetectabilityStudy
-from nvcore.driver.study.store import DetectabilityStore
 from nvcore.errors import InputError
 from ui.access.files import LocalRoot, local_root
-from ui.people.studies import Studies
 from ui.session import state
 
 SAMPLE: Final = "sample"
@@ -20,23 +17,15 @@ DEEPEST: Final = 3
 """Folders so far below that one are looked into."""
 MOST_FOLDERS: Final = 500
 """Folders that are looked into."""
-STUDIES: Final = Studies[DetectabilityStudy, DetectabilityStore](
-    page="study",
-    what="study",
-    prefix="study",
-    variable="NVCORE_STUDIES",
-    file_name="studies.sqlite",
-    open=DetectabilityStore,
-)
 
 
 def sample_folder() -> Path:
-    """Where the sample's pictures for a study are, if there are any."""
+    """Return where the sample's pictures for a study are, if there are any."""
     return state.SAMPLE.parent / "study"
 
 
 def folders() -> dict[str, str]:
-    """Folders whose pictures a study may show: name in the file of answers, and in words.
+    """Return folders whose pictures a study may show: name in the file of answers, and in words.
 
     Raises
     ------
@@ -53,7 +42,7 @@ def folders() -> dict[str, str]:
 
 
 def _with_boxes(root: LocalRoot) -> list[str]:
-    """Folders below the root that have a table of boxes, nearest first."""
+    """Return folders below the root that have a table of boxes, nearest first."""
     paths: list[str] = []
     level, n_seen = [""], 0
     for _ in range(DEEPEST + 1):
@@ -74,7 +63,7 @@ def _with_boxes(root: LocalRoot) -> list[str]:
 
 
 def folder_of(name: str) -> Path:
-    """Where the pictures of a study are.
+    """Return the folder of a study's pictures.
 
     Raises
     ------

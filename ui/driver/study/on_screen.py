@@ -1,4 +1,4 @@
-"""What a participant has on the screen: which pictures and answers the browser may ask and send."""
+"""Pictures and answers that the browser of a participant may ask for and send."""
 
 from __future__ import annotations
 
@@ -9,10 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Final, Literal
 
-from nvcore.driver.study.pictures import coarse, load_picture
-from nvcore.driver.study.practice import FIGURES, practice_picture
-from nvcore.driver.study.records import Answer, DetectabilityStudy
-from nvcore.driver.study.store import DetectabilityStore
+from nvcore.driver.study.pictures import FIGURES, coarse, load_picture, practice_picture
+from nvcore.driver.study.touch_task import Answer, DetectabilityStore, DetectabilityStudy
 from nvcore.errors import InputError
 from nvcore.pictures.stretch import png
 
@@ -26,88 +24,63 @@ View = Literal["full", "coarse"]
 
 @dataclass(frozen=True)
 class OnScreen:
-    """A study while one of its participants is before the screen.
+    """Study while one of its participants is before the screen.
 
     Attributes
     ----------
-    store, study, code
-        Where answers go, to which study, of whom.
-    folder
-        Of the study's pictures.
+    name
+        Name of the participant.
     screen
         Size and distance of the screen, in words.
-    page
-        On which this is.
     """
 
     store: DetectabilityStore
     study: DetectabilityStudy
-    code: str
+    name: str
     folder: Path
     screen: str = ""
     page: ClassVar[str] = "study"
 
     def picture(self, name: str, view: View) -> bytes:
-        """A picture, by its index or of the practice, as PNG.
-
-        Raises
-        ------
-        InputError
-            If there is none of that name, or it is no longer what the study began with.
-        """
+        """Return a picture, by its index or of the practice, as PNG."""
+        is_practice = name.startswith(PRACTICE)
         index = name.removeprefix(PRACTICE)
-        if not (index.isascii() and index.isdigit() and len(index) < 6):
+        known = FIGURES if is_practice else self.study.pictures
+        if not (index.isascii() and index.isdigit() and len(index) < 6 and int(index) < len(known)):
             raise InputError("there is no such picture")
-        if name.startswith(PRACTICE):
-            if int(index) >= len(FIGURES):
-                raise InputError("there is no such picture")
+        if is_practice:
             picture, box = practice_picture(int(index)), FIGURES[int(index)]
         else:
-            if int(index) >= len(self.study.pictures):
-                raise InputError("there is no such picture")
             scene = self.study.pictures[int(index)]
             picture, box = load_picture(self.folder, scene), (scene.x, scene.y, scene.w, scene.h)
         return png(picture if view == "full" else coarse(picture, box))
 
     @property
     def whose(self) -> str:
-        """Whose answers these are, in each of them: the browser may have kept those of others."""
-        return f"{self.study.token} {self.code}"
+        """Mark of this participant's answers: the browser may have kept those of others."""
+        return f"{self.study.token} {self.name}"
 
     def keep(self, place: int, kind: str, content: bytes) -> bool:
         """Keep an answer, or the report that a picture appears, as the browser sends it.
 
-        False: it is another participant's, and nothing is kept.
-
-        Raises
-        ------
-        InputError
-            If it is none, or the participant has no such trial.
-        StoreError
-            If it cannot be kept now.
+        Returns False if it is another participant's: then nothing is kept.
         """
         sent = sent_by_browser(content)
         if sent.get("whose", self.whose) != self.whose:
             return False
         if kind == "answer":
-            self.store.answer(self.study, self.code, place, answer_of(sent, self.screen))
+            self.store.answer(self.study, self.name, place, answer_of(sent, self.screen))
         else:
-            name = sent.get("name")
-            name = name if isinstance(name, str) else ""
-            self.store.note_showing(self.study, self.code, place, name)
+            report = sent.get("name")
+            report = report if isinstance(report, str) else ""
+            self.store.note_showing(self.study, self.name, place, report)
         return True
 
 
 def sent_by_browser(content: bytes) -> Mapping[str, Any]:
-    """The fields of what a browser sends.
-
-    Raises
-    ------
-    InputError
-        If it has none.
-    """
+    """Return the fields of what a browser sends; numbers are floats."""
     try:
-        sent = json.loads(content)
+        sent = json.loads(content, parse_int=float)
     except (ValueError, RecursionError) as error:
         raise InputError("this is no answer") from error
     if not isinstance(sent, Mapping):
@@ -116,52 +89,26 @@ def sent_by_browser(content: bytes) -> Mapping[str, Any]:
 
 
 def answer_of(sent: Mapping[str, Any], screen: str = "") -> Answer:
-    """An answer from the fields that a browser sends, of which nothing is believed unseen.
-
-    Raises
-    ------
-    InputError
-        If it is no answer.
-    """
+    """Return an answer from the fields that a browser sends, of which nothing is trusted."""
     touch = sent.get("touch")
-    x = y = math.nan
-    if isinstance(touch, list) and len(touch) == 2:
-        x, y = (_number(value, "touch") for value in touch)
-    elif touch is not None:
+    if touch is not None and not (isinstance(touch, list) and len(touch) == 2):
         raise InputError("this is no answer: a touch has two places")
-    response = sent.get("response_s")
-    return Answer(
-        measured_s=_number(sent.get("measured_s"), "measured_s"),
-        shown_s=_number(sent.get("shown_s"), "shown_s"),
-        touch_x=x,
-        touch_y=y,
-        response_s=math.nan if response is None else _number(response, "response_s"),
-        is_answered=sent.get("is_answered") is True,
-        device=_device(sent, screen),
-    )
+    named: dict[str, Any] = {name: sent.get(name) for name in ("measured_s", "shown_s")}
+    named |= {} if touch is None else dict(zip(("touch_x", "touch_y"), touch, strict=True))
+    if sent.get("response_s") is not None:
+        named["response_s"] = sent["response_s"]
+    for name, value in named.items():
+        if not _is_number(value):
+            raise InputError(f"this is no answer: {name} is no number")
+    device = [sent["pointer"]] if sent.get("pointer") in POINTERS else []
+    widths: list[Any] = [sent.get("shown_px"), sent.get("screen_px")]
+    if all(_is_number(width) and 0 < width < 100_000 for width in widths):
+        device.append("picture {:.0f} px of a screen of {:.0f} px".format(*widths))
+    device += [screen] if screen else []
+    is_answered = sent.get("is_answered") is True
+    return Answer(**named, is_answered=is_answered, device=", ".join(device))
 
 
-def _number(value: Any, name: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"this is no answer: {name} is no number")
-    try:
-        number = float(value)
-    except OverflowError as error:
-        raise InputError(f"this is no answer: {name} is too large") from error
-    if not math.isfinite(number):
-        raise InputError(f"this is no answer: {name} is no number")
-    return number
-
-
-def _device(sent: Mapping[str, Any], screen: str) -> str:
-    """With what it was answered, and how large the picture was: text of ours, numbers of theirs."""
-    pointer = sent.get("pointer")
-    parts = [pointer] if isinstance(pointer, str) and pointer in POINTERS else []
-    shown, whole = sent.get("shown_px"), sent.get("screen_px")
-    if _is_size(shown) and _is_size(whole):
-        parts.append(f"picture {shown} px of a screen of {whole} px")
-    return ", ".join([*parts, screen] if screen else parts)
-
-
-def _is_size(value: Any) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool) and 0 < value < 100_000
+def _is_number(value: Any) -> bool:
+    is_any = isinstance(value, int | float) and not isinstance(value, bool)
+    return is_any and math.isfinite(value)

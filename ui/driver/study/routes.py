@@ -1,4 +1,4 @@
-"""What the browser of a participant fetches and sends.
+"""Routes that the browser of a participant fetches pictures from, and sends answers to.
 
 Only while the session's page has a study on the screen: for its participant, and nobody else.
 
@@ -24,14 +24,7 @@ from starlette.responses import Response
 from nvcore.errors import InputError, StoreError
 from ui.driver.study.on_screen import MOST_BYTES, OnScreen
 from ui.people.studies import ON_SCREEN
-from ui.session.routes import (
-    NOT_CACHED,
-    Place,
-    for_owner,
-    index_in,
-    not_found,
-    say,
-)
+from ui.session.routes import NOT_CACHED, Place, for_owner, index_in, not_found, say
 from ui.session.workspace import Workspace
 
 ENDED: Final = "the page has ended; load it again"
@@ -40,7 +33,7 @@ _LOG = logging.getLogger("nvcore.ui")
 
 @for_owner()
 async def study_picture(request: Request, space: Workspace | None) -> Response:
-    """A picture of the study, or its coarse version."""
+    """Answer with a picture of the study, or its coarse version."""
     screen: OnScreen | None = None if space is None else space.notes.get(ON_SCREEN)
     name, view = request.path_params["picture"], request.path_params["view"]
     if space is None or screen is None or view not in ("full", "coarse"):

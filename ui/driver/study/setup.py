@@ -1,8 +1,8 @@
-"""Study page: set up a study, and be told how long it takes."""
+"""Form that begins a study, and how long the study takes."""
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
@@ -12,7 +12,6 @@ from nvcore.driver.estimators.nested import LEAST_PEDESTRIANS
 from nvcore.driver.study.pictures import BOXES_FILE, StudyPicture, read_pictures
 from nvcore.driver.study.plan import duration_s, plan_trials
 from nvcore.driver.study.settings import (
-    ADAPTATION_S,
     CONSENT,
     DESIGNS,
     LONGEST_S,
@@ -20,14 +19,15 @@ from nvcore.driver.study.settings import (
     StudySettings,
     Timing,
 )
+from nvcore.driver.study.touch_task import DetectabilityStore, DetectabilityStudy
 from nvcore.errors import InputError
 from nvcore.wording import count_text
-from ui.driver.study.files import STUDIES, folder_of, folders
-from ui.people.form import ask_questions
-from ui.people.terms import ask_consent, ask_days
-from ui.session import state, store
+from ui.driver.study.files import folder_of, folders
+from ui.people.conduct import ask_terms, offer_start
+from ui.people.studies import Studies
+from ui.session import state
+from ui.session.store import N_PRACTICE
 from ui.shell.messages import shown_error
-from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import docs_link, plain
 
@@ -58,8 +58,10 @@ FACTS: Final = {
 }
 
 
-def draw() -> None:
-    """The form that begins a study."""
+def draw_setup(
+    studies: Studies[DetectabilityStudy], open_store: Callable[[], DetectabilityStore]
+) -> None:
+    """Draw the form that begins a study."""
     st.header("Start a study")
     folder = _choose_folder()
     if folder is None:
@@ -78,14 +80,7 @@ def draw() -> None:
         st.error(shown_error(error))
         return
     st.info(LIMITS, icon=":material/info:")
-    if button("Start the study", type="primary", key="study_start"):
-        try:
-            study = STUDIES.store().begin(settings, pictures, folder=folder)
-        except InputError as error:
-            st.error(shown_error(error))
-            return
-        STUDIES.conduct(study)
-        st.rerun()
+    offer_start(studies, lambda: open_store().begin(settings, pictures, folder=folder))
 
 
 def _choose_folder() -> str | None:
@@ -131,31 +126,32 @@ def _draw_settings() -> StudySettings:
             "tells the light. Participants may state a screen and distance of their own."
         )
         columns = st.columns(len(FACTS))
-        values = {
+        facts = {
             name: column.number_input(label, min_value=0.1, value=None, key=f"study_{name}")
             for (name, label), column in zip(FACTS.items(), columns, strict=True)
         }
-        facts = {k: math.nan if v is None else float(v) for k, v in values.items()}
     with st.expander("Consent, form, and how long answers are kept"):
-        consent = ask_consent(CONSENT, "study")
-        questions = ask_questions(
-            "Own questions, one a line, after age, vision and driving licence", "study"
+        consent, questions, keep_days = ask_terms(
+            CONSENT,
+            "study",
+            "Own questions, one a line, after age, vision and driving licence",
+            "Days until the study is deleted with all answers",
         )
-        keep_days = ask_days("Days until the study is deleted with all answers", "study")
     # last: what is refused would take all fields below it off the page, with what was entered
     return StudySettings(
         design=design,
         timing=Timing(adaptation_s=_times(times_text), **parts_s),
         facts=Facts(**facts),
         consent=consent,
-        questions=questions,
-        n_practice=int(store.N_PRACTICE.get()),
+        questions=questions or (),
+        n_practice=int(N_PRACTICE.get()),
         keep_days=keep_days,
     )
 
 
 def _draw_timing() -> tuple[str, dict[str, float]]:
-    """The times after the change of light as entered, and how long each part of a run lasts."""
+    """Ask for times after the change of light, as text, and the length of each part of a run."""
+    usual = Timing()
     with st.expander("Times"):
         st.caption(
             "A run shows its first picture at one of the first half of these times, its second at "
@@ -163,29 +159,20 @@ def _draw_timing() -> tuple[str, dict[str, float]]:
         )
         text = st.text_input(
             "Seconds from dark to each picture",
-            ", ".join(f"{time_s:g}" for time_s in ADAPTATION_S),
+            ", ".join(f"{time_s:g}" for time_s in usual.adaptation_s),
             key="study_adaptation_s",
             max_chars=MOST_TIMES_TEXT,
             width=420,
         )
-        usual = Timing()
+        parts_s = {}
         columns = st.columns(len(TIMES) // 2) * 2
-        values = {
-            name: column.number_input(
-                f"{label}, s",
-                min_value=0.0,
-                max_value=LONGEST_S,
-                value=float(getattr(usual, name)),
-                step=0.1,
-                format="%g",
-                key=f"study_{name}",
+        for (name, label), column in zip(TIMES.items(), columns, strict=True):
+            limits = (0.0, LONGEST_S, float(getattr(usual, name)), 0.1)
+            parts_s[name] = float(
+                column.number_input(f"{label}, s", *limits, format="%g", key=f"study_{name}")
             )
-            for (name, label), column in zip(TIMES.items(), columns, strict=True)
-        }
-        st.number_input(
-            "Practice runs", min_value=0, max_value=10, value=1, key="study_n_practice", width=200
-        )
-    return text, {name: float(value) for name, value in values.items()}
+        st.number_input("Practice runs", 0, 10, 1, key="study_n_practice", width=200)
+    return text, parts_s
 
 
 def _times(text: str) -> tuple[float, ...]:
@@ -198,7 +185,7 @@ def _times(text: str) -> tuple[float, ...]:
 
 
 def _draw_length(pictures: tuple[StudyPicture, ...], settings: StudySettings) -> None:
-    """How long it takes, and what the design costs."""
+    """Draw how long it takes, and what the design costs."""
     trials = plan_trials(len(pictures), 0, design=settings.design, timing=settings.timing)
     n_times = len(settings.timing.adaptation_s)
     n_runs = trials[-1].run
@@ -224,7 +211,7 @@ def _draw_length(pictures: tuple[StudyPicture, ...], settings: StudySettings) ->
 
 
 def length_text(seconds: float) -> str:
-    """A length of time in words.
+    """Return a length of time in words.
 
     Examples
     --------

@@ -6,15 +6,14 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+import streamlit as st
 import study_pictures
 from streamlit.testing.v1 import AppTest
 
 import pages
-from nvcore.driver.study.records import Answer, DetectabilityStudy
-from nvcore.driver.study.store import DetectabilityStore
+from nvcore.driver.study.touch_task import Answer, DetectabilityStore, DetectabilityStudy
 from pages import checked, part, press, texts
-from ui.driver.study import files, participant
-from ui.driver.study.on_screen import OnScreen
+from ui.driver.study import files, touch_studies
 from ui.people.studies import ON_SCREEN
 
 SEEN = Answer(measured_s=1, shown_s=0.5, touch_x=30, touch_y=80, response_s=1)
@@ -38,16 +37,17 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> list[dict]:
 
     def draw_run(run, title, trials, timing, *, whose, on_end):
         drawn.append({"run": run, "title": title, "trials": trials})
-        participant.st.button("End the run", key="study_screen", on_click=on_end, args=(run,))
+        st.button("End the run", key="study_screen", on_click=on_end, args=(run,))
 
-    monkeypatch.setattr(participant, "draw_run", draw_run)
+    monkeypatch.setattr(touch_studies, "draw_run", draw_run)
     return drawn
 
 
 def opened(**address: str) -> AppTest:
     """What participants see, by their address, else what the conductor sees."""
     side = "participant" if "study" in address else "conduct"
-    return checked(part(f"ui.driver.study.{side}.draw()", **address).run())
+    call = f"ui.people.{side}.draw(touch_studies.STUDIES)"
+    return checked(part("from ui.driver.study import touch_studies", call, **address).run())
 
 
 def begun(store: DetectabilityStore, page: AppTest | None = None) -> DetectabilityStudy:
@@ -171,22 +171,21 @@ def test_folders_below_the_root_are_offered_and_none_outside(tmp_path: Path):
             files.folder_of(path)
 
 
-def test_nobody_takes_part_without_agreeing(store: DetectabilityStore):
-    study = begun(store)
+def test_who_agrees_gets_a_code_and_the_form_says_nothing_where_it_is_empty(
+    store: DetectabilityStore, runs: list[dict]
+):
+    page = opened()
+    page.text_area(key="study_consent").set_value("# Hi\n\n[x](http://evil) <b>")
+    checked(page.text_area(key="study_questions").set_value("Glasses?").run())
+    study = begun(store, page)
     page = opened(study=study.token)
+    shown = [item.value for item in page.markdown]
+    assert not any("](http" in text for text in shown)  # the text of consent is text
+    assert "# Hi" not in shown
     assert f"{study.ends_at:%d %B %Y}" in texts(page)
     checked(page.button[0].click().run())
     assert "Without your agreement" in texts(page)
     assert store.participants(study) == []
-
-
-def test_the_form_is_kept_under_a_code_and_says_nothing_where_it_is_empty(
-    store: DetectabilityStore, runs: list[dict]
-):
-    page = opened()
-    checked(page.text_area(key="study_questions").set_value("Glasses?").run())
-    study = begun(store, page)
-    page = opened(study=study.token)
     page.number_input(key="study_form_0").set_value(31)
     page.selectbox(key="study_form_2").select("yes")
     page.text_input(key="study_form_5").set_value("no")
@@ -194,8 +193,9 @@ def test_the_form_is_kept_under_a_code_and_says_nothing_where_it_is_empty(
     checked(page.button[0].click().run())
     (person,) = store.participants(study)
     assert person.form == {"age": "31", "licence": "yes", "1. Glasses?": "no"}
-    assert "".join(page.query_params["participant"]) == person.code
-    assert f"**{person.code}**" in texts(page)
+    code = "".join(page.query_params["participant"])
+    assert store.by_code(study, code) == person
+    assert f"**{code}**" in texts(page)
 
 
 def test_practice_comes_once_then_run_after_run_until_all_are_answered(
@@ -204,25 +204,29 @@ def test_practice_comes_once_then_run_after_run_until_all_are_answered(
     study = begun(store)
     page = joined(study)
     (person,) = store.participants(study)
+    code = "".join(page.query_params["participant"])
+    note = page.session_state["workspace"].notes[ON_SCREEN]
+    assert (note.name, note.folder.name) == (person.name, "dusk")
     practice = runs[-1]
     assert [trial["place"] for trial in practice["trials"]] == [0, 0]
     press(page, "study_screen")
-    assert store.participant(study, person.code).has_practised
+    assert store.find(study, person.name).has_practised
     for run in range(1, 4):
-        page = opened(study=study.token, participant=person.code)  # as after a reload
+        page = opened(study=study.token, participant=code)  # as after a reload
         assert runs[-1]["title"] == f"Begin run {run} of 3"
         trials = [trial for trial in person.plan if trial.run == run]
         assert [trial["place"] for trial in runs[-1]["trials"]] == [t.order for t in trials]
         assert [trial["picture"] for trial in runs[-1]["trials"]] == [
             str(t.picture) for t in trials
         ]
-        store.answer(study, person.code, trials[0].order, SEEN)
+        store.answer(study, person.name, trials[0].order, SEEN)
         checked(page.run())
         assert [trial["place"] for trial in runs[-1]["trials"]] == [trials[1].order]
-        store.answer(study, person.code, trials[1].order, SEEN)
+        store.answer(study, person.name, trials[1].order, SEEN)
     checked(page.run())
     assert page.title[0].value == "Thank you"
-    assert f"**{person.code}**" in texts(page)
+    assert f"**{code}**" in texts(page)
+    assert ON_SCREEN not in page.session_state["workspace"].notes
 
 
 def test_every_practice_run_has_to_be_seen_to_its_end(store: DetectabilityStore, runs: list[dict]):
@@ -235,9 +239,9 @@ def test_every_practice_run_has_to_be_seen_to_its_end(store: DetectabilityStore,
     assert page.title[0].value == "Practice 2 of 2"
     checked(page.run())  # as after a run that was stopped
     assert page.title[0].value == "Practice 2 of 2"
-    assert not store.participant(study, person.code).has_practised
+    assert not store.find(study, person.name).has_practised
     press(page, "study_screen")
-    assert store.participant(study, person.code).has_practised
+    assert store.find(study, person.name).has_practised
     assert runs[-1]["title"] == "Begin run 1 of 3"
 
 
@@ -245,26 +249,13 @@ def test_the_end_of_another_run_ends_no_practice(
     store: DetectabilityStore, monkeypatch: pytest.MonkeyPatch
 ):
     def draw_run(run, title, trials, timing, *, whose, on_end):
-        participant.st.button(
-            "End another run", key="study_screen", on_click=on_end, args=("3 of it",)
-        )
+        st.button("End another run", key="study_screen", on_click=on_end, args=("3 of it",))
 
-    monkeypatch.setattr(participant, "draw_run", draw_run)
+    monkeypatch.setattr(touch_studies, "draw_run", draw_run)
     study = begun(store)
     page = press(joined(study), "study_screen")
     assert page.title[0].value == "Practice"
     assert not store.participants(study)[0].has_practised
-
-
-def test_the_browser_may_answer_for_this_participant_only(
-    store: DetectabilityStore, runs: list[dict]
-):
-    study = begun(store)
-    page = joined(study)
-    note = page.session_state["workspace"].notes[ON_SCREEN]
-    assert isinstance(note, OnScreen)
-    assert note.code == store.participants(study)[0].code
-    assert note.folder.name == "dusk"
 
 
 @pytest.mark.parametrize("way", ["next", "conductor", "other page", "ratings"])
@@ -291,19 +282,9 @@ def test_who_has_left_the_screen_can_no_longer_be_answered_for(
     assert ON_SCREEN not in notes
 
 
-def test_whoever_has_seen_all_pictures_answers_no_more(store: DetectabilityStore, runs: list[dict]):
-    study = begun(store)
-    page = joined(study)
-    (person,) = store.participants(study)
-    store.end_practice(study, person.code)
-    for trial in person.plan:
-        store.answer(study, person.code, trial.order, SEEN)
-    checked(page.run())
-    assert page.title[0].value == "Thank you"
-    assert ON_SCREEN not in page.session_state["workspace"].notes
-
-
-def test_strange_links_and_codes_lead_nowhere(store: DetectabilityStore, runs: list[dict]):
+def test_strange_links_and_codes_lead_nowhere_and_ones_own_code_goes_on(
+    store: DetectabilityStore, runs: list[dict]
+):
     study = begun(store)
     assert "leads to no study" in texts(opened(study="guess"))
     assert "no study of the name in the address" in texts(opened(conduct=study.token))
@@ -311,62 +292,42 @@ def test_strange_links_and_codes_lead_nowhere(store: DetectabilityStore, runs: l
     assert "Nobody takes part" in texts(page)
     assert runs == []
     checked(page.text_input(key="study_known_code").set_value("x").run())
-    assert "Nobody takes part" in texts(press(page, "study_go_on"))
-
-
-def test_a_code_goes_on_where_it_was_left_on_any_screen(
-    store: DetectabilityStore, runs: list[dict]
-):
-    study = begun(store)
-    person = store.join(study, {})
-    store.end_practice(study, person.code)
-    page = opened(study=study.token)
-    checked(page.text_input(key="study_known_code").set_value(person.code.lower()).run())
-    press(page, "study_go_on")
+    assert "Nobody takes part" in texts(press(page, "study_continue"))
+    person, code = store.join(study, {})
+    store.end_practice(study, person.name)
+    checked(page.text_input(key="study_known_code").set_value(code.lower()).run())
+    press(page, "study_continue")
     assert runs[-1]["title"] == "Begin run 1 of 3"
 
 
-def test_the_conductor_sees_progress_and_marks(store: DetectabilityStore):
+def test_the_conductor_sees_progress_and_marks_and_deletes_on_request(store: DetectabilityStore):
     study = begun(store)
+    names = []
     for n in (6, 2):
-        person = store.join(study, {})
+        person, _ = store.join(study, {})
+        names.append(person.name)
         for trial in person.plan[:n]:
             measured = trial.adaptation_s + (0.2 if trial.order == 1 else 0.01)
-            store.note_showing(study, person.code, trial.order)
-            store.answer(study, person.code, trial.order, Answer(measured_s=measured, shown_s=0.5))
+            store.note_showing(study, person.name, trial.order)
+            store.answer(study, person.name, trial.order, Answer(measured_s=measured, shown_s=0.5))
     page = opened(conduct=study.conductor)
     assert metrics(page) == {
         "participants": "2", "have seen all pictures": "1", "trials so far": "8", "marked": "2",
     }  # fmt: skip
-
-
-def test_one_participants_data_are_deleted_on_request(store: DetectabilityStore):
-    study = begun(store)
-    ann, bob = (store.join(study, {"age": age}) for age in ("31", "32"))
-    page = opened(conduct=study.conductor)
     checked(page.text_input(key="study_code").set_value("nobody").run())
-    assert "Nobody takes part" in texts(page)
-    checked(page.text_input(key="study_code").set_value(ann.code.lower()).run())
+    assert "Nobody with that name or code takes part" in texts(page)
+    checked(page.text_input(key="study_code").set_value(names[0].lower()).run())
     press(page, "study_delete")
-    assert [person.code for person in store.participants(study)] == [bob.code]
+    assert [person.name for person in store.participants(study)] == names[1:]
     assert metrics(page)["participants"] == "1"
-
-
-def test_the_text_of_consent_is_shown_as_text(store: DetectabilityStore):
-    page = opened()
-    checked(page.text_area(key="study_consent").set_value("# Hi\n\n[x](http://evil) <b>").run())
-    study = begun(store, page)
-    shown = [item.value for item in opened(study=study.token).markdown]
-    assert not any("](http" in text for text in shown)
-    assert "# Hi" not in shown
 
 
 def test_pictures_that_are_gone_are_told(
     store: DetectabilityStore, runs: list[dict], monkeypatch: pytest.MonkeyPatch
 ):
     study = begun(store)
-    person = store.join(study, {})
+    _, code = store.join(study, {})
     monkeypatch.delenv("NVCORE_LOCAL_ROOT")
-    page = opened(study=study.token, participant=person.code)
+    page = opened(study=study.token, participant=code)
     assert "now it was started without" in texts(page)
     assert runs == []

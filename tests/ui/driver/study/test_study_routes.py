@@ -16,7 +16,7 @@ from asgi import ask, put
 
 from nvcore.driver.study.pictures import read_pictures
 from nvcore.driver.study.settings import StudySettings
-from nvcore.driver.study.store import DetectabilityStore
+from nvcore.driver.study.touch_task import DetectabilityStore
 from nvcore.errors import InputError
 from ui.driver.study.on_screen import (
     MOST_BYTES,
@@ -40,8 +40,8 @@ def screen(space: Workspace, tmp_path: Path) -> OnScreen:
     folder = study_pictures.write(tmp_path / "dusk", 2)
     store = DetectabilityStore(tmp_path / "studies.sqlite")
     study = store.begin(StudySettings(), read_pictures(folder), folder="local:dusk")
-    person = store.join(study, {})
-    screen = OnScreen(store, study, person.code, folder, "24 inch")
+    person, _ = store.join(study, {})
+    screen = OnScreen(store, study, person.name, folder, "24 inch")
     space.notes[ON_SCREEN] = screen
     return screen
 
@@ -81,7 +81,7 @@ def test_an_answer_is_kept_at_once(space: Workspace, screen: OnScreen):
     assert put(f"{start}/shown", b"{}").status == 204
     assert put(f"{start}/shown", b"{}").status == 204
     assert put(f"{start}/answer", json.dumps(TOUCH).encode()).status == 204
-    answer, n_shown = screen.store.answers(screen.study)[screen.code][1]
+    answer, n_shown = screen.store.answers(screen.study)[screen.name][1]
     assert n_shown == 2
     assert (answer.touch_x, answer.touch_y, answer.response_s) == (30.5, 80, 1.25)
     assert answer.device == "touch, picture 1152 px of a screen of 1280 px, 24 inch"
@@ -92,7 +92,7 @@ def test_a_report_that_is_sent_again_counts_once(space: Workspace, screen: OnScr
     sent = [put(f"{start}/shown", json.dumps({"name": name}).encode()) for name in "aabb"]
     assert [answer.status for answer in sent] == [204] * 4
     assert put(f"{start}/answer", json.dumps(TOUCH).encode()).status == 204
-    _, n_shown = screen.store.answers(screen.study)[screen.code][1]
+    _, n_shown = screen.store.answers(screen.study)[screen.name][1]
     assert n_shown == 2
 
 

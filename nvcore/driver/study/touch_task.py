@@ -1,0 +1,336 @@
+"""Detectability studies: people touch the place where they saw the pedestrian of a picture."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, fields
+from datetime import UTC, datetime, timedelta
+from typing import Any, ClassVar, Final
+
+import pandas as pd
+
+from nvcore.driver.inputs.picture_boxes import BOX, PEDESTRIAN
+from nvcore.driver.inputs.trials import LONGEST_S, NO_ANSWER, TRIAL_COLUMNS, is_off_time
+from nvcore.driver.study.pictures import StudyPicture
+from nvcore.driver.study.plan import Trial, plan_trials
+from nvcore.driver.study.settings import StudySettings, Timing
+from nvcore.errors import InputError
+from nvcore.people.participants import MOST_NAME
+from nvcore.people.store import Person, Study, StudyStore, Table, new_names
+
+MOST_DEVICE: Final = 200
+
+
+@dataclass(frozen=True, kw_only=True)
+class DetectabilityStudy(Study):
+    """Detectability study.
+
+    Attributes
+    ----------
+    settings
+        What the conductor decided.
+    folder
+        Folder of the pictures, as whoever began the study names it.
+    """
+
+    settings: StudySettings
+    pictures: tuple[StudyPicture, ...]
+    folder: str
+    begun_at: datetime
+    ends_at: datetime
+
+    def plan(self, number: int) -> tuple[Trial, ...]:
+        """Return the trials of a participant in their order."""
+        settings = self.settings
+        return plan_trials(
+            len(self.pictures), number, design=settings.design, timing=settings.timing
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """Answer of a participant to a picture, and when the picture was shown.
+
+    Attributes
+    ----------
+    measured_s
+        From the change of light to the picture's appearance, by the clock of the animation.
+    shown_s
+        How long the picture was to be seen, by the same clock.
+    touch_x, touch_y
+        Where the pedestrian was, px of the picture; NaN: not seen, or no answer.
+    response_s
+        From the picture's appearance to the answer, 3,600 s at most; NaN: there is none.
+    is_answered
+        True if there is an answer: a touch, or that nobody was seen.
+    device
+        What it was answered with, in words.
+
+    Raises
+    ------
+    InputError
+        If a number is none or outside its range, or one of the two places is missing.
+    """
+
+    measured_s: float
+    shown_s: float
+    touch_x: float = math.nan
+    touch_y: float = math.nan
+    response_s: float = math.nan
+    is_answered: bool = True
+    device: str = ""
+
+    def __post_init__(self) -> None:
+        for name in ("measured_s", "shown_s", "response_s"):
+            value = getattr(self, name)
+            is_missing = name == "response_s" and math.isnan(value)
+            if not is_missing and not 0 <= value <= LONGEST_S:
+                raise InputError(f"{name}: expected 0 to {LONGEST_S:g} s, got {value:g}")
+        place = (self.touch_x, self.touch_y)
+        if not all(map(math.isnan, place)) and not all(abs(value) < 1e6 for value in place):
+            raise InputError("a touch has two places, px of the picture")
+        if self.is_seen and not self.is_answered:
+            raise InputError("a touch is an answer")
+
+    @property
+    def is_seen(self) -> bool:
+        """True if the participant says where the pedestrian was."""
+        return not math.isnan(self.touch_x)
+
+
+class DetectabilityStore(StudyStore[DetectabilityStudy]):
+    """Detectability studies in one file; see `nvcore.people.store.StudyStore`."""
+
+    what = "study"
+    study_columns = """settings TEXT NOT NULL, pictures TEXT NOT NULL, folder TEXT NOT NULL,
+        begun_at TEXT NOT NULL, ends_at TEXT NOT NULL"""
+    tables: ClassVar = {
+        "showing": Table(
+            "place INTEGER NOT NULL, n INTEGER NOT NULL, shown_at TEXT NOT NULL", key="place"
+        ),
+        "showing_report": Table("place INTEGER NOT NULL, name TEXT NOT NULL", key="place"),
+        "trial": Table(
+            """place INTEGER NOT NULL, measured_s REAL NOT NULL, shown_s REAL NOT NULL,
+            touch_x REAL, touch_y REAL, response_s REAL, is_answered INTEGER NOT NULL,
+            n_shown INTEGER NOT NULL, device TEXT NOT NULL, answered_at TEXT NOT NULL""",
+            key="place",
+        ),
+    }
+    trial = Trial
+    has_names = False
+
+    def study_of(self, row: dict[str, Any]) -> DetectabilityStudy:
+        """Return the study of a row of the file."""
+        settings = StudySettings.from_json(json.loads(row["settings"]))
+        row["pictures"] = tuple(StudyPicture(**picture) for picture in json.loads(row["pictures"]))
+        row |= {"settings": settings, "consent": settings.consent, "form": settings.form}
+        return DetectabilityStudy(**row)
+
+    def begin(
+        self,
+        settings: StudySettings,
+        pictures: Sequence[StudyPicture],
+        *,
+        folder: str,
+        now: datetime | None = None,
+    ) -> DetectabilityStudy:
+        """Begin a study of these pictures, of which the design may need more."""
+        begun_at = now or datetime.now(UTC)
+        study = DetectabilityStudy(
+            **new_names(),
+            consent=settings.consent,
+            form=settings.form,
+            settings=settings,
+            pictures=tuple(pictures),
+            folder=folder,
+            begun_at=begun_at,
+            ends_at=begun_at + timedelta(days=settings.keep_days),
+        )
+        study.plan(0)  # refuses what the design does not allow
+        return self._begin(study)
+
+    def end_practice(self, study: DetectabilityStudy, name: str) -> None:
+        """Remember that the participant has seen the practice to its end."""
+        with self.connect() as base:
+            base.execute(
+                "UPDATE form SET has_practised = 1 WHERE study = ? AND participant = ?",
+                (study.token, name),
+            )
+
+    def note_showing(
+        self, study: DetectabilityStudy, name: str, place: int, report: str = ""
+    ) -> None:
+        """Remember that the picture of a trial appears: who reloads the page has seen it.
+
+        The last `report`, sent again, is not counted again, unless it has no name.
+        """
+        self._trial(study, name, place)
+        with self.connect() as base:
+            changed = base.execute(
+                "INSERT INTO showing_report VALUES (?, ?, ?, ?) "
+                "ON CONFLICT DO UPDATE SET name = excluded.name WHERE name <> excluded.name",
+                (study.token, name, place, report[:MOST_NAME]),
+            )
+            if changed.rowcount or not report:
+                base.execute(
+                    "INSERT INTO showing VALUES (?, ?, ?, 1, ?) "
+                    "ON CONFLICT DO UPDATE SET n = n + 1, shown_at = excluded.shown_at",
+                    (study.token, name, place, datetime.now(UTC).isoformat()),
+                )
+
+    def answer(self, study: DetectabilityStudy, name: str, place: int, answer: Answer) -> None:
+        """Keep an answer to the trial with this ``order``. Another one changes nothing.
+
+        Raises
+        ------
+        InputError
+            If there is no such participant or trial, or the touch is outside the trial's picture.
+        """
+        picture = study.pictures[self._trial(study, name, place).picture]
+        x, y = answer.touch_x, answer.touch_y
+        if answer.is_seen and not (0 <= x < picture.width and 0 <= y < picture.height):
+            raise InputError(
+                f"the touch ({x:g}, {y:g}) is outside the picture "
+                f"({picture.width} x {picture.height} px)"
+            )
+        showings = dict(row[1:] for row in self.rows(study, "showing", "place, n", name))
+        given = {
+            of: None if isinstance(value, float) and math.isnan(value) else value
+            for of, value in asdict(answer).items()
+        }
+        more = {"n_shown": showings.get(place, 0), "answered_at": datetime.now(UTC).isoformat()}
+        row = {"place": place, **given, "device": answer.device[:MOST_DEVICE], **more}
+        self.keep(study, name, "trial", row)
+
+    def _trial(self, study: DetectabilityStudy, name: str, place: int) -> Trial:
+        people = self.participants(study, name)
+        if not people:
+            raise InputError("nobody takes part in this study with that code")
+        if not 1 <= place <= len(people[0].plan):
+            raise InputError(f"the participant has no trial {place}")
+        trial: Trial = people[0].plan[place - 1]
+        return trial
+
+    def answers(self, study: DetectabilityStudy) -> dict[str, dict[int, tuple[Answer, int]]]:
+        """Return answers by participant and ``order``, each with how often its picture was shown.
+
+        0: the browser never reported that it was.
+        """
+        names = [field.name for field in fields(Answer)]
+        answers: dict[str, dict[int, tuple[Answer, int]]] = {}
+        for name, place, n_shown, *values in self.rows(
+            study, "trial", f"place, n_shown, {', '.join(names)}"
+        ):
+            known = (math.nan if value is None else value for value in values)
+            given: dict[str, Any] = dict(zip(names, known, strict=True))
+            given["is_answered"] = bool(given["is_answered"])
+            answers.setdefault(name, {})[place] = Answer(**given), n_shown
+        return answers
+
+
+def marks_of(trial: Trial, answer: Answer, n_shown: int, timing: Timing) -> list[str]:
+    """Return in words what was not as it should be in a trial.
+
+    A trial is marked if its picture came more than 50 ms early or late, was to be seen for 50 ms
+    less or more than asked, was shown before (the page was loaded again before the answer), was
+    never reported as shown, or has no answer in the time given.
+
+    Parameters
+    ----------
+    n_shown
+        How often the browser reported that the picture appears.
+    """
+    late_s = answer.measured_s - trial.adaptation_s
+    marks = {
+        f"{abs(late_s):.2f} s {'late' if late_s > 0 else 'early'}": is_off_time(late_s),
+        f"shown for {answer.shown_s:.2f} s": is_off_time(answer.shown_s - timing.show_s),
+        f"shown {n_shown} times": n_shown > 1,
+        "never reported as shown": n_shown == 0,
+        NO_ANSWER: not answer.is_answered,
+    }
+    return [mark for mark, applies in marks.items() if applies]
+
+
+def trials_table(store: DetectabilityStore, study: DetectabilityStudy) -> pd.DataFrame:
+    """Return all trials with an answer, or whose time for one is over, as they are handed on.
+
+    Returns
+    -------
+    The columns `TRIAL_COLUMNS`: ``subject`` is the participant's pseudonym; ``run``, ``position``
+    (in the run) and ``order`` (of all trials of the subject) count from 1; seconds and pixels of
+    the picture; ``not_seen`` is also true where there is no answer; ``device`` says with what was
+    answered and, after "marked:", what was not as it should be (`marks_of`).
+    """
+    rows = []
+    for person, trial, answer, marks in _answered(store, study):
+        picture = study.pictures[trial.picture]
+        device = [answer.device] if answer.device else []
+        device += [f"marked: {', '.join(marks)}"] if marks else []
+        rows.append(
+            (
+                *(person.name, trial.run, trial.position, trial.order),
+                *(picture.image, picture.pedestrian, trial.adaptation_s, answer.measured_s),
+                *(answer.touch_x, answer.touch_y, answer.response_s),
+                *(not answer.is_seen, "; ".join(device)),
+            )
+        )
+    table = pd.DataFrame(rows, columns=list(TRIAL_COLUMNS))
+    kinds = dict.fromkeys(("run", "position", "order"), "int64")
+    kinds |= dict.fromkeys(TRIAL_COLUMNS[6:11], "float64")
+    return table.astype({**kinds, "not_seen": bool})
+
+
+def _answered(
+    store: DetectabilityStore, study: DetectabilityStudy
+) -> Iterator[tuple[Person, Trial, Answer, list[str]]]:
+    """Yield all answered trials with their marks, by participant and order."""
+    answers = store.answers(study)
+    for person in store.participants(study):
+        for place, (answer, n_shown) in answers.get(person.name, {}).items():
+            trial = person.plan[place - 1]
+            yield person, trial, answer, marks_of(trial, answer, n_shown, study.settings.timing)
+
+
+def participants_table(store: DetectabilityStore, study: DetectabilityStudy) -> pd.DataFrame:
+    """Return a row for each participant.
+
+    Returns
+    -------
+    ``subject``, ``joined`` (date), ``n_trials``, ``n_answered``, ``n_marked``, and what the form
+    asked for; empty where nothing was entered.
+    """
+    rows: dict[str, dict[str, Any]] = {
+        person.name: {
+            "subject": person.name,
+            "joined": person.consented_at.date().isoformat() if person.consented_at else "",
+            "n_trials": len(person.plan),
+            "n_answered": 0,
+            "n_marked": 0,
+            **dict.fromkeys(study.form, ""),
+            **person.form,
+        }
+        for person in store.participants(study)
+    }
+    for person, _, _, marks in _answered(store, study):
+        rows[person.name]["n_answered"] += 1
+        rows[person.name]["n_marked"] += bool(marks)
+    first = ("subject", "joined", "n_trials", "n_answered", "n_marked")
+    return pd.DataFrame([*rows.values()], columns=[*first, *study.form])
+
+
+def boxes_table(study: DetectabilityStudy) -> pd.DataFrame:
+    """Return ``image`` and ``pedestrian`` with their box ``x``, ``y``, ``w``, ``h`` (px)."""
+    table = pd.DataFrame([asdict(picture) for picture in study.pictures])
+    return table[[*PEDESTRIAN, *BOX]]
+
+
+def about(study: DetectabilityStudy) -> dict[str, Any]:
+    """Return how the study was done, as values of JSON: settings, pictures, dates; no person."""
+    return {
+        "begun_at": study.begun_at.isoformat(),
+        "deleted_at": study.ends_at.isoformat(),
+        **study.settings.to_json(),
+        "pictures": [asdict(picture) for picture in study.pictures],
+    }

@@ -1,0 +1,234 @@
+"""Detectability studies on their page: see `ui.people.studies.Studies`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from itertools import groupby
+from typing import Any, Final
+
+import streamlit as st
+
+from nvcore.driver.estimators.nested import LEAST_PEDESTRIANS
+from nvcore.driver.inputs.trials import LATE_S
+from nvcore.driver.study.pictures import FIGURES, PRACTICE_SIZE
+from nvcore.driver.study.plan import duration_s
+from nvcore.driver.study.touch_task import (
+    DetectabilityStore,
+    DetectabilityStudy,
+    about,
+    boxes_table,
+    participants_table,
+    trials_table,
+)
+from nvcore.errors import InputError
+from nvcore.people.store import Person
+from nvcore.wording import count_text
+from ui.driver.study import setup
+from ui.driver.study.files import folder_of
+from ui.driver.study.on_screen import PRACTICE, OnScreen
+from ui.driver.study.screen import draw_run
+from ui.people.participant import draw_code
+from ui.people.studies import ON_SCREEN, Progress, Studies, leave_screen
+from ui.session import state
+from ui.session.store import PRACTISED
+from ui.shell.messages import shown_error
+from ui.widgets.choices import download_csv
+from ui.widgets.table import TableColumn
+from ui.widgets.text import docs_link
+
+COMMANDS: Final = """\
+nvcore driver features --images PICTURES --boxes boxes.csv --out features.csv
+nvcore driver train trials.csv --features features.csv --out driver.npz
+"""
+INSTRUCTIONS: Final = """\
+Look at the **bright screen**, then at the coarse picture of the place where you will look for a \
+pedestrian, then at the **cross**. The screen goes **dark** at once, and after some seconds the \
+picture appears, for a moment. Then **touch or click the place** where the pedestrian was, or \
+press *Not seen*. By keyboard: arrow keys move a mark (with Shift in small steps), Enter takes its \
+place, N is *not seen*. A second picture follows.
+
+**You may stop at any time:** press *Stop* at the edge on the lower right, or Esc. In the dark the \
+button is not to be seen, but it works at the same place.
+"""
+
+
+class TouchStudies(Studies[DetectabilityStudy]):
+    """Detectability studies."""
+
+    page = "study"
+    what = "study"
+    prefix = "study"
+    variable = "NVCORE_STUDIES"
+    file_name = "studies.sqlite"
+    start = "Start the study"
+    title = "Take part in a study"
+    begin = "Take part"
+    here = "Take part on this screen"
+    back = "Back to the study"
+
+    def store(self) -> DetectabilityStore:
+        """Open the file of all studies."""
+        return DetectabilityStore(self.file())
+
+    def introduce(self, study: DetectabilityStudy) -> None:
+        """Say how many pictures there are, and how long it takes."""
+        trials = study.plan(0)
+        length = setup.length_text(duration_s(trials, study.settings.timing))
+        st.markdown(
+            f"You will see {count_text(len(trials), 'picture')} in "
+            f"{count_text(trials[-1].run, 'short run')}: **{length}** in all. You may pause after "
+            "every run, and go on later."
+        )
+
+    def explain(self) -> None:
+        """Draw the limits of a screen."""
+        with st.expander("What a screen cannot be"):
+            st.markdown(setup.LIMITS)
+
+    def usual(self, study: DetectabilityStudy) -> Mapping[str, float | None]:
+        """Return screen and distance as the conductor measured them."""
+        return asdict(study.settings.facts)
+
+    def draw_trial(self, study: DetectabilityStudy, person: Person, left: list[Any]) -> bool:
+        """Draw a practice run, or the next run with trials that have no answer."""
+        try:
+            folder = folder_of(study.folder)
+        except InputError as error:
+            leave_screen(state.workspace())
+            st.error(shown_error(error))
+            return True
+        if not left:
+            return False
+        described = study.settings.facts.screen_text(person.form)
+        screen = OnScreen(self.store(), study, person.name, folder, described)
+        state.workspace().notes[ON_SCREEN] = screen
+        n_practised = PRACTISED.of(person.name).get()
+        if not person.has_practised and n_practised < study.settings.n_practice:
+            _draw_practice(screen, n_practised)
+            return True
+        run = [*next(own for _, own in groupby(left, key=lambda trial: trial.run))]
+        number, n_runs = run[0].run, person.plan[-1].run
+        st.markdown(f"# Run {number} of {n_runs}")
+        st.progress((run[0].order - 1) / len(person.plan))
+        scenes = [(trial, study.pictures[trial.picture]) for trial in run]
+        trials = [
+            (trial.place, str(trial.picture), (of.width, of.height), trial.adaptation_s)
+            for trial, of in scenes
+        ]
+        name, title = f"{run[0].order} of {person.name}", f"Begin run {number} of {n_runs}"
+        _draw_run(screen, name, title, trials, is_first=number == 1)
+        return True
+
+    def draw_end(self, person: Person) -> None:
+        """Say that all is kept."""
+        st.success(f"You have answered all {len(person.plan)} pictures, and your answers are kept.")
+
+    def draw_setup(self) -> None:
+        """Draw the form that begins a study."""
+        setup.draw_setup(self, self.store)
+
+    def draw_downloads(self, study: DetectabilityStudy) -> None:
+        """Draw the buttons that save trials, boxes, participants and settings."""
+        store = self.store()
+        tables = {
+            "trials": lambda: trials_table(store, study),
+            "boxes": lambda: boxes_table(study),
+            "participants": lambda: participants_table(store, study),
+        }
+        for name, make in tables.items():
+            download_csv(f"{name.capitalize()} (CSV)", make, f"{name}.csv", f"study_{name}")
+        st.download_button(
+            "Settings (JSON)",
+            data=lambda: json.dumps(about(study), indent=2),
+            file_name="study.json",
+            mime="application/json",
+            on_click="ignore",
+            icon=":material/download:",
+            key="study_about",
+        )
+
+    def progress(self, study: DetectabilityStudy) -> Progress:
+        """Return how many trials everybody has answered, and how many are marked."""
+        people = participants_table(self.store(), study)
+        hint = (
+            f"More than {1000 * LATE_S:g} ms early or late, shown for more or less than asked, "
+            "shown again after a reload, never reported as shown, or without an answer in time. "
+            "They stay in the table, with the reason."
+        )
+        has_finished = people["n_answered"] == people["n_trials"]
+        metrics = {
+            "participants": (len(people), None),
+            "have seen all pictures": (int(has_finished.sum()), None),
+            "trials so far": (int(people["n_answered"].sum()), None),
+            "marked": (int(people["n_marked"].sum()), hint),
+        }
+        columns = {
+            "subject": TableColumn("Participant", is_head=True),
+            "joined": TableColumn("Joined"),
+            "n_trials": TableColumn("Trials"),
+            "n_answered": TableColumn("Answered"),
+            "n_marked": TableColumn("Marked"),
+        }
+        return Progress(metrics, people, columns)
+
+    def draw_results(self, study: DetectabilityStudy) -> None:
+        """Say how the tables become an estimate."""
+        del study
+        with st.expander("From the answers to an estimate"):
+            st.caption(
+                "Save trials and boxes. An estimator needs "
+                f"{LEAST_PEDESTRIANS} pedestrians or more at each time "
+                f"({docs_link('more', 'estimators', doc='driver-reference')}); "
+                "the page Driver takes it."
+            )
+            st.code(COMMANDS, language="sh")
+
+
+def _draw_practice(screen: OnScreen, n_practised: int) -> None:
+    settings, n = screen.study.settings, screen.study.settings.n_practice
+    st.title("Practice" if n == 1 else f"Practice {n_practised + 1} of {n}")
+    times_s = settings.timing.pairs[n_practised % len(settings.timing.pairs)]
+    trials = [(0, f"{PRACTICE}{i}", PRACTICE_SIZE, times_s[i]) for i in range(len(FIGURES))]
+    name = f"practice {n_practised + 1} of {screen.name}"
+
+    def end(run: str) -> None:
+        if run != name:
+            return
+        PRACTISED.of(screen.name).set(n_practised + 1)
+        if n_practised + 1 >= n:
+            screen.store.end_practice(screen.study, screen.name)
+
+    _draw_run(screen, name, "Begin the practice", trials, is_first=True, on_end=end)
+    st.caption("Answers of the practice are not kept.")
+
+
+def _draw_run(
+    screen: OnScreen,
+    name: str,
+    title: str,
+    trials: list[tuple[int, str, tuple[int, int], float]],
+    *,
+    is_first: bool,
+    on_end: Callable[[str], None] = lambda _: None,  # what is left is asked of the file
+) -> None:
+    """Draw the code and the run, after the instructions if it is the first one.
+
+    Parameters
+    ----------
+    trials
+        Place, picture, its size (px) and time of each.
+    """
+    draw_code()
+    if is_first:
+        st.markdown(INSTRUCTIONS)
+    sent = [
+        {"place": place, "picture": picture, "width": w, "height": h, "adaptation_s": time_s}
+        for place, picture, (w, h), time_s in trials
+    ]
+    timing = screen.study.settings.timing
+    draw_run(name, title, sent, timing, whose=screen.whose, on_end=on_end)
+
+
+STUDIES: Final = TouchStudies()
