@@ -55,6 +55,7 @@ def test_chosen_counting_and_suppressed_boxes_are_told_apart():
     assert trace(figure, "detected").y[:4].tolist() == [5, 5, 25, 25]
     assert trace(figure, "suppressed boxes").x[:2].tolist() == [12, 22]
     assert trace(figure, "counting").customdata.tolist() == [0]
+    assert (*trace(figure, "counting").x, *trace(figure, "counting").y) == (15, 15)  # its middle
     assert trace(figure, "gone").customdata.tolist() == [1]  # the third is below
     assert trace(figure, "gone").text[0].endswith(": suppressed")
     assert "2 boxes before suppression, 1 after; the truth has 2" in words(figure)
