@@ -82,20 +82,17 @@ def rating_plot(
                 marker=system_marker(letter, 10, theme),
             )
         )
-    correlation = next(
-        (
-            f"; {of.name} {of.value:.2f} (95 %: {of.low:.2f} to {of.high:.2f})"
-            for of in correlations
-            if not of.note
-        ),
-        "",
-    )
+    told = [
+        f"; {of.name} {of.value:.2f} (95 %: {of.low:.2f} to {of.high:.2f})"
+        for of in correlations
+        if not of.note
+    ]
     ends = [np.floor(clips["mean_rank"].min() - 0.5), np.ceil(clips["mean_rank"].max() + 0.5)]
     return draw(
         traces,
         theme,
         title="Saliency against the ratings",
-        subtitle=f"{count_text(len(clips), 'clip')}{correlation}",
+        subtitle=f"{count_text(len(clips), 'clip')}{''.join(told[:1])}",
         height=420,
         annotations=texts,
         xaxis=axis(theme, f"mean rank (1 = least annoying){begins_at(ends[0])}", range=ends),
@@ -131,9 +128,9 @@ def _outlier_names(
     for index in order[trend.is_outlier[order]][:MOST_NAMES]:
         clip = clips.iloc[index]
         text = f"{plain(clip['clip'], max_length=24)}, {'X' if clip['system'] == names[0] else 'Y'}"
-        side = ("left", 6) if clip["mean_rank"] < clips["mean_rank"].mean() else ("right", -6)
+        is_left = clip["mean_rank"] < clips["mean_rank"].mean()
         place = {"x": clip["mean_rank"], "y": clip["saliency_s"]}
-        place |= dict(zip(("xanchor", "xshift"), side, strict=True))
+        place |= {"xanchor": "left", "xshift": 6} if is_left else {"xanchor": "right", "xshift": -6}
         place["yshift"] = 11 if trend.residual_s[index] > 0 else -11  # away from line and clips
         texts.append(written(text, size=12, color=color, name="outlier", **place))
     return texts

@@ -55,6 +55,7 @@ def test_chosen_counting_and_suppressed_boxes_are_told_apart():
     assert trace(figure, "detected").y[:4].tolist() == [5, 5, 25, 25]
     assert trace(figure, "suppressed boxes").x[:2].tolist() == [12, 22]
     assert trace(figure, "counting").customdata.tolist() == [0]
+    assert (*trace(figure, "counting").x, *trace(figure, "counting").y) == (15, 15)  # its middle
     assert trace(figure, "gone").customdata.tolist() == [1]  # the third is below
     assert trace(figure, "gone").text[0].endswith(": suppressed")
     assert "2 boxes before suppression, 1 after; the truth has 2" in words(figure)
@@ -105,6 +106,7 @@ def test_a_window_stands_at_its_middle_in_the_picture():
     assert heat.x.tolist() == [16, 24, 32]
     assert heat.y.tolist() == [24]
     np.testing.assert_allclose(heat.z[0], [np.log10(3), 2, np.nan])
+    assert heat.colorscale[0][1].endswith(",0)")  # the picture is seen where no window got far
     assert "scale 2: 2 windows of 32 × 48 px, 1 came through" in words(figure)
     (heat,) = score_map_plot(windows, settings, GREY, theme="dark", of="confidence").data
     np.testing.assert_allclose(heat.z[0], [np.nan, 1.5, np.nan])
@@ -160,6 +162,10 @@ def test_a_tree_shows_its_questions_and_the_way_of_the_window():
     assert "mean of gradient over 6 × 6 px 0.250?" in words(figure)
     assert "mean of U minus that of V (dotted), 4 × 8 px −0.100?" in words(figure)
     assert "<b>+0.100</b>" in words(figure)
+    below, at_least = figure.layout.annotations[:2]  # beside the middle of their lines
+    assert (below.x, below.xanchor, below.xshift) == (3, "right", -12)
+    assert (at_least.x, at_least.xanchor, at_least.xshift) == (5, "left", 12)
+    assert below.y == pytest.approx((3 + 1.65) / 2)
     thick = [part for part in figure.data if part.line.width == 3]
     assert [part.name for part in thick] == ["below", "at least"]
     box = shape(figure, "subtracted")

@@ -262,8 +262,8 @@ def detectability_histograms_plot(histograms: pd.DataFrame, *, theme: Theme) -> 
             for middle, n in zip(rows["detectability"], rows["n"].tolist(), strict=True)
         ]
         looks = {"marker": {"color": look.muted}, "textposition": "none", "hovertemplate": HOVER}
-        bars = {"x": rows["detectability"], "y": rows["n"], "text": texts}
-        traces.append(go.Bar(xaxis=f"x{name}", **bars, **looks))
+        x, y = rows["detectability"], rows["n"]
+        traces.append(go.Bar(x=x, y=y, xaxis=f"x{name}", text=texts, **looks))
         axes[f"xaxis{name}"] = _fixed(
             theme,
             "detectability" if index == len(by_period) // 2 else "",
