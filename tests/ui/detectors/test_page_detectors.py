@@ -119,8 +119,9 @@ def test_a_detector_that_has_seen_all_recordings_is_run_over_all():
     assert "Trained on all that is chosen: summer_night. Figures on them say" in texts(page)
 
 
-def test_a_built_in_detector_is_tried_on_the_current_frame_and_a_clicked_box_is_described():
-    page = parts("hog", **PEOPLE)
+def test_a_built_in_detector_is_tried_on_the_current_frame_and_stays_over_other_pages():
+    page = checked(opened("detectors", is_folded=True, **PEOPLE))
+    checked(page.selectbox(key="detector").set_value("hog").run())
     (heading,) = headings(page)
     assert heading.startswith("HOG on frame 120")
     assert "the truth has 4" in heading
@@ -138,6 +139,11 @@ def test_a_built_in_detector_is_tried_on_the_current_frame_and_a_clicked_box_is_
     # both stay while other frames are looked at
     (frame,) = [field for field in page.number_input if field.label == "Frame"]
     checked(frame.set_value(121).run())
+    # and with the other choices when one comes back from another page
+    checked(recordings(page).set_value(["odd_pose"]).run())
+    checked(to_page(checked(to_page(page, "metrics")), "detectors"))
+    assert page.selectbox(key="detector").value == "hog"
+    assert recordings(page).value == ["odd_pose"]
     assert headings(page)[0].startswith("HOG on frame 121")
     assert slider(page, "Threshold").value == pytest.approx(-1.0, abs=0.02)
 
@@ -204,16 +210,6 @@ def test_a_sent_model_is_described_and_shows_its_inside(model: bytes):
         assert ("Windows of a picture" in texts(page)) == (view == "map")
     labels = {item.label for item in [*page.text_input, *page.number_input, *page.selectbox]}
     assert {"Scales", "Stride", "Cascade", "Overlap of"} <= labels
-
-
-def test_detector_and_recordings_stay_when_one_comes_back_from_another_page():
-    page = checked(opened("detectors", is_folded=True, **PEOPLE))
-    checked(page.selectbox(key="detector").set_value("hog").run())
-    checked(recordings(page).set_value(["odd_pose"]).run())
-    checked(to_page(checked(to_page(page, "metrics")), "detectors"))
-    assert page.selectbox(key="detector").value == "hog"
-    assert recordings(page).value == ["odd_pose"]
-    assert headings(page)[0].startswith("HOG on frame 120")
 
 
 def test_what_is_no_model_is_refused_in_words():

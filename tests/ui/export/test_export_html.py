@@ -38,7 +38,10 @@ def is_of_other_settings(page: AppTest) -> bool:
     return any("made with other settings" in text.value for text in page.warning)
 
 
-def test_the_report_is_made_and_offered_and_names_no_folder_of_the_machine(page, tmp_path):
+def test_the_report_is_made_and_offered_and_names_no_folder_of_the_machine(
+    page, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("ui.export.html.AT_ONCE", 10)  # without the maps, which take their time
     assert NAME not in downloads(page)
     page.text_input(key="html_title").set_value("Night drive")
     page.text_input(key="html_question").set_value("Which is safer?")
