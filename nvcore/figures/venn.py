@@ -323,11 +323,9 @@ def _weights(part: pd.DataFrame, kind: Category) -> list[Line]:
     ]
 
 
-ANCHORS: Final = {
-    **{"left": 0.0, "center": 0.5, "right": 1.0},
-    **{"bottom": 0.0, "middle": 0.5, "top": 1.0},
-}
-"""Places of a text's anchor, as shares of its width or height."""
+ACROSS: Final = {"left": 0.0, "center": 0.5, "right": 1.0}
+UP: Final = {"bottom": 0.0, "middle": 0.5, "top": 1.0}
+"""Places of a text's anchor, as shares of its width and height."""
 
 
 class Text(NamedTuple):
@@ -350,8 +348,8 @@ class Text(NamedTuple):
         """Return the rectangle that the label takes up, px."""
         width = _width(self.label)
         height = sum(1.3 * max(line.size, BASE_PX) for line in self.label)
-        left = self.x * scale - ANCHORS[self.xanchor] * width
-        bottom = self.y * scale - ANCHORS[self.yanchor] * height
+        left = self.x * scale - ACROSS[self.xanchor] * width
+        bottom = self.y * scale - UP[self.yanchor] * height
         return Frame(left, left + width, bottom, bottom + height)
 
 
