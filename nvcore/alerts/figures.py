@@ -13,7 +13,6 @@ from nvcore.alerts.episodes import UNWANTED, AlertKind
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
 from nvcore.figures.marks import (
-    curve_line,
     marks,
     row_texts,
     still_line,
@@ -144,7 +143,11 @@ def alert_trade_off(result: Result, *, theme: Theme) -> go.Figure:
     for letter, system in result.sides:
         label = system_label(letter, system.name)
         for of, size, looks in (
-            ("policy", 5, {"name": label, "line": system_line(letter, theme)}),
+            (
+                "policy",
+                5,
+                {"name": label, "mode": "lines+markers", "line": system_line(letter, theme)},
+            ),
             ("in use", 13, {"name": f"{label}, in use"}),
             ("log", 15, {"name": f"{label}, its log"}),
         ):
@@ -152,9 +155,8 @@ def alert_trade_off(result: Result, *, theme: Theme) -> go.Figure:
             if points.empty:
                 continue
             marker = system_marker(letter, size, theme)
-            draw_points = curve_line if of == "policy" else marks
             traces.append(
-                draw_points(
+                marks(
                     points["unwanted" if is_short else "unwanted_per_hour"],
                     points["in_time"],
                     [_trade_off_text(row) for row in points.to_dict("records")],

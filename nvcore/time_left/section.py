@@ -34,7 +34,7 @@ from nvcore.wording import Footnotes
 if TYPE_CHECKING:
     import plotly.graph_objects as go
 
-    from nvcore.time_left.figures.over_speed import OverSpeed
+    from nvcore.time_left.figures import OverSpeed
 
 MOST_LISTED: Final = 20
 """Maximum number of urgent encounters in the list, as in the figure."""
@@ -78,13 +78,13 @@ def _section(result: Result) -> Section:
 
 
 def _approach(result: Result, encounters: pd.DataFrame) -> go.Figure:
-    from nvcore.time_left.figures.approach import approach_plot
+    from nvcore.time_left.figures import approach_plot
 
     return approach_plot(result, encounters, theme=result.scheme("light"))
 
 
 def _over_speed(result: Result, curve: pd.DataFrame, measure: OverSpeed) -> go.Figure:
-    from nvcore.time_left.figures.over_speed import over_speed_plot
+    from nvcore.time_left.figures import over_speed_plot
 
     speed_kmh, theme = time_left_in(result).assumed_speed_kmh, result.scheme("light")
     return over_speed_plot(curve, result.names, speed_kmh=speed_kmh, theme=theme, measure=measure)

@@ -23,6 +23,12 @@ SOME_SCORES = curve_of([1, 2], [1, 2], n_truth=4, is_ranked=False)
 POINT = replace(curve_of([3], [2], n_truth=4, is_ranked=False), threshold=np.array([np.inf]))
 
 
+def plot(*curves: DetectionCurve, kind: CurveKind = "miss_rate", **more: Any) -> Any:
+    """The curves, every detection counting unless thresholds are given."""
+    thresholds = more.pop("thresholds", (None, None))
+    return curve_plot(curves, thresholds, kind, theme="light", objects=PEDESTRIAN, **more)
+
+
 def edge_of(log_axis: Any, label: str = "0") -> float:
     """Where zeros stand on an axis."""
     assert log_axis.type == "log"
@@ -33,7 +39,7 @@ def edge_of(log_axis: Any, label: str = "0") -> float:
 
 
 def test_zeros_stand_at_the_edge_of_a_logarithmic_axis() -> None:
-    figure = curve_plot((X, Y), (None, None), "miss_rate", theme="light", objects=PEDESTRIAN)
+    figure = plot(X, Y)
     left, bottom = edge_of(figure.layout.xaxis), edge_of(figure.layout.yaxis)
     assert list(trace(figure, "X: x").x) == pytest.approx([left, 0.1, 1.0])
     assert list(trace(figure, "X: x").y) == pytest.approx([0.75, 0.5, 0.25])
@@ -45,7 +51,7 @@ def test_zeros_stand_at_the_edge_of_a_logarithmic_axis() -> None:
 
 def test_a_perfect_system_is_drawn_and_in_the_legend() -> None:
     perfect = curve_of([4], [0], n_truth=4)
-    figure = curve_plot((perfect, Y), (None, None), "miss_rate", theme="dark", objects=PEDESTRIAN)
+    figure = plot(perfect, Y)
     drawn, mark = trace(figure, "X: x"), trace(figure, "X as set")
     corner = edge_of(figure.layout.xaxis), edge_of(figure.layout.yaxis)
     assert (drawn.x[0], drawn.y[0]) == (mark.x[0], mark.y[0]) == pytest.approx(corner)
@@ -55,16 +61,14 @@ def test_a_perfect_system_is_drawn_and_in_the_legend() -> None:
 
 def test_what_is_below_the_axis_stands_at_its_edge_which_then_says_so() -> None:
     few = curve_of([1, 2], [1, 2], n_truth=4, n_images=5000)
-    figure = curve_plot((few,), (None,), "miss_rate", theme="light", objects=PEDESTRIAN)
+    figure = plot(few)
     left = edge_of(figure.layout.xaxis, "< 0.001")
     assert list(trace(figure, "X: x").x) == pytest.approx([left, left])
 
 
 def test_an_axis_without_zeros_has_no_edge_and_reaches_to_the_last_point() -> None:
     many = curve_of([1, 2], [100, 5000], n_truth=4)
-    xaxis = curve_plot(
-        (many,), (None,), "miss_rate", theme="light", objects=PEDESTRIAN
-    ).layout.xaxis
+    xaxis = plot(many).layout.xaxis
     assert list(xaxis.ticktext) == ["0.001", "0.01", "0.1", "1", "10", "100"]
     assert 10 ** xaxis.range[1] >= xaxis.tickvals[-1] == 100  # a tick beyond it has no label
 
@@ -82,8 +86,7 @@ def test_an_axis_without_zeros_has_no_edge_and_reaches_to_the_last_point() -> No
 def test_each_kind_has_its_own_axes(
     kind: CurveKind, axes: tuple[str, str], x: list[float], y: list[float]
 ) -> None:
-    figure = curve_plot((X, Y), (None, None), kind, theme="light", windows_per_image=1000,
-                        summaries=("of X", ""), objects=PEDESTRIAN)  # fmt: skip
+    figure = plot(X, Y, kind=kind, windows_per_image=1000, summaries=("of X", ""))
     titles = figure.layout.xaxis.title.text, figure.layout.yaxis.title.text
     assert tuple(title.partition(" (")[0] for title in titles) == axes
     line = trace(figure, "X: x, of X")
@@ -120,7 +123,7 @@ def test_without_a_curve_the_legend_says_what_there_is_instead(
     curve: DetectionCurve, kind: CurveKind, name: str
 ) -> None:
     drawn = trace(
-        curve_plot((X, curve), (None, None), kind, theme="light", objects=PEDESTRIAN),
+        plot(X, curve, kind=kind),
         f"Y: x, {name}",
     )
     assert (drawn.mode, drawn.showlegend) == ("markers", True)
@@ -138,29 +141,27 @@ def test_without_a_curve_the_legend_says_what_there_is_instead(
 def test_a_figure_with_nothing_to_draw_says_why(
     curve: DetectionCurve, kind: CurveKind, told: str
 ) -> None:
-    assert told in words(
-        curve_plot((curve, curve), (None, None), kind, theme="dark", objects=PEDESTRIAN)
-    )
+    assert told in words(plot(curve, curve, kind=kind))
 
 
 def test_a_click_tells_whose_threshold_it_is_and_a_point_without_scores_sets_none() -> None:
-    figure = curve_plot((X, POINT), (None, None), "miss_rate", theme="light", objects=PEDESTRIAN)
+    figure = plot(X, POINT)
     clicked = [list(point) for point in trace(figure, "X, points").customdata]
     assert clicked == [["x", 1], ["x", 1 / 2], ["x", 1 / 3]]
     assert [list(point) for point in trace(figure, "Y, points").customdata] == [["y", None]]
 
 
 def test_the_threshold_in_use_has_a_mark_which_is_promised_only_where_it_is() -> None:
-    used = curve_plot((X, Y), (0.5, None), "precision_recall", theme="light", objects=PEDESTRIAN)
+    used = plot(X, Y, kind="precision_recall", thresholds=(0.5, None))
     mark = trace(used, "X as set")
     assert (mark.x[0], mark.y[0]) == pytest.approx((0.5, 2 / 12))
     assert trace(used, "Y as set").x[0] == 1
     assert "large marks: thresholds in use; click" in words(used)
     # above all scores there is no precision, but everybody is missed
-    above = curve_plot((X, Y), (2.0, 2.0), "precision_recall", theme="light", objects=PEDESTRIAN)
+    above = plot(X, Y, kind="precision_recall", thresholds=(2.0, 2.0))
     assert not [part for part in above.data if part.name.endswith("as set")]
     assert "large mark" not in words(above)
-    figure = curve_plot((X, Y), (2.0, None), "miss_rate", theme="light", objects=PEDESTRIAN)
+    figure = plot(X, Y, kind="miss_rate", thresholds=(2.0, None))
     mark = trace(figure, "X as set")
     assert (mark.x[0], mark.y[0]) == (edge_of(figure.layout.xaxis), 1)
 
@@ -171,9 +172,7 @@ def test_a_long_curve_is_thinned_and_keeps_its_ends(kind: CurveKind) -> None:
     fp = np.arange(1, n + 1)
     tp = np.floor(1000 * (1 - np.exp(-fp / 3000))).astype(int)
     long = curve_of(list(tp), list(fp), n_truth=1001)
-    line = trace(
-        curve_plot((long, Y), (None, None), kind, theme="light", objects=PEDESTRIAN), "X: x"
-    )
+    line = trace(plot(long, Y, kind=kind), "X: x")
     assert 40 < len(line.x) <= MAX_POINTS + 2
     whole = {"miss_rate": long.fppi, "precision_recall": long.recall, "f1": long.threshold}[kind]
     assert (line.x[0], line.x[-1]) == (whole[0], whole[-1])
@@ -186,17 +185,13 @@ def test_a_published_point_is_marked_where_both_of_its_values_are_known() -> Non
     )
 
     def marked(kind: CurveKind) -> dict[str, tuple[float, float]]:
-        figure = curve_plot(
-            (X, Y), (None, None), kind, theme="dark", published=points, objects=PEDESTRIAN
-        )
+        figure = plot(X, Y, kind=kind, published=points)
         named = [part for part in figure.data if str(part.name).endswith("(published)")]
         assert all(part.showlegend and "<b>" not in part.name for part in named)
         return {part.name.partition(" ")[0]: (part.x[0], part.y[0]) for part in named}
 
     assert marked("precision_recall") == {"report": pytest.approx((0.9, 0.2))}
-    miss_rate = curve_plot(
-        (X, Y), (None, None), "miss_rate", theme="dark", published=points, objects=PEDESTRIAN
-    )
+    miss_rate = plot(X, Y, kind="miss_rate", published=points)
     left = edge_of(miss_rate.layout.xaxis)
     assert marked("miss_rate") == {"paper": pytest.approx((left, 0.25))}
     assert marked("roc")["paper"][1] == pytest.approx(0.75)

@@ -14,29 +14,37 @@ from nvcore.api.figures import Figures
 from nvcore.comparison import Result, compare
 from nvcore.figures.lanes import lanes_figure
 from nvcore.figures.style import LOOK
+from nvcore.time_left import figures
 from nvcore.time_left.encounters import urgent_encounters
-from nvcore.time_left.figures import margins
-from nvcore.time_left.figures.approach import approach_plot
-from nvcore.time_left.figures.margins import margins_plot
-from nvcore.time_left.figures.over_speed import over_speed_plot
+from nvcore.time_left.figures import approach_plot, margins_plot, over_speed_plot
 from nvcore.time_left.steps import time_left_in
 
 LAST_CHANCE = 29
+
+
+@pytest.fixture(scope="module")
+def late() -> Result:
+    """A pedestrian whom X confirms in time, and Y after the last chance."""
+    return met((range(10, 40), LATE))
 
 
 def up_to_contact(result: Result, **more: int):
     return approach_plot(result, urgent_encounters(result), theme="light", **more)
 
 
-def test_a_line_runs_from_the_first_sight_to_the_last_annotated_frame_and_on_to_contact():
-    figure = up_to_contact(met((range(10, 40), LATE)))
+def test_a_line_runs_from_the_first_sight_to_the_last_annotated_frame_and_on_to_contact(late):
+    figure = up_to_contact(late)
     assert trace(figure, "annotated").x[:2].round(6).tolist() == [5.0, 1.1]
     assert trace(figure, "no longer annotated").x[:2].round(6).tolist() == [1.1, 0.0]
+    assert trace(figure, "no longer annotated").showlegend is None
     assert np.nanmax(trace(figure, "too late to stop").x) == pytest.approx(2.1)
     chance = trace(figure, "last chance to stop")
     assert chance.x.round(6).tolist() == [2.1]
     assert chance.customdata.tolist() == [[LAST_CHANCE, 0]]
     assert figure.layout.xaxis.range[0] > figure.layout.xaxis.range[1]  # contact is on the right
+    # of a legend in the container Plotly reserves the height, in as many rows as it has
+    assert (figure.layout.legend.yref, figure.layout.legend.yanchor) == ("container", "top")
+    assert figure.layout.margin.t >= 98
 
 
 def test_each_system_has_a_mark_where_it_confirms_and_an_open_one_where_it_never_does():
@@ -53,11 +61,11 @@ def test_each_system_has_a_mark_where_it_confirms_and_an_open_one_where_it_never
     assert "X never" not in [drawn.name for drawn in figure.data]
     assert "Y never confirms the pedestrian: impact at 50 km/h" in never.text[0]
     assert "last chance 2.10 s before contact, at 50 km/h" in never.text[0]
-
-
-def test_impact_speeds_stand_beside_the_rows():
-    shown = words(up_to_contact(met((ALL, LATE), (ALL, NEVER))))
-    assert "impact, km/h | X | Y | 0 | <b>50</b> | 0 | <b>31</b>" in shown
+    # impact speeds beside the rows, and their titles above the first
+    assert "impact, km/h | X | Y | 0 | <b>50</b> | 0 | <b>31</b>" in words(figure)
+    heads = figure.layout.annotations[:3]
+    assert {note.yref for note in heads} == {"y"}
+    assert all(figure.layout.yaxis.range[1] < note.y < -0.5 for note in heads)
 
 
 def test_so_many_rows_at_a_time_keep_the_axis():
@@ -92,9 +100,8 @@ def test_without_urgent_encounters_the_figures_say_so():
     assert "No encounter is urgent at any speed" in words(nobody)
 
 
-def test_the_curve_over_speed_has_the_numbers_and_marks_speed_and_turn():
-    result = met((ALL, LATE))
-    curve = time_left_in(result).over_speed
+def test_the_curve_over_speed_has_the_numbers_and_marks_speed_and_turn(late):
+    curve = time_left_in(late).over_speed
     figure = over_speed_plot(curve, ("a", "b"), theme="dark", speed_kmh=50)
     x, y = trace(figure, "X: a"), trace(figure, "Y: b")
     urgent = curve[curve["urgent"] > 0]
@@ -129,6 +136,9 @@ def test_margins_are_marked_by_who_is_in_time_and_never_stands_at_the_edge():
     figure = margins_plot(result, urgent_encounters(result), theme="light")
     both = trace(figure, "both in time (1)")
     assert (both.x.round(6).tolist(), both.y.round(6).tolist()) == ([1.7], [2.2])
+    diagonal = trace(figure, "X as early as Y")  # past the mark in its corner
+    assert diagonal.showlegend is None
+    assert diagonal.x[1] == diagonal.y[1] >= 2.2
     only_x = trace(figure, "only X in time (1)")
     assert only_x.customdata.tolist() == [[40 + LAST_CHANCE, 1]]
     assert (only_x.marker.color, only_x.marker.symbol) == (LOOK["light"].x, "circle")
@@ -138,49 +148,22 @@ def test_margins_are_marked_by_who_is_in_time_and_never_stands_at_the_edge():
     assert "both in time 1, only X in time 1, only Y in time 1, neither in time 1" in words(figure)
 
 
-def test_the_diagonal_is_in_the_legend_and_reaches_past_the_marks_in_its_corners():
-    result = met((range(10, 40), range(5, 40)))
-    figure = margins_plot(result, urgent_encounters(result), theme="light")
-    diagonal, mark = trace(figure, "X as early as Y"), trace(figure, "both in time (1)")
-    assert diagonal.showlegend is None
-    assert diagonal.x[1] == diagonal.y[1] >= max(mark.x[0], mark.y[0])
-
-
-def test_a_corner_where_a_mark_stands_has_no_word():
+def test_corners_and_edges_of_the_margins_hold_what_stands_there(monkeypatch):
     result = met((range(10, 40), range(36, 40)))
-    figure = margins_plot(result, urgent_encounters(result), theme="light")
-    corners = [note.text for note in figure.layout.annotations]
-    assert "only X in time" not in corners
-    assert {"only Y in time", "neither in time"} <= set(corners)
-
-
-def test_a_legend_that_wraps_pushes_the_data_down():
-    figure = up_to_contact(met((ALL, LATE)))
-    # of one in the container Plotly reserves the height, in as many rows as it has
-    assert (figure.layout.legend.yref, figure.layout.legend.yanchor) == ("container", "top")
-    assert figure.layout.margin.t >= 98
-    assert trace(figure, "no longer annotated").showlegend is None
-
-
-def test_the_titles_of_the_impact_speeds_stand_in_the_plot_above_the_first_row():
-    layout = up_to_contact(met((ALL, LATE))).layout
-    heads = [note for note in layout.annotations if note.text in ("impact, km/h", "X", "Y")]
-    assert {note.yref for note in heads} == {"y"}
-    assert all(layout.yaxis.range[1] < note.y < -0.5 for note in heads)
-
-
-def test_margins_beyond_the_axis_stand_at_its_edge(monkeypatch):
-    result = met((range(10, 40), LATE))
     urgent = urgent_encounters(result)
-    assert "stand at the edge" not in words(margins_plot(result, urgent, theme="light"))
-    monkeypatch.setattr(margins, "MOST_MARGIN_S", 1.5)
+    figure = margins_plot(result, urgent, theme="light")
+    assert "never" not in figure.layout.xaxis.ticktext
+    assert "stand at the edge" not in words(figure)
+    corners = {note.text for note in figure.layout.annotations}
+    assert corners == {"both in time", "only Y in time", "neither in time"}  # no mark is there
+    monkeypatch.setattr(figures, "MOST_MARGIN_S", 1.5)
     figure = margins_plot(result, urgent, theme="light")
     assert trace(figure, "only X in time (1)").x.tolist() == [1.5]
     assert "margins of more than 1.5 s stand at the edge" in words(figure)
 
 
 def test_of_very_many_encounters_the_fastest_impacts_are_drawn(monkeypatch):
-    monkeypatch.setattr(margins, "MOST_MARKS", 1)
+    monkeypatch.setattr(figures, "MOST_MARKS", 1)
     result = met((ALL, ALL), (ALL, NEVER))
     figure = margins_plot(result, urgent_encounters(result), theme="light")
     drawn = [part.name for part in figure.data if part.mode == "markers"]
@@ -189,14 +172,8 @@ def test_of_very_many_encounters_the_fastest_impacts_are_drawn(monkeypatch):
     assert "the 1 with the fastest impacts drawn" in words(figure)
 
 
-def test_without_anybody_who_is_never_confirmed_the_axes_have_no_such_place():
-    result = met((ALL, LATE))
-    figure = margins_plot(result, urgent_encounters(result), theme="light")
-    assert "never" not in figure.layout.xaxis.ticktext
-
-
-def test_the_lanes_have_the_last_chance_and_above_them_the_time_to_contact():
-    figure = lanes_figure(met((range(10, 40), LATE)), 0, theme="light", chosen=0)
+def test_the_lanes_have_the_last_chance_and_above_them_the_time_to_contact(late):
+    figure = lanes_figure(late, 0, theme="light", chosen=0)
     chance = trace(figure, "last chance to stop")
     assert chance.x.tolist() == pytest.approx([2.9])
     assert chance.customdata.tolist() == [[LAST_CHANCE, 0]]

@@ -8,8 +8,7 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.time_left.encounters import urgent_encounters
-from nvcore.time_left.figures.approach import MOST_ROWS, approach_plot
-from nvcore.time_left.figures.margins import margins_plot
+from nvcore.time_left.figures import MOST_ROWS, approach_plot, margins_plot
 from ui.session import state
 from ui.time_left.listed import open_encounter
 from ui.time_left.numbers import key_of

@@ -11,7 +11,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.params import settings_for
 from nvcore.stages import THRESHOLD
-from nvcore.time_left.figures.over_speed import OverSpeed, over_speed_plot
+from nvcore.time_left.figures import OverSpeed, over_speed_plot
 from nvcore.time_left.notes import orders
 from nvcore.time_left.settings import TIME_LEFT
 from nvcore.time_left.steps import time_left_in

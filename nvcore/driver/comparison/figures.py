@@ -15,7 +15,6 @@ from nvcore.driver.illumination import LightSource
 from nvcore.driver.illumination.clock import AdaptationClock
 from nvcore.figures.curves import mark_value
 from nvcore.figures.marks import (
-    curve_line,
     marks,
     row_texts,
     rule,
@@ -276,7 +275,7 @@ def driver_threshold_plot(
     looks.append(("nobody", "unprotected by both", *own))
     thresholds = counts["driver_threshold"].tolist()
     lines = [
-        curve_line(
+        marks(
             thresholds,
             counts[column].tolist(),
             row_texts(
@@ -286,6 +285,8 @@ def driver_threshold_plot(
                 count=[count_text(n, "encounter") for n in counts[column].tolist()],
             ),
             name=name,
+            mode="lines+markers",
+            cliponaxis=False,
             line=line,
             marker=marker,
         )

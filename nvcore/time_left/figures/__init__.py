@@ -1,1 +1,0 @@
-"""Time left: every urgent encounter up to contact, what the speed changes, X against Y."""
