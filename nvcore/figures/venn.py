@@ -529,7 +529,7 @@ def _place(rooms: Mapping[Category, Room], size_px: Marks) -> Marks:
 
 
 def _pack(room: Room, radius: np.ndarray) -> np.ndarray | None:
-    """Return the place of each circle, the nearest free one; None if one finds no place."""
+    """Return the nearest free place for each circle, or None if one finds no place."""
     spots = np.empty(len(radius), dtype=np.int64)
     free = room.free
     # one after the other: where a circle can stand depends on those before it
