@@ -323,6 +323,11 @@ def _weights(part: pd.DataFrame, kind: Category) -> list[Line]:
     ]
 
 
+ACROSS: Final = {"left": 0.0, "center": 0.5, "right": 1.0}
+UP: Final = {"bottom": 0.0, "middle": 0.5, "top": 1.0}
+"""Places of a text's anchor, as shares of its width and height."""
+
+
 class Text(NamedTuple):
     """A label in its place, in the circles' unit.
 
@@ -343,13 +348,9 @@ class Text(NamedTuple):
         """Return the rectangle that the label takes up, px."""
         width = _width(self.label)
         height = sum(1.3 * max(line.size, BASE_PX) for line in self.label)
-        left = self.x * scale - TO_THE_LEFT[self.xanchor] * width
-        bottom = self.y * scale - BELOW[self.yanchor] * height
+        left = self.x * scale - ACROSS[self.xanchor] * width
+        bottom = self.y * scale - UP[self.yanchor] * height
         return Frame(left, left + width, bottom, bottom + height)
-
-
-TO_THE_LEFT: Final = {"left": 0.0, "center": 0.5, "right": 1.0}
-BELOW: Final = {"bottom": 0.0, "middle": 0.5, "top": 1.0}
 
 
 def _texts(labels: Labels, circles: Circles, crowded: Container[str] = ()) -> dict[str, Text]:
@@ -430,18 +431,18 @@ def plan_marks(venn: Venn, labels: Labels, severity_s: Mapping[Category, np.ndar
         circles = circles_of(*(area[kind] for kind in IN_CIRCLES))
         texts = _texts(labels, circles)
         rooms = _rooms(circles, texts)
-        marks = _place(rooms, sizes_px[FAIR])
-        crowded = {kind for kind in rooms.keys() - marks.keys() if texts[kind].pointer is None}
+        placed = _place(rooms, sizes_px[FAIR])
+        crowded = {kind for kind in rooms.keys() - placed.keys() if texts[kind].pointer is None}
         if crowded:
             texts = _texts(labels, circles, crowded)
             rooms = _rooms(circles, texts)
-            marks = _place(rooms, sizes_px[FAIR])
-        marks = _enlarge(marks, rooms, sizes_px)
-        if len(marks) == len(rooms):
+            placed = _place(rooms, sizes_px[FAIR])
+        placed = _enlarge(placed, rooms, sizes_px)
+        if len(placed) == len(rooms):
             units = np.array([[circles.scale], [circles.scale], [1.0]])
-            scaled = {kind: places / units for kind, places in marks.items()}
+            scaled = {kind: places / units for kind, places in placed.items()}
             return VennPlan(circles, texts, growth == 0, scaled)
-        for kind in rooms.keys() - marks.keys():
+        for kind in rooms.keys() - placed.keys():
             area[kind] *= 1.6
     return plan_counts(venn, labels)  # not seen with up to 150 marks
 
@@ -495,26 +496,26 @@ Marks = dict[Category, np.ndarray]
 """x, y and size of the marks of regions, each of shape (3, n)."""
 
 
-def _enlarge(marks: Marks, rooms: Mapping[Category, Room], sizes_px: Sequence[Marks]) -> Marks:
+def _enlarge(placed: Marks, rooms: Mapping[Category, Room], sizes_px: Sequence[Marks]) -> Marks:
     """Place marks in the largest of `sizes_px` for which all regions have room, else the least.
 
     Parameters
     ----------
-    marks
+    placed
         Marks of the size `FAIR`.
     """
-    if len(marks) < len(rooms):
+    if len(placed) < len(rooms):
         for size_px in sizes_px[FAIR + 1 :]:
-            marks = _place(rooms, size_px)
-            if len(marks) == len(rooms):
+            placed = _place(rooms, size_px)
+            if len(placed) == len(rooms):
                 break
-        return marks
+        return placed
     for size_px in reversed(sizes_px[:FAIR]):
         larger = _place(rooms, size_px)
         if len(larger) < len(rooms):
             break
-        marks = larger
-    return marks
+        placed = larger
+    return placed
 
 
 def _place(rooms: Mapping[Category, Room], size_px: Marks) -> Marks:
@@ -528,7 +529,7 @@ def _place(rooms: Mapping[Category, Room], size_px: Marks) -> Marks:
 
 
 def _pack(room: Room, radius: np.ndarray) -> np.ndarray | None:
-    """Return the place of each circle, the nearest free one; None if one finds no place."""
+    """Return the nearest free place for each circle, or None if one finds no place."""
     spots = np.empty(len(radius), dtype=np.int64)
     free = room.free
     # one after the other: where a circle can stand depends on those before it
@@ -609,9 +610,9 @@ def _clicks(venn: Venn, plan: VennPlan) -> go.Scatter:
     depth = [circles.depth(kind, x, y) >= 0 for kind in IN_CIRCLES]
     category = np.select(depth, range(3), default=3)
     # a region may be too small for the grid, so it gets one marker in its middle
-    filled = [code for code, kind in enumerate(IN_CIRCLES) if venn.counts()[kind.value]]
-    x = np.append(x, [circles.middle(IN_CIRCLES[code]) for code in filled])
-    y, category = np.append(y, [0.0] * len(filled)), np.append(category, filled)
+    codes = [code for code, kind in enumerate(IN_CIRCLES) if venn.counts()[kind.value]]
+    x = np.append(x, [circles.middle(IN_CIRCLES[code]) for code in codes])
+    y, category = np.append(y, np.zeros(len(codes))), np.append(category, codes)
     mark_x, mark_y, size = np.hstack([np.empty((3, 0)), *plan.marks.values()])
     apart_px = np.hypot(x[:, None] - mark_x, y[:, None] - mark_y) * circles.scale
     is_free = (apart_px > (size + CLICK_PX) / 2 + GAP).all(axis=1)

@@ -87,10 +87,8 @@ def test_a_group_says_its_p_corrected_and_whether_it_has_an_interval(
     assert "p = 0.02, 0.08 for all groups" in trace(figure, "difference").text[1]
 
 
-# a rate, one in each of several units, and one that is defined in no group
-@pytest.mark.parametrize(
-    "key", ["share_low", "mean_impact_kmh", "false_alert_episodes_per_hour", "alerted"]
-)
+# a share, a rate with a unit, and one that is defined in no group
+@pytest.mark.parametrize("key", ["share_low", "false_alert_episodes_per_hour", "alerted"])
 def test_a_measure_is_drawn_for_the_groups_in_which_it_is_defined(result: Result, key: str) -> None:
     rows = subgroup_table(result, [key])
     drawn = subgroup_forest(rows, theme="dark")
