@@ -12,7 +12,7 @@ import streamlit as st
 from nvcore.arguments.report import MAX_CHARACTERS, Inscription
 from nvcore.comparison import Result
 from nvcore.params import Params
-from nvcore.progress import Progress
+from nvcore.progress import Progress, with_time_left
 from nvcore.protocols import Protocol
 from nvcore.report.html import write_html_report
 from nvcore.report.sections.evidence import AT_ONCE
@@ -26,7 +26,9 @@ from ui.widgets import drawing
 from ui.widgets.text import plain
 
 NAME: Final = "nvcore-report.html"
-RUN: Final = PictureRun[None]("html", "report", "Making the report", folder="html")
+RUN: Final = PictureRun[None](
+    "html", "report", "Making the report", folder="html", has_time_left=True
+)
 LABELS: Final = {
     "title": "Title",
     "author": "Author",
@@ -114,7 +116,7 @@ def _start(result: Result, key: ReportKey) -> None:
             pictures=pictures,
             stability=key.with_map,
             inscription=key.inscription,
-            progress=progress,
+            progress=with_time_left(progress),
         )
 
     RUN.start(write, key=key, title=NAME, folder=folder)

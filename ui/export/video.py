@@ -9,7 +9,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.overlay import FPS_RANGE, write_video
-from nvcore.progress import Progress
+from nvcore.progress import Progress, with_time_left
 from ui.export.frame import file_stem
 from ui.jobs.picture_run import PictureRun
 from ui.session import state
@@ -28,6 +28,7 @@ RUN: Final = PictureRun[None](
     "Making {title}",
     folder="video",
     outlasts=True,
+    has_time_left=True,
 )
 
 
@@ -132,7 +133,7 @@ def _start(result: Result, recording: int, interval: Interval, *, labels: bool) 
             first + interval.row_stop,
             folder / name,
             fps=interval.fps,
-            progress=progress,
+            progress=with_time_left(progress),
             indices=pictures.indices.get(recording),
             lo=lo,
             hi=hi,

@@ -324,7 +324,7 @@ def driver_venn_plot(
 ) -> go.Figure:
     """Draw a Venn diagram of the near encounters that the driver, X and Y see.
 
-    A click on a count gives its region (`nvcore.schema.DriverRegion`) as `customdata`. The circles
+    A click on a count gives its region (`nvcore.driver.comparison.kinds.DriverRegion`) as `customdata`. The circles
     are of one size: three counts and their overlaps cannot be areas of circles.
 
     Parameters
