@@ -298,7 +298,7 @@ def test_while_it_is_cancelled_the_video_says_so():
     job = BackgroundJob(write, lambda: True, title="night.mp4")
     page.session_state["workspace"].put_job("video", job)
     assert is_halfway.wait(TIMEOUT_S)
-    assert progress_of(checked(page.run())) == [r"Making night\.mp4: 50 %"]
+    assert progress_of(checked(page.run())) == [r"Making night\.mp4: 50 % (frames)"]
     assert page.button(key="make_video").disabled
     press(page, "video_cancel")
     assert progress_of(page) == ["Cancelling"]
