@@ -336,23 +336,20 @@ def _event_marks(panels: Panels, letter: str, events: pd.DataFrame, theme: Theme
 def _similarity_lines(panels: Panels, letter: str, theme: Theme) -> list[go.Scatter]:
     """Draw similarity (thin) and its moving mean (thick). The browser moves both with sliders."""
     system, thick = panels.result.system(letter), system_line(letter, theme)
+
+    def line(values: np.ndarray, n_points: int, kind: str, name: str, **looks: Any) -> go.Scatter:
+        rows = decimate(values[panels.rows], n_points=n_points)
+        place = panels.place(letter, panels.time_s[rows], values[panels.rows][rows])
+        meta = f"nv-{kind}-{letter}"
+        return still_line(**place, legendgroup=letter, meta=meta, name=name, **looks)
+
     thin = {"width": 1, "color": faded(thick["color"], 0.55)}
-    label, raw = system_label(letter, system.name), f"{letter.upper()}, frame by frame"
-    traces = []
-    for values, n_points, meta, looks in (
-        (system.similarity, MAX_POINTS, "raw", {"line": thin, "name": raw}),
-        (
-            system.similarity_window,
-            MEAN_POINTS,
-            "mean",
-            {"line": thick, "name": label, "showlegend": None},
-        ),
-    ):
-        part = values[panels.rows]
-        rows = decimate(part, n_points=n_points)
-        place = panels.place(letter, panels.time_s[rows], part[rows])
-        traces.append(still_line(**place, legendgroup=letter, meta=f"nv-{meta}-{letter}", **looks))
-    return traces
+    raw, label = f"{letter.upper()}, frame by frame", system_label(letter, system.name)
+    mean = system.similarity_window
+    return [
+        line(system.similarity, MAX_POINTS, "raw", raw, line=thin),
+        line(mean, MEAN_POINTS, "mean", label, line=thick, showlegend=None),
+    ]
 
 
 def _similarity_axes(

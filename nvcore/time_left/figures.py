@@ -366,22 +366,13 @@ def over_speed_plot(
         yaxis=axis(theme, y_title, **form),
     )
     turns = turning_speeds(defined, measure)
-    marked = [] if speed_kmh is None else [(speed_kmh, "now", "speed", 0.0, "ink", "solid")]
+    marked = [] if speed_kmh is None else [("now", "speed", speed_kmh, 0.0, "ink", "solid")]
     if len(turns) <= TURNS:
-        marked += [(at, "turns at", f"turn {at:g}", 0.09, "muted", "dot") for at in turns]
-    for at, word, name, y, colour, dash in marked:
-        mark_value(
-            figure,
-            at,
-            f"{word} {at:g}",
-            theme,
-            name=name,
-            left_from=100,
-            y=y if measure == "share_in_time" else 1 - y,  # where the lines leave room
-            colour=colour,
-            dash=dash,
-            layer="below",
-        )
+        marked += [("turns at", f"turn {at:g}", at, 0.09, "muted", "dot") for at in turns]
+    for word, name, at, y, colour, dash in marked:
+        place = y if measure == "share_in_time" else 1 - y  # where the lines leave room
+        looks = {"colour": colour, "dash": dash, "layer": "below"}
+        mark_value(figure, at, f"{word} {at:g}", theme, name=name, left_from=100, y=place, **looks)
     return figure
 
 
