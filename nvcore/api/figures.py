@@ -63,7 +63,7 @@ class Figures:
         raise AttributeError(f"there is no figure {name!r}; there are {', '.join(dir(self))}")
 
     def dark(self) -> Figures:
-        """The same figures for a dark page."""
+        """Return the same figures for a dark page."""
         return Figures(self._result, "dark")
 
     def timeline(
@@ -126,7 +126,7 @@ class Figures:
         return figures.recordings_plot(recordings, names, theme=self._theme, measure="saliency")
 
     def weightings(self, encounter: int | None = None) -> go.Figure:
-        """The weight of one pedestrian over time, as height, horizon and distance tell it.
+        """Weight of one pedestrian over time, by height, by horizon and by distance.
 
         Parameters
         ----------
@@ -157,7 +157,7 @@ class Figures:
         return figures.parts_plot(self._result, theme=self._theme, recording=row)
 
     def curve(self, kind: figures.CurveKind = "miss_rate") -> go.Figure:
-        """A detection curve of X and Y under the session's protocol.
+        """Detection curve of X and Y under the session's protocol.
 
         Parameters
         ----------

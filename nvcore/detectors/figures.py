@@ -188,7 +188,7 @@ def sides_in(boxes: Detections, picture: Picture, size: tuple[float, float]) -> 
 
 
 def iou_with(sides: NDArray[np.float64], truth: NDArray[np.float64] | None) -> NDArray[np.float64]:
-    """Return each box's largest intersection over union with the truth, (n,); NaN without truth."""
+    """Return each box's largest IoU with a box of the truth, (n,), NaN without truth."""
     if truth is None or not len(truth):
         return np.full(len(sides), np.nan)
     left, top, width, height = sides.T[:, :, np.newaxis]
@@ -466,7 +466,7 @@ def traces_plot(
 
 
 def training_plot(error: np.ndarray, round_ends: np.ndarray, *, theme: Theme) -> go.Figure:
-    """Draw the training error over the trees of each round; lower is better, each round is harder.
+    """Draw the training error over the trees of each round, lower is better.
 
     Parameters
     ----------

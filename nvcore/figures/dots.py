@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from itertools import chain
-from typing import Any, Final, Literal, NamedTuple
+from typing import Any, Final, Literal
 
 import numpy as np
 import pandas as pd
@@ -14,9 +14,10 @@ from nvcore.evidence.planning.notes import ASSUMPTIONS
 from nvcore.evidence.planning.plan import Plan
 from nvcore.evidence.subgroups import ALL
 from nvcore.figures.marks import (
-    HOVER,
     click_markers,
+    curve_line,
     marks,
+    row_texts,
     still_line,
     system_marker,
     with_gaps,
@@ -42,41 +43,21 @@ from nvcore.wording import capitalised, count_text, number, percent
 MOST_GROUPS: Final = 40
 MAX_RECORDINGS: Final = 40
 """Recordings drawn: those with the largest differences."""
-FACTOR_WORDS: Final = {"tag": "recordings tagged"}
-"""Factors that are not called by their own name."""
-LOG_FACTOR: Final = 8
-"""Ratio of the numbers of recordings above which the axis is logarithmic."""
 
 ByRecording = Literal["mean_similarity", "saliency"]
 
 
-class _MeasureAxis(NamedTuple):
-    """Texts of a measure, and the range that its axis has at least: small gains look small."""
-
-    title: str
-    axis_title: str
-    least: tuple[float, float]
-
-
-AXES: Final[dict[ByRecording, _MeasureAxis]] = {
-    "mean_similarity": _MeasureAxis(
-        "Similarity by recording", "mean similarity (1 = perfect)", (0.5, 1.0)
-    ),
-    "saliency": _MeasureAxis(
-        "Saliency by recording", "saliency (s, 0 = nothing to notice)", (0.0, 1.0)
-    ),
+AXES: Final[dict[ByRecording, tuple[str, str, tuple[float, float]]]] = {
+    "mean_similarity": ("Similarity by recording", "mean similarity (1 = perfect)", (0.5, 1.0)),
+    "saliency": ("Saliency by recording", "saliency (s, 0 = nothing to notice)", (0.0, 1.0)),
 }
+"""Titles of figure and axis, and the range that is shown at least: small gains look small."""
 
 
 def joined_rows(start: np.ndarray, stop: np.ndarray, name: str, **line: Any) -> go.Scatter:
     """Return a line from `start` to `stop` in each row, the first row at 0."""
     place = np.arange(len(start), dtype=float)
     return still_line(with_gaps(start, stop), with_gaps(place, place), name, line=line)
-
-
-def with_room(low: float, high: float, room: float) -> list[float]:
-    """Return the range of an axis with room at both ends."""
-    return [low - room, high + room]
 
 
 def forest_in_words(subgroups: pd.DataFrame) -> str:
@@ -131,11 +112,10 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
             "symbol": np.where(has_interval, "square", "square-open"),
         },
     )
+    factors = table["factor"].replace({"tag": "recordings tagged"})
     labels = [
-        "<b>all</b>"
-        if row["factor"] == ALL
-        else f"{FACTOR_WORDS.get(row['factor'], row['factor'])}: {plain(row['group'])}"
-        for row in rows
+        "<b>all</b>" if factor == ALL else f"{factor}: {plain(group)}"
+        for factor, group in zip(factors, table["group"], strict=True)
     ]
     form, beside = scale.form.lstrip(","), {"x": 1.01, "xref": "x domain", "xanchor": "left"}
     words = [
@@ -152,6 +132,7 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
     side = "right" if better == HIGHER else "left"
     values = np.concatenate([difference, low, high, [0.0]])
     least, most = float(np.nanmin(values)), float(np.nanmax(values))
+    room = 0.05 * max(most - least, scale.least)
     figure = draw(
         [joined_rows(low, high, "95 % interval", color=look.muted, width=2), differences],
         theme,
@@ -164,15 +145,14 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
         xaxis=axis(
             theme,
             f"difference{f' in {axis_unit}' if axis_unit else ''} ({side}: X is better)",
-            range=with_room(least, most, 0.05 * max(most - least, scale.least)),
+            range=[least - room, most + room],
         ),
         yaxis=rows_axis(
             theme, labels, room=0.5, tickvals=place.tolist(), showgrid=False, fixedrange=True
         ),
         annotations=counts,
     )
-    figure.add_vline(0, line={"color": look.ink, "width": 1})
-    return figure
+    return figure.add_vline(0, line={"color": look.ink, "width": 1})
 
 
 def _corrected(row: dict[Hashable, Any]) -> str:
@@ -190,8 +170,9 @@ def _group_text(row: dict[Hashable, Any]) -> str:
         f"{row['neither']:,}"
     )
     of = f"{row['n']:,} {row['unit']}"
-    is_split = row["unit"] == "encounters"
-    parts = [f"of {of}: {counts}"] if is_split else [of, f"encounters detected by {counts}"]
+    parts = [of, f"encounters detected by {counts}"]
+    if row["unit"] == "encounters":
+        parts = [f"of {of}: {counts}"]
     p, holm = float(row["p"]), float(row["p_corrected"])
     if np.isfinite(p):
         parts.append(f"p = {p:.2g}" + (f", {holm:.2g} for all groups" if np.isfinite(holm) else ""))
@@ -221,7 +202,7 @@ def recordings_plot(
     measure
         ``mean_similarity`` (1 is best) or ``saliency`` (0 is best).
     """
-    look = AXES[measure]
+    title, axis_title, least = AXES[measure]
     values = recordings[[f"{measure}_x", f"{measure}_y"]].to_numpy(dtype=float)
     recordings, values = (part[np.isfinite(values).all(axis=1)] for part in (recordings, values))
     if recordings.empty:
@@ -234,10 +215,8 @@ def recordings_plot(
     x, y = values[largest].T
     labels = [plain(name, max_length=24) for name in recordings["recording"].to_numpy()[largest]]
     rows, place = recordings.index.to_numpy()[largest], np.arange(len(largest), dtype=float)
-    text = [
-        f"{label}<br>X {value_x:.3f}   Y {value_y:.3f}   X − Y {value_x - value_y:+.3f}"
-        for label, value_x, value_y in zip(labels, x, y, strict=True)
-    ]
+    template = "{label}<br>X {x:.3f}   Y {y:.3f}   X − Y {gain:+.3f}"
+    text = row_texts(template, label=labels, x=x, y=y, gain=x - y)
     systems = [
         marks(
             along,
@@ -256,9 +235,9 @@ def recordings_plot(
     if len(gain) > 1:
         extent += f"; X is better in {int((gain > 0).sum()):,}, Y in {int((gain < 0).sum()):,}"
         extent += "; best for X on top" if has_all else ""  # no room for both
-    low = min(look.least[0], values[largest].min())
-    high = max(look.least[1], values[largest].max())
-    ends = with_room(low, high, 0.03 * (high - low))
+    low, high = min(least[0], values[largest].min()), max(least[1], values[largest].max())
+    room = 0.03 * (high - low)
+    ends = [low - room, high + room]
     return draw(
         [
             joined_rows(x, y, "difference", width=3, color=LOOK[theme].pale),
@@ -266,11 +245,11 @@ def recordings_plot(
             click_markers((x + y) / 2, place, text, customdata=rows, name="recordings"),
         ],
         theme,
-        title=look.title,
+        title=title,
         subtitle=extent,
         height=150 + 24 * len(largest),
         hoverdistance=-1,
-        xaxis=axis(theme, look.axis_title + begins_at(ends[0]), range=ends),
+        xaxis=axis(theme, axis_title + begins_at(ends[0]), range=ends),
         yaxis=rows_axis(theme, labels, tickvals=place, fixedrange=True),
     )
 
@@ -302,22 +281,21 @@ def power_plot(plan: Plan, *, theme: Theme) -> go.Figure:
             f"{point.n_studies:,} studies ({percent(point.low)} to {percent(point.high)})"
             for point in points
         ]
-        line = go.Scatter(
-            x=[point.n_recordings for point in points],
-            y=[point.power for point in points],
+        line = curve_line(
+            [point.n_recordings for point in points],
+            [point.power for point in points],
+            texts,
             error_y=interval,
-            mode="lines+markers",
-            cliponaxis=False,
             line={"color": colour, "width": 1.5, "dash": dash},
             marker={"color": colour, "symbol": symbol, "size": 7},
             name=name,
-            text=texts,
-            hovertemplate=HOVER,
             showlegend=True,
         )
         traces.append(line)
     numbers = list(chain(*(trace.x for trace in traces)))
-    is_log = max(numbers) > LOG_FACTOR * min(numbers)
+    along = axis(theme, "recordings", rangemode="tozero")
+    if max(numbers) > 8 * min(numbers):
+        along = axis(theme, "recordings, logarithmic", **_log_ticks(numbers))
     figure = draw(
         traces,
         theme,
@@ -326,21 +304,13 @@ def power_plot(plan: Plan, *, theme: Theme) -> go.Figure:
         f"{count_text(plan.evidence.n, 'recording')} with "
         f"{count_text(plan.n_encounters, 'encounter')}{which_is_which(theme)}",
         height=340,
-        xaxis=axis(theme, "recordings, logarithmic", **_log_ticks(numbers))
-        if is_log
-        else axis(theme, "recordings", rangemode="tozero"),
+        xaxis=along,
         yaxis=axis(theme, "power: share of studies that show it", range=[0, 1], tickformat=".0%"),
     )
-    figure.add_hline(
-        plan.power,
-        line={"color": look.muted, "width": 1, "dash": "dot"},
-        annotation={
-            "text": percent(plan.power),
-            "xanchor": "right",
-            "font": {"size": 12, "color": look.muted},
-        },
-    )
-    return figure
+    level = {"color": look.muted, "width": 1, "dash": "dot"}
+    font = {"size": 12, "color": look.muted}
+    words = {"text": percent(plan.power), "xanchor": "right", "font": font}
+    return figure.add_hline(plan.power, line=level, annotation=words)
 
 
 def _log_ticks(numbers: Sequence[int]) -> dict[str, Any]:

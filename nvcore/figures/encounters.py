@@ -9,7 +9,7 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
-from nvcore.figures.marks import HOVER, marks, still_line
+from nvcore.figures.marks import marks, still_line
 from nvcore.figures.style import (
     LOOK,
     axis,
@@ -30,12 +30,8 @@ from nvcore.wording import count_text, number
 
 LABELS: Final = {"x": "X", "y": "Y", "x_or_y": "X or Y", "x_and_y": "X and Y"}
 CLASS_WORDS: Final = {
-    MissClass.NEVER: "never",
-    MissClass.LATE: "late",
-    MissClass.DROPOUT: "dropout",
-    MissClass.LOST_EARLY: "lost early",
-    MissClass.BRIEF: "brief",
-    MissClass.NONE: "no failure",
+    kind: "no failure" if kind is MissClass.NONE else kind.value.replace("_", " ")
+    for kind in MissClass
 }
 NEST_PX: Final = 10
 """Difference in size between a mark and the one inside it."""
@@ -43,8 +39,6 @@ NONE_LEFT: Final = "No encounter is left: widen the filters."
 MAX_BINS: Final = 25
 LEAD_STEPS_S: Final = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
 """Widths of the bins of lead time that are easy to read."""
-FEW: Final = 6
-"""Counts up to which every whole number gets a tick."""
 MAX_MARKS: Final = 4000
 """Encounters on the map. Detected ones are thinned out first."""
 MAP_KINDS: Final = (
@@ -240,6 +234,8 @@ def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme, objects: Objects) 
         )
         traces.append(bars)
     ends = [centre[0] - width, centre[-1] + width]
+    # few counts get a tick at every whole number
+    ticks = {"dtick": 1} if np.bincount(bin_of).max() <= 6 else {}
     lead = "← Y first        lead time of X over Y (s)        X first →"
     return draw(
         traces,
@@ -249,7 +245,7 @@ def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme, objects: Objects) 
         f"{n_y}; median {np.median(lead_s) + 0.0:+.2f} s{which_is_which(theme)}",
         barmode="stack",
         xaxis=axis(theme, lead, range=ends),
-        yaxis=counts_axis(theme, **({"dtick": 1} if np.bincount(bin_of).max() <= FEW else {})),
+        yaxis=counts_axis(theme, **ticks),
     )
 
 
@@ -346,19 +342,12 @@ def weightings_plot(
         k = curves[f"k_{kind}"].to_numpy()
         if np.isnan(k).all():
             continue
-        line = go.Scatter(
-            x=time_s,
-            y=k,
-            mode="lines",
-            name=f"by {kind}",
-            line={"dash": dash, "width": width, "color": getattr(look, colour)},
-            text=[
-                f"frame {frame}, {second:.2f} s<br>k by {kind} {number(value, '.2f')}"
-                for frame, second, value in zip(curves["frame"], time_s, k, strict=True)
-            ],
-            hovertemplate=HOVER,
-        )
-        traces.append(line)
+        texts = [
+            f"frame {frame}, {second:.2f} s<br>k by {kind} {number(value, '.2f')}"
+            for frame, second, value in zip(curves["frame"], time_s, k, strict=True)
+        ]
+        line = {"dash": dash, "width": width, "color": getattr(look, colour)}
+        traces.append(marks(time_s, k, texts, mode="lines", name=f"by {kind}", line=line))
     for letter, system in result.sides:
         detected, rim = curves[curves[f"matched_{letter}"]], {"width": 2, "color": look.of(letter)}
         lane = marks(

@@ -47,20 +47,10 @@ from nvcore.stability.notes import (
 from nvcore.tables.classes import read_share
 from nvcore.wording import count_text
 
-LEAST_SHARE: Final = 0.02
-"""Minimum share of the cells for naming a region in the map."""
-DEEP: Final = 0.7
-"""Minimum depth of a name's position, as a share of the region's greatest depth."""
 INSIDE_PX: Final = (620, 300)
 """Approximate width and height of the map itself."""
 NAME_PX: Final = (74, 26)
 """Approximate width and height of a region's name."""
-ROOMY_PX: Final = 3 * NAME_PX[1]
-"""Minimum height of a cell that can hold a name above a mark."""
-ROOM: Final = 0.08
-"""Space above and below a line, as a share of its largest difference."""
-COST_STEP: Final = 0.1
-"""Between the lines of equal cost."""
 NO_CLASS: Final = "no class"
 """Column of the matches to which the system gives no class."""
 
@@ -87,7 +77,7 @@ def stability_map(stability: StabilityMap, *, theme: Theme) -> go.Figure:
     else:
         traces = _line(stability, look)
         x, y = stability.axes[0].values, stability.difference
-        edge = (1 + ROOM) * (float(np.nanmax(np.abs(y))) or 1.0)
+        edge = 1.08 * (float(np.nanmax(np.abs(y))) or 1.0)
         zero = {"zeroline": True, "zerolinecolor": look.muted, "fixedrange": True}
         settings = {
             "height": 320,
@@ -279,16 +269,16 @@ def _region_names(
     )
     awkward = awkward + 10.0 * binary_dilation(is_drawn, size)
     awkward = awkward + 5.0 * binary_dilation(is_framed & ~binary_erosion(is_framed), size)
-    is_roomy = INSIDE_PX[1] / shape[1] >= ROOMY_PX
+    is_roomy = INSIDE_PX[1] / shape[1] >= 3 * NAME_PX[1]  # a name fits above a mark
     names = []
     for winner, words in (("x", "X better"), ("y", "Y better"), ("even", "even")):
         is_inside = stability.winner == winner
         has_room = binary_erosion(is_inside, size)
-        # a narrow stripe of ties between lines has no name
-        if is_inside.mean() < LEAST_SHARE or (winner == "even" and not has_room.any()):
+        # neither a small region nor a narrow stripe of ties between lines has a name
+        if is_inside.mean() < 0.02 or (winner == "even" and not has_room.any()):
             continue
         depth = distance_transform_edt(np.pad(is_inside, 1))[1:-1, 1:-1]
-        is_deep = has_room if has_room.any() else depth >= DEEP * depth.max()
+        is_deep = has_room if has_room.any() else depth >= 0.7 * depth.max()
         widest = np.where(is_deep, awkward - depth / max(shape), np.inf)
         i, j = (int(place) for place in np.unravel_index(int(np.argmin(widest)), shape))
         place = {"x": float(across.values[i]), "y": float(up.values[j])}
@@ -319,7 +309,7 @@ def cost_plot(cost_map: CostMap, *, theme: Theme, objects: Objects) -> go.Figure
         z=cost_map.cost.astype(np.float32),  # half the bytes
         zmin=0,
         zmax=1,
-        contours={"start": COST_STEP, "end": 1 - COST_STEP, "size": COST_STEP},
+        contours={"start": 0.1, "end": 0.9, "size": 0.1},
         line={"width": 0.6, "color": look.surface},
         colorscale=loss_scale(theme),
         colorbar={"tickvals": [0, 0.5, 1], "tickfont": font, "thickness": 8, "outlinewidth": 0},

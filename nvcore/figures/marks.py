@@ -23,14 +23,14 @@ def with_gaps(*corners: np.ndarray) -> np.ndarray:
 def still_line(
     x: Any, y: Any, name: str | None, *, showlegend: bool | None = False, **more: Any
 ) -> Any:
-    """Return a line that does not answer to the mouse; `more` holds ``line`` or ``fillcolor``."""
+    """Return a line that does not answer to the mouse, with ``line`` or ``fillcolor`` in `more`."""
     return go.Scatter(
         x=x, y=y, name=name, mode="lines", hoverinfo="skip", showlegend=showlegend, **more
     )
 
 
 def marks(x: Any, y: Any, texts: Any, *, hover: str = HOVER, **more: Any) -> go.Scatter:
-    """Return markers, each with a text for the mouse; `more` may hold another ``mode``."""
+    """Return markers, each with a text for the mouse, or points of another ``mode``."""
     return go.Scatter(x=x, y=y, text=texts, hovertemplate=hover, **{"mode": "markers", **more})
 
 
@@ -89,3 +89,8 @@ def rule(
 def system_line(letter: str, theme: Theme) -> dict[str, Any]:
     """Return a system's line in its colour and dash."""
     return {"width": 2.4, "color": LOOK[theme].of(letter), "dash": LOOK[theme].dash(letter)}
+
+
+def curve_line(x: Any, y: Any, texts: Any, **looks: Any) -> go.Scatter:
+    """Return a line with a marker at each value, each with a text for the mouse."""
+    return marks(x, y, texts, **{"mode": "lines+markers", "cliponaxis": False, **looks})

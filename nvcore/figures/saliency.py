@@ -9,7 +9,7 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
-from nvcore.figures.marks import marks, still_line, system_marker, with_gaps
+from nvcore.figures.marks import marks, row_texts, still_line, system_marker, with_gaps
 from nvcore.figures.style import (
     CLEAR,
     LOOK,
@@ -210,11 +210,13 @@ def plane_plot(result: Result, *, theme: Theme) -> go.Figure:
         rows = result.dataset.frame_columns.first[:-1].copy()
         events = system.events.sort_values("saliency_s", kind="stable")
         rows[events["recording"].to_numpy()] = events["first_row"].to_numpy()  # the last one stays
-        text = [
-            f"{plain(name)}: {letter.upper()}<br>mean similarity {value:.3f}<br>"
-            f"saliency {seconds:.2f} s"
-            for name, value, seconds in zip(recordings["recording"], *points, strict=True)
-        ]
+        text = row_texts(
+            "{name}: {system}<br>mean similarity {similarity:.3f}<br>saliency {saliency_s:.2f} s",
+            name=recordings["recording"].map(plain),
+            system=letter.upper(),
+            similarity=points[0],
+            saliency_s=points[1],
+        )
         marker = system_marker(letter, 5 if is_many else 10, theme, rim=0 if is_many else 1)
         marker["opacity"] = 0.6 if is_many else 1
         mark = marks(

@@ -87,7 +87,7 @@ class ChartLook:
     x: str
     y: str
     truth: str
-    scheme: Scheme = Scheme("light")
+    scheme: Scheme
 
     def of(self, letter: str) -> str:
         """Return the colour of system "x" or "y", or of the "truth"."""
@@ -103,11 +103,6 @@ class ChartLook:
         return self.scheme.style(letter).symbol
 
 
-def _look(shade: Shade, ink: str, muted: str, grid: str, pale: str, surface: str) -> ChartLook:
-    systems = X_COLOUR[shade], Y_COLOUR[shade], TRUTH_COLOUR[shade]
-    return ChartLook(ink, muted, grid, pale, surface, *systems, Scheme(shade))
-
-
 class _Looks(dict[Theme, ChartLook]):
     """Looks of both shades, and of each scheme: that of its shade in the systems' own colours."""
 
@@ -120,9 +115,14 @@ class _Looks(dict[Theme, ChartLook]):
         return look
 
 
+PAGES: Final[dict[Shade, tuple[str, str, str, str, str]]] = {
+    "light": ("#1F2630", "#57606A", "#E4E8ED", "#CBD2DA", "#FFFFFF"),
+    "dark": ("#E6EAF0", "#A3AEBB", "#2A323D", "#46515F", "#151A21"),
+}
+"""Ink, muted ink, grid, pale lines and surface of a page."""
 LOOK: Final = _Looks(
-    light=_look("light", "#1F2630", "#57606A", "#E4E8ED", "#CBD2DA", "#FFFFFF"),
-    dark=_look("dark", "#E6EAF0", "#A3AEBB", "#2A323D", "#46515F", "#151A21"),
+    (of, ChartLook(*page, X_COLOUR[of], Y_COLOUR[of], TRUTH_COLOUR[of], Scheme(of)))
+    for of, page in PAGES.items()
 )
 
 
@@ -145,7 +145,7 @@ def system_label(letter: str, name: str) -> str:
 
 
 def which_is_which(theme: Theme) -> str:
-    """Return who X and Y are as the end of a subtitle without a legend; empty if not known."""
+    """Return who X and Y are, if known, as the end of a subtitle without a legend."""
     x, y = scheme_of(theme).names
     return f"; {system_label('x', x)}, {system_label('y', y)}" if x and y else ""
 
@@ -163,7 +163,7 @@ def loss_scale(theme: Theme) -> list[tuple[float, str]]:
 
 
 def axis(theme: Theme, title: str = "", **more: Any) -> dict[str, Any]:
-    """Return an axis; `title` says the quantity and its unit."""
+    """Return an axis whose `title` says the quantity and its unit."""
     look = LOOK[theme]
     return {
         "title": {"text": title, "font": {"size": 12, "color": look.muted}, "standoff": 8},
@@ -189,7 +189,7 @@ def begins_at(low: float) -> str:
 
 
 def take_heading(figure: go.Figure) -> tuple[str, str]:
-    """Take title and subtitle out of a figure, with their room; both as HTML.
+    """Take title and subtitle, as HTML, out of a figure with their room.
 
     As text of the page that the figure is on they wrap.
     """
@@ -214,7 +214,7 @@ def counts_axis(theme: Theme, **more: Any) -> dict[str, Any]:
 def rows_axis(
     theme: Theme, labels: Sequence[str], *, room: float = 0.6, **more: Any
 ) -> dict[str, Any]:
-    """Return an upright axis of labelled rows, the first on top; `room` is above and below."""
+    """Return an upright axis of labelled rows, the first on top, with `room` above and below."""
     rows: dict[str, Any] = {
         "range": [len(labels) - (1 - room), -room],
         "tickvals": np.arange(len(labels)),

@@ -40,14 +40,8 @@ IN_CIRCLES: Final = REGIONS[:3]
 MOST_MARKS: Final = 150
 """Maximum number of encounters for drawing a mark for each."""
 HEIGHT_PX: Final = 342
-BELOW_PX: Final = 24
-"""Space below the frame for the number of distant encounters."""
-ASPECT: Final = 1.75
-"""Minimum ratio of width to height of the frame around the circles."""
 PLOT_PX: Final = (340, 255)
 """Width and height that the frame has at least: on a phone."""
-GRID: Final = (36, 22)
-"""Number of clickable points, across and down."""
 CLICK_PX: Final = 8
 """Size of a clickable point."""
 AREAS: Final = {
@@ -60,10 +54,6 @@ AREAS: Final = {
     "circle-open": 1.0,
 }
 """Sizes that give symbols the same area."""
-CHARACTER: Final = 0.6
-"""Width of a character over the font size, where the font is a wide one."""
-LINE: Final = 1.3
-"""Height of a line over the font size."""
 BASE_PX: Final = 14
 """Font size of a whole label: no line is lower."""
 MAX_SIZES: Final = (28, 24, 20, 17, 14, 12, 10, 8, 6.5, 5)
@@ -77,9 +67,6 @@ REACH: Final = 1.25
 """Reach of the corners of diamonds and squares over the radius of a circle of their area."""
 STEP: Final = 3.3
 """Distance of the places to try."""
-GROWTH: Final = 1.6
-"""Factor by which a region grows that is too narrow for its marks."""
-MAX_GROWTHS: Final = 16
 
 
 def venn_figure(
@@ -143,7 +130,7 @@ def venn_figure(
         f"areas {'' if plan.is_exact else 'roughly '}to scale",
         height=HEIGHT_PX,
         hoverdistance=24,
-        margin={"r": EDGE_PX, "b": BELOW_PX},
+        margin={"r": EDGE_PX, "b": 24},  # below: the number of distant encounters
         **square_axes(frame[:2], frame[2:]),
     )
     figure.update_layout(shapes=shapes, annotations=_annotations(venn, plan, look))
@@ -227,7 +214,7 @@ class Circles:
         width = max(right - left, 1.0)
         height = max(2 * max(self.radius_x, self.radius_y), 0.35 * width)
         pad = 0.1 * height
-        half_width = max(width / 2 + pad, 0.5 * ASPECT * (height + 3.2 * pad))
+        half_width = max(width / 2 + pad, 0.5 * 1.75 * (height + 3.2 * pad))
         middle = (left + right) / 2
         bottom, top = -height / 2 - 2.4 * pad, height / 2 + 1.6 * pad
         return Frame(middle - half_width, middle + half_width, bottom, top)
@@ -292,8 +279,8 @@ Labels = Mapping[str, tuple[Label, Label]]
 
 
 def _width(label: Label) -> float:
-    """Width of a label, px."""
-    return max(CHARACTER * line.size * len(unescape(line.text)) for line in label)
+    """Width of a label in a wide font, px."""
+    return max(0.6 * line.size * len(unescape(line.text)) for line in label)
 
 
 def _labels(
@@ -325,15 +312,20 @@ def _weights(part: pd.DataFrame, kind: Category) -> list[Line]:
     A system may fail in some frames of an encounter that it detects. Over all regions the weights
     add up to its severity.
     """
-    is_only = kind in (Category.X_ONLY, Category.Y_ONLY)
+    detected_by = {Category.X_ONLY: "x", Category.Y_ONLY: "y"}.get(kind)
     # the system with a failed detection first
-    failing = "yx" if kind is Category.X_ONLY else "xy"
-    weights_s = [(letter, part[f"severity_s_{letter}"].sum()) for letter in failing]
+    letters = "yx" if detected_by == "x" else "xy"
+    weights_s = {letter: part[f"severity_s_{letter}"].sum() for letter in letters}
     return [
         Line(f"{letter.upper()} {weight_s:.2f} s", 12)
-        for place, (letter, weight_s) in enumerate(weights_s)
-        if len(part) and (weight_s > 0 or not (is_only and place))
+        for letter, weight_s in weights_s.items()
+        if len(part) and (weight_s > 0 or letter != detected_by)
     ]
+
+
+ACROSS: Final = {"left": 0.0, "center": 0.5, "right": 1.0}
+UP: Final = {"bottom": 0.0, "middle": 0.5, "top": 1.0}
+"""Places of a text's anchor, as shares of its width and height."""
 
 
 class Text(NamedTuple):
@@ -355,14 +347,10 @@ class Text(NamedTuple):
     def box(self, scale: float) -> Frame:
         """Return the rectangle that the label takes up, px."""
         width = _width(self.label)
-        height = sum(LINE * max(line.size, BASE_PX) for line in self.label)
-        left = self.x * scale - TO_THE_LEFT[self.xanchor] * width
-        bottom = self.y * scale - BELOW[self.yanchor] * height
+        height = sum(1.3 * max(line.size, BASE_PX) for line in self.label)
+        left = self.x * scale - ACROSS[self.xanchor] * width
+        bottom = self.y * scale - UP[self.yanchor] * height
         return Frame(left, left + width, bottom, bottom + height)
-
-
-TO_THE_LEFT: Final = {"left": 0.0, "center": 0.5, "right": 1.0}
-BELOW: Final = {"bottom": 0.0, "middle": 0.5, "top": 1.0}
 
 
 def _texts(labels: Labels, circles: Circles, crowded: Container[str] = ()) -> dict[str, Text]:
@@ -439,23 +427,23 @@ def plan_marks(venn: Venn, labels: Labels, severity_s: Mapping[Category, np.ndar
         }
         for max_size in MAX_SIZES
     ]
-    for growth in range(MAX_GROWTHS):
+    for growth in range(16):
         circles = circles_of(*(area[kind] for kind in IN_CIRCLES))
         texts = _texts(labels, circles)
         rooms = _rooms(circles, texts)
-        marks = _place(rooms, sizes_px[FAIR])
-        crowded = {kind for kind in rooms.keys() - marks.keys() if texts[kind].pointer is None}
+        placed = _place(rooms, sizes_px[FAIR])
+        crowded = {kind for kind in rooms.keys() - placed.keys() if texts[kind].pointer is None}
         if crowded:
             texts = _texts(labels, circles, crowded)
             rooms = _rooms(circles, texts)
-            marks = _place(rooms, sizes_px[FAIR])
-        marks = _enlarge(marks, rooms, sizes_px)
-        if len(marks) == len(rooms):
+            placed = _place(rooms, sizes_px[FAIR])
+        placed = _enlarge(placed, rooms, sizes_px)
+        if len(placed) == len(rooms):
             units = np.array([[circles.scale], [circles.scale], [1.0]])
-            scaled = {kind: places / units for kind, places in marks.items()}
+            scaled = {kind: places / units for kind, places in placed.items()}
             return VennPlan(circles, texts, growth == 0, scaled)
-        for kind in rooms.keys() - marks.keys():
-            area[kind] *= GROWTH
+        for kind in rooms.keys() - placed.keys():
+            area[kind] *= 1.6
     return plan_counts(venn, labels)  # not seen with up to 150 marks
 
 
@@ -508,26 +496,26 @@ Marks = dict[Category, np.ndarray]
 """x, y and size of the marks of regions, each of shape (3, n)."""
 
 
-def _enlarge(marks: Marks, rooms: Mapping[Category, Room], sizes_px: Sequence[Marks]) -> Marks:
+def _enlarge(placed: Marks, rooms: Mapping[Category, Room], sizes_px: Sequence[Marks]) -> Marks:
     """Place marks in the largest of `sizes_px` for which all regions have room, else the least.
 
     Parameters
     ----------
-    marks
+    placed
         Marks of the size `FAIR`.
     """
-    if len(marks) < len(rooms):
+    if len(placed) < len(rooms):
         for size_px in sizes_px[FAIR + 1 :]:
-            marks = _place(rooms, size_px)
-            if len(marks) == len(rooms):
+            placed = _place(rooms, size_px)
+            if len(placed) == len(rooms):
                 break
-        return marks
+        return placed
     for size_px in reversed(sizes_px[:FAIR]):
         larger = _place(rooms, size_px)
         if len(larger) < len(rooms):
             break
-        marks = larger
-    return marks
+        placed = larger
+    return placed
 
 
 def _place(rooms: Mapping[Category, Room], size_px: Marks) -> Marks:
@@ -541,7 +529,7 @@ def _place(rooms: Mapping[Category, Room], size_px: Marks) -> Marks:
 
 
 def _pack(room: Room, radius: np.ndarray) -> np.ndarray | None:
-    """Return the place of each circle, the nearest free one; None if one finds no place."""
+    """Return the nearest free place for each circle, or None if one finds no place."""
     spots = np.empty(len(radius), dtype=np.int64)
     free = room.free
     # one after the other: where a circle can stand depends on those before it
@@ -617,14 +605,14 @@ def _annotations(venn: Venn, plan: VennPlan, look: ChartLook) -> list[dict[str, 
 def _clicks(venn: Venn, plan: VennPlan) -> go.Scatter:
     """Return invisible, clickable markers of the categories wherever no encounter is marked."""
     circles, (left, right, bottom, top) = plan.circles, plan.circles.frame
-    across, up = np.linspace(left, right, GRID[0]), np.linspace(bottom, top, GRID[1])
-    x, y = (grid.ravel() for grid in np.meshgrid(across, up))
+    grid = np.meshgrid(np.linspace(left, right, 36), np.linspace(bottom, top, 22))
+    x, y = (places.ravel() for places in grid)
     depth = [circles.depth(kind, x, y) >= 0 for kind in IN_CIRCLES]
     category = np.select(depth, range(3), default=3)
     # a region may be too small for the grid, so it gets one marker in its middle
-    filled = [code for code, kind in enumerate(IN_CIRCLES) if venn.counts()[kind.value]]
-    x = np.append(x, [circles.middle(IN_CIRCLES[code]) for code in filled])
-    y, category = np.append(y, [0.0] * len(filled)), np.append(category, filled)
+    codes = [code for code, kind in enumerate(IN_CIRCLES) if venn.counts()[kind.value]]
+    x = np.append(x, [circles.middle(IN_CIRCLES[code]) for code in codes])
+    y, category = np.append(y, np.zeros(len(codes))), np.append(category, codes)
     mark_x, mark_y, size = np.hstack([np.empty((3, 0)), *plan.marks.values()])
     apart_px = np.hypot(x[:, None] - mark_x, y[:, None] - mark_y) * circles.scale
     is_free = (apart_px > (size + CLICK_PX) / 2 + GAP).all(axis=1)

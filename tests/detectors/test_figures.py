@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import base64
+
+import cv2
 import numpy as np
 import pytest
 from figure_parts import shape, trace, words
@@ -49,6 +52,7 @@ def test_chosen_counting_and_suppressed_boxes_are_told_apart():
     figure = drawn((True, False, False), theme=theme, threshold=0.4, truth=truth, chosen=0)
     look = LOOK[Scheme("dark", 0, 2)]
     assert trace(figure, "detected").x[:4].tolist() == [10, 20, 20, 10]
+    assert trace(figure, "detected").y[:4].tolist() == [5, 5, 25, 25]
     assert trace(figure, "suppressed boxes").x[:2].tolist() == [12, 22]
     assert trace(figure, "counting").customdata.tolist() == [0]
     assert trace(figure, "gone").customdata.tolist() == [1]  # the third is below
@@ -163,12 +167,17 @@ def test_a_tree_shows_its_questions_and_the_way_of_the_window():
     assert [part.name for part in figure.layout.shapes].count("window") == 3
     window, inside = figure.layout.shapes[:2]  # of the first question, from 2, 4 to 8, 10
     across, down = window.x1 - window.x0, window.y0 - window.y1
+    assert (down, window.x1) == pytest.approx((0.9, 4 - 0.06))  # left of the text of the question
+    assert window.y0 + window.y1 == pytest.approx(2 * 3)
     assert (inside.x0 - window.x0) / across == pytest.approx(2 / 16)
     assert (window.y0 - inside.y1) / down == pytest.approx(10 / 32)
 
 
 def test_pictures_stand_side_by_side_below_their_names():
-    figure = pictures_plot(dict.fromkeys("abc", GREY), theme="light", title="Steps", columns=2)
+    wide = np.tile(GREY, 8)
+    figure = pictures_plot(dict.fromkeys("abc", wide), theme="light", title="Steps", columns=2)
     lefts = [image.x for image in figure.layout.images]
     assert lefts[0] == lefts[2] == 0 < lefts[1]
     assert [text.text for text in figure.layout.annotations] == ["a", "b", "c"]
+    content = base64.b64decode(figure.layout.images[0].source.partition(",")[2])
+    assert cv2.imdecode(np.frombuffer(content, np.uint8), -1).shape == (30, 320)

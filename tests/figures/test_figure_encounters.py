@@ -108,6 +108,7 @@ def test_a_small_lead_in_the_bin_of_zero_is_still_a_lead() -> None:
     assert count["Y first"] == {0: 1}
     assert count["X first"] == {0: 2, 16: 1}
     assert figure.layout.barmode == "stack"  # in one bin the three stand on each other
+    assert figure.layout.xaxis.range == (-18, 18)  # a bin's width beyond the outermost
 
 
 @pytest.mark.parametrize("reach", [0.0, 0.04, 1.8, 60.0, 1000.0])
@@ -201,6 +202,6 @@ def test_a_weight_that_is_known_is_a_curve_and_detections_stand_below(is_known: 
     assert "count from k = 0.5 on" in words(figure)
     lane = trace(figure, "X: x")
     assert np.isclose(lane.x, [0.1]).all()
-    assert lane.y[0] < 0
+    assert figure.layout.yaxis.range[0] < lane.y[0] < 0
     assert list(lane.text) == ["X detects the pedestrian, frame 1"]
     assert len(trace(figure, "Y: y").x) == 0

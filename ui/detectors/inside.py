@@ -71,7 +71,7 @@ def draw(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
 
 
 def _choose_scale(inside: Inside, picture: Picture) -> float:
-    """Draw the choice of a scale at which the picture holds a window; ParameterError if none."""
+    """Draw the choice of a scale at which the picture holds a window, and return it."""
     scales = usable_scales(inside.settings, picture.shape[1], picture.shape[0])
     if not scales:
         raise ParameterError("the picture is smaller than the window at every scale")

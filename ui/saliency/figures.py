@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Final
-
-import plotly.graph_objects as go
 import streamlit as st
 
 from nvcore.comparison import Result
@@ -20,27 +17,21 @@ from ui.widgets.buttons import button
 from ui.widgets.charts import Clicked, draw_chart
 from ui.widgets.text import docs_link, plain
 
-HALF: Final = 0.5
-"""Recency from which a miss is called late."""
-
 
 def what_it_is(params: Params) -> str:
     """Explain what saliency means with these settings."""
-    is_each, is_risk = params.saliency_of == "each", params.saliency_weight == "risk"
-    who = "is missed by more than the tolerance" if is_each else "is the most salient miss"
-    weight = "weighted distance, summed over time," if is_risk else "*duration*"
-    passed = "the seconds left" if params.recency_unit == "seconds" else "the share that has passed"
-    scope = "encounter" if params.saliency_scope == "encounter" else "recording"
+    is_each, in_seconds = params.saliency_of == "each", params.recency_unit == "seconds"
+    is_risk = params.saliency_weight == "risk"
     return state.say(
         "How long {many} are missed ({link}, seconds, 0 is best). Late misses count most, as they "
         "are remembered best. A *saliency event* is a run of frames in which one {one} "
         "{what_of}. It counts by its {weight} times its *recency*, a weight of 0 to 1 that follows "
         "from {passed} of the {scope} when it ends. {Many} far away can have events, too. {caveat}",
         link=docs_link("saliency", "saliency"),
-        what_of=who,
-        weight=weight,
-        passed=passed,
-        scope=scope,
+        what_of="is missed by more than the tolerance" if is_each else "is the most salient miss",
+        weight="weighted distance, summed over time," if is_risk else "*duration*",
+        passed="the seconds left" if in_seconds else "the share that has passed",
+        scope="encounter" if params.saliency_scope == "encounter" else "recording",
         caveat=" ".join(map(state.say, saliency_caveat(params))),
     )
 
@@ -67,7 +58,7 @@ def draw_numbers(result: Result) -> None:
 def _draw_way(result: Result, letter: str) -> None:
     """Draw a description of a system's most salient event, and a button that opens it."""
     worst = worst_events(result, letter, n=1).iloc[0]
-    when = "late" if worst["recency"] >= HALF else "early"
+    when = "late" if worst["recency"] >= 0.5 else "early"
     st.caption(
         f"The most salient: {result.objects.singular} {worst['track']} in "
         f"{plain(worst['recording'])}, missed {worst['duration_s']:.1f} s, {when} in the "
@@ -85,13 +76,15 @@ def draw_events(result: Result, recording: int | None) -> None:
     theme = state.theme()
     left, right = st.columns(2, gap="medium")
     with left:
-        _chart(
+        draw_chart(
             recency_plot(result, theme=theme, recording=recording),
             "saliency_curve",
-            "X is drawn just above the curve, Y just below it.",
+            on_click=_ask_for_row,
+            help="X is drawn just above the curve, Y just below it.",
         )
     with right:
-        _chart(parts_plot(result, theme=theme, recording=recording), "saliency_parts")
+        parts = parts_plot(result, theme=theme, recording=recording)
+        draw_chart(parts, "saliency_parts", on_click=_ask_for_row)
 
 
 def draw_recordings(result: Result) -> None:
@@ -107,16 +100,13 @@ def draw_recordings(result: Result) -> None:
         )
     with right:
         means = "Large open marks: means. " if has_several_recordings(result) else ""
-        _chart(
+        draw_chart(
             plane_plot(result, theme=theme),
             "saliency_plane",
-            f"{means}Click the mark of a recording to see the system's most salient event in it in "
-            "the Timeline.",
+            on_click=_ask_for_row,
+            help=f"{means}Click the mark of a recording to see the system's most salient event in "
+            "it in the Timeline.",
         )
-
-
-def _chart(figure: go.Figure, key: str, help_text: str | None = None) -> None:
-    draw_chart(figure, key, on_click=_ask_for_row, help=help_text)
 
 
 def _ask_for_row(clicked: Clicked) -> None:

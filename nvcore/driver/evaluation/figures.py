@@ -54,7 +54,7 @@ _fixed: Final = partial(axis, fixedrange=True)
 def estimator_errors_plot(
     errors: pd.DataFrame, *, theme: Theme, has_published: bool = True
 ) -> go.Figure:
-    """Plot the mean squared error over the adaptation periods; 0 is best.
+    """Plot the mean squared error over the adaptation periods, 0 is best.
 
     Parameters
     ----------

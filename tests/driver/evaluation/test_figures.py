@@ -78,11 +78,13 @@ def test_pairs_are_ordered_by_their_rank_and_cells_say_it():
     assert figure.layout.yaxis.ticktext == ("Luminance SD + Edge contrast", "Width + Height")
     np.testing.assert_allclose(cells.z, [[0.04, 0.05], [0.09, 0.06]])
     assert [list(row) for row in cells.text] == [["1", "1"], ["2", "2"]]
+    assert figure.layout.height == 130 + 2 * 22  # a row for each pair
 
 
 def test_rank_correlations_fill_both_halves():
-    cells = pair_ranks_plot(RANKS, theme="dark").data[0]
-    assert [list(row) for row in cells.text] == [["–", "0.25"], ["0.25", "–"]]
+    figure = pair_ranks_plot(RANKS, theme="dark")
+    assert [list(row) for row in figure.data[0].text] == [["–", "0.25"], ["0.25", "–"]]
+    assert figure.layout.height == 130 + 2 * 32
     unknown = pair_ranks_plot(RANKS.assign(spearman=np.nan), theme="dark").data[0]
     assert [list(row) for row in unknown.text] == [["–", "–"]] * 2
 
@@ -99,8 +101,8 @@ def test_each_period_has_its_histogram_beside_the_others():
     assert [list(bars.y) for bars in figure.data] == [[3, 1, 0], [1, 1, 2]]
     assert [note.text for note in figure.layout.annotations] == ["0.5 s", "3 s"]
     first, second = figure.layout.xaxis.domain, figure.layout.xaxis2.domain
-    assert first[1] < second[0]
-    assert second[1] == pytest.approx(1)
+    assert first == pytest.approx((0, 0.49))
+    assert second == pytest.approx((0.51, 1))
     assert "4 pedestrians at each" in words(figure)
 
 
@@ -108,6 +110,7 @@ def test_estimates_stand_over_what_was_seen_with_their_correlation():
     figure = estimates_plot(ESTIMATES, theme="light")
     line, marks = figure.data
     assert list(line.x) == list(line.y) == [0, 1]
+    assert figure.layout.xaxis.range == figure.layout.yaxis.range == (-0.03, 1.03)
     assert list(marks.x) == [0.2, 0.4, 0.9]
     assert list(marks.y) == [0.0, 0.5, 1.0]
     assert "p1 of b.jpg, 3 s<br>estimate 0.90, seen by 1.00 of 4 subjects" in marks.text[2]

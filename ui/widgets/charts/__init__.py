@@ -100,7 +100,7 @@ def draw_chart(
 
 
 def clicked_chart(figure: go.Figure | ReadyFigure, key: str, **more: Any) -> Any:
-    """Draw a chart; return ``customdata`` of a point clicked since the last call, or None.
+    """Draw a chart and return ``customdata`` of a point clicked since the last call, or None.
 
     `more` as of `draw_chart`.
     """
