@@ -14,6 +14,7 @@ from nvcore.figures.curves import mark_value
 from nvcore.figures.lanes import Lanes, Strip
 from nvcore.figures.marks import (
     click_markers,
+    curve_line,
     marks,
     row_texts,
     rule,
@@ -327,7 +328,7 @@ def over_speed_plot(
     title, better, y_title, form = OVER_SPEED[measure]
     speeds, n = defined["speed_kmh"].to_numpy(), defined["urgent"].to_numpy()
     traces = [
-        marks(
+        curve_line(
             speeds,
             defined[f"{measure}_{letter}"].to_numpy(dtype=float),
             row_texts(
@@ -340,8 +341,6 @@ def over_speed_plot(
                 share=defined[f"share_in_time_{letter}"].map(percent),
                 impact=defined[f"mean_impact_kmh_{letter}"],
             ),
-            mode="lines+markers",
-            cliponaxis=False,
             line=system_line(letter, theme),
             name=system_label(letter, name),
             marker=system_marker(letter, 6, theme),
