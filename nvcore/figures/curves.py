@@ -34,73 +34,52 @@ from nvcore.wording import count_text, number
 CurveKind = Literal["miss_rate", "precision_recall", "roc", "roc_windows", "f1"]
 
 
+PER_IMAGE, PER_WINDOW = "false positives per image", "false positives per window"
+MEASURES: Final = {
+    "threshold": ("score threshold", ""),
+    "recall": ("recall (1 is best)", "recall {:.3f}"),
+    "miss_rate": ("miss rate (0 is best)", "miss rate {:.3f}"),
+    "precision": ("precision (1 is best)", "precision {:.3f}"),
+    "f1": ("F1 (1 is best)", "F1 {:.3f}"),
+    "fppi": (PER_IMAGE, f"{{:.3g}} {PER_IMAGE}"),
+    "fppw": (PER_WINDOW, f"{{:.3g}} {PER_WINDOW}"),
+}
+"""Title of the axis and hover text of each measure of a point."""
+OF_ROC: Final = {"recall": ("detection rate (1 is best)", "detection rate {:.3f}")}
+"""The same in curves of the detection rate, as recall is called there."""
+
+
 @dataclass(frozen=True)
 class CurveChart:
-    """Title of a kind of curve, measures and titles of its axes, and hover text of a point."""
+    """Title of a kind of curve, measures of its axes, and measures in each line of hover texts."""
 
     title: str
     x: str
     y: str
-    x_title: str
-    y_title: str
-    hover: str
+    hover: tuple[str, ...]
+
+    @property
+    def measures(self) -> dict[str, tuple[str, str]]:
+        """Title and hover text of each measure."""
+        return MEASURES | (OF_ROC if self.y == "recall" else {})
 
 
-WORDS: Final = {
-    "recall": "recall",
-    "miss_rate": "miss rate",
-    "precision": "precision",
-    "fppi": "false positives per image",
-    "fppw": "false positives per window",
-}
+ROC: Final = "Detection rate against false positives"
 KINDS: Final[dict[CurveKind, CurveChart]] = {
     "miss_rate": CurveChart(
-        "Miss rate against false positives",
-        "fppi",
-        "miss_rate",
-        WORDS["fppi"],
-        "miss rate (0 is best)",
-        "miss rate {miss_rate:.3f}, {fppi:.3g} false positives per image<br>"
-        "precision {precision:.3f}",
+        "Miss rate against false positives", "fppi", "miss_rate", ("miss_rate fppi", "precision")
     ),
     "precision_recall": CurveChart(
-        "Precision against recall",
-        "recall",
-        "precision",
-        "recall (1 is best)",
-        "precision (1 is best)",
-        "recall {recall:.3f}, precision {precision:.3f}<br>{fppi:.3g} false positives per image",
+        "Precision against recall", "recall", "precision", ("recall precision", "fppi")
     ),
-    "roc": CurveChart(
-        "Detection rate against false positives",
-        "fppi",
-        "recall",
-        WORDS["fppi"],
-        "detection rate (1 is best)",
-        "detection rate {recall:.3f}, {fppi:.3g} false positives per image<br>"
-        "precision {precision:.3f}",
-    ),
+    "roc": CurveChart(ROC, "fppi", "recall", ("recall fppi", "precision")),
     "roc_windows": CurveChart(
-        "Detection rate against false positives per window",
-        "fppw",
-        "recall",
-        WORDS["fppw"],
-        "detection rate (1 is best)",
-        "detection rate {recall:.3f}, {fppw:.3g} false positives per window<br>"
-        "{fppi:.3g} false positives per image, precision {precision:.3f}",
+        f"{ROC} per window", "fppw", "recall", ("recall fppw", "fppi precision")
     ),
     "f1": CurveChart(
-        "F1 against the threshold",
-        "threshold",
-        "f1",
-        "score threshold",
-        "F1 (1 is best)",
-        "F1 {f1:.3f}<br>recall {recall:.3f}, precision {precision:.3f}<br>"
-        "{fppi:.3g} false positives per image",
+        "F1 against the threshold", "threshold", "f1", ("f1", "recall precision", "fppi")
     ),
 }
-MEASURES: Final = ("threshold", "recall", "miss_rate", "precision", "f1", "fppi")
-"""Measures of each point of a curve."""
 MAX_POINTS: Final = 600
 """Points of a curve that are drawn and can be clicked, evenly over the axis."""
 FPPI_RANGE: Final = (0.001, 1.0)
@@ -125,56 +104,47 @@ MARGIN_SHARE: Final = 0.02
 
 @dataclass(frozen=True)
 class LogScale:
-    """A logarithmic axis of rates, with an edge for zeros.
+    """A logarithmic axis of rates.
 
     Attributes
     ----------
-    ticks
-        Values with a label, increasing.
-    high
-        Its upper end.
-    edge_label
-        Label of the edge: "0", or "< 0.001" if small numbers stand there as well, or "" if nothing
-        does.
+    low, edge
+        Lowest tick, and place of the values below it.
+    axis
+        Settings of Plotly's axis.
+    has_edge
+        Whether values stand at the edge, which has a label then: "0", or "< 0.001" if some are not
+        0.
     """
 
-    ticks: tuple[float, ...]
-    high: float
-    edge_label: str = ""
-
-    @classmethod
-    def of(cls, values: np.ndarray, ticks: Sequence[float], high: float) -> LogScale:
-        """Return the axis with these ticks and upper end for values of 0 or more.
-
-        Examples
-        --------
-        >>> LogScale.of(np.array([0.0, 0.5]), (0.01, 0.1, 1.0), 1.0).edge_label
-        '0'
-        >>> LogScale.of(np.array([0.0, 0.001]), (0.01, 0.1, 1.0), 1.0).edge_label
-        '< 0.01'
-        """
-        below = values[values < ticks[0] * (1 - 1e-9)]
-        label = f"< {_tick_label(ticks[0])}" if below.any() else "0" * (len(below) > 0)
-        return cls(tuple(ticks), high, label)
-
-    @property
-    def edge(self) -> float:
-        """Place of values below the lowest tick."""
-        low = self.ticks[0]
-        return float(low * (low / self.high) ** EDGE_SHARE)
+    low: float
+    edge: float
+    axis: dict[str, Any]
+    has_edge: bool
 
     def place(self, values: pd.Series) -> pd.Series:
-        """Return where values are drawn. Those below the lowest tick stand at the edge."""
-        return values.mask(values < self.ticks[0] * (1 - 1e-9), self.edge)
+        """Return where values are drawn."""
+        return values.mask(values < self.low * (1 - 1e-9), self.edge)
 
-    def axis(self) -> dict[str, Any]:
-        """Return settings of Plotly's axis."""
-        ticks, labels = [*self.ticks], [_tick_label(tick) for tick in self.ticks]
-        if self.edge_label:
-            ticks, labels = [self.edge, *ticks], [self.edge_label, *labels]
-        bottom = ticks[0] * (self.ticks[0] / self.high) ** MARGIN_SHARE
-        ends = [math.log10(bottom), math.log10(self.high)]
-        return {"type": "log", "range": ends, "tickvals": ticks, "ticktext": labels}
+
+def log_scale(values: np.ndarray, ticks: Sequence[float], high: float) -> LogScale:
+    """Return the axis with these ticks and upper end for values of 0 or more.
+
+    Examples
+    --------
+    >>> log_scale(np.array([0.0, 0.5]), (0.01, 0.1, 1.0), 1.0).axis["ticktext"]
+    ['0', '0.01', '0.1', '1']
+    >>> log_scale(np.array([0.0, 0.001]), (0.1, 1.0), 1.0).axis["ticktext"]
+    ['< 0.1', '0.1', '1']
+    """
+    low, labels = ticks[0], [_tick_label(tick) for tick in ticks]
+    edge = float(low * (low / high) ** EDGE_SHARE)
+    below = values[values < low * (1 - 1e-9)]
+    if len(below):
+        ticks, labels = [edge, *ticks], [f"< {labels[0]}" if below.any() else "0", *labels]
+    ends = [math.log10(ticks[0] * (low / high) ** MARGIN_SHARE), math.log10(high)]
+    axis = {"type": "log", "range": ends, "tickvals": [*ticks], "ticktext": labels}
+    return LogScale(low, edge, axis, len(below) > 0)
 
 
 def _tick_label(value: float) -> str:
@@ -325,14 +295,14 @@ def _why_empty(curves: Sequence[DetectionCurve], kind: CurveKind, windows: float
 
 def _values(of: DetectionCurve | CurvePoint, windows: float | None) -> dict[str, Any]:
     """Return the measures of all points of a curve, or of one."""
-    values = {name: getattr(of, name) for name in MEASURES}
-    return {**values, "fppw": of.fppi / (windows or np.nan)}
+    known = {name: getattr(of, name) for name in MEASURES if name != "fppw"}
+    return {**known, "fppw": of.fppi / (windows or np.nan)}
 
 
 def _points(values: Mapping[str, Any], of: CurveChart) -> pd.DataFrame:
     """Return the points that can be drawn, with their place in the columns x and y."""
     columns = {name: np.atleast_1d(value) for name, value in values.items()}
-    points = pd.DataFrame(columns, dtype=float).reindex(columns=[*MEASURES, "fppw"])
+    points = pd.DataFrame(columns, dtype=float).reindex(columns=[*MEASURES])
     points[["x", "y"]] = points[[of.x, of.y]].to_numpy()
     drawn: pd.DataFrame = points[np.isfinite(points[["x", "y"]].to_numpy()).all(axis=1)]
     return drawn
@@ -361,26 +331,27 @@ def _scales(of: CurveChart, x: np.ndarray, y: np.ndarray) -> dict[str, LogScale]
         else:
             least, most = 1e-6, 1e-3
         ticks = _decades(least, most)
-        scales["x"] = LogScale.of(x, ticks, ticks[-1])
+        scales["x"] = log_scale(x, ticks, ticks[-1])
     if of.y == "miss_rate":
         least = min(y.min(initial=1.0, where=y > 0), MOST_LOW_RATE)
         lowest = max((tick for tick in RATE_TICKS if tick <= least), default=RATE_TICKS[0])
-        scales["y"] = LogScale.of(y, [tick for tick in RATE_TICKS if tick >= lowest], 1.05)
+        scales["y"] = log_scale(y, [tick for tick in RATE_TICKS if tick >= lowest], 1.05)
     return scales
 
 
 def _axes(of: CurveChart, scales: Mapping[str, LogScale], theme: Theme) -> dict[str, Any]:
-    x, y = axis(theme, of.x_title), axis(theme, of.y_title, range=UNIT_RANGE)
+    x, y = (axis(theme, of.measures[name][0]) for name in (of.x, of.y))
+    y["range"] = UNIT_RANGE
     if "x" in scales:
-        x |= scales["x"].axis()
-        if scales["x"].edge_label:  # a line lower: in a narrow window it meets the lowest tick's
+        x |= scales["x"].axis
+        if scales["x"].has_edge:  # a line lower: in a narrow window it meets the lowest tick's
             x |= {"ticktext": [f"<br>{x['ticktext'][0]}", *x["ticktext"][1:]], "tickangle": 0}
     elif of.x == "recall":
         x["range"] = UNIT_RANGE
     if "y" in scales:
-        y |= scales["y"].axis()
-        if not scales["y"].edge_label:
-            y["title"]["text"] += begins_at(scales["y"].ticks[0])
+        y |= scales["y"].axis
+        if not scales["y"].has_edge:
+            y["title"]["text"] += begins_at(scales["y"].low)
     return {"xaxis": x, "yaxis": y}
 
 
@@ -436,38 +407,30 @@ def _of_system(
         )
     if len(in_use):  # not where a measure is undefined
         in_sight = marks(
-            in_use["x"],
-            in_use["y"],
-            _texts(in_use, letter, of),
+            **_told(in_use, letter, of),
             hover="in use: " + HOVER,
-            customdata=_clicked(in_use, letter),
             name=f"{letter.upper()} as set",
             showlegend=False,
             cliponaxis=False,
             marker=system_marker(letter, IN_USE_PX, theme, rim=2),
         )
-    clicks = click_markers(
-        points["x"],
-        points["y"],
-        _texts(points, letter, of),
-        customdata=_clicked(points, letter),
-        name=f"{letter.upper()}, points",
-    )
+    clicks = click_markers(**_told(points, letter, of), name=f"{letter.upper()}, points")
     return line, at_edge, in_sight, clicks
 
 
-def _texts(points: pd.DataFrame, letter: str, of: CurveChart) -> list[str]:
-    texts = []
+def _told(points: pd.DataFrame, letter: str, of: CurveChart) -> dict[str, Any]:
+    """Return places, texts and clicks of marks. A click sets a score, or None if there is none."""
+    texts, clicked = [], []
     for row in points.to_dict("records"):
-        score = row["threshold"]
-        where = f"score ≥ {score:.4g}" if np.isfinite(score) else "without scores"
-        texts.append(f"{letter.upper()}, {where}<br>{of.hover.format_map(row)}")
-    return texts
-
-
-def _clicked(points: pd.DataFrame, letter: str) -> list[list[str | float | None]]:
-    """Return the system and the score that a click sets, None if there is none to set."""
-    return [[letter, score if np.isfinite(score) else None] for score in points["threshold"]]
+        score = row["threshold"] if np.isfinite(row["threshold"]) else None
+        where = "without scores" if score is None else f"score ≥ {score:.4g}"
+        lines = (
+            ", ".join(of.measures[name][1].format(row[name]) for name in names.split())
+            for names in of.hover
+        )
+        texts.append("<br>".join((f"{letter.upper()}, {where}", *lines)))
+        clicked.append([letter, score])
+    return {"x": points["x"], "y": points["y"], "texts": texts, "customdata": clicked}
 
 
 def _published(
@@ -475,7 +438,8 @@ def _published(
 ) -> go.Scatter:
     """Return a mark for a published point, in the legend by name."""
     x, y = point[of.x].iloc[0], point[of.y].iloc[0]
-    text = f"{name}, as published<br>{WORDS[of.x]} {x:.3g}, {WORDS[of.y]} {y:.3g}"
+    x_word, y_word = (MEASURES[measure][0].partition(" (")[0] for measure in (of.x, of.y))
+    text = f"{name}, as published<br>{x_word} {x:.3g}, {y_word} {y:.3g}"
     look = LOOK[theme]
     marker = {"color": look.ink, "size": PUBLISHED_PX, "symbol": symbol}
     marker["line"] = {"color": look.surface, "width": 1}

@@ -18,7 +18,6 @@ from nvcore.figures.over_time import (
     draw_recording,
     frame_texts,
     time_axis,
-    view_key,
 )
 from nvcore.figures.style import (
     EDGE_PX,
@@ -203,11 +202,11 @@ def lanes_figure(
         result,
         recording,
         theme,
-        title="Who is missed when",
+        "lanes",
+        "Who is missed when",
         subtitle=extent + "; shaded: stretches with a code" * bool(codes),
         height=height,
         margin={"t": AROUND_PX - EDGE_PX},
-        uirevision=view_key(result, recording, "lanes"),
         **axes,
     )
     for of in codes:
@@ -215,7 +214,8 @@ def lanes_figure(
         label = {"text": plain(of.code), "textposition": "bottom left"}
         ends = {"x0": of.start_s, "x1": of.end_s, "yref": "y domain", "y0": 0, "y1": 1}
         figure.add_shape(type="rect", name="code", label=label, **shade, **ends)
-    draw_cursor(figure, result, recording, cursor_row, theme)
+    of_recording = result.dataset.frame_columns.rows_of(recording)
+    draw_cursor(figure, result, of_recording, cursor_row, theme)
     if lane >= 0:
         ends = {"y0": lane - 0.5, "y1": lane + 0.5, "xref": "paper", "x0": 0, "x1": 1}
         line = {"color": look.ink, "width": 1.5}

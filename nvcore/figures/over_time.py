@@ -115,48 +115,33 @@ def time_axis(result: Result, recording: int, theme: Theme, title: str = "", **m
 
 
 def draw_recording(
-    traces: Any, result: Result, recording: int, theme: Theme, *, title: str, **settings: Any
+    traces: Any, result: Result, recording: int, theme: Theme, kind: str, title: str, **more: Any
 ) -> go.Figure:
-    """Draw a figure over the time of a recording, with its name in the title."""
+    """Draw a figure over the time of a recording, with its name in the title.
+
+    While its `kind` stays the same, the browser keeps the visible range, unless it is empty.
+    """
     title = f"{title}, {plain(result.dataset.recordings['name'][recording])}"
-    settings["margin"] = {"l": LEFT_PX, **settings.get("margin", {})}
-    return draw(traces, theme, title=title, hoverdistance=-1, **settings)
-
-
-def view_key(result: Result, recording: int, kind: str) -> str:
-    """Return the key under which the browser keeps the visible range of a figure."""
-    return f"{result.dataset.fingerprint} {recording} {kind}"
+    more["margin"] = {"l": LEFT_PX, **more.get("margin", {})}
+    key = f"{result.dataset.fingerprint} {recording} {kind}" if kind else None
+    return draw(traces, theme, title=title, hoverdistance=-1, uirevision=key, **more)
 
 
 def draw_cursor(
-    figure: go.Figure,
-    result: Result,
-    recording: int,
-    row: int | None,
-    theme: Theme,
-    direction: str = "x",
-    **ref: Any,
+    figure: go.Figure, result: Result, rows: slice, row: int | None, theme: Theme, **place: Any
 ) -> None:
-    """Draw a line at the frame that is shown, if it belongs to the recording."""
-    rows = result.dataset.frame_columns.rows_of(recording)
+    """Draw a line at the frame that is shown, if it is one of the recording's rows."""
     if row is not None and rows.start <= row < rows.stop:
         time_s = float(result.dataset.frames["time_s"].to_numpy()[row])
         line = {"color": LOOK[theme].ink, "width": 1.5}
-        rule(figure, direction, time_s, name="cursor", line=line, **ref)
+        rule(figure, at=time_s, name="cursor", line=line, **({"direction": "x"} | place))
 
 
 @dataclass(frozen=True)
 class Panels:
-    """Places of a recording's values in panels that share the axis of time.
+    """Panels of a recording that share the axis of time, each with its axis of values.
 
-    Attributes
-    ----------
-    rows
-        Of the frames table.
-    axes
-        Axis of the values in each panel.
-    upright
-        Whether time runs upwards, not to the right.
+    Time runs to the right, or upwards if `upright`. The rows are those of the frames table.
     """
 
     result: Result
@@ -239,14 +224,14 @@ def similarity_plot(
         result,
         recording,
         theme,
-        title="Similarity over time",
+        layout,
+        "Similarity over time",
         subtitle=f"{count_text(rows.stop - rows.start, 'frame')}; moving mean over "
         f"{result.params.window:g} s; low-similarity intervals: {_drawn(lows, MAX_INTERVALS)}; "
         f"saliency events: {_drawn(events, MAX_EVENTS)}",
         height=HEIGHT_PX[layout],
         margin={"t": HEADING_PX + LEGEND_PX},
         barmode="overlay",
-        uirevision=view_key(result, recording, layout),
         **_similarity_axes(time_axis(result, recording, theme, "time (s)"), floor, layout, theme),
     )
     muted = LOOK[theme].muted
@@ -257,7 +242,7 @@ def similarity_plot(
         rule(figure, along, low, ref=ref, over=over, name="low limit", **looks)
     place = {along: low, across: 1, f"{across}ref": over, "xanchor": "right", "yanchor": "top"}
     write(figure, f"low limit {low:g}", size=11, color=muted, **place)
-    draw_cursor(figure, result, recording, cursor_row, theme, across, ref=across)
+    draw_cursor(figure, result, rows, cursor_row, theme, direction=across, ref=across)
     return figure
 
 
@@ -351,23 +336,20 @@ def _event_marks(panels: Panels, letter: str, events: pd.DataFrame, theme: Theme
 def _similarity_lines(panels: Panels, letter: str, theme: Theme) -> list[go.Scatter]:
     """Draw similarity (thin) and its moving mean (thick). The browser moves both with sliders."""
     system, thick = panels.result.system(letter), system_line(letter, theme)
+
+    def line(values: np.ndarray, n_points: int, kind: str, name: str, **looks: Any) -> go.Scatter:
+        rows = decimate(values[panels.rows], n_points=n_points)
+        place = panels.place(letter, panels.time_s[rows], values[panels.rows][rows])
+        meta = f"nv-{kind}-{letter}"
+        return still_line(**place, legendgroup=letter, meta=meta, name=name, **looks)
+
     thin = {"width": 1, "color": faded(thick["color"], 0.55)}
-    label, raw = system_label(letter, system.name), f"{letter.upper()}, frame by frame"
-    traces = []
-    for values, n_points, meta, looks in (
-        (system.similarity, MAX_POINTS, "raw", {"line": thin, "name": raw}),
-        (
-            system.similarity_window,
-            MEAN_POINTS,
-            "mean",
-            {"line": thick, "name": label, "showlegend": None},
-        ),
-    ):
-        part = values[panels.rows]
-        rows = decimate(part, n_points=n_points)
-        place = panels.place(letter, panels.time_s[rows], part[rows])
-        traces.append(still_line(**place, legendgroup=letter, meta=f"nv-{meta}-{letter}", **looks))
-    return traces
+    raw, label = f"{letter.upper()}, frame by frame", system_label(letter, system.name)
+    mean = system.similarity_window
+    return [
+        line(system.similarity, MAX_POINTS, "raw", raw, line=thin),
+        line(mean, MEAN_POINTS, "mean", label, line=thick, showlegend=None),
+    ]
 
 
 def _similarity_axes(
@@ -425,13 +407,12 @@ def loss_plot(
     panels = Panels(result, rows, {"x": "y", "y": "y2"})
     most = max((of.loss_miss[rows] + of.loss_false[rows]).max() for _, of in result.sides)
     top = max(LEAST_TOP, float(np.ceil((most + 0.02) * 5) / 5))
-    template = "frame {frame}, {time_s:.2f} s<br>" + "<br>".join(
-        f"{letter.upper()} loses {{{letter}_miss:.3f}} to misses, {{{letter}_false:.3f}} to false "
-        "alarms"
-        for letter in "xy"
+    template = (
+        "frame {frame}, {time_s:.2f} s<br>X loses {miss_x:.3f} to misses, {false_x:.3f} to false "
+        "alarms<br>Y loses {miss_y:.3f} to misses, {false_y:.3f} to false alarms"
     )
-    losses = {f"{letter}_miss": system.loss_miss for letter, system in result.sides}
-    losses |= {f"{letter}_false": system.loss_false for letter, system in result.sides}
+    losses = {f"miss_{letter}": system.loss_miss for letter, system in result.sides}
+    losses |= {f"false_{letter}": system.loss_false for letter, system in result.sides}
     step_s = result.dataset.frame_columns.step_s[rows]
     traces, lost = [], []
     time = time_axis(result, recording, theme, "time (s)", anchor="y2")
@@ -456,12 +437,12 @@ def loss_plot(
         result,
         recording,
         theme,
-        title="Similarity lost over time",
+        "losses",
+        "Similarity lost over time",
         subtitle=f"{count_text(rows.stop - rows.start, 'frame')}; lost similarity, seconds per "
         f"minute (0 is best): {', '.join(lost)}",
         height=LOSSES_PX,
         legend={"traceorder": "normal"},
-        uirevision=view_key(result, recording, "losses"),
         **axes,
     )
     for letter, system in result.sides:
@@ -469,7 +450,7 @@ def loss_plot(
         place = {"x": 0, "xref": "paper", "xanchor": "left", "y": LOSS_PANELS[letter][1]}
         place |= {"yref": "paper", "yanchor": "top"}
         write(figure, label, size=12, color=LOOK[theme].of(letter), **place)
-    draw_cursor(figure, result, recording, cursor_row, theme)
+    draw_cursor(figure, result, rows, cursor_row, theme)
     return figure
 
 

@@ -14,6 +14,7 @@ from nvcore.figures.curves import mark_value
 from nvcore.figures.lanes import Lanes, Strip
 from nvcore.figures.marks import (
     click_markers,
+    curve_line,
     marks,
     row_texts,
     rule,
@@ -327,7 +328,7 @@ def over_speed_plot(
     title, better, y_title, form = OVER_SPEED[measure]
     speeds, n = defined["speed_kmh"].to_numpy(), defined["urgent"].to_numpy()
     traces = [
-        marks(
+        curve_line(
             speeds,
             defined[f"{measure}_{letter}"].to_numpy(dtype=float),
             row_texts(
@@ -340,8 +341,6 @@ def over_speed_plot(
                 share=defined[f"share_in_time_{letter}"].map(percent),
                 impact=defined[f"mean_impact_kmh_{letter}"],
             ),
-            mode="lines+markers",
-            cliponaxis=False,
             line=system_line(letter, theme),
             name=system_label(letter, name),
             marker=system_marker(letter, 6, theme),
@@ -366,22 +365,13 @@ def over_speed_plot(
         yaxis=axis(theme, y_title, **form),
     )
     turns = turning_speeds(defined, measure)
-    marked = [] if speed_kmh is None else [(speed_kmh, "now", "speed", 0.0, "ink", "solid")]
+    marked = [] if speed_kmh is None else [("now", "speed", speed_kmh, 0.0, "ink", "solid")]
     if len(turns) <= TURNS:
-        marked += [(at, "turns at", f"turn {at:g}", 0.09, "muted", "dot") for at in turns]
-    for at, word, name, y, colour, dash in marked:
-        mark_value(
-            figure,
-            at,
-            f"{word} {at:g}",
-            theme,
-            name=name,
-            left_from=100,
-            y=y if measure == "share_in_time" else 1 - y,  # where the lines leave room
-            colour=colour,
-            dash=dash,
-            layer="below",
-        )
+        marked += [("turns at", f"turn {at:g}", at, 0.09, "muted", "dot") for at in turns]
+    for word, name, at, y, colour, dash in marked:
+        place = y if measure == "share_in_time" else 1 - y  # where the lines leave room
+        looks = {"colour": colour, "dash": dash, "layer": "below"}
+        mark_value(figure, at, f"{word} {at:g}", theme, name=name, left_from=100, y=place, **looks)
     return figure
 
 

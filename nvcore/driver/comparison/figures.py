@@ -15,6 +15,7 @@ from nvcore.driver.illumination import LightSource
 from nvcore.driver.illumination.clock import AdaptationClock
 from nvcore.figures.curves import mark_value
 from nvcore.figures.marks import (
+    curve_line,
     marks,
     row_texts,
     rule,
@@ -275,7 +276,7 @@ def driver_threshold_plot(
     looks.append(("nobody", "unprotected by both", *own))
     thresholds = counts["driver_threshold"].tolist()
     lines = [
-        marks(
+        curve_line(
             thresholds,
             counts[column].tolist(),
             row_texts(
@@ -285,8 +286,6 @@ def driver_threshold_plot(
                 count=[count_text(n, "encounter") for n in counts[column].tolist()],
             ),
             name=name,
-            mode="lines+markers",
-            cliponaxis=False,
             line=line,
             marker=marker,
         )
