@@ -117,10 +117,9 @@ def list_pictures(
     is_sure, n_listed, rate_of_codec = not is_guess, len(packets), None
     if must_decode or (time_notes(packets.decoded_at) if is_guess else not are_pictures):
         given = _decoded_times(path, container_format, name)
-        is_given = np.isin(packets.shown_at, given)
-        if codec.name == "h264" and (is_shown & ~is_given).any():  # the container counts fields
+        is_shown, n_listed = is_shown & np.isin(packets.shown_at, given), len(given)
+        if codec.name == "h264":  # the container may count fields
             rate_of_codec = float(codec.framerate or 0) or None
-        is_shown, n_listed = is_shown & is_given, len(given)
         is_sure = is_sure and bool(n_listed == is_shown.sum() and (np.diff(given) > 0).all())
     if is_sure:
         n_listed = int(np.count_nonzero(is_shown))

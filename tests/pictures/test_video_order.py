@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Collection
+from fractions import Fraction
 from functools import cache
 from pathlib import Path
 from shutil import copy
@@ -133,6 +134,19 @@ def test_two_fields_are_one_picture_also_among_whole_frames(
     video = Video(path)
     assert numbers_of(video) == played(path) == [*range(24)]
     assert (video.fps, video.notes) == (25, ())
+
+
+def test_small_packets_of_mpeg4_keep_the_rate_of_its_times(tmp_path: Path):
+    path = tmp_path / "a.mkv"
+    with av.open(str(path), "w") as output:
+        stream = output.add_stream("mpeg4", rate=1000)
+        stream.width, stream.height, stream.pix_fmt = 16, 16, "yuv420p"
+        for number in range(20):
+            frame = av.VideoFrame.from_ndarray(np.full((16, 16), 90, np.uint8), format="gray")
+            frame.pts, frame.time_base = 50 * number, Fraction(1, 1000)
+            output.mux(stream.encode(frame))
+        output.mux(stream.encode(None))
+    assert (Video(path).n, Video(path).fps) == (20, 20)
 
 
 @pytest.mark.parametrize(("ending", "per_second"), [("ts", 25), ("mkv", 60)])
