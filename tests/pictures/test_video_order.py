@@ -120,6 +120,7 @@ def test_a_cut_file_with_an_edit_list_is_still_said_to_be_cut(tmp_path: Path):
     [
         ("both times", ()),
         ("first time", ()),
+        ("same time", ()),
         ("joined", ()),
         ("both times", range(1, 24)),
         ("both times", range(12)),
