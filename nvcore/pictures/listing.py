@@ -117,10 +117,11 @@ def list_pictures(
     is_sure, n_listed, rate_of_codec = not is_guess, len(packets), None
     if must_decode or (time_notes(packets.decoded_at) if is_guess else not are_pictures):
         given = _decoded_times(path, container_format, name)
-        is_given = np.isin(packets.shown_at, given)
-        if codec.name == "h264" and (is_shown & ~is_given).any():  # the container counts fields
+        _, firsts = np.unique(packets.shown_at, return_index=True)  # fields may have the same time
+        is_shown &= np.isin(np.arange(len(packets)), firsts) & np.isin(packets.shown_at, given)
+        n_listed = len(given)
+        if codec.name == "h264":  # the container may count fields
             rate_of_codec = float(codec.framerate or 0) or None
-        is_shown, n_listed = is_shown & is_given, len(given)
         is_sure = is_sure and bool(n_listed == is_shown.sum() and (np.diff(given) > 0).all())
     if is_sure:
         n_listed = int(np.count_nonzero(is_shown))
@@ -177,7 +178,7 @@ def _read_packets(container: Any, stream: Any) -> tuple[Any, bool, bool]:
     -------
     tuple
         A record array of `_PACKET`. Whether each packet shown seems to be a picture: all have
-        presentation times, which differ and nearly follow the order of decoding. Not where MPEG-4
+        presentation times, which nearly follow the order of decoding. Not where MPEG-4
         begins without a key picture, or where a packet is so small that its picture may lie in the
         one before, or be that one again. Whether the file ends early.
     """
@@ -210,7 +211,6 @@ def _read_packets(container: Any, stream: Any) -> tuple[Any, bool, bool]:
     are_pictures = (
         are_pictures
         and _UNKNOWN not in times
-        and bool((np.diff(times[order]) > 0).all())
         and bool((np.abs(order - np.arange(len(order))) <= REORDERED).all())
     )
     return packets, are_pictures, is_partial
@@ -227,7 +227,7 @@ def _shown_packets(packets: Any) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         return is_shown, np.zeros_like(is_shown)
     start = int(np.argmax(packets.is_key))
     is_shown[:start] = False
-    is_before = (packets.shown_at < packets.shown_at[start]) & (packets.shown_at != _UNKNOWN)
+    is_before = packets.shown_at < packets.shown_at[start]
     return is_shown & ~is_before, is_shown & is_before
 
 

@@ -60,7 +60,7 @@ class Video:
             self._table = list_pictures(path, self._format, self.name)
             first = self._find(0)
             begins_late = first is None and self._format in ("mpegts", "mpeg")
-            if begins_late or (first is not None and self._has_fields()):
+            if begins_late or self._has_fields():
                 self._table = list_pictures(path, self._format, self.name, must_decode=True)
                 self._recent.clear()
                 first = self._find(0)
@@ -156,10 +156,8 @@ class Video:
         """
         steps = np.diff(self._table.times.astype(np.float64))
         seconds = np.flatnonzero(steps <= _SAME_STEP * steps.min(initial=np.inf))[:4:2] + 1
-        if not self._table.is_sure or not len(seconds):
-            return False
         try:
-            return all(
+            return len(seconds) > 0 and all(
                 self._find(position - 1) is not None
                 and self._forward(position, position - 1)[0] is None
                 for position in map(int, seconds)

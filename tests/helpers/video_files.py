@@ -165,9 +165,9 @@ def field_pictures(
     """H.264 of n numbered frames, each two pictures: one of its even and one of its odd lines.
 
     No encoder at hand writes it: each block of 16 x 16 samples stands in it uncompressed.
-    `packets` have both their times, the first of two has ("first time"), or both are in one
-    ("joined"). Frames that are `whole` are one picture. The container counts so many fields
-    `per_second`, the stream 50.
+    `packets` have both their times, the first of two has ("first time"), both have one ("same
+    time"), or both are in one ("joined"). Frames that are `whole` are one picture. The container
+    counts so many fields `per_second`, the stream 50.
     """
     across, down = WIDTH // 16, 2  # blocks of a field
     sequence = "01001101" + "0" * 8 + f"{30:08b}" + _ue(0) + _ue(0) + _ue(2) + _ue(1) + "0"
@@ -206,6 +206,8 @@ def field_pictures(
             packet.duration, packet.pts, packet.dts = end - at, at, at
             if packets == "first time" and at % 2:
                 packet.pts = None
+            if packets == "same time":
+                packet.pts, packet.dts = at - at % 2, at - 1
             packet.is_keyframe = at == 0
             new.mux(packet)
     return path
