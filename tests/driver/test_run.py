@@ -449,6 +449,7 @@ def test_a_recording_without_pictures_is_said_to_have_none(place: Path):
     parts = run(place, f'pictures = "drive"\n{other}').recordings
     assert parts[1].table["width_px"].isna().all()
     assert "No pictures are named for it." in parts[1].notes[0]
+    assert parts[1].why_missing == {}
 
 
 def test_why_no_picture_can_be_opened_is_said_before_what_to_do(place: Path):
