@@ -269,19 +269,6 @@ def test_the_adaptation_period_is_that_at_the_end_of_the_frame(place: Path):
     ) in part.notes
 
 
-def test_where_the_readings_end_nothing_is_known(place: Path):
-    rows = [f"{i / 20},{1000 if i < 80 else 10}" for i in range(101)]
-    (place / "lux.csv").write_text("\n".join(["time_s,lux", *rows]) + "\n")
-    part = run(place, 'pictures = "drive"\nlight = "lux.csv"\n').recordings[0]
-    known = part.table["period_s"].notna()  # from 4 s to 6 s: a second after the last reading
-    assert np.flatnonzero(known).tolist() == [*range(16, 25)]
-    assert part.table["illumination"].notna().tolist() == [True] * 25 + [False] * 15
-    assert (
-        "Light by the light meter: 1 change from bright to dark; readings of 10 to 1,000 lx; "
-        "readings are from 0 to 5 s, while the recording is from 0 to 10 s."
-    ) in part.notes
-
-
 def light_of(folder: Path, rows: list[str], frames: range = range(N_FRAMES)) -> tuple[str, str]:
     """What is noted of a light meter, and how it is doubted."""
     (folder / "lux.csv").write_text("\n".join(["time_s,lux", *rows]) + "\n")
@@ -415,14 +402,6 @@ def test_the_pictures_stand_in_for_a_light_meter(usual: FeatureRun):
     assert period_s[DARK_FROM] == pytest.approx(1 / FPS)
     assert set(part.table["illumination_by"]) == {"picture"}
     assert any("(there is no light meter): 1 change from" in note for note in part.notes)
-
-
-def test_pictures_far_apart_are_said_to_be(place: Path):
-    every = N_FRAMES // 4
-    (place / "truth.csv").write_text("recording,frame,x,y,w,h\ndrive,0,20,10,8,16\n")
-    text = f'frames = "0:{N_FRAMES - 1}:{every}"\npictures = "drive"\nfirst_picture = 0\n'
-    part = run(place, text).recordings[0]
-    assert any("0 changes from bright to dark, with one picture in 2.5 s" in n for n in part.notes)
 
 
 def test_boxes_in_frames_without_a_picture_have_no_features_and_are_counted(place: Path):
