@@ -1,4 +1,4 @@
-"""``nvcore detect``: a detector run over recordings. The commands of detectors."""
+"""``nvcore detect``: run a detector over recordings. The commands of detectors."""
 
 from __future__ import annotations
 

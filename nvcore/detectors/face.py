@@ -122,8 +122,7 @@ def detector_job(
     detector.about = about
     names = {"name": arguments.name, "against": arguments.against}
     check_target(dataset, out, **names)
-    files = [path.name for path in outputs(out, dataset)]
-    refuse_outputs(out, files, [*inputs, source, arguments.detector], session)
+    refuse_outputs(out, outputs(dataset), [*inputs, source, arguments.detector], session)
     pictures, n_threads = session_pictures(session, dataset), arguments.n_threads
 
     def cautions() -> list[str]:

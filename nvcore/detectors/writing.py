@@ -64,10 +64,9 @@ class WrittenRun:
         return f"{self.run}\ntrained on: {'; '.join(parts)}\nwritten to {where}"
 
 
-def outputs(folder: Path, dataset: Dataset) -> list[Path]:
-    """Return the paths of the files that `write_detections` may write."""
-    names = [*_files_of(dataset).values(), PROVENANCE_FILE, SESSION_FILE]
-    return [folder / name for name in names]
+def outputs(dataset: Dataset) -> list[str]:
+    """Return the names of the files that `write_detections` may write."""
+    return [*_files_of(dataset).values(), PROVENANCE_FILE, SESSION_FILE]
 
 
 def _files_of(dataset: Dataset) -> dict[str, str]:
@@ -91,8 +90,7 @@ def check_target(
         dataset.system(against)
     if name is not None and name in dataset.systems:
         raise InputError(f"there is a system {name!r} already; give the new one another name")
-    own = [*(path.name for path in outputs(folder, dataset)), *_recorded_before(folder)]
-    check_folder(folder, own)
+    check_folder(folder, [*outputs(dataset), *_recorded_before(folder)])
 
 
 def write_detections(

@@ -1,4 +1,4 @@
-"""One frame of a result as a picture: boxes, and a caption that explains them."""
+"""Draw one frame of a result: its picture, boxes, and a caption that explains them."""
 
 from __future__ import annotations
 
@@ -92,14 +92,14 @@ def annotate(
 
 
 def inks_of(result: Result, shade: Shade) -> Inks:
-    """The inks in which each system of the session has its own."""
+    """Return the colours of the session's systems."""
     return inks_for(result.scheme(shade))
 
 
 def frame_picture(
     pictures: PictureReader | None, index: int, lo: float, hi: float
 ) -> tuple[Picture | None, str]:
-    """The picture of an index in 8 bit, or None and why there is none."""
+    """Return the picture of an index in 8 bit, or None and why there is none."""
     if pictures is None or index < 0:
         return None, "no picture for this frame"
     try:
@@ -109,7 +109,7 @@ def frame_picture(
 
 
 class DrawnFrame(NamedTuple):
-    """What to draw of truth, X and Y in a frame; None: nothing of this source."""
+    """Boxes of truth, X and Y to draw in a frame. None: the source is not drawn."""
 
     truth: DrawnTruth | None
     x: DrawnDetections | None
@@ -119,7 +119,7 @@ class DrawnFrame(NamedTuple):
 def drawn_boxes(
     result: Result, row: int, *, layers: Sequence[str] = LAYERS, labels: bool = False
 ) -> DrawnFrame:
-    """What to draw in a frame, of the given layers."""
+    """Return the boxes of the given layers in a frame."""
     boxes = gather_boxes(result, row, row + 1)
     return DrawnFrame(
         truth=_drawn_truth(boxes.truth, labels=labels) if "truth" in layers else None,
@@ -187,7 +187,7 @@ def _caption(result: Result, row: int, width: int) -> NDArray[np.uint8]:
 def _wrap(
     parts: Sequence[tuple[str, Colour]], width: float, size: float
 ) -> list[list[tuple[str, Colour]]]:
-    """Parts in as few lines as they need; a part too long for a line is broken at its blanks."""
+    """Fill lines with parts, and break a part that is too long for a line at its blanks."""
     lines: list[list[tuple[str, Colour]]] = [[]]
     gap, used = 40 * size, 0.0
     for text, colour in parts:
@@ -212,7 +212,7 @@ def _wrap(
 
 
 def settings_text(result: Result) -> str:
-    """Version and the settings that are not the default, as one line."""
+    """Return the version and the settings that are not the default, as one line."""
     params = result.params
     changed = [
         f"{spec.name}={_value(getattr(params, spec.name))}"
@@ -223,7 +223,7 @@ def settings_text(result: Result) -> str:
 
 
 def provenance(result: Result) -> str:
-    """Version, fingerprint, systems and all settings as JSON, for the metadata of files."""
+    """Return version, fingerprint, systems and all settings as JSON, for the metadata of files."""
     return json.dumps(
         {
             "program": f"nvcore {__version__}",
@@ -236,7 +236,7 @@ def provenance(result: Result) -> str:
 
 
 def frame_png(picture: Canvas, result: Result) -> bytes:
-    """The annotated frame as PNG with `provenance` inside (text chunk ``Comment``)."""
+    """Encode the annotated frame as PNG with `provenance` inside (text chunk ``Comment``)."""
     content = png(picture)
     chunk = b"tEXtComment\0" + provenance(result).encode("ascii")
     added = struct.pack(">L", len(chunk) - 4) + chunk + struct.pack(">L", zlib.crc32(chunk))

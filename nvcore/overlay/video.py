@@ -1,4 +1,4 @@
-"""An interval of a recording as an annotated video (MP4 with VP9)."""
+"""Write an interval of a recording as an annotated video (MP4 with VP9)."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _OPTIONS: Final = {
 }
 _KEY_EVERY: Final = 40
 FPS_RANGE: Final = (0.1, 240.0)
-"""Frames per second that a video may have."""
+"""Minimum and maximum frames per second of a video."""
 
 
 def write_video(

@@ -118,6 +118,7 @@ def test_what_is_interrupted_leaves_nothing(
         (("--detector", "hog", "--against", "HOG"), "there is no system 'HOG'; there are FIR, NIR"),
         (("--detector", "hog", "--name", "FIR"), "there is a system 'FIR' already"),
         (("--detector", str(SAMPLE)), "is text, no model"),
+        (("--detector", "icf"), "icf is a kind of them, and needs a model; built in are hog"),
     ],
 )
 def test_bad_input_is_said_before_anything_runs(
@@ -159,12 +160,6 @@ def test_a_folder_of_another_command_is_not_mixed(tmp_path: Path, ran: tuple[Res
     names = "a" * 300, "../../etc", "/etc/passwd", ""  # a file of somebody else
     (out / "SHA256SUMS").write_text("".join(f"0  {name}\n" for name in names))
     refuse_other_run(out, [])
-
-
-def test_a_kind_of_detector_is_no_model(tmp_path: Path):
-    ran = nvcore("detect", SAMPLE, "--detector", "icf", "--out", tmp_path / "out")
-    assert ran.exit_code == 2
-    assert "icf is a kind of them, and needs a model; built in are hog" in ran.stderr
 
 
 def test_the_detectors_are_listed():

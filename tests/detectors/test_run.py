@@ -6,7 +6,7 @@ import os
 import threading
 from concurrent.futures import CancelledError
 from dataclasses import dataclass, field
-from itertools import count
+from itertools import chain, count
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -153,47 +153,57 @@ def test_a_cancelled_run_ends_soon(place: Path):
     assert len(detector.seen) < 5
 
 
-@pytest.fixture
-def steady(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each picture takes a quarter of a second."""
+@dataclass
+class Plain:
+    """Pictures that are all alike."""
+
+    seen: list[int] = field(default_factory=list)
+    n, width, height, name, is_video, numbers, notes = 400, 64, 48, "plain", False, None, ()
+
+    def another(self) -> Plain:
+        return self
+
+    def read(self, index: int) -> np.ndarray:
+        self.seen.append(index)
+        return numbered(1)
+
+    def close(self) -> None:
+        pass
+
+
+@pytest.mark.parametrize(
+    ("n_pictures", "each_s", "n_timed"), [(15, 0.25, 4), (15, 1.0, 3), (1, 5.0, 1)]
+)
+def test_the_expected_time_is_that_of_the_pictures_after_the_first(
+    monkeypatch: pytest.MonkeyPatch, n_pictures: int, each_s: float, n_timed: int
+):
+    told_s: list[float] = []
+    times_s = chain([0.0], count(5.0, each_s))  # the first picture takes five seconds
+
+    def now_s() -> float:
+        told_s.append(next(times_s))
+        return told_s[-1]
+
+    monkeypatch.setattr(timing, "time", SimpleNamespace(perf_counter=now_s))
+    pictures = RecordingPictures({0: Plain()}, {0: np.arange(n_pictures)})  # type: ignore[dict-item]
+    expected = timing.expect(Numbers(), pictures, n_threads=1)
+    assert expected == timing.Expectation(n_pictures, 1, 1, each_s)
+    assert expected.seconds == n_pictures * each_s
+    assert len(told_s) == 1 + n_timed
+
+
+def test_pictures_are_timed_all_over_the_recordings(monkeypatch: pytest.MonkeyPatch):
     now_s = count(0, 0.25)
     monkeypatch.setattr(timing, "time", SimpleNamespace(perf_counter=lambda: next(now_s)))
-
-
-@pytest.mark.usefixtures("steady")
-def test_the_expected_time_is_that_of_the_pictures(place: Path):
-    dataset, pictures = opened(place)
+    source, indices = Plain(), {0: np.arange(400), 1: np.arange(400)}
+    pictures = RecordingPictures({0: source, 1: source}, indices)  # type: ignore[dict-item]
     expected = timing.expect(Numbers(), pictures, n_threads=1)
-    assert (expected.n_pictures, expected.seconds_each, expected.seconds) == (15, 0.25, 3.75)
-    assert str(expected) == (
-        "15 pictures of 2 recordings on 1 thread: about 3.8 s (0.25 s a picture)"
-    )
-    assert dataset.systems == ()
-
-
-@pytest.mark.usefixtures("steady")
-def test_pictures_are_timed_all_over_the_recordings():
-    class Plain:
-        n, width, height, name, is_video, numbers, notes = 400, 64, 48, "plain", False, None, ()
-
-        def another(self) -> Plain:
-            return self
-
-        def read(self, index: int) -> np.ndarray:
-            seen.append(index)
-            return numbered(1)
-
-        def close(self) -> None:
-            pass
-
-    seen: list[int] = []
-    indices = {0: np.arange(400), 1: np.arange(400)}
-    pictures = RecordingPictures({0: Plain(), 1: Plain()}, indices)  # type: ignore[dict-item]
-    expected = timing.expect(Numbers(), pictures, n_threads=1)
-    assert (expected.n_pictures, expected.n_recordings) == (800, 2)
     # 800 pictures in thirds: their middles are 133 of the first, 0 and 266 of the second recording
-    assert {133, 0, 266} <= {*seen}
-    assert len(seen) <= 3 * 7  # 4 until half a second has passed, and those decoded ahead
+    assert {133, 0, 266} <= {*source.seen}
+    assert len(source.seen) <= 3 * 7  # 4 until half a second has passed, and those decoded ahead
+    assert str(expected) == (
+        "800 pictures of 2 recordings on 1 thread: about 200 s (0.25 s a picture)"
+    )
 
 
 def test_timing_may_be_cancelled(place: Path):

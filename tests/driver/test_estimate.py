@@ -163,17 +163,6 @@ def test_boxes_that_lack_what_one_periods_estimator_needs_are_counted(usual: Cal
     assert "without an estimate" not in str(usual(estimator()))
 
 
-def test_grey_pictures_that_nobody_calls_visible_give_no_estimate(place: Path):
-    session = place / "session.toml"
-    session.write_text(session.read_text().replace("visible =", "pictures ="))
-    result = run(place, estimator())
-    assert result.features.table["luminance_contrast"].notna().all()
-    assert result.n_estimated == 0
-    assert "from grey pictures that may be far infrared: drive; if they show visible light" in (
-        str(result)
-    )
-
-
 def test_print_says_what_to_take_with_care(usual: Callable):
     text = str(usual(estimator(simulated="all")))
     assert "detectability known for 40 of 40 boxes: 0.53 on average" in text

@@ -135,6 +135,7 @@ def test_pictures_of_another_shape_without_a_map_are_doubted(
     [
         (40, "", False),
         (39, "", True),
+        (41, "", True),
         (80, "", True),
         (80, "first_picture = -40\n", False),
         (40, 'frames = "0:39:10"\n', False),
@@ -155,6 +156,15 @@ def test_a_video_of_another_number_of_pictures_is_doubted(
         "together, at the same frame rate?"
     )
     assert [phrase(note, PEDESTRIAN) for note in part.doubts] == [doubt] * is_doubted
+
+
+def test_frames_of_a_sample_may_count_from_1(tmp_path: Path):
+    (tmp_path / "truth.csv").write_text("recording,frame,x,y,w,h\ndrive,1,20,10,8,16\n")
+    write_numbered_video(tmp_path / "visible.mp4", n=39)
+    dataset = opened(tmp_path, 'visible = "visible.mp4"\nframes = "1:39:2"\n')
+    (part,) = open_recordings(dataset.settings, dataset)
+    part.pictures.close()
+    assert part.doubts == ()
 
 
 def test_each_row_says_of_which_picture_its_features_are(place: Path, usual: FeatureRun):
@@ -259,20 +269,7 @@ def test_the_adaptation_period_is_that_at_the_end_of_the_frame(place: Path):
     ) in part.notes
 
 
-def test_where_the_readings_end_nothing_is_known(place: Path):
-    rows = [f"{i / 20},{1000 if i < 80 else 10}" for i in range(101)]
-    (place / "lux.csv").write_text("\n".join(["time_s,lux", *rows]) + "\n")
-    part = run(place, 'pictures = "drive"\nlight = "lux.csv"\n').recordings[0]
-    known = part.table["period_s"].notna()  # from 4 s to 6 s: a second after the last reading
-    assert np.flatnonzero(known).tolist() == [*range(16, 25)]
-    assert part.table["illumination"].notna().tolist() == [True] * 25 + [False] * 15
-    assert (
-        "Light by the light meter: 1 change from bright to dark; readings of 10 to 1,000 lx; "
-        "readings are from 0 to 5 s, while the recording is from 0 to 10 s."
-    ) in part.notes
-
-
-def light_of(folder: Path, rows: list[str], frames: range) -> tuple[str, str]:
+def light_of(folder: Path, rows: list[str], frames: range = range(N_FRAMES)) -> tuple[str, str]:
     """What is noted of a light meter, and how it is doubted."""
     (folder / "lux.csv").write_text("\n".join(["time_s,lux", *rows]) + "\n")
     light, frame, settings = read_light(folder / "lux.csv"), np.array(frames), LightSettings()
@@ -290,86 +287,70 @@ def readings(first_s: float, step_s: float, dark_from: int, unit: float = 1.0) -
     return [f"{first_s + i * step_s:.9g},{level:g}" for i, level in enumerate(levels)]
 
 
-METER = "Light by the light meter: "
+NONE = "Light by the light meter: 0 changes from bright to dark"
+ONE = "Light by the light meter: 1 change from bright to dark"
 OF_LUX = "readings of 10 to 1,000 lx"
+DIM = "readings of 0.005 to 0.5 lx"
+OF_10_S = "while the recording is from 0 to 10 s"
+NOTHING = f"{OF_10_S}. Nothing is known about the light, so there is no adaptation period."
 
 
 def without(rows: list[str], *gaps: tuple[float, float]) -> list[str]:
     """Readings without those after the beginning of a gap and before its end."""
+    times_s = [float(row.partition(",")[0]) for row in rows]
     return [
         row
-        for row in rows
-        if not any(start < float(row.split(",")[0]) < end for start, end in gaps)
+        for row, time_s in zip(rows, times_s, strict=True)
+        if not any(start < time_s < end for start, end in gaps)
     ]
 
 
 @pytest.mark.parametrize(
-    ("rows", "frames", "text"),
+    ("rows", "text"),
     [
-        (readings(0, 0.05, 240), range(40), f"{METER}0 changes from bright to dark; {OF_LUX}."),
-        (
-            readings(0, 0.05, 80),
-            range(24, 40),
-            f"{METER}0 changes from bright to dark, 1 before the first frame; {OF_LUX}.",
-        ),
-        (readings(0, 0.05, 160), range(24, 40), f"{METER}1 change from bright to dark; {OF_LUX}."),
-        (
-            readings(0, 50, 120),
-            range(40),
-            f"{METER}0 changes from bright to dark, with one reading in 50 s; {OF_LUX}.",
-        ),
+        (readings(0, 0.05, 240), f"{NONE}; {OF_LUX}."),
+        (readings(0, 50, 120), f"{NONE}, with one reading in 50 s; {OF_LUX}."),
         (
             readings(2.5, 0.05, 120),
-            range(40),
-            f"{METER}1 change from bright to dark; {OF_LUX}; readings are from 2.5 to 17.4 s, "
-            "while the recording is from 0 to 10 s.",
+            f"{ONE}; {OF_LUX}; readings are from 2.5 to 17.4 s, {OF_10_S}.",
         ),
-        *(
-            (
-                readings(first_s, 0.05, 120),
-                range(40),
-                f"The light meter's readings are from {first_s:,} to {first_s + 15:,} s, while the "
-                "recording is from 0 to 10 s. Nothing is known about the light, so there is no "
-                "adaptation period.",
-            )
-            for first_s in (100_000, -100_000)
+        (
+            readings(100_000, 0.05, 120),
+            f"The light meter's readings are from 100,000 to 100,015 s, {NOTHING}",
+        ),
+        (
+            readings(-100_000, 0.05, 120),
+            f"The light meter's readings are from -100,000 to -99,985 s, {NOTHING}",
         ),
         (
             without(readings(-5, 0.05, 200), (4.52, 9.02)),
-            range(40),
-            f"{METER}0 changes from bright to dark; {OF_LUX}; no reading from 4.5 to 9.05 s: the "
-            "light is not known from 5.5 to 12.1 s.",
+            f"{NONE}; {OF_LUX}; no reading from 4.5 to 9.05 s: the light is not known from 5.5 to "
+            "12.1 s.",
         ),
         (
             without(readings(-9, 0.05, 400), (-7.98, -3.98)),
-            range(40),
-            f"{METER}0 changes from bright to dark; readings of 1,000 lx; readings are "
-            "from -9 to 5.95 s, while the recording is from 0 to 10 s.",
+            f"{NONE}; readings of 1,000 lx; readings are from -9 to 5.95 s, {OF_10_S}.",
         ),
         (
             without(readings(-1, 0.2, 200), (1, 3), (4, 7), (30, 40)),  # the last lies after it
-            range(40),
-            f"{METER}0 changes from bright to dark; {OF_LUX}; 2 gaps between readings, the "
-            "longest from 4 to 7 s: the light is not known from 1 s after each begins to 3 s after "
-            "it ends.",
+            f"{NONE}; {OF_LUX}; 2 gaps between readings, the longest from 4 to 7 s: the light is "
+            "not known from 1 s after each begins to 3 s after it ends.",
         ),
         (
             readings(0, 0.05, 120, unit=5e-4),
-            range(40),
-            f"{METER}0 changes from bright to dark; readings of 0.005 to 0.5 lx, 180 of 300 below "
-            "0.1 lx, counted as 0.1 lx.",
+            f"{NONE}; {DIM}, 180 of 300 below 0.1 lx, counted as 0.1 lx.",
         ),
-        (
-            readings(0, 0.05, 280, unit=5e-4),
-            range(40),
-            f"{METER}0 changes from bright to dark; readings of 0.005 to 0.5 lx.",
-        ),
+        (readings(0, 0.05, 280, unit=5e-4), f"{NONE}; {DIM}."),
     ],
 )
-def test_readings_are_described_with_gaps_and_doubts(
-    tmp_path: Path, rows: list[str], frames: range, text: str
-):
-    assert light_of(tmp_path, rows, frames)[0] == text
+def test_readings_are_described_with_gaps_and_doubts(tmp_path: Path, rows: list[str], text: str):
+    assert light_of(tmp_path, rows)[0] == text
+
+
+def test_changes_before_the_first_frame_are_counted_apart(tmp_path: Path):
+    for dark_from, text in ((80, f"{NONE}, 1 before the first frame"), (160, ONE)):
+        note = light_of(tmp_path, readings(0, 0.05, dark_from), range(24, 40))[0]
+        assert note == f"{text}; {OF_LUX}."
 
 
 def test_missing_pictures_that_stand_in_for_a_light_meter_are_said_to_be(place: Path):
@@ -399,7 +380,7 @@ def test_missing_pictures_that_stand_in_for_a_light_meter_are_said_to_be(place: 
 def test_a_light_meter_that_looks_like_another_unit_or_clock_is_doubted(
     tmp_path: Path, rows: list[str], doubt: str
 ):
-    assert light_of(tmp_path, rows, range(N_FRAMES))[1] == doubt
+    assert light_of(tmp_path, rows)[1] == doubt
 
 
 def test_a_light_file_without_readings_tells_nothing(place: Path):
@@ -423,14 +404,6 @@ def test_the_pictures_stand_in_for_a_light_meter(usual: FeatureRun):
     assert any("(there is no light meter): 1 change from" in note for note in part.notes)
 
 
-def test_pictures_far_apart_are_said_to_be(place: Path):
-    every = N_FRAMES // 4
-    (place / "truth.csv").write_text("recording,frame,x,y,w,h\ndrive,0,20,10,8,16\n")
-    text = f'frames = "0:{N_FRAMES - 1}:{every}"\npictures = "drive"\nfirst_picture = 0\n'
-    part = run(place, text).recordings[0]
-    assert any("0 changes from bright to dark, with one picture in 2.5 s" in n for n in part.notes)
-
-
 def test_boxes_in_frames_without_a_picture_have_no_features_and_are_counted(place: Path):
     (place / "drive" / "003.png").unlink()
     (place / "drive" / "004.png").write_bytes(b"\x89PNG damaged")
@@ -449,6 +422,7 @@ def test_a_recording_without_pictures_is_said_to_have_none(place: Path):
     parts = run(place, f'pictures = "drive"\n{other}').recordings
     assert parts[1].table["width_px"].isna().all()
     assert "No pictures are named for it." in parts[1].notes[0]
+    assert parts[1].why_missing == {}
 
 
 def test_why_no_picture_can_be_opened_is_said_before_what_to_do(place: Path):

@@ -177,6 +177,15 @@ def test_a_video_without_pictures_is_boxes_on_a_dark_blank(tmp_path: Path):
     assert np.abs(picture[200, 20].astype(int) - BLANK_RGB).max() < 8
 
 
+def test_a_video_is_as_high_as_its_longest_caption(tmp_path: Path):
+    made = result_of(make_dataset(places=[Place([0, 10**9], 64, 48)]))
+    heights = [annotate(made, None, -1, row).shape[0] for row in (0, 1)]
+    write_video(made, {}, 0, 0, 2, tmp_path / "out.mp4", fps=20)
+    pictures = open_pictures(tmp_path / "out.mp4")
+    assert heights[0] < heights[1] == pictures.height
+    pictures.close()
+
+
 @pytest.mark.parametrize("name", ["missing/out.mp4", "."])
 def test_a_place_that_cannot_be_written_to_is_an_error(tmp_path: Path, name: str):
     with pytest.raises(MediaError, match="the video cannot be written; is there room"):
