@@ -109,7 +109,7 @@ class Person:
     number
         0-based row of the design.
     consented_at
-        Time (UTC) at which they agreed; None: they didn't.
+        Time (UTC) at which they agreed; None: they didn't, or there is no text.
     has_practised
         True if there is no practice, or it was seen to its end.
     """
@@ -295,7 +295,7 @@ class StudyStore(Generic[S]):
                 )
             numbers = {number for _, number in taken}
             number = next(number for number in count() if number not in numbers)
-            consented_at = now or datetime.now(UTC)
+            consented_at = (now or datetime.now(UTC)) if study.consent else None
             person = Person(name, number, consented_at, dict(answers), study.plan(number))
             hashed = hash_code(study.token, code)
             values = {"study": study.token, "name": name, "number": number, "code": hashed}
@@ -306,9 +306,9 @@ class StudyStore(Generic[S]):
 
     def _entry(self, person: Person) -> Iterator[tuple[str, dict[str, Any]]]:
         """Yield the rows, with their tables, that a new participant leaves."""
-        assert person.consented_at is not None
-        row = {"answers": json.dumps(person.form), "plan": json.dumps(person.plan)}
-        yield "form", {"consented_at": person.consented_at.isoformat(), **row}
+        time = "" if person.consented_at is None else person.consented_at.isoformat()
+        answers, plan = json.dumps(person.form), json.dumps(person.plan)
+        yield "form", {"consented_at": time, "answers": answers, "plan": plan}
 
     def participants(self, study: S, name: str | None = None) -> list[Person]:
         """Return all who take part by their number, or the one of exactly this name."""

@@ -62,6 +62,7 @@ def test_the_table_is_what_a_file_of_it_gives(store, study, tmp_path):
     path.write_bytes(to_csv_bytes(table))
     assert read_ratings(path).equals(shown)
     assert store.ratings(store.begin("print", CLIPS)).empty
+    assert store.record(study, store.find(study, "P1"))["consent"] == []  # there is no text
 
 
 def test_what_is_not_on_the_scale_is_refused(store):

@@ -87,6 +87,7 @@ def test_a_study_has_what_was_set_and_an_address_for_each_side(store: Detectabil
     page = opened()
     page.number_input(key="study_bright_s").set_value(2.5)
     page.number_input(key="study_dark_lux").set_value(10.0)
+    page.number_input(key="study_screen_inch").set_value(24.0)
     page.number_input(key="study_keep_days").set_value(30)
     page.number_input(key="study_n_practice").set_value(2)
     page.text_area(key="study_consent").set_value("We keep *all* of it.")
@@ -103,6 +104,8 @@ def test_a_study_has_what_was_set_and_an_address_for_each_side(store: Detectabil
     assert addresses[0].endswith(f"?study={study.token}")
     assert addresses[1].endswith(f"?conduct={study.conductor}")
     assert opened(conduct=study.conductor).code
+    form = opened(study=study.token).number_input
+    assert (form(key="study_form_3").value, form(key="study_form_4").value) == (24, None)
     press(page, "study_close")
     assert not page.code
 
@@ -182,6 +185,7 @@ def test_who_agrees_gets_a_code_and_the_form_says_nothing_where_it_is_empty(
     shown = [item.value for item in page.markdown]
     assert not any("](http" in text for text in shown)  # the text of consent is text
     assert "# Hi" not in shown
+    assert "candela" in texts(page)
     assert f"{study.ends_at:%d %B %Y}" in texts(page)
     checked(page.button[0].click().run())
     assert "Without your agreement" in texts(page)
