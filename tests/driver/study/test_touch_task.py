@@ -115,31 +115,6 @@ def test_the_trials_are_a_table_with_the_columns_of_the_driver(store, study):
     assert people[["n_trials", "n_answered", "n_marked"]].to_numpy().tolist() == [[6, 4, 3]]
 
 
-def test_a_participants_record_is_exported_and_deleted_and_nobody_elses(store, study, tmp_path):
-    ann, bob = (join(store, study, {"vision": f"the eyes of {name}"}) for name in ("Ann", "Bob"))
-    for person in (ann, bob):
-        store.note_showing(study, person.name, 1)
-        store.answer(study, person.name, 1, SEEN)
-    record = json.loads(json.dumps(store.record(study, ann), allow_nan=False))
-    assert (record["participant"], record["number"]) == (ann.name, 0)
-    assert record["form"][0]["answers"] == {"vision": "the eyes of Ann"}
-    assert [trial["touch_x"] for trial in record["trial"]] == [12.5]
-    assert [showing["n"] for showing in record["showing"]] == [1]
-    assert "Bob" not in str(record)
-    store.delete(study, ann)
-    assert trials_table(store, study)["subject"].tolist() == [bob.name]
-    content = (tmp_path / "studies.sqlite").read_bytes()
-    assert b"eyes of Ann" not in content
-    assert ann.name.encode() not in content
-
-
-def test_practice_is_remembered(store, study):
-    person = join(store, study)
-    store.end_practice(study, person.name)
-    again = store.find(study, person.name)
-    assert (person.has_practised, again.has_practised) == (False, True)
-
-
 def test_strangers_and_what_was_not_asked_are_refused(store, study):
     person = join(store, study)
     with pytest.raises(InputError, match="nobody takes part"):
