@@ -109,7 +109,7 @@ class Person:
     number
         0-based row of the design.
     consented_at
-        Time (UTC) at which they agreed; None: they didn't.
+        Time (UTC) at which they agreed; None: they didn't, or there is no text.
     has_practised
         True if there is no practice, or it was seen to its end.
     """
@@ -212,6 +212,7 @@ class StudyStore(Generic[S]):
         """Open the file; writes are committed at the end, or rolled back after an error."""
         try:
             with closing(sqlite3.connect(self._path, timeout=WAIT_S)) as base:
+                base.row_factory = sqlite3.Row
                 base.execute("PRAGMA foreign_keys = ON")
                 base.execute("PRAGMA synchronous = FULL")
                 base.execute("PRAGMA secure_delete = ON")
@@ -221,6 +222,11 @@ class StudyStore(Generic[S]):
             raise
         except sqlite3.DatabaseError as error:
             raise StoreError(f"the file of the {self.what} cannot be used ({error})") from error
+
+    def execute(self, statement: str, *values: Any) -> list[sqlite3.Row]:
+        """Execute one statement of SQL in a transaction of its own, and return its rows."""
+        with self.connect() as base:
+            return base.execute(statement, values).fetchall()
 
     def study_of(self, row: dict[str, Any]) -> S:
         """Return the study of a row of the file, in which times are read already."""
@@ -245,12 +251,12 @@ class StudyStore(Generic[S]):
         return self._study("conductor", conductor)
 
     def _study(self, column: str, name: str) -> S | None:
-        with self.connect() as base:
-            rows = _dicts(base.execute(f"SELECT * FROM study WHERE {column} = ?", (name,)))  # noqa: S608  # our own names
-        for row in rows:
-            times = {of: value for of, value in row.items() if of.endswith("_at") and value}
-            row |= {of: datetime.fromisoformat(value) for of, value in times.items()}
-        return self.study_of(rows[0]) if rows else None
+        rows = self.execute(f"SELECT * FROM study WHERE {column} = ?", name)  # noqa: S608  # our own names
+        if not rows:
+            return None
+        row = dict(rows[0])
+        times = {of: value for of, value in row.items() if of.endswith("_at") and value}
+        return self.study_of(row | {of: datetime.fromisoformat(times[of]) for of in times})
 
     def join(
         self,
@@ -295,7 +301,7 @@ class StudyStore(Generic[S]):
                 )
             numbers = {number for _, number in taken}
             number = next(number for number in count() if number not in numbers)
-            consented_at = now or datetime.now(UTC)
+            consented_at = (now or datetime.now(UTC)) if study.consent else None
             person = Person(name, number, consented_at, dict(answers), study.plan(number))
             hashed = hash_code(study.token, code)
             values = {"study": study.token, "name": name, "number": number, "code": hashed}
@@ -306,15 +312,14 @@ class StudyStore(Generic[S]):
 
     def _entry(self, person: Person) -> Iterator[tuple[str, dict[str, Any]]]:
         """Yield the rows, with their tables, that a new participant leaves."""
-        assert person.consented_at is not None
-        row = {"answers": json.dumps(person.form), "plan": json.dumps(person.plan)}
-        yield "form", {"consented_at": person.consented_at.isoformat(), **row}
+        time = "" if person.consented_at is None else person.consented_at.isoformat()
+        answers, plan = json.dumps(person.form), json.dumps(person.plan)
+        yield "form", {"consented_at": time, "answers": answers, "plan": plan}
 
     def participants(self, study: S, name: str | None = None) -> list[Person]:
         """Return all who take part by their number, or the one of exactly this name."""
         query = f"{self.people} WHERE participant.study = ?1 AND (?2 IS NULL OR name = ?2)"
-        with self.connect() as base:
-            rows = base.execute(f"{query} ORDER BY number", (study.token, name)).fetchall()
+        rows = self.execute(f"{query} ORDER BY number", study.token, name)
         return [
             Person(
                 name,
@@ -331,14 +336,13 @@ class StudyStore(Generic[S]):
 
     def by_code(self, study: S, code: str) -> Person | None:
         """Return the participant with this personal code, however it is typed."""
-        with self.connect() as base:
-            rows = base.execute(
-                "SELECT name FROM participant WHERE study = ?1 AND "
-                "(code = ?2 OR ?3 AND code IS NULL AND name = ?4)",
-                (study.token, hash_code(study.token, code), not self.has_names,
-                 code.strip().upper()),
-            ).fetchall()  # fmt: skip
-        return self.participants(study, rows[0][0])[0] if rows else None
+        rows = self.execute(
+            "SELECT name FROM participant WHERE study = ?1 AND "
+            "(code = ?2 OR ?3 AND code IS NULL AND name = ?4)",
+            *(study.token, hash_code(study.token, code), not self.has_names, code.strip().upper()),
+        )
+        people = self.participants(study, rows[0]["name"]) if rows else []
+        return people[0] if people else None
 
     def find(self, study: S, text: str) -> Person | None:
         """Return the participant with this name or code, for the study's conductor."""
@@ -356,11 +360,10 @@ class StudyStore(Generic[S]):
                 f"{person.name} has not agreed to the terms; delete them, and let them begin anew"
             )
         code = draw_code()
-        with self.connect() as base:
-            base.execute(
-                "UPDATE participant SET code = ? WHERE study = ? AND name = ?",
-                (hash_code(study.token, code), study.token, person.name),
-            )
+        self.execute(
+            "UPDATE participant SET code = ? WHERE study = ? AND name = ?",
+            *(hash_code(study.token, code), study.token, person.name),
+        )
         return code
 
     def keep(
@@ -387,14 +390,14 @@ class StudyStore(Generic[S]):
 
         They are in the order of participants' numbers, then of the columns.
         """
-        with self.connect() as base:
-            return base.execute(
-                f"SELECT participant, {columns} FROM {table} JOIN participant ON "  # noqa: S608  # our own names
-                f"participant.study = {table}.study AND participant.name = {table}.participant "
-                f"WHERE {table}.study = ?1 AND (?2 IS NULL OR participant.name = ?2) "
-                f"ORDER BY number, {columns}",
-                (study.token, name),
-            ).fetchall()
+        found = self.execute(
+            f"SELECT participant, {columns} FROM {table} JOIN participant ON "  # noqa: S608  # our own names
+            f"participant.study = {table}.study AND participant.name = {table}.participant "
+            f"WHERE {table}.study = ?1 AND (?2 IS NULL OR participant.name = ?2) "
+            f"ORDER BY number, {columns}",
+            *(study.token, name),
+        )
+        return [tuple(row) for row in found]
 
     def left(self, study: S, person: Person) -> list[Any]:
         """Return the participant's trials that have no answer, in their order."""
@@ -408,23 +411,15 @@ class StudyStore(Generic[S]):
     def record(self, study: S, person: Person) -> dict[str, Any]:
         """Return all that the file holds of a participant but the code, as values of JSON."""
         record: dict[str, Any] = {"participant": person.name, "number": person.number}
-        with self.connect() as base:
-            for table in (*self.entry, *self.tables):
-                rows = _dicts(
-                    base.execute(
-                        f"SELECT * FROM {table} WHERE study = ? AND participant = ?",  # noqa: S608  # our own names
-                        (study.token, person.name),
-                    )
-                )
-                hidden = {"study", "participant"}
-                record[table] = [
-                    {
-                        column: json.loads(value) if column in JSON else value
-                        for column, value in row.items()
-                        if column not in hidden
-                    }
-                    for row in rows
-                ]
+        for table in (*self.entry, *self.tables):
+            query = f"SELECT * FROM {table} WHERE study = ? AND participant = ?"  # noqa: S608  # our own names
+            record[table] = [
+                {
+                    column: json.loads(row[column]) if column in JSON else row[column]
+                    for column in row.keys()[2:]  # but study and participant
+                }
+                for row in self.execute(query, study.token, person.name)
+            ]
         return record
 
     def delete(self, study: S, person: Person) -> None:
@@ -453,11 +448,6 @@ def _insert(
         f"INSERT INTO {table} ({', '.join(row)}) VALUES ({places}) {conflict}",  # noqa: S608  # our own names
         [*row.values()],
     )
-
-
-def _dicts(rows: sqlite3.Cursor) -> list[dict[str, Any]]:
-    names = [column[0] for column in rows.description]
-    return [dict(zip(names, row, strict=True)) for row in rows]
 
 
 def _stored(value: Any) -> Any:

@@ -151,8 +151,8 @@ class RatingStore(StudyStore[RatingStudy]):
         return RatingStudy(**row)
 
     def _entry(self, person: Person) -> Iterator[tuple[str, dict[str, Any]]]:
-        assert person.consented_at is not None
-        yield "consent", {"consented_at": person.consented_at.isoformat()}
+        if person.consented_at is not None:
+            yield "consent", {"consented_at": person.consented_at.isoformat()}
         for asked, answer in person.form.items():
             yield "form", {"field": asked, "answer": answer}
 

@@ -62,6 +62,7 @@ def test_the_table_is_what_a_file_of_it_gives(store, study, tmp_path):
     path.write_bytes(to_csv_bytes(table))
     assert read_ratings(path).equals(shown)
     assert store.ratings(store.begin("print", CLIPS)).empty
+    assert store.record(study, store.find(study, "P1"))["consent"] == []  # there is no text
 
 
 def test_what_is_not_on_the_scale_is_refused(store):
@@ -164,7 +165,7 @@ CREATE TABLE participant (
     PRIMARY KEY (study, name), UNIQUE (study, number));
 INSERT INTO "participant" VALUES('rating-token','Anna',0);
 INSERT INTO "participant" VALUES('rating-token','Bob',1);
-INSERT INTO "participant" VALUES('rating-token','Cem',2);
+INSERT INTO "participant" VALUES('rating-token','CEM',2);
 CREATE TABLE rating (
     study TEXT NOT NULL, participant TEXT NOT NULL, clip INTEGER NOT NULL, rating INTEGER NOT NULL,
     rated_at TEXT NOT NULL DEFAULT CURRENT_TIMESTAMP, n_plays INTEGER, first_rating INTEGER,
@@ -216,7 +217,7 @@ def test_a_session_of_an_earlier_version_opens_with_all_that_it_has(earlier):
         "Bob,B,NIR,6,,,B,,,",
     ]
     assert to_csv_bytes(store.forms(study)).decode().splitlines()[1:] == [
-        "Anna,41,,,,39", "Bob,,,,,", "Cem,,,,,",
+        "Anna,41,,,,39", "Bob,,,,,", "CEM,,,,,",
     ]  # fmt: skip
     assert store.worth(study)["answer"].tolist() == ["yes"]
     anna = store.find(study, "anna")
@@ -227,13 +228,13 @@ def test_a_session_of_an_earlier_version_opens_with_all_that_it_has(earlier):
 def test_participants_of_an_earlier_version_go_on_by_a_code_of_the_conductor_alone(earlier):
     store = RatingStore(earlier, now=datetime(2026, 4, 1, tzinfo=UTC))
     study = store.study("rating-token")
-    assert store.by_code(study, "Bob") is None  # the name no longer does
+    assert store.by_code(study, "Bob") is store.by_code(study, "CEM") is None  # no name does
     bob = store.by_code(study, store.new_code(study, store.find(study, "bob")))
     assert store.left(study, bob) == [Shown("rating", 0), Shown("worth", 0)]
     store.rate(study, bob.name, 0, 3)
     with pytest.raises(InputError, match="takes part already"):
         store.join(study, {}, name="BOB")
-    with pytest.raises(InputError, match="Cem has not agreed"):
+    with pytest.raises(InputError, match="CEM has not agreed"):
         store.new_code(study, store.find(study, "Cem"))
     store.delete(study, store.find(study, "Cem"))
     cem, code = store.join(study, {}, name="Cem")

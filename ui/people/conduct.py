@@ -92,9 +92,9 @@ def _draw_one_participant(studies: Studies[S], study: S) -> None:
     prefix, store = studies.prefix, studies.store()
     st.header("One participant")
     st.caption(
-        "On request. Who has lost the code goes on with a new one. What is deleted is gone from "
-        "the file for good, and their place in the design is free again. Tables that were saved "
-        "before still have it."
+        "On request. A participant who lost the code goes on with a new one. What is deleted is "
+        "gone from the file for good, and their place in the design is free again. Tables that "
+        "were saved before still have it."
     )
     label = "Name or code of the participant"
     text = st.text_input(label, key=f"{prefix}_code", max_chars=MOST_NAME, width=420).strip()

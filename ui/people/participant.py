@@ -44,7 +44,7 @@ def draw_code() -> None:
     """Say the participant's personal code, which is in the address and nowhere else."""
     st.caption(
         f"Your code is **{plain(st.query_params.get(PARTICIPANT, ''))}**. Note it down: with it "
-        "you go on later, ask for your answers, or have them deleted. Nobody else has it."
+        "you go on later, ask for your answers, or have them deleted."
     )
 
 

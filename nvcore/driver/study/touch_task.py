@@ -153,11 +153,8 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
 
     def end_practice(self, study: DetectabilityStudy, name: str) -> None:
         """Remember that the participant has seen the practice to its end."""
-        with self.connect() as base:
-            base.execute(
-                "UPDATE form SET has_practised = 1 WHERE study = ? AND participant = ?",
-                (study.token, name),
-            )
+        query = "UPDATE form SET has_practised = 1 WHERE study = ? AND participant = ?"
+        self.execute(query, study.token, name)
 
     def note_showing(
         self, study: DetectabilityStudy, name: str, place: int, report: str = ""

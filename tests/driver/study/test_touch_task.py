@@ -67,6 +67,8 @@ def test_answers_are_kept_once_and_the_next_trial_follows(store, study):
 
 
 def test_the_trials_are_a_table_with_the_columns_of_the_driver(store, study):
+    assert tuple(trials_table(store, study)) == TRIAL_COLUMNS
+    assert participants_table(store, study).columns[-1] == "1. Glasses?"
     person = join(store, study)
     first, second, third, *_ = person.plan
     store.note_showing(study, person.name, 1)
@@ -88,16 +90,19 @@ def test_the_trials_are_a_table_with_the_columns_of_the_driver(store, study):
         3,
         Answer(measured_s=third.adaptation_s, shown_s=0.5, is_answered=False),
     )
+    unreported = {**vars(SEEN), "measured_s": person.plan[3].adaptation_s}
+    store.answer(study, person.name, 4, Answer(**unreported))
     table = trials_table(store, study)
     assert tuple(table) == TRIAL_COLUMNS
-    assert table["order"].tolist() == [1, 2, 3]
-    assert table["position"].tolist() == [1, 2, 1]
-    assert table["not_seen"].tolist() == [False, True, True]
-    assert table["image"].tolist() == [PICTURES[t.picture].image for t in person.plan[:3]]
+    assert table["order"].tolist() == [1, 2, 3, 4]
+    assert table["position"].tolist() == [1, 2, 1, 2]
+    assert table["not_seen"].tolist() == [False, True, True, False]
+    assert table["image"].tolist() == [PICTURES[t.picture].image for t in person.plan[:4]]
     assert table["device"].tolist() == [
         "touch",
         "mouse; marked: 0.12 s late, shown for 0.60 s",
         "marked: shown 2 times, no answer",
+        "touch; marked: never reported as shown",
     ]
     lines = to_csv_bytes(table).decode().splitlines()
     assert lines[0] == (
@@ -107,32 +112,7 @@ def test_the_trials_are_a_table_with_the_columns_of_the_driver(store, study):
     assert lines[1].startswith(f"{person.name},1,1,1,{PICTURES[first.picture].image},p,")
     assert lines[1].endswith(",12.5,9,0.8,0,touch")
     people = participants_table(store, study)
-    assert people[["n_trials", "n_answered", "n_marked"]].to_numpy().tolist() == [[6, 3, 2]]
-
-
-def test_a_participants_record_is_exported_and_deleted_and_nobody_elses(store, study, tmp_path):
-    ann, bob = (join(store, study, {"vision": f"the eyes of {name}"}) for name in ("Ann", "Bob"))
-    for person in (ann, bob):
-        store.note_showing(study, person.name, 1)
-        store.answer(study, person.name, 1, SEEN)
-    record = json.loads(json.dumps(store.record(study, ann), allow_nan=False))
-    assert (record["participant"], record["number"]) == (ann.name, 0)
-    assert record["form"][0]["answers"] == {"vision": "the eyes of Ann"}
-    assert [trial["touch_x"] for trial in record["trial"]] == [12.5]
-    assert [showing["n"] for showing in record["showing"]] == [1]
-    assert "Bob" not in str(record)
-    store.delete(study, ann)
-    assert trials_table(store, study)["subject"].tolist() == [bob.name]
-    content = (tmp_path / "studies.sqlite").read_bytes()
-    assert b"eyes of Ann" not in content
-    assert ann.name.encode() not in content
-
-
-def test_practice_is_remembered(store, study):
-    person = join(store, study)
-    store.end_practice(study, person.name)
-    again = store.find(study, person.name)
-    assert (person.has_practised, again.has_practised) == (False, True)
+    assert people[["n_trials", "n_answered", "n_marked"]].to_numpy().tolist() == [[6, 4, 3]]
 
 
 def test_strangers_and_what_was_not_asked_are_refused(store, study):
@@ -176,16 +156,6 @@ def test_a_touch_outside_the_picture_is_refused(store, study, place):
     assert store.answers(study)[person.name][1][0] == corner
 
 
-def test_an_answer_to_a_picture_that_was_never_reported_as_shown_is_marked(store, study):
-    person = join(store, study)
-    time_s = person.plan[0].adaptation_s
-    store.answer(study, person.name, 1, Answer(**{**vars(SEEN), "measured_s": time_s}))
-    assert trials_table(store, study)["device"].tolist() == [
-        "touch; marked: never reported as shown"
-    ]
-    assert participants_table(store, study)["n_marked"].tolist() == [1]
-
-
 def test_how_a_study_was_done_is_told_without_anybody(store, study):
     store.join(study, {"age": "seventy-seven"})  # digits may be those of a time
     facts = json.dumps(about(study), allow_nan=False)
@@ -196,11 +166,6 @@ def test_how_a_study_was_done_is_told_without_anybody(store, study):
     assert about(other)["facts"] == {
         "screen_inch": None, "distance_cm": None, "bright_lux": None, "dark_lux": 10,
     }  # fmt: skip
-
-
-def test_tables_without_anybody_have_their_columns(store, study):
-    assert tuple(trials_table(store, study)) == TRIAL_COLUMNS
-    assert participants_table(store, study).columns[-1] == "1. Glasses?"
 
 
 # Written by the version before personal codes (SQL of its file).

@@ -416,16 +416,12 @@ def test_terms_and_form_are_those_that_the_conductor_writes(
     }  # fmt: skip
 
 
-def test_where_alerts_are_off_the_page_leads_to_their_policy(store: RatingStore):
+def test_it_is_asked_of_every_alert_whether_it_was_worth_it(store: RatingStore):
     page = conducting()
     checked(page.button_group(key=RATING_ALERTS.key).set_value("these").run())
     assert "Alerts are off" in words(page)
     assert "rating_open_alerts" in keys(page)
-    assert begun(store, "odd_pose", page=page).alerts == ()
-
-
-def test_it_is_asked_of_every_alert_whether_it_was_worth_it(store: RatingStore):
-    page = sent_alerts(conducting(), "x,FIR,1,2,false")
+    sent_alerts(page, "x,FIR,1,2,false")
     assert "recording: there is no 'x'" in words(page)
     assert "rating_start" not in keys(page)
     sent_alerts(page, "odd_pose,FIR,3,4,needed", "odd_pose,y,6,7,false")

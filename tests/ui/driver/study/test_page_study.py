@@ -38,6 +38,7 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> list[dict]:
     def draw_run(run, title, trials, timing, *, whose, on_end):
         drawn.append({"run": run, "title": title, "trials": trials})
         st.button("End the run", key="study_screen", on_click=on_end, args=(run,))
+        st.button("End another", key="study_other", on_click=on_end, args=("3 of it",))
 
     monkeypatch.setattr(touch_studies, "draw_run", draw_run)
     return drawn
@@ -87,6 +88,7 @@ def test_a_study_has_what_was_set_and_an_address_for_each_side(store: Detectabil
     page = opened()
     page.number_input(key="study_bright_s").set_value(2.5)
     page.number_input(key="study_dark_lux").set_value(10.0)
+    page.number_input(key="study_screen_inch").set_value(24.0)
     page.number_input(key="study_keep_days").set_value(30)
     page.number_input(key="study_n_practice").set_value(2)
     page.text_area(key="study_consent").set_value("We keep *all* of it.")
@@ -103,49 +105,35 @@ def test_a_study_has_what_was_set_and_an_address_for_each_side(store: Detectabil
     assert addresses[0].endswith(f"?study={study.token}")
     assert addresses[1].endswith(f"?conduct={study.conductor}")
     assert opened(conduct=study.conductor).code
+    form = opened(study=study.token).number_input
+    assert (form(key="study_form_3").value, form(key="study_form_4").value) == (24, None)
     press(page, "study_close")
     assert not page.code
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "words"),
-    [
-        ("study_adaptation_s", "0, soon", "expected seconds, separated by commas"),
-        ("study_adaptation_s", "0, 1, 2", "even number, rising"),
-        ("study_adaptation_s", "0, 2", "needs 4 s"),
-        ("study_adaptation_s", ",".join(map(str, range(40))), "expected 24 at most, got 40"),
-        ("study_consent", " ", "1 to 20,000 characters"),
-    ],
-)
-def test_what_cannot_be_is_told_and_not_begun(key: str, value: str, words: str):
-    page = opened()
-    kind = page.text_area if key == "study_consent" else page.text_input
-    checked(kind(key=key).set_value(value).run())
-    assert words in texts(page)
-    assert "study_start" not in keys(page)
-
-
-def test_a_wrong_time_leaves_all_else_that_was_entered():
+def test_what_cannot_be_is_told_and_not_begun_and_leaves_all_else_that_was_entered():
     page = opened()
     page.text_area(key="study_questions").set_value("Glasses?")
     checked(page.number_input(key="study_dark_lux").set_value(10.0).run())
-    for times in ("0, soon", "0, 5"):
-        checked(page.text_input(key="study_adaptation_s").set_value(times).run())
+    times = {"0, soon": "expected seconds, separated by commas", "0, 2": "needs 4 s", "0; 5": ""}
+    for entered, words in times.items():
+        checked(page.text_input(key="study_adaptation_s").set_value(entered).run())
+        assert words in texts(page)
+        assert ("study_start" in keys(page)) == (not words)
     assert page.text_area(key="study_questions").value == "Glasses?"
     assert page.number_input(key="study_dark_lux").value == 10
+    checked(page.text_area(key="study_consent").set_value(" ").run())
+    assert "1 to 20,000 characters" in texts(page)
+    assert "study_start" not in keys(page)
 
 
-def test_without_a_folder_the_page_says_who_can_name_one(monkeypatch: pytest.MonkeyPatch):
+def test_without_a_folder_of_ones_own_there_are_the_samples_pictures_if_any(
+    store: DetectabilityStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.delenv("NVCORE_LOCAL_ROOT")
     page = opened()
     assert "nvcore app --local-root DIR" in texts(page)
     assert "study_start" not in keys(page)
-
-
-def test_the_samples_pictures_need_no_folder_of_ones_own(
-    store: DetectabilityStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
-    monkeypatch.delenv("NVCORE_LOCAL_ROOT")
     study_pictures.write(tmp_path / "sample" / "study", 3)
     study = begun(store)
     assert (study.folder, len(study.pictures)) == ("sample", 3)
@@ -182,6 +170,7 @@ def test_who_agrees_gets_a_code_and_the_form_says_nothing_where_it_is_empty(
     shown = [item.value for item in page.markdown]
     assert not any("](http" in text for text in shown)  # the text of consent is text
     assert "# Hi" not in shown
+    assert "candela" in texts(page)
     assert f"{study.ends_at:%d %B %Y}" in texts(page)
     checked(page.button[0].click().run())
     assert "Without your agreement" in texts(page)
@@ -237,25 +226,13 @@ def test_every_practice_run_has_to_be_seen_to_its_end(store: DetectabilityStore,
     (person,) = store.participants(study)
     press(page, "study_screen")
     assert page.title[0].value == "Practice 2 of 2"
+    press(page, "study_other")
     checked(page.run())  # as after a run that was stopped
     assert page.title[0].value == "Practice 2 of 2"
     assert not store.find(study, person.name).has_practised
     press(page, "study_screen")
     assert store.find(study, person.name).has_practised
     assert runs[-1]["title"] == "Begin run 1 of 3"
-
-
-def test_the_end_of_another_run_ends_no_practice(
-    store: DetectabilityStore, monkeypatch: pytest.MonkeyPatch
-):
-    def draw_run(run, title, trials, timing, *, whose, on_end):
-        st.button("End another run", key="study_screen", on_click=on_end, args=("3 of it",))
-
-    monkeypatch.setattr(touch_studies, "draw_run", draw_run)
-    study = begun(store)
-    page = press(joined(study), "study_screen")
-    assert page.title[0].value == "Practice"
-    assert not store.participants(study)[0].has_practised
 
 
 @pytest.mark.parametrize("way", ["next", "conductor", "other page", "ratings"])
