@@ -84,6 +84,9 @@ def test_a_session_without_a_system_is_enough(tmp_path: Path, blobs: Path):
     session.write_text(head.replace('"truth.csv"', f'"{SAMPLE.parent / "truth.csv"}"').replace(
         'pictures = "', f'pictures = "{SAMPLE.parent}/'
     ))  # fmt: skip
+    refused = nvcore("detect", session, "--detector", blobs, *PART, "--out", tmp_path)
+    assert refused.exit_code == 2
+    assert "session.toml: is an input, and would be replaced" in refused.stderr
     first, second = tmp_path / "first", tmp_path / "second"
     ran = nvcore("detect", session, "--detector", blobs, *PART, "--name", "A", "--out", first)
     assert ran.exit_code == 0, ran.output

@@ -152,6 +152,7 @@ def test_stopping_and_an_error_on_the_way_leave_no_file(tmp_path: Path, error: t
             raise error
 
     path = tmp_path / "out.mp4"
+    path.write_bytes(b"of an earlier run")
     with pytest.raises(error):
         write_video(result(), {}, 0, 0, 10, path, fps=20, progress=stop)
     assert not path.exists()
