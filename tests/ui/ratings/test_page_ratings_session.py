@@ -249,6 +249,16 @@ def test_nobody_goes_on_as_another_person_by_a_name(store: RatingStore):
     assert store.ratings_of(study, "Anna") == {0: 5}
 
 
+def test_without_a_text_of_consent_there_is_nothing_to_agree_to(store: RatingStore):
+    begun_before = begun(store, "odd_pose")
+    study = store.begin(begun_before.fingerprint, begun_before.clips)
+    page = rating(study)
+    assert not page.checkbox
+    page.text_input(key="rating_name").set_value("Ann")
+    press(page, "rating_begin")
+    assert "Clip 1 of 2" in words(page)
+
+
 def test_a_second_form_under_one_name_is_refused_with_all_that_was_typed(store: RatingStore):
     page = conducting()
     checked(page.checkbox(key="rating_has_form").check().run())
