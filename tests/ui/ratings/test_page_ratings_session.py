@@ -158,6 +158,7 @@ def test_neither_participants_nor_strangers_see_the_ratings(store: RatingStore):
     for token in (study.token, "AAAAAAAAAAAAAAAAAAAAAA"):
         page = conducting(conduct=token)
         assert STRANGE in words(page)
+        assert "conduct" not in page.query_params
         assert not page.code
     stranger = rating(replace(study, token="AAAAAAAAAAAAAAAAAAAAAA"))
     assert "leads to no rating session" in words(stranger)
@@ -300,6 +301,9 @@ def test_the_last_rating_can_be_changed_which_is_recorded_with_how_often_it_was_
     assert kept["first_rating"].to_list()[0] == 5
     assert kept["first_rating"].isna().tolist() == [False, True]
     assert kept["n_plays"].tolist() == [6, 3]  # of both ratings of the first
+    page = part(*drawn("participant"), study=study.token, participant=joined(store, study, "Bob"))
+    page.session_state["rating_changing"] = True  # as Ann may leave it
+    assert "Clip 1 of 2" in words(checked(page.run()))
 
 
 @pytest.mark.parametrize(
