@@ -158,6 +158,7 @@ def test_neither_participants_nor_strangers_see_the_ratings(store: RatingStore):
     for token in (study.token, "AAAAAAAAAAAAAAAAAAAAAA"):
         page = conducting(conduct=token)
         assert STRANGE in words(page)
+        assert "conduct" not in page.query_params
         assert not page.code
     stranger = rating(replace(study, token="AAAAAAAAAAAAAAAAAAAAAA"))
     assert "leads to no rating session" in words(stranger)
@@ -249,6 +250,16 @@ def test_nobody_goes_on_as_another_person_by_a_name(store: RatingStore):
     assert store.ratings_of(study, "Anna") == {0: 5}
 
 
+def test_without_a_text_of_consent_there_is_nothing_to_agree_to(store: RatingStore):
+    begun_before = begun(store, "odd_pose")
+    study = store.begin(begun_before.fingerprint, begun_before.clips)
+    page = rating(study)
+    assert not page.checkbox
+    page.text_input(key="rating_name").set_value("Ann")
+    press(page, "rating_begin")
+    assert "Clip 1 of 2" in words(page)
+
+
 def test_a_second_form_under_one_name_is_refused_with_all_that_was_typed(store: RatingStore):
     page = conducting()
     checked(page.checkbox(key="rating_has_form").check().run())
@@ -290,6 +301,9 @@ def test_the_last_rating_can_be_changed_which_is_recorded_with_how_often_it_was_
     assert kept["first_rating"].to_list()[0] == 5
     assert kept["first_rating"].isna().tolist() == [False, True]
     assert kept["n_plays"].tolist() == [6, 3]  # of both ratings of the first
+    page = part(*drawn("participant"), study=study.token, participant=joined(store, study, "Bob"))
+    page.session_state["rating_changing"] = True  # as Ann may leave it
+    assert "Clip 1 of 2" in words(checked(page.run()))
 
 
 @pytest.mark.parametrize(

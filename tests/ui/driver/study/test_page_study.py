@@ -203,6 +203,7 @@ def test_practice_comes_once_then_run_after_run_until_all_are_answered(
     for run in range(1, 4):
         page = opened(study=study.token, participant=code)  # as after a reload
         assert runs[-1]["title"] == f"Begin run {run} of 3"
+        assert ("Look at the **bright screen**" in texts(page)) == (run == 1)
         trials = [trial for trial in person.plan if trial.run == run]
         assert [trial["place"] for trial in runs[-1]["trials"]] == [t.order for t in trials]
         assert [trial["picture"] for trial in runs[-1]["trials"]] == [
