@@ -39,7 +39,7 @@ def is_participant() -> bool:
 
 def enter(token: str, code: str = "") -> None:
     """Show a study to a participant, on this screen."""
-    # at once: an address that is emptied first would be that of a page that is left
+    # in one step: emptied first, the address would be that of a page that is left
     st.query_params.from_dict({STUDY: token} | ({PARTICIPANT: code} if code else {}))
     st.rerun()
 

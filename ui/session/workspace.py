@@ -218,9 +218,9 @@ class Workspace(Caching):
     lock
         Held while these are changed.
     picture_process
-        Opens uploaded pictures.
+        Process that opens and reads pictures.
     model_process
-        Opens and runs models.
+        Process that opens and runs models.
     picture_turns
         Limits how many pictures the browser reads at a time, so that slow ones do not block the
         threads of other visitors.
