@@ -34,8 +34,8 @@ APART: Final = 0.16
 def alerts_over_time(result: Result, recording: int, theme: Theme) -> go.Figure:
     """Draw a row for each system and kind, with a bar for each alert from its onset on.
 
-    `customdata` of the mark at the onset is the row in ``dataset.frames`` and that in
-    ``result.encounters`` (-1: about nobody).
+    `customdata` of the mark at the onset is its row in ``dataset.frames`` and the row of the
+    encounter in ``result.encounters`` (-1: no encounter).
 
     Parameters
     ----------
@@ -130,9 +130,9 @@ def alerts_in_time(result: Result, *, theme: Theme) -> go.Figure:
 def alert_trade_off(result: Result, *, theme: Theme) -> go.Figure:
     """Draw urgent encounters alerted in time over unwanted alerts an hour.
 
-    A line for each system over its score threshold, the policy as it is; a large mark where its
-    threshold stands, and a star where its own log does. `customdata` is the threshold. Of short
-    recordings no rate an hour is shown but the number.
+    Each system has a line over its score threshold under the current policy, a large mark at its
+    threshold, and a star for its own log. `customdata` is the threshold. For short recordings the
+    number replaces the rate per hour.
     """
     view, duration_s = alerts_in(result), result.duration_s
     n_urgent = view.n_urgent
@@ -192,4 +192,4 @@ def _trade_off_text(row: dict[Any, Any]) -> str:
 
 
 FIGURES: Final = {"alert_trade_off": alert_trade_off, "alerts_in_time": alerts_in_time}
-"""Figures by their names in `nvcore.api.figures.Figures`."""
+"""Figures by name in `nvcore.api.figures.Figures`."""

@@ -57,7 +57,7 @@ def compare_session(
 
 
 def exit_on_findings(findings: Iterable[Finding], strict: bool) -> None:
-    """Exit with 1 if there are errors; with `strict` also for warnings."""
+    """Exit with code 1 if there are errors or, with `strict`, warnings."""
     bad = {"error", "warning"} if strict else {"error"}
     if any(finding.severity.value in bad for finding in findings):
         raise SystemExit(EXIT_FINDINGS)
@@ -135,9 +135,9 @@ def job_on(
 
 
 def _proposal(session: Session, facts: Iterable[str]) -> str:
-    """Size and frame rate of the session's pictures, or usual in the truth's format; empty: none.
+    """Return flags for size and frame rate, by the pictures or else as usual in the truth's format.
 
-    As the dashboard proposes them.
+    Empty if neither is known. The dashboard proposes the same.
     """
     wanted = {"size", "fps"} & set(facts)
     sizes_and_rates = _of_pictures(session) if wanted else None
@@ -160,7 +160,7 @@ def _proposal(session: Session, facts: Iterable[str]) -> str:
 
 
 def _of_pictures(session: Session) -> tuple[str, tuple[int, int], float | None] | None:
-    """Path, size (px) and frame rate (1/s) of the first pictures that can be opened."""
+    """Return path, size (px) and frame rate (1/s) of the first pictures that can be opened."""
     paths = [entry.pictures for entry in session.recordings if entry.pictures is not None]
     with suppress(ImportError):  # without the extra `report` no picture is opened
         from nvcore.pictures.open import open_pictures
@@ -176,7 +176,7 @@ def _of_pictures(session: Session) -> tuple[str, tuple[int, int], float | None] 
 
 
 def _usual(session: Session) -> UsualInputs | None:
-    """What most recordings in the truth's format have."""
+    """Return size and frame rate of most recordings in the truth's format, or None."""
     from nvcore.inputs.files import find_files
     from nvcore.inputs.proposals import USUAL_INPUTS
 
@@ -208,7 +208,7 @@ ShownPath = Callable[[str, str], str]
 def shown_paths(
     folder: Path, sources: Iterable[tuple[Source, Role]], systems: Iterable[str] = ()
 ) -> ShownPath:
-    """How the terminal names the files of inputs, also where two inputs have files of one name."""
+    """Return a function that names input files for the terminal, even if two share a name."""
     from nvcore.inputs.files import paths_to_show
 
     of_sources = [paths_to_show(folder, [source]) for source in sources]

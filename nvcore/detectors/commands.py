@@ -31,7 +31,7 @@ from nvcore.wording import one_line
 @click.argument("session_file", type=click.Path(dir_okay=False, path_type=Path))
 @options_of(DetectArguments)
 def detect(session_file: Path, **options: Any) -> None:
-    """Run a detector over the recordings of a session; its boxes are one system more.
+    """Run a detector over the recordings of a session, and add its boxes as a system.
 
     SESSION_FILE (TOML) names the ground truth and the pictures of each recording; it need not name
     a system. The detector is given the evaluated frames. How long that will take is said first;

@@ -52,34 +52,34 @@ SUPPRESSED: Final = 0.25
 MARK_PX: Final = (3, 8)
 """Size of the mark in the middle of the smallest and of large boxes."""
 CHOSEN: Final = "#FFE600"
-"""Colour of the chosen box; neither the truth's nor a system's."""
+"""Colour of the chosen box, other than those of truth and systems."""
 OUTCOMES: Final = {
     DetectionState.MATCHED: "matched",
     DetectionState.FALSE_ALARM: "a false alarm",
     DetectionState.ABSORBED: "on ignored truth",
     DetectionState.BELOW: "of a class that does not count",
 }
-"""Outcome of a box that counts in a comparison."""
+"""Words for the outcome of a box that counts in a comparison."""
 MapOf: TypeAlias = Literal["trees", "confidence"]
 MAP_TITLES: Final[dict[MapOf, str]] = {
     "trees": "Trees that each window came through",
     "confidence": "Confidence of the windows that came through",
 }
 OPACITY: Final = 0.9
-"""Opacity of the highest value of a map; the lowest is clear, so that the picture is seen."""
+"""Opacity of the highest value of a map. The lowest is clear and shows the picture."""
 BAR_PX: Final = 40
 TREES_PX: Final = 340
 DASHES: Final = ("dot", "dash", "longdash")
-"""Lines of the rounds of a training before the last one."""
+"""Dashes of the rounds of a training before the last one."""
 QUESTIONS: Final = {"root": (4.0, 3.0), "left": (2.0, 1.65), "right": (6.0, 1.65)}
 LEAVES: Final = ((1.0, 0.3), (3.0, 0.3), (5.0, 0.3), (7.0, 0.3))
 """Middle of each question and of each leaf of a tree, in units of the plot."""
 HIGHEST: Final = 0.9
 """Longer side of a window that is drawn beside a question, in units of the plot's height."""
 SHAPE: Final = 0.75
-"""Units across of what is as long as one upright, on a page of usual width."""
+"""Horizontal units as long as one vertical unit, on a page of usual width."""
 GAP: Final = 0.06
-"""Between a window and its question."""
+"""Gap between a window and its question."""
 
 
 def boxes_plot(
@@ -109,13 +109,13 @@ def boxes_plot(
     is_counting
         Whether each of them counts, shape (n,).
     theme
-        The detector is drawn as its Y, for pictures.
+        Theme whose Y is the detector.
     threshold
         Boxes with a lower score are not drawn.
     truth
-        Left, top, width, height in pixels of the recording, (n, 4); None: not known.
+        Left, top, width and height of truth boxes, px of the recording, (n, 4); None: not known.
     ignored
-        The same of truth that is neither to be found nor a false alarm; None: there is none.
+        Same for ignored truth, which is neither missed nor makes a false alarm; None: no boxes.
     states
         Outcome of each box that counts in a comparison (`nvcore.schema.DetectionState`; BELOW: not
         of a class that counts), int8, (n,); None: not known.
@@ -139,7 +139,7 @@ def boxes_plot(
     traces.append(still_line([None], [None], "suppressed", showlegend=shows, line=swatch))
     if truth is not None:
         traces.append(_outlines(truth, "truth", color=look.truth, width=1.5))
-    # solid, whatever the system's line: its dashes are longer than a distant box
+    # solid, as the dashes of the system's line are longer than a distant box
     traces.append(_outlines(sides[is_counting], "detected", color=look.y, width=2.4))
     if ignored is not None:
         traces.append(_outlines(ignored, "ignored", color=look.truth, width=1.5, dash="dot"))
@@ -169,7 +169,7 @@ def boxes_plot(
         legend={"bgcolor": look.surface, "font": {"size": 12, "color": look.ink}},
         **_below(picture, *own_size, can_zoom=True),
         dragmode="zoom",
-        uirevision=f"{title} {own_size}",  # what is enlarged stays while thresholds move
+        uirevision=f"{title} {own_size}",  # keep the zoom while thresholds move
     )
 
 
@@ -257,12 +257,12 @@ def score_map_plot(
     Parameters
     ----------
     windows
-        Of `nvcore.detectors.icf.displays.map_at`.
+        Windows from `nvcore.detectors.icf.displays.map_at`.
     settings
-        Of the run.
+        Settings of the run.
     of
-        How many trees each window came through, on a logarithmic scale; or the confidence of those
-        that came through all.
+        ``"trees"``: the number of trees that each window passed, on a logarithmic scale.
+        ``"confidence"``: the confidence of windows that passed all trees.
     """
     height, width = picture.shape[:2]
     level, step, look = windows.level, windows.step, LOOK[theme]
@@ -532,9 +532,9 @@ def tree_plot(
     window
         Width and height of the classifier's window, px.
     number
-        Of the tree, from 1.
+        Number of the tree, from 1.
     leaf
-        Where the chosen window comes to, 0..3 from left to right; None: no window is chosen.
+        Leaf that the chosen window reaches, 0..3 from left to right; None: no window is chosen.
     """
     look = LOOK[theme]
     taken = () if leaf is None else (("root", leaf // 2), (("left", "right")[leaf // 2], leaf % 2))
@@ -579,7 +579,7 @@ def tree_plot(
 
 
 def _question(node: Node) -> str:
-    """Return a node's question: mean of a channel, in units of its 0..1."""
+    """Return a node's question about the mean of a channel, which ranges over 0..1."""
     size = f"{node.right - node.left} × {node.bottom - node.top} px"
     if node.minus is None:
         return f"mean of {plain(node.channel)}<br>over {size}<br>{node.threshold:.3f}?"

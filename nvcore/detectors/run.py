@@ -117,7 +117,7 @@ def check_pictures(pictures: RecordingPictures, dataset: Dataset | None = None) 
     Raises
     ------
     InputError
-        If there is none, with the reason and the frames that `dataset` has besides.
+        If there is none, with the reason and the unlisted frames of `dataset`.
     """
     n = sum(int(np.count_nonzero(index >= 0)) for index in pictures.indices.values())
     if not n:

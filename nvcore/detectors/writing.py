@@ -129,7 +129,7 @@ def write_detections(
     entries = session.entries([part.name for part in run.recordings])
     files_of, contents, frames = _files_of(dataset), dict[str, bytes](), {}
     for part in run.recordings:
-        if not len(part.frames):  # nobody knows what is there
+        if not len(part.frames):  # without pictures nothing is known of its frames
             continue
         in_data = entries[part.name].name if part.name in entries else part.name
         table = part.boxes.copy()
@@ -166,7 +166,7 @@ def write_detections(
         hashes={**source_hashes(dataset), name: source_hash(digests.values())},
         x=old_x or name,
         y=None if old_x is None else name,
-        # now with the systems: those beside them were of another pair
+        # each system now has its own: these were of another pair
         params=replace(session.params, threshold_x=None, threshold_y=None),
     )
     text = write_session(written, version=__version__, fingerprint=dataset.fingerprint)

@@ -56,7 +56,7 @@ class RecordingFeatures:
     n_unseen
         Number of pedestrian boxes in frames without a picture.
     notes
-        Assumptions and sources, in sentences.
+        Assumptions and sources as sentences.
     may_be_of_heat
         True if its pictures are grey and not declared as visible light.
     clock

@@ -1,4 +1,4 @@
-"""Figures: tables and results in, Plotly figures out; pure, one module for each family."""
+"""Figures: tables and results in, Plotly figures out. One module of pure functions per family."""
 
 from nvcore.extras import needs
 

@@ -1,4 +1,4 @@
-"""Figures of detection curves, and what other curves share: logarithmic axes, marked values."""
+"""Figures of detection curves, with logarithmic axes and marked values for other curves."""
 
 from __future__ import annotations
 
@@ -81,25 +81,25 @@ KINDS: Final[dict[CurveKind, CurveChart]] = {
     ),
 }
 MAX_POINTS: Final = 600
-"""Points of a curve that are drawn and can be clicked, evenly over the axis."""
+"""Maximum number of points of a curve that are drawn and clickable, evenly over the axis."""
 FPPI_RANGE: Final = (0.001, 1.0)
-"""The axis of false positives per image reaches so far at least."""
+"""Least range of the axis of false positives per image."""
 RATE_TICKS: Final = (
     *(0.001, 0.002, 0.005, 0.01, 0.02, 0.05),
     *(0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0),
 )
 MOST_LOW_RATE: Final = 0.5
-"""The axis of miss rates reaches down to this at least, so that a flat curve looks flat."""
+"""Highest lower end of the axis of miss rates, so that a flat curve looks flat."""
 UNIT_RANGE: Final = (-0.02, 1.02)
-"""Of axes from 0 to 1: marks at the ends are whole, and labels do not touch."""
+"""Range of axes from 0 to 1, with room for whole marks and labels at the ends."""
 TO_CLICK: Final = "click a curve to set its threshold"
 IN_USE_PX: Final = 13
 PUBLISHED_PX: Final = 12
 PUBLISHED_SYMBOLS: Final = ("star", "triangle-up", "square", "cross", "x", "pentagon")
 EDGE_SHARE: Final = 0.09
-"""Of a logarithmic axis: from the lowest tick down to the edge."""
+"""Share of a logarithmic axis between its lowest tick and the edge."""
 MARGIN_SHARE: Final = 0.02
-"""Of a logarithmic axis: room at its low end, so that marks are whole and labels do not touch."""
+"""Share of a logarithmic axis that is left free at its low end for whole marks and labels."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ class LogScale:
     axis
         Settings of Plotly's axis.
     has_edge
-        Whether values stand at the edge, which has a label then: "0", or "< 0.001" if some are not
+        True if values stand at the edge, which is then labelled "0", or "< 0.001" if some are not
         0.
     """
 
@@ -123,7 +123,7 @@ class LogScale:
     has_edge: bool
 
     def place(self, values: pd.Series) -> pd.Series:
-        """Return where values are drawn."""
+        """Return the positions at which values are drawn."""
         return values.mask(values < self.low * (1 - 1e-9), self.edge)
 
 
@@ -215,9 +215,9 @@ def curve_plot(
 ) -> go.Figure:
     """Draw detection curves of X and Y with a large mark at the threshold in use.
 
-    What a logarithmic axis cannot show, such as 0, stands at its edge, where the tick says so; a
-    hollow mark stands where a miss rate gets there. A click gives the threshold: `customdata` is
-    the pair of the system's letter and the score.
+    Values that a logarithmic axis cannot show, such as 0, stand at its edge, which has a tick of
+    its own. A hollow mark stands where a miss rate gets there. A click gives the threshold:
+    `customdata` is the pair of the system's letter and the score.
 
     Parameters
     ----------
@@ -226,13 +226,13 @@ def curve_plot(
     thresholds
         Thresholds in use of X and Y; None: every detection counts.
     summaries
-        What the legend says behind the names (`legend_text`).
+        Texts after the names in the legend (`legend_text`).
     windows_per_image
         For false positives per window (`nvcore.detection.windows`).
     hint
         Last part of the subtitle.
     published
-        Points of others; those of which the kind of curve needs more than is known are not drawn.
+        Published points of others. A point without the measures of this kind of curve is left out.
     """
     of = KINDS[kind]
     why_empty = _why_empty(curves, kind, windows_per_image)

@@ -42,7 +42,7 @@ from nvcore.wording import capitalised, count_text, number, percent
 
 MOST_GROUPS: Final = 40
 MAX_RECORDINGS: Final = 40
-"""Recordings drawn: those with the largest differences."""
+"""Maximum number of recordings drawn, those with the largest differences first."""
 
 ByRecording = Literal["mean_similarity", "saliency"]
 
@@ -51,7 +51,7 @@ AXES: Final[dict[ByRecording, tuple[str, str, tuple[float, float]]]] = {
     "mean_similarity": ("Similarity by recording", "mean similarity (1 = perfect)", (0.5, 1.0)),
     "saliency": ("Saliency by recording", "saliency (s, 0 = nothing to notice)", (0.0, 1.0)),
 }
-"""Titles of figure and axis, and the range that is shown at least: small gains look small."""
+"""Titles of figure and axis, and the least range shown, so that small gains look small."""
 
 
 def joined_rows(start: np.ndarray, stop: np.ndarray, name: str, **line: Any) -> go.Scatter:

@@ -1,4 +1,4 @@
-"""Encounters: how X and Y miss them, which system is first, where, and how near they count."""
+"""Figures of encounters: miss classes, lead times, positions of misses, and weightings."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ NEST_PX: Final = 10
 NONE_LEFT: Final = "No encounter is left: widen the filters."
 MAX_BINS: Final = 25
 LEAD_STEPS_S: Final = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
-"""Widths of the bins of lead time that are easy to read."""
+"""Candidate widths of the bins of lead time, which are easy to read."""
 MAX_MARKS: Final = 4000
-"""Encounters on the map. Detected ones are thinned out first."""
+"""Maximum number of encounters on the map. Detected ones are thinned out first."""
 MAP_KINDS: Final = (
     (Category.DISTANT, "distant", "pale", "circle-open"),
     (Category.BOTH, "detected by both", "muted", "circle-open"),
@@ -79,7 +79,7 @@ def fusion_plot(fusion: pd.DataFrame, *, theme: Theme) -> go.Figure:
         "x_or_y": (look.ink, "star"),
         "x_and_y": (look.muted, "square"),
     }
-    # of systems at one place each mark lies inside the one before, and one label names them all
+    # where systems coincide, each mark lies inside the one before, and one label names them all
     by_place = fusion.groupby(["false_alert_episodes", "encounters_detected"])["system"]
     alike: dict[Any, list[str]] = by_place.agg(list).to_dict()
     traces = []
@@ -216,7 +216,7 @@ def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme, objects: Objects) 
     bin_of = np.clip(np.round(lead_s / width).astype(int) + len(centre) // 2, 0, len(centre) - 1)
     look, n_x, n_y = LOOK[theme], int((lead_s > 0).sum()), int((lead_s < 0).sum())
     traces = []
-    # the bin around 0 also holds small leads: whoever leads is told by the lead, not by the bin
+    # the bin around 0 also holds small leads, so the leader follows from the lead, not the bin
     for label, colour, leads in (
         ("Y first", look.y, lead_s < 0),
         ("at the same time", look.muted, lead_s == 0),

@@ -1,4 +1,4 @@
-"""Inputs: scores and false alarms by threshold, and heights with the proximity weight."""
+"""Figures of the inputs: scores and false alarms by threshold, and the proximity weight."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ from nvcore.wording import count_text
 SMALL_PX: Final = 180
 """Height of the figure in the sidebar."""
 MAX_BOXES: Final = 200_000
-"""Boxes in the histogram of heights, taken evenly from all."""
+"""Maximum number of boxes in the histogram of heights, taken evenly from all."""
 LABEL_PX: Final = 30
 """Space above the plot for the label of the threshold."""
 N_BINS: Final = 40
 N_CURVES: Final = 4
-"""Sigmoids drawn where recordings differ in size."""
+"""Maximum number of sigmoids drawn if recordings differ in size."""
 
 
 def score_plot(

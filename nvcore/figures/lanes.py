@@ -40,20 +40,20 @@ from nvcore.tables.loss_strip import LossStrip
 from nvcore.wording import count_text
 
 MAX_LANES: Final = 200
-"""Encounters drawn, if not fewer are asked for."""
+"""Default number of encounters drawn."""
 AROUND_PX: Final = 120
-"""Height of title, legend and axis, which is above the lanes, and of what is below them."""
+"""Height of title, legend and axis above the lanes, plus the room below them."""
 ABOVE_PX: Final = 84
 GAP_PX: Final = 12
 """Height of a strip above the lanes, and of the room between it and the lanes."""
 MAX_CLICKS: Final = 1500
-"""Places that can be clicked, over all lanes; the browser draws a marker for each."""
+"""Maximum number of clickable places in all lanes, as the browser draws a marker for each."""
 CLICKS_OF_LANE: Final = (20, 120)
 MAX_BARS: Final = 3000
 PIXELS: Final = 4000
-"""Columns of pixels to which bars are rounded when there are more than that."""
+"""Number of pixel columns to which bars are rounded if there are more than `MAX_BARS`."""
 LANE_PX: Final = ((12, 30), (40, 20), (MAX_LANES, 13))
-"""Height of a lane for up to so many of them."""
+"""Height of a lane by the largest number of lanes that it is for."""
 KINDS: Final = (
     ("not_relevant", "xy", "too far to count"),
     ("ignored", "xy", "ignored"),
@@ -61,7 +61,7 @@ KINDS: Final = (
 )
 """State, systems and name of the bars that are drawn alike. Misses are drawn last."""
 WORDS: Final = {"not_relevant": "too far to count", "": "not annotated"}
-"""States that are not called by their own word."""
+"""Words for the states that are not shown by their own name."""
 BAR: Final = 0.38
 """Height of one bar; a lane is 1 high."""
 
@@ -72,7 +72,7 @@ BAR_PX: Final = (80, 220)
 SCALE_PX: Final = 76
 """Width of the colour bar with its labels."""
 MAX_STRIP_CLICKS: Final = 400
-"""Places that can be clicked, over all strips; the browser draws a marker for each."""
+"""Maximum number of clickable places in all strips. The browser draws a marker for each."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Strip:
     Attributes
     ----------
     words
-        What the subtitle says of it.
+        Part of the subtitle about it.
     traces
         On the axis ``y2``.
     axis
@@ -101,14 +101,14 @@ class Lanes:
     Attributes
     ----------
     strip
-        The strip above the lanes, of the result, the recording's row, and the theme; None: there is
-        nothing to show. Only one subject has room for it.
+        Function of the result, the recording's row and the theme that returns the strip above the
+        lanes, or None if there is nothing to show. Only one subject has room for it.
     marks
-        Marks in the lanes, of the result, the encounters of the lanes in order, the height of a
-        mark in px, and the theme.
+        Function of the result, the encounters of the lanes in order, the height of a mark in px and
+        the theme that returns marks in the lanes.
     note
-        What the hover text of frames says: of the result and the rows of encounters and frames, a
-        text each, empty where there is nothing to say.
+        Function of the result and the rows of encounters and frames that returns a hover text for
+        each frame, which may be empty.
     """
 
     strip: Callable[[Result, int, Theme], Strip | None]
@@ -131,7 +131,7 @@ def lanes_figure(
 
     The most severe failures are on top. Filled: matched. Hollow and hatched: missed. Pale: not
     near enough to count. A bar in a lane: the last chance to stop. Above the lanes stands the time
-    to contact of who is nearest, where anybody is approached. Shaded: stretches with a code
+    to contact with the nearest pedestrian, if any is approached. Shaded: stretches with a code
     (`nvcore.settings.Settings.codes`). A click gives frame and encounter:
     `customdata` is the row in ``dataset.frames`` and that in ``result.encounters``.
 
@@ -142,9 +142,9 @@ def lanes_figure(
     cursor_row
         Row in ``dataset.frames`` of the frame that is shown; None: no cursor.
     first, most
-        Lanes drawn: so many, from this one on, counted from 0.
+        First lane drawn, counted from 0, and maximum number of lanes.
     only_missed
-        Leave out whom nobody misses while near enough to count.
+        True to leave out pedestrians whom no system misses while they are near enough to count.
     chosen
         Row of ``result.encounters`` whose lane is marked; None: no lane.
     """
@@ -226,13 +226,13 @@ def lanes_figure(
 def lane_order(result: Result, recording: int, *, only_missed: bool = False) -> np.ndarray:
     """Return rows of ``result.encounters`` in a recording, the most severe failure first.
 
-    That is the larger severity of X and Y; of equals the one whom they miss longer, then the one
-    who comes first.
+    The larger severity of X and Y counts. Ties are broken by the time missed, longest first, then
+    by the first frame.
 
     Parameters
     ----------
     only_missed
-        Leave out whom nobody misses while near enough to count.
+        See `lanes_figure`.
     """
     encounters = np.flatnonzero(result.encounters.recording == recording)
     severities = [system.failures["severity_s"].to_numpy() for _, system in result.sides]

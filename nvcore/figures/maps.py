@@ -119,7 +119,7 @@ def stability_map(stability: StabilityMap, *, theme: Theme) -> go.Figure:
 
 
 def _heat(stability: StabilityMap, look: ChartLook) -> list[Any]:
-    """Return the coloured cells, the line where the verdict turns, and that of equal alarms."""
+    """Return the coloured cells, the line where the verdict turns, and the line of equal alarms."""
     across, up = stability.axes
     values = stability.difference.T  # transposed: rows are drawn upwards
     most = float(np.nanmax(np.abs(values))) or 1.0
@@ -299,7 +299,7 @@ def _cell_at(stability: StabilityMap, point: Sequence[float]) -> tuple[int, ...]
 def cost_plot(cost_map: CostMap, *, theme: Theme, objects: Objects) -> go.Figure:
     """Plot the cost of missing a pedestrian, 0 to 1, by lateral position and row of the feet.
 
-    Lower rows are nearer, as in the picture. It is empty where nobody can stand.
+    Lower rows are nearer, as in the picture. Places where nobody can stand are empty.
     """
     look, feet = LOOK[theme], objects.say("{feet}")
     font = {"size": 11, "color": look.muted}

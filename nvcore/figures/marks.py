@@ -57,7 +57,7 @@ def line_up(figure: go.Figure, x: float, name: str, theme: Theme) -> None:
 
 
 def row_texts(template: str, **columns: Any) -> list[str]:
-    """Fill a template once for each row of columns of one length; a text holds for all rows.
+    """Fill a template once for each row of columns of one length. A text is the same in all rows.
 
     Examples
     --------

@@ -35,14 +35,14 @@ TimeLayout = Literal["time", "upright", "side_by_side"]
 
 NO_FRAMES: Final = "This recording has no frames."
 MAX_POINTS: Final = 4000
-"""Points of one line: more than a screen has columns, few enough for the browser."""
+"""Maximum number of points of a line: more than a screen has columns, few enough to draw."""
 MEAN_POINTS: Final = 2000
 MAX_CLICKS: Final = 800
-"""Frames that can be clicked: one for a column of pixels; the browser draws a marker for each."""
+"""Maximum number of clickable frames, about one for each column of pixels."""
 MAX_INTERVALS: Final = 200
-"""Low-similarity intervals drawn for each system, largest severity first."""
+"""Maximum number of low-similarity intervals drawn for each system, most severe first."""
 MAX_EVENTS: Final = 200
-"""Saliency events drawn for each system, largest saliency first."""
+"""Maximum number of saliency events drawn for each system, most salient first."""
 HEIGHT_PX: Final[dict[TimeLayout, int]] = {"time": 400, "upright": 720, "side_by_side": 720}
 LOSSES_PX: Final = 440
 LOSS_PANELS: Final = {"x": [0.53, 1.0], "y": [0.0, 0.47]}
@@ -95,7 +95,7 @@ def keep_peaks(*series: np.ndarray, n_points: int = MAX_POINTS) -> np.ndarray:
 
 
 def end_of(result: Result, recording: int) -> float:
-    """Return when the last frame of a recording that has frames ends, s."""
+    """Return the end of a recording's last frame, s. The recording must have frames."""
     last = result.dataset.frame_columns.rows_of(recording).stop - 1
     frames = result.dataset.frames
     return float(frames["time_s"].to_numpy()[last] + frames["step_s"].to_numpy()[last])
@@ -284,7 +284,7 @@ def _low_areas(panels: Panels, letter: str, lows: pd.DataFrame, theme: Theme) ->
 
 
 def _crossing_s(time_s: np.ndarray, values: np.ndarray, row: int, way: int, low: float) -> float:
-    """Return when the line from a low frame to its neighbour crosses the limit."""
+    """Return the time at which the line from a low frame to its neighbour crosses the limit, s."""
     other = row + way
     if not 0 <= other < len(values):
         return float(time_s[row])
@@ -385,7 +385,7 @@ def _similarity_axes(
 def loss_plot(
     result: Result, recording: int, *, theme: Theme, cursor_row: int | None = None
 ) -> go.Figure:
-    """Draw what each frame loses to misses and, stacked on it, to false alarms, 0 is best.
+    """Draw the loss of each frame to misses and, stacked on it, to false alarms, 0 is best.
 
     The height of both areas together is 1 - similarity. X stands above Y, on one scale. A click
     gives the frame: `customdata` is its row in ``dataset.frames``.

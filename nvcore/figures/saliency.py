@@ -1,4 +1,4 @@
-"""Saliency: the events on the recency curve, the parts of the number, and beside similarity."""
+"""Figures of saliency: events on the recency curve, parts of events, and similarity."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ from nvcore.tables.result import recordings_table
 from nvcore.wording import count_text
 
 MAX_EVENTS: Final = 1000
-"""Events of each system on the curve, the most salient first."""
+"""Maximum number of events of each system on the curve, the most salient first."""
 MANY_EVENTS: Final = 40
 """Events of a system above which the marks on the curve are small and open."""
 N_PARTS: Final = 6
-"""Events of each system that are taken apart."""
+"""Maximum number of events of each system that are split into parts."""
 CURVE_POINTS: Final = 201
 MANY_RECORDINGS: Final = 100
 """Recordings above which the marks of the plane are small and faint."""

@@ -40,7 +40,7 @@ LOSS_COLOURS: Final[dict[Shade, tuple[str, ...]]] = {
     "light": ("#F1F3F6", "#D3B8E0", "#9A5FB5", "#4A1162"),
     "dark": ("#222933", "#5C3A73", "#A56CC4", "#F4DCFF"),
 }
-"""Colours from nothing lost to most; neither X's nor Y's."""
+"""Colours from no loss to the largest, other than those of X and Y."""
 LABEL_GAP_PX: Final = 5
 """Gap between the label of a row and its marks, which may begin at the axis."""
 HEADING_PX: Final = 54
@@ -48,8 +48,8 @@ HEADING_PX: Final = 54
 EDGE_PX: Final = 8
 """Gap between a figure's edge and its marks.
 
-Labels and legend push the plot further in, which takes as long as drawing it a second time. So the
-space that is known to be needed is left free from the start.
+Labels and legend that need more room shrink the plot, which takes the browser as long as a second
+drawing. So the known space is left free from the start.
 """
 AXIS_PX: Final = 45
 """Height of an axis's labels and title."""
@@ -104,7 +104,7 @@ class ChartLook:
 
 
 class _Looks(dict[Theme, ChartLook]):
-    """Looks of both shades, and of each scheme: that of its shade in the systems' own colours."""
+    """Looks of both shades. A scheme has the look of its shade in the systems' own colours."""
 
     def __missing__(self, theme: Theme) -> ChartLook:
         scheme = scheme_of(theme)
@@ -145,7 +145,7 @@ def system_label(letter: str, name: str) -> str:
 
 
 def which_is_which(theme: Theme) -> str:
-    """Return who X and Y are, if known, as the end of a subtitle without a legend."""
+    """Return the names of X and Y, if known, as the end of a subtitle without a legend."""
     x, y = scheme_of(theme).names
     return f"; {system_label('x', x)}, {system_label('y', y)}" if x and y else ""
 
@@ -232,7 +232,8 @@ def layout(
     Parameters
     ----------
     title, subtitle
-        Content of the figure, and how much stands behind it; names in them went through `plain`.
+        Content of the figure, and the number of frames or encounters behind it. Names in them must
+        be escaped by `plain`.
     more
         Further layout settings, such as axes. They replace those given here; margin and legend are
         merged.

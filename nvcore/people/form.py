@@ -23,20 +23,20 @@ CHOICES: Final = {
     "licence": ("yes", "no"),
     "night_driving": ("never", "less than once a month", "every month", "every week", "every day"),
 }
-"""Fields with few answers."""
+"""Answers of the fields with a fixed choice."""
 MOST_TEXT: Final = 20_000
-"""Characters of a text of consent."""
+"""Maximum number of characters of a text of consent."""
 KEPT_DAYS: Final = 365
-"""Days that answers are kept, unless the conductor says otherwise."""
+"""Default number of days that answers are kept."""
 LONGEST_KEPT_DAYS: Final = 3650
 MOST_QUESTIONS: Final = 20
 MOST_QUESTION: Final = 300
 MOST_ANSWER: Final = 2000
-"""Characters of a field of the form."""
+"""Maximum number of characters of an answer in the form."""
 
 
 def check_terms(consent: str, keep_days: int, questions: Sequence[str] = ()) -> None:
-    """Refuse a text of consent, days of keeping answers, or own questions that cannot be.
+    """Refuse an invalid text of consent, number of days, or own question.
 
     Raises
     ------

@@ -11,11 +11,11 @@ import numpy as np
 MOST_NAME: Final = 64
 PSEUDONYM_LENGTH: Final = 8
 CODE_LETTERS: Final = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789"
-"""Letters and figures that are not mistaken for each other."""
+"""Letters and digits that are not easily confused."""
 
 
 def fold_name(participant: str) -> str:
-    """Return a name in the form that is the same however it is typed.
+    """Return a name for comparison, the same in whatever capitals and spaces it is typed.
 
     Examples
     --------
@@ -26,20 +26,20 @@ def fold_name(participant: str) -> str:
 
 
 def draw_pseudonym() -> str:
-    """Draw a name for tables, which says nothing about the person."""
+    """Draw a random name for tables, which says nothing about the person."""
     return "".join(secrets.choice(CODE_LETTERS) for _ in range(PSEUDONYM_LENGTH))
 
 
 def draw_code() -> str:
     """Draw a personal code, such as ABCD-EFGH-2345.
 
-    It has 60 bits, so it can't be guessed, nor found from its hash by trying.
+    It has 60 random bits, too many to guess, or to search for the code of a known hash.
     """
     return "-".join("".join(secrets.choice(CODE_LETTERS) for _ in range(4)) for _ in range(3))
 
 
 def hash_code(token: str, code: str) -> str:
-    """Return what a study's file keeps of a personal code, however the code is typed.
+    """Return the hash of a personal code, whatever capitals, spaces and hyphens are typed.
 
     Examples
     --------

@@ -39,10 +39,10 @@ from nvcore.people.participants import (
 )
 
 WAIT_S: Final = 10.0
-"""Timeout of a write that waits for another, seconds."""
+"""Timeout of a write that waits for another one, s."""
 MOST_STUDIES: Final = 1000
 MOST_PARTICIPANTS: Final = 2000
-"""Participants of a study. On a public server somebody may try how many there can be."""
+"""Maximum number of participants of a study, as anybody with its link can join."""
 STUDY: Final = "token TEXT PRIMARY KEY, conductor TEXT NOT NULL UNIQUE"
 PARTICIPANT: Final = """study TEXT NOT NULL REFERENCES study, name TEXT NOT NULL,
     number INTEGER NOT NULL, code TEXT, PRIMARY KEY (study, name), UNIQUE (study, number)"""
@@ -52,7 +52,7 @@ OF_PARTICIPANT: Final = """study TEXT NOT NULL, participant TEXT NOT NULL, {colu
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """Study of any task.
+    """Study of any task. Tasks derive their own.
 
     Attributes
     ----------
@@ -139,6 +139,8 @@ class StudyStore(Generic[S]):
 
     Raises
     ------
+    InputError
+        If the folder or the file cannot be created.
     StoreError
         Here and in every call: if the file cannot be used.
     """
@@ -157,9 +159,9 @@ class StudyStore(Generic[S]):
         "SELECT name, number, consented_at, answers, plan, has_practised FROM participant "
         "JOIN form ON form.study = participant.study AND form.participant = name"
     )
-    """SQL of everybody; ``answers`` and ``plan`` are JSON. Without a stored plan it is NULL."""
+    """SQL of all participants. ``answers`` and ``plan`` are JSON; NULL: the plan is not stored."""
     has_names: ClassVar[bool] = True
-    """False: participants get pseudonyms. Those without a code use their pseudonym as one."""
+    """False: participants get pseudonyms, which are also the codes of those without a hash."""
 
     def __init__(self, path: Path, *, now: datetime | None = None):
         self._path = path
@@ -209,7 +211,7 @@ class StudyStore(Generic[S]):
 
     @contextmanager
     def connect(self) -> Iterator[sqlite3.Connection]:
-        """Open the file; writes are committed at the end, or rolled back after an error."""
+        """Open the file. Writes are committed at the end, or rolled back after an error."""
         try:
             with closing(sqlite3.connect(self._path, timeout=WAIT_S)) as base:
                 base.row_factory = sqlite3.Row
@@ -229,7 +231,7 @@ class StudyStore(Generic[S]):
             return base.execute(statement, values).fetchall()
 
     def study_of(self, row: dict[str, Any]) -> S:
-        """Return the study of a row of the file, in which times are read already."""
+        """Return the study of a row of the file, whose times are already parsed."""
         raise NotImplementedError
 
     def _begin(self, study: S) -> S:
@@ -266,10 +268,10 @@ class StudyStore(Generic[S]):
         name: str = "",
         now: datetime | None = None,
     ) -> tuple[Person, str]:
-        """Add a participant who agrees to the terms; return them and their personal code.
+        """Add a participant who agrees to the terms, and return them with their personal code.
 
-        The participant gets the first number that is free: who has left makes room, so that orders
-        stay balanced. The file keeps a hash of the code alone.
+        The participant gets the first free number: deleted participants make room, so that orders
+        stay balanced. The file keeps only a hash of the code.
 
         Parameters
         ----------
@@ -317,7 +319,7 @@ class StudyStore(Generic[S]):
         yield "form", {"consented_at": time, "answers": answers, "plan": plan}
 
     def participants(self, study: S, name: str | None = None) -> list[Person]:
-        """Return all who take part by their number, or the one of exactly this name."""
+        """Return all participants by number, or only the one with exactly this name."""
         query = f"{self.people} WHERE participant.study = ?1 AND (?2 IS NULL OR name = ?2)"
         rows = self.execute(f"{query} ORDER BY number", study.token, name)
         return [
@@ -354,7 +356,13 @@ class StudyStore(Generic[S]):
         return self.by_code(study, text)
 
     def new_code(self, study: S, person: Person) -> str:
-        """Give a participant who has agreed another personal code; the one before ends."""
+        """Issue a new personal code to a participant who has agreed. The old one becomes invalid.
+
+        Raises
+        ------
+        InputError
+            If they have not agreed to the terms.
+        """
         if study.consent and person.consented_at is None:
             raise InputError(
                 f"{person.name} has not agreed to the terms; delete them, and let them begin anew"
@@ -375,7 +383,18 @@ class StudyStore(Generic[S]):
         *,
         conflict: str = "DO NOTHING",
     ) -> None:
-        """Keep what a participant answers in a table, with SQL for what is there already."""
+        """Keep an answer of a participant in a table.
+
+        Parameters
+        ----------
+        conflict
+            SQL of ``ON CONFLICT``, for a trial that has an answer already.
+
+        Raises
+        ------
+        InputError
+            If there is no such participant.
+        """
         try:
             with self.connect() as base:
                 values = {"study": study.token, "participant": name, **row}
@@ -388,7 +407,7 @@ class StudyStore(Generic[S]):
     ) -> list[tuple[Any, ...]]:
         """Return participant and these columns of all records in a table, or of one participant.
 
-        They are in the order of participants' numbers, then of the columns.
+        Records are sorted by the participant's number, then by the columns.
         """
         found = self.execute(
             f"SELECT participant, {columns} FROM {table} JOIN participant ON "  # noqa: S608  # our own names
@@ -409,7 +428,7 @@ class StudyStore(Generic[S]):
         return [trial for trial in person.plan if (trial.table, trial.place) not in done]
 
     def record(self, study: S, person: Person) -> dict[str, Any]:
-        """Return all that the file holds of a participant but the code, as values of JSON."""
+        """Return all data of a participant except the hash of the code, as values of JSON."""
         record: dict[str, Any] = {"participant": person.name, "number": person.number}
         for table in (*self.entry, *self.tables):
             query = f"SELECT * FROM {table} WHERE study = ? AND participant = ?"  # noqa: S608  # our own names
@@ -436,7 +455,7 @@ class StudyStore(Generic[S]):
 
 
 def new_names() -> dict[str, str]:
-    """Draw the names of a study for participants and for its conductor."""
+    """Draw the secret names of a study for participants and for its conductor."""
     return {"token": secrets.token_urlsafe(16), "conductor": secrets.token_urlsafe(16)}
 
 

@@ -3,7 +3,7 @@
 Only plain containers are opened, in the format that their first bytes show and with the protocol
 for files alone. A playlist or script, whatever its name, never makes the program read another file
 or the network. A few bytes of an MP4 or MOV can state millions of samples, and the demuxer takes
-memory for each: they are counted before.
+memory for each, so they are counted first.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _EXTENDED: Final = 16
 
 
 def video_format(content: bytes) -> str | None:
-    """Return the container's format by its first bytes (at least 400), or None if it is not read.
+    """Return the container's format by its first bytes (at least 400), or None if not supported.
 
     Formats are MP4 and MOV, Matroska and WebM, AVI, MPEG transport and program stream.
     """

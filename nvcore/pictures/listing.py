@@ -1,4 +1,4 @@
-"""Pictures of a video, listed from its packets or, where these do not tell, by decoding it once."""
+"""List the pictures of a video from its packets or, if unreliable, by decoding it once."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from nvcore.pictures.containers import (
 from nvcore.pictures.notes import MOST_PLACES, PictureNote, PictureTrait
 
 NOT_WHOLE: Final = 0.25
-"""Share of a step by which a time may miss a whole number of steps."""
+"""Largest deviation of a time from a whole number of steps, as a share of a step."""
 _UNEVEN: Final = 0.1
-"""Share of steps that are no whole ones from which on the rate varies."""
+"""Share of uneven steps above which the rate counts as varying."""
 _SAME_RATE: Final = 1e-3
 _WIDE_GAP: Final = 1.5
-"""Multiple of the usual step from which on a step is a gap."""
+"""Multiple of the usual step above which a step is a gap."""
 _UNCODED_BYTES: Final = 19
 """Size of the largest packet of MPEG-4 that may hold no picture of its own."""
 _UNKNOWN: Final = int(np.iinfo(np.int64).min)
@@ -54,17 +54,17 @@ class PictureTable:
     times
         Presentation times, sorted, all different; int64, shape (n,).
     keys, key_seeks
-        Where decoding can begin, as positions in `times`, and what to seek for each; int64.
+        Positions in `times` at which decoding can begin, and the time to seek for each; int64.
     is_sure
-        Whether decoded pictures carry these times; if not, they are only counted.
+        True if decoded pictures carry these times. Otherwise, they are only counted.
     shown
-        Position in `times` of what is shown as picture 0, 1, ...; int64.
+        Position in `times` of picture 0, 1, ..., as shown; int64.
     times_s
-        When each of these is shown, s after the first; None if not `is_sure`.
+        Time of each shown picture, s after the first; None if not `is_sure`.
     fps
         Frame rate, 1/s; None: not stated.
     notes
-        What is unusual.
+        Unusual facts about the video.
     """
 
     times: NDArray[np.int64]
@@ -85,12 +85,12 @@ def list_pictures(
     Parameters
     ----------
     must_decode
-        Whether to list only what the decoder gives.
+        True to list only the pictures that the decoder gives.
 
     Raises
     ------
     MediaError
-        If there is none.
+        If there is no picture.
     av.error.FFmpegError
         If the file is damaged.
     """
@@ -126,7 +126,7 @@ def list_pictures(
     if is_sure:
         n_listed = int(np.count_nonzero(is_shown))
         moments = np.sort(packets.decoded_at[is_shown | is_leading])[is_leading.sum() :]
-        if is_cut or not (is_avi or n_stated):  # else all is there, and a gap is no loss
+        if is_cut or not (is_avi or n_stated):  # else the file is complete, and a gap is no loss
             is_shown &= packets.shown_at < _end_of_certainty(packets, is_shown, is_cut=is_cut)
         times = np.sort(packets.shown_at[is_shown])
         is_cut = is_cut or len(times) < n_listed
@@ -177,10 +177,10 @@ def _read_packets(container: Any, stream: Any) -> tuple[Any, bool, bool]:
     Returns
     -------
     tuple
-        A record array of `_PACKET`. Whether each packet shown seems to be a picture: all have
-        presentation times, which nearly follow the order of decoding. Not where MPEG-4
-        begins without a key picture, or where a packet is so small that its picture may lie in the
-        one before, or be that one again. Whether the file ends early.
+        A record array of `_PACKET`. True if each shown packet seems to be a picture: all have
+        presentation times, which nearly follow the order of decoding. MPEG-4 must also begin with a
+        key picture, and have no packet so small that its picture may lie in the one before, or
+        repeat it. True if the file ends early.
     """
     coding, are_pictures, is_partial = stream.codec_context.name, True, False
     is_stream = container.format.name in ("mpeg", "mpegts")
@@ -310,9 +310,8 @@ def decoded(container: Any, stream: Any) -> Iterator[Any]:
 def _end_of_certainty(packets: Any, is_shown: NDArray[np.bool_], *, is_cut: bool) -> int:
     """Return the presentation time from which on pictures may be missing.
 
-    In a file that is cut off, lost pictures may come before whatever is shown after the last
-    picture was to be decoded. Where nothing says that it is cut, a gap there counts, if all other
-    steps are regular.
+    In a file that is cut off, pictures may be missing among those shown after the last decoding
+    time. In other files, a gap there counts as such a loss if all other steps are regular.
     """
     if not is_shown.any():
         return 0
@@ -342,7 +341,7 @@ def usual_step(times: NDArray[np.int64]) -> float:
 def time_notes(times: NDArray[np.int64]) -> tuple[PictureNote, ...]:
     """Note that pictures are missing by the times, or that the rate varies.
 
-    Times that go back tell neither.
+    Times that go back give no note.
     """
     step, steps = usual_step(times), np.diff(times.astype(np.float64))
     if not step or (steps <= 0).any():

@@ -1,4 +1,4 @@
-"""A run over pictures of recordings: this thread decodes, others work, results come in order."""
+"""Run over pictures of recordings: one thread decodes, others work, results come in order."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class PictureRun:
         Parameters
         ----------
         source
-            None: the recording has no pictures.
+            Pictures of the recording. None: it has none, and nothing is yielded.
         indices
             The caller's number (such as the frame) and the index of each picture.
         name
@@ -128,6 +128,6 @@ def _readable(
 
 
 def speed_text(n_pictures: int, seconds: float) -> str:
-    """Duration of a run, and pictures per second."""
+    """Return the duration of a run, and pictures per second, in words."""
     rate = n_pictures / seconds if seconds > 0 else 0.0
     return f"in {duration_text(seconds)} ({rate:.1f} pictures a second)"

@@ -82,7 +82,7 @@ class Video:
         self._frames: Iterator[Any] = iter(())
         self._at = -1
         self._lost: set[int] = set()
-        # the one of each frame would begin with threads of its own
+        # a frame's own reformatter would start threads of its own
         self._reformatter = av.video.reformatter.VideoReformatter()
 
     def read(self, index: int) -> Picture:
@@ -151,8 +151,8 @@ class Video:
     def _has_fields(self) -> bool:
         """Whether a decoder makes one picture of two packets, which are the fields of a frame.
 
-        The packets nearest in time are such pairs, if there are any: then it does not give the
-        second of a pair. Two pairs are tried, as a picture may be damaged.
+        If there are such pairs, they are the packets nearest in time, and the decoder does not give
+        the second of a pair. Two pairs are tried, as a picture may be damaged.
         """
         steps = np.diff(self._table.times.astype(np.float64))
         seconds = np.flatnonzero(steps <= _SAME_STEP * steps.min(initial=np.inf))[:4:2] + 1

@@ -59,7 +59,7 @@ class Clip(NamedTuple):
 
     @property
     def stretch_s(self) -> tuple[float, float]:
-        """Start and end; NaN: all of it."""
+        """Start and end, s. NaN: the whole recording."""
         if self.start_s is None or self.end_s is None:
             return math.nan, math.nan
         return self.start_s, self.end_s
@@ -112,7 +112,7 @@ class RatingStudy(Study):
 
 
 class RatingStore(StudyStore[RatingStudy]):
-    """Rating sessions in one file; see `nvcore.people.store.StudyStore`."""
+    """Store of rating sessions in one file (see `nvcore.people.store.StudyStore`)."""
 
     what = "ratings"
     study_columns = """fingerprint TEXT NOT NULL, clips TEXT NOT NULL, low INTEGER NOT NULL,
@@ -185,13 +185,13 @@ class RatingStore(StudyStore[RatingStudy]):
         questions
             Own questions of the form; None: participants fill in none.
         now
-            Time of the beginning, UTC; None: the clock's.
+            Time of the beginning, UTC. None: the current time.
 
         Raises
         ------
         InputError
-            If there is no clip, one twice or too many, the scale has no two steps, or the terms
-            cannot be.
+            If there is no clip, one twice or too many, the scale does not rise, or the terms are
+            invalid.
         """
         shown = tuple(Clip(*clip) for clip in clips)
         if not 0 < len(shown) <= MOST_CLIPS or len(set(shown)) < len(shown):
@@ -253,7 +253,7 @@ class RatingStore(StudyStore[RatingStudy]):
         }
 
     def forms(self, study: RatingStudy) -> pd.DataFrame:
-        """Return ``participant`` and the form's fields of everybody; "" where left empty."""
+        """Return ``participant`` and the form's fields of everybody, "" where left empty."""
         rows = [
             {"participant": person.name, **dict.fromkeys(study.form, ""), **person.form}
             for person in self.participants(study)

@@ -30,7 +30,7 @@ from nvcore.wording import count_text
 
 MOST_CLIPS: Final = 2_000
 MOST_NAMES: Final = 5
-"""Outliers that are named."""
+"""Maximum number of outliers that are named."""
 MOST_PARTICIPANTS: Final = 60
 ROW_PX: Final = 20
 
@@ -50,9 +50,10 @@ def rating_plot(
     Parameters
     ----------
     clips
-        Of `nvcore.ratings.validation.join_clips`.
+        Clips from `nvcore.ratings.validation.join_clips`.
     correlations
-        Of `nvcore.ratings.validation.correlate`; the subtitle has the first defined one.
+        Correlations from `nvcore.ratings.validation.correlate`. The subtitle has the first defined
+        one.
     names
         Names of X and Y.
     """

@@ -1,4 +1,4 @@
-"""Protects inputs: no output may replace a file that it is made from."""
+"""Protect inputs: no output may replace a file that it is made from."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from nvcore.inputs.session import Session
 def refuse_to_replace(
     outputs: Iterable[Path], inputs: Iterable[Path], *, instead: str = "file to write"
 ) -> None:
-    """Refuse to write over what is read, under whatever name or link.
+    """Refuse to overwrite an input, under whatever name or link.
 
     Parameters
     ----------
     inputs
-        Files; a folder means the pictures in it.
+        Files. A folder means the pictures in it.
     instead
-        What to give another one of.
+        Name of the argument to change.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def refuse_among_inputs(folder: Path, session: Session) -> None:
 
 
 def _replaced(outputs: Iterable[Path], inputs: Iterable[Path]) -> Path | None:
-    """The first output that is also an input; None: there is none."""
+    """Return the first output that is also an input, or None."""
     by_path = {file.resolve(): file for file in outputs}
     if not by_path:  # spares reading the inputs
         return None
@@ -88,7 +88,7 @@ def _replaced(outputs: Iterable[Path], inputs: Iterable[Path]) -> Path | None:
 
 
 def files_read(session: Session) -> Iterator[Path]:
-    """The files that the program reads for a session; folders of pictures as folders."""
+    """Yield the files that the program reads for a session. A folder of pictures is one entry."""
     for source, role in session.sources:
         with suppress(InputError):  # reported when the files are read
             yield from (file.path for file in find_files(source, session.folder, role)[0])
@@ -104,9 +104,9 @@ def files_read(session: Session) -> Iterator[Path]:
 
 
 def _input_folder_around(folder: Path, session: Session) -> Path | None:
-    """A folder of inputs in which the folder lies, or which it is; None: there is none.
+    """Return the folder of inputs that is or contains the folder, or None.
 
-    What is written there would be read by the next run.
+    The next run would read files that are written there.
     """
     place = folder.resolve()
     for source, _ in session.sources:

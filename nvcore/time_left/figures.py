@@ -55,10 +55,12 @@ OverSpeed = Literal["share_in_time", "mean_impact_kmh"]
 NO_URGENT: Final = "No encounter is urgent: nobody has to be told in time."
 LAST_CHANCE: Final = "last chance to stop"
 MOST_ROWS: Final = 20
-"""Encounters drawn, if not fewer are asked for: a screen full."""
+"""Default number of encounters drawn, which fill a screen."""
 MOST_S: Final = 12.0
-"""Time before contact that is drawn at most, unless last chances are earlier; what was before
-that stands at the edge."""
+"""Longest time before contact that is drawn, unless a last chance is earlier.
+
+Earlier moments stand at the edge.
+"""
 ROW_PX: Final = 26
 TOP_PX: Final = 98
 """Height of heading and legend, which in a narrow window has two rows."""
@@ -66,11 +68,11 @@ AXIS_PX: Final = 42
 HEAD_PX: Final = 32
 """Height of the titles of the impact speeds, inside the plot: the legend above it may wrap."""
 APART: Final = 0.2
-"""How far the mark of X stands above a row's middle, and Y's below, in rows."""
+"""Distance of X's mark above the middle of a row, and of Y's below, in rows."""
 BAND: Final = 0.4
-"""Half the height of the time that is too late, in rows."""
+"""Half the height of the band that is too late, in rows."""
 NEVER: Final = 0.035
-"""How far right of contact a system's mark stands that is never sure, as a share of the axis."""
+"""Distance right of contact of marks of systems that never confirm, as a share of the axis."""
 RIGHT_PX: Final = 108
 IMPACT_PX: Final = {"x": 48, "y": RIGHT_PX - 16}
 """Right ends of the impact speeds of X and Y, from the right end of the plot."""
@@ -89,9 +91,9 @@ OVER_SPEED: Final[dict[OverSpeed, tuple[str, str, str, dict[str, Any]]]] = {
         {},
     ),
 }
-"""Title, which way is better, and title and settings of the axis of each measure."""
+"""Title, better direction, and title and settings of the axis of each measure."""
 TURNS: Final = 3
-"""Most turns of the order that are marked; more are no matter of the speed."""
+"""Maximum number of turns that are marked. With more, speed hardly decides the order."""
 
 IN_TIME_WORDS: Final = {
     "both": "both in time",
@@ -99,22 +101,22 @@ IN_TIME_WORDS: Final = {
     "only_y": "only Y in time",
     "neither": "neither in time",
 }
-"""Who confirmed an urgent encounter in time."""
+"""Words for the systems that confirm an urgent encounter in time."""
 CORNERS: Final = {"both": (1, 1), "only_x": (1, 0), "only_y": (0, 1), "neither": (0, 0)}
 """Corner of the plot of each, as shares of its width and height."""
 WORD_SHARE: Final = (0.3, 0.2)
-"""Part of the plot's width and height that is kept free for the word in a corner."""
+"""Share of the plot's width and height that is free for the word in a corner."""
 MOST_MARKS: Final = 2000
-"""Encounters drawn: those with the fastest impacts."""
+"""Maximum number of encounters drawn, those with the fastest impacts first."""
 MOST_MARGIN_S: Final = 8.0
-"""Largest margin that the axes show. Larger ones stand at the edge."""
+"""Largest margin on the axes. Larger ones stand at the edge."""
 NEVER_MARGIN: Final = 0.12
 """Distance from the least margin to encounters that are never confirmed, as a share of the span."""
 LEAST_SPAN_S: Final = 1.0
-"""Margins that the axis shows at least, to either side of the last chance."""
+"""Least range of the margin axis on either side of the last chance."""
 
 CONTACT_S: Final = 6.0
-"""Time to contact up to which it is drawn above the lanes, unless the car needs longer to stop."""
+"""Longest time to contact drawn above the lanes, unless the car needs longer to stop."""
 POINTS: Final = 2000
 CLICKS: Final = 300
 
@@ -136,9 +138,9 @@ def approach_plot(
     Parameters
     ----------
     urgent
-        `nvcore.time_left.encounters.urgent_encounters`: the order is that of its rows.
+        `nvcore.time_left.encounters.urgent_encounters`, in the order to draw.
     first, most
-        Rows drawn: so many, from this one on, counted from 0.
+        First row drawn, counted from 0, and maximum number of rows.
     """
     if urgent.empty:
         return empty_figure(NO_URGENT, theme=theme)
@@ -312,13 +314,13 @@ def over_speed_plot(
     Parameters
     ----------
     curve
-        Of `nvcore.time_left.judging.curve_over_speed`.
+        Curve from `nvcore.time_left.judging.curve_over_speed`.
     names
         Names of X and Y.
     speed_kmh
-        The speed that all recordings are assumed to have, marked
-        (`nvcore.comparison.Result.assumed_speed_kmh`); None: some state their own, in whose place
-        the curve puts each speed.
+        Marked speed that all recordings are assumed to have
+        (`nvcore.comparison.Result.assumed_speed_kmh`). None: some recordings state their own, which
+        the curve replaces.
     measure
         ``share_in_time`` (higher is better) or ``mean_impact_kmh`` (lower is better).
     """
@@ -379,7 +381,7 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
     """Plot the margin of Y over that of X, a mark for each urgent encounter: up is earlier.
 
     Above the diagonal Y is first. Encounters that are never confirmed stand at the edge.
-    `customdata` is the row of the last chance in ``dataset.frames`` and that in
+    `customdata` is the row of the last chance in ``dataset.frames`` and the encounter's row in
     ``result.encounters``.
 
     Parameters
@@ -467,7 +469,7 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
     for letter in "xy":  # the last chance: a margin of 0
         line = {"color": look.ink, "width": 1.2}
         rule(figure, letter, 0, name=f"last chance {letter}", line=line, layer="below")
-    # of a corner where a mark stands the legend has the word
+    # the legend has the word of a corner in which a mark stands
     figure.update_layout(
         annotations=[
             written(IN_TIME_WORDS[name], size=12, color=look.muted, **_corner(*corner, low))
@@ -606,4 +608,4 @@ def margins(result: Result, *, theme: Theme) -> go.Figure:
 
 
 FIGURES: Final = {"time_left": time_left, "over_speed": over_speed, "margins": margins}
-"""Figures by their names in `nvcore.api.figures.Figures`."""
+"""Figures by name in `nvcore.api.figures.Figures`."""

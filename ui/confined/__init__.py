@@ -1,5 +1,5 @@
-"""Processes with limits on memory and time, for opening what strangers send.
+"""Processes with limits on memory and time, for opening untrusted files.
 
-A file made to fill the memory then ends a job, and not the server. Nothing in here imports
-Streamlit: the processes start from it.
+A file made to fill the memory then ends a process, not the server. Nothing in here imports
+Streamlit, as the processes are forked from it.
 """

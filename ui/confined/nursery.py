@@ -1,9 +1,9 @@
-"""The process that the others are forked from, with one thread and all modules that they need.
+"""Process from which the others are forked, with one thread and all modules that they need.
 
 ``python -m ui.confined.nursery SOCKET``, with the number of an open socket. Each message there
-brings the end of a connection, for which a process is forked: it sends its number, receives its
-limit on memory, and answers calls until the connection ends. Not by `multiprocessing`: its
-processes begin with the main module of their parent, which in Streamlit is the page.
+brings one end of a connection, for which a process is forked. That process sends its PID, receives
+its memory limit, and answers calls until the connection closes. `multiprocessing` cannot be used,
+as its processes import the main module of their parent, which in Streamlit is the page.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ from ui.settings.limits import MEBI
 from ui.subjects import contributed
 
 ENDS_FIRST = "900"
-"""Score (of 1000) by which the kernel ends these processes before the server.
+"""OOM score (of 1000) at which the kernel kills these processes before the server.
 
-Several large pictures at a time may fill the machine, though none fills its process.
+Several large pictures at a time may fill the machine, even if each stays within its limit.
 """
 CV_NO_MEMORY = -4
 """``code`` of OpenCV's error when it runs out of memory."""
@@ -40,10 +40,10 @@ MOST_TEXT = 300
 
 
 def main(control: socket.socket) -> None:
-    """Fork a process for each connection that is sent, until the server is gone."""
+    """Fork a process for each received connection, until the server has ended."""
     for module in chain(*contributed("PRELOADED")):
         import_module(module)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # ^C is for the server, which ends us
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C ends the server, which ends us
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for the processes
     with contextlib.suppress(OSError):  # Linux only: where memory runs out, these end first
         Path("/proc/self/oom_score_adj").write_text(ENDS_FIRST, encoding="ascii")
@@ -55,7 +55,7 @@ def main(control: socket.socket) -> None:
             return
         try:
             number = os.fork()
-        except OSError:  # no room for another: whoever asked hears that the connection has ended
+        except OSError:  # no room for another process: the caller gets EOFError
             number = -1
         if number == 0:
             control.close()
@@ -66,7 +66,7 @@ def main(control: socket.socket) -> None:
 
 
 def answer_calls(theirs: Connection) -> None:
-    """Answer each call with its success, and the value that was returned or raised."""
+    """Answer each call with True and its return value, or False and its error."""
     theirs.send(os.getpid())
     _limit_memory(theirs.recv())
 
@@ -83,7 +83,7 @@ def answer_calls(theirs: Connection) -> None:
             answer = (False, error)
         except MemoryError:
             answer = (False, MemoryError())
-        except Exception as error:  # noqa: BLE001  # a fault of ours, told as such
+        except Exception as error:  # noqa: BLE001  # a bug of ours, reported as such
             is_no_memory = getattr(error, "errno", 0) == errno.ENOMEM or (
                 getattr(error, "code", 0) == CV_NO_MEMORY
             )

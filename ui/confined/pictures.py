@@ -1,4 +1,4 @@
-"""Pictures of strangers, decoded in one process for each session."""
+"""Untrusted pictures, decoded in one process for each session."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from ui.confined.process import Allowance, Process
 T = TypeVar("T")
 
 ALLOWANCE: Final = Allowance(memory_mb=1500, seconds=60.0)
-"""For opening a video of an hour, and for its largest picture."""
+"""Limits for opening a video of an hour, unless all of it is decoded, or for reading a picture."""
 FACTS: Final = ("name", "n", "width", "height", "is_video", "numbers", "fps", "times_s", "notes")
 
 
 class PictureProcess(Process):
     """Process that opens and reads pictures, and raises MediaError.
 
-    After a file has ended it, the next call starts it again and opens the pictures that it needs.
+    If a file has ended the process, the next call restarts it and reopens the pictures it needs.
     """
 
     def __init__(self, allowance: Allowance = ALLOWANCE) -> None:

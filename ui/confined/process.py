@@ -23,11 +23,11 @@ from ui.confined.transfer import Fault, Step, receive_answer
 T = TypeVar("T")
 
 MOST_CALLS: Final = 2
-"""Calls at a time, each in a process of its own; others wait. Background jobs count apart."""
+"""Maximum number of concurrent calls by `call`. Others wait. Background jobs do not count."""
 N_THREADS: Final = max(1, (os.cpu_count() or 1) // 2)
-"""Pictures of a run that are processed at a time. The other cores are for visitors."""
+"""Threads of a run over pictures. The other cores are for visitors."""
 POLL_S: Final = 0.3
-"""How long a cancelled call may go on."""
+"""Interval at which a call asks whether it is cancelled, s."""
 NEEDED: Final = frozenset((
     "PATH", "HOME", "XDG_CACHE_HOME", "TMPDIR", "TEMP", "TMP", "LANG", "LANGUAGE", "TZ",
     "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "COVERAGE_PROCESS_START",
@@ -47,7 +47,7 @@ class Allowance:
     memory_mb
         MiB beyond its size at the start.
     seconds
-        For one call. A call with progress may take longer, but not stand still for so long.
+        Time limit of a call or, if it has progress, between two steps of its progress.
     """
 
     memory_mb: int
@@ -55,13 +55,13 @@ class Allowance:
 
 
 MODELS: Final = Allowance(memory_mb=3000, seconds=60.0)
-"""For opening a model, and for its output on one picture."""
+"""Limits for opening a model, and for its output on one picture."""
 
 
 class Process:
-    """A process that the first call starts, and the next call after it has ended starts again.
+    """Process that starts with the first call, and restarts with a call after it has ended.
 
-    Any thread may call. One call is answered at a time.
+    Any thread may call. Calls are answered one at a time.
     """
 
     def __init__(self, allowance: Allowance) -> None:
@@ -76,25 +76,25 @@ class Process:
         what: str,
         progress: Progress | None = None,
     ) -> T:
-        """Call a function in the process. Any error but its own ends the process.
+        """Call a function in the process. Any error other than `NvcoreError` ends the process.
 
         Parameters
         ----------
         function, arguments
-            A function of some module, and arguments that can be pickled.
+            A module-level function, and arguments that can be pickled.
         what
             Subject of error messages: ``"reading the files"``.
         progress
-            Receives what the function tells its argument `progress`, and is asked now and then
-            between. If it raises CancelledError, the process ends.
+            Receives the function's progress, and is polled in between. If it raises CancelledError,
+            the process ends.
 
         Raises
         ------
         NvcoreError
             If the function raises it.
         InputError
-            If the function exceeds its allowance, raises anything else, or ends without an answer;
-            or there is no room for another process.
+            If the function exceeds its allowance, raises anything else, or ends without an answer,
+            or if no process can be started.
         """
         with self._lock:
             connection = self._ours or self._start()
@@ -177,7 +177,7 @@ def call(
 ) -> T:
     """Call a function in a process of its own, as `Process.call`.
 
-    A call with progress is a job in the background, whose number is limited elsewhere.
+    A call with progress is a background job, and `ui.jobs.background` limits these.
     """
     turn = _turns if progress is None else contextlib.nullcontext()
     with turn, contextlib.closing(Process(allowance)) as process:
@@ -212,7 +212,7 @@ class _Nursery:
         if self._control is None:
             self._control, theirs = socket.socketpair()
             with theirs:
-                environment = {  # whoever breaks out of a decoder finds no secret in it
+                environment = {  # code that breaks out of a decoder finds no secret in it
                     name: value
                     for name, value in os.environ.items()
                     if name in NEEDED or name.startswith(NEEDED_STARTS)
@@ -222,7 +222,7 @@ class _Nursery:
                 self._process = subprocess.Popen(  # noqa: S603  # our own module
                     [sys.executable, "-m", "ui.confined.nursery", str(theirs.fileno())],
                     pass_fds=[theirs.fileno()],
-                    process_group=0,  # with its own processes it ends after the server, at once
+                    process_group=0,  # it kills its own group at once when the server ends
                     env=environment,
                 )
         return self._control

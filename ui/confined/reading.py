@@ -1,7 +1,7 @@
 """Annotation files, read in a process of their own.
 
-Each function raises InputError if reading exceeds the server's limits on memory or time, and what
-the function raises that it runs.
+Each function raises InputError if reading exceeds the server's limits on memory or time, and the
+errors of the function that it runs.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ from ui.settings.limits import limits_of_environment
 T = TypeVar("T")
 
 SMALL: Final = Allowance(memory_mb=1000, seconds=20.0)
-"""For a session file or a table of recordings of the largest size."""
+"""Limits for a session file or a table of recordings of the largest size."""
 OF_TABLE: Final = "reading the table of recordings"
 
 
 @dataclass(frozen=True)
 class FilesFound:
-    """The files of a source, and name and title of their format."""
+    """Files of a source, with name and title of their format."""
 
     paths: tuple[Path, ...]
     format: str

@@ -15,16 +15,16 @@ from multiprocessing.reduction import recv_handle, send_handle
 from typing import Any, Final, NamedTuple
 
 LEAST_OF_ONE: Final = 1 << 16
-"""Smallest array that is shared, bytes ..."""
+"""Smallest array that is shared, bytes."""
 LEAST_OF_ALL: Final = 1 << 18
-"""... if all arrays together have so many: a 640x480 picture in colour takes half the time."""
+"""Smallest total size of arrays that are shared, bytes: half the time for a 640x480 picture."""
 ALIGNED: Final = 64
 """Alignment of each array, bytes."""
 
 
 @dataclass(frozen=True)
 class Fault:
-    """Name and text of an exception that is a fault of the program."""
+    """Name and text of an exception that is a bug of the program."""
 
     text: str
 
@@ -85,13 +85,13 @@ def receive_answer(connection: Connection) -> Any:
 
 
 def _starts(sizes: list[int]) -> list[int]:
-    """Offset of each array."""
+    """Return the offset of each array."""
     padded = (-(-size // ALIGNED) * ALIGNED for size in sizes)
     return list(accumulate(padded, initial=0))[:-1]
 
 
 def _write(handle: int, content: memoryview, start: int) -> None:
-    """Write all of the content: the system takes at most 2 GB at a time."""
+    """Write all of the content in several calls, as the system takes at most 2 GB at a time."""
     while len(content):
         n_written = os.pwrite(handle, content, start)
         content, start = content[n_written:], start + n_written

@@ -91,7 +91,7 @@ def draw(result: Result, protocol: Protocol) -> None:
 
 
 def _draw_notes(summaries: list[CurveSummary]) -> None:
-    """What has to be known beside the log-average miss rates."""
+    """Draw notes on the log-average miss rates."""
     for letter, summary in zip("XY", summaries, strict=True):
         if summary.notes:
             notes = "; ".join(summary.notes)
@@ -99,12 +99,12 @@ def _draw_notes(summaries: list[CurveSummary]) -> None:
 
 
 def _draw_evidence(result: Result, remarks: list[str]) -> None:
-    """Whether the difference in the log-average miss rate is more than chance.
+    """Draw the evidence that the difference in the log-average miss rate is more than chance.
 
     Parameters
     ----------
     remarks
-        What the page says already: not repeated here.
+        Remarks that the page shows already, which are not repeated here.
     """
     evidence = miss_rate_evidence(result)
     if np.isnan(evidence.difference):  # the table above says why

@@ -16,7 +16,10 @@ from ui.widgets.text import docs_link, plain
 
 
 def draw(own: DetectorSpec) -> RunSettings | None:
-    """Settings, the current frame, the inside of the model, and what can be run; None: nothing."""
+    """Draw settings, the current frame, the inside of the model, and the run.
+
+    Returns the settings of the run, or None if the detector cannot run.
+    """
     spec = settings.draw(own, asking.described(own).about)
     what = choose.checked(spec)
     if what is None:
@@ -50,7 +53,7 @@ def _draw_picture(spec: DetectorSpec, what: DetectorFacts, picture: Picture) -> 
 
 
 def _draw_no_pictures() -> None:
-    """What is missing, and where it is to be had."""
+    """Say that there are no pictures, and how to add them."""
     notes = {note for note in state.workspace().pictures.notes.values() if note}
     link = docs_link("how", "the-session-file", doc="formats")
     st.info(

@@ -89,7 +89,7 @@ def draw(spec: DetectorSpec, what: DetectorFacts) -> RunSettings:
 
 
 def draw_last(now: RunSettings | None) -> None:
-    """Draw the newest run, whatever is chosen by now (None: a detector that cannot be run)."""
+    """Draw the newest run, whatever is chosen now (None: the detector cannot be run)."""
     job = RUN.job
     if job is None:
         return
@@ -243,7 +243,7 @@ def _draw_finished(job: BackgroundJob[WrittenRun], now: RunSettings | None) -> N
 
 
 def differences_of(started: RunSettings, now: RunSettings) -> list[str]:
-    """Return which settings of a run differ from those of the page by now, in words."""
+    """Return the settings of a run that differ from the current ones, in words."""
     before, after = started.spec, now.spec
     if (before.text, before.version) != (after.text, after.version):
         return ["another detector"]
@@ -328,7 +328,7 @@ def with_system(
     Parameters
     ----------
     is_upload
-        Whether the session's files are uploads, and those of the system lie beside them.
+        True if the session's files are uploads, beside which the files of the system lie.
     """
 
     def named(path: Path) -> str:
@@ -340,7 +340,7 @@ def with_system(
         threshold=threshold,
         provenance=named(written.provenance),
     )
-    others = [  # their names do not change with the files of another
+    others = [  # a new system must not change their names
         replace(source, name=own)
         for source, own in zip(session.systems, dataset.systems, strict=True)
     ]

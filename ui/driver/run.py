@@ -1,6 +1,6 @@
 """Driver page: features and estimates of the open recordings.
 
-Estimates that are done become what is open, whichever page the visitor is on.
+Finished estimates are added to the open session, whichever page the visitor is on.
 """
 
 from __future__ import annotations
@@ -56,9 +56,9 @@ COMMANDS: Final = """nvcore driver train trials.csv --features study.csv --out d
 nvcore driver estimate session.toml --model driver.npz --out seen
 nvcore app seen/session.toml"""
 _NEWS: Final = "driver_news"
-"""Key of the workspace's note on estimates that were taken over, and the page that showed it."""
+"""Key of the note in the workspace on new estimates, with the page that showed it first."""
 _TROUBLE: Final = "driver_trouble"
-"""Key of its note on why the last ones could not be, until the page Driver has shown it."""
+"""Key of the note on why estimates could not be opened, until the Driver page has shown it."""
 
 
 def draw(*, is_known: bool) -> None:
@@ -174,7 +174,7 @@ def _start(spec: EstimatorSpec, names: Sequence[str], *, interpolate: bool) -> N
 
 
 def draw_notes() -> None:
-    """Draw what the open estimates rest on, and their files, if they are of this session."""
+    """Draw the assumptions behind the open estimates and their files, if made in this session."""
     known = opened_run()
     if known is None:
         return
@@ -191,7 +191,7 @@ def draw_notes() -> None:
 
 
 def draw_missing() -> None:
-    """Draw what is missing."""
+    """Say that there are no estimates yet, and how to get them."""
     text = state.say(
         "Whether the driver sees the {many} is not known yet. Press *Estimate* below: an "
         "estimator tells it from pictures of visible light. The supplied one was trained on "
@@ -201,7 +201,7 @@ def draw_missing() -> None:
 
 
 def draw_commands() -> None:
-    """Draw the commands that do the same."""
+    """Draw the equivalent commands."""
     with st.expander("By the command line"):
         st.code(COMMANDS, language="console")
 
@@ -214,7 +214,7 @@ def draw_aside(page: str) -> None:
     job, trouble, news = RUN.job, _trouble(), _news_on(page)
     if page == PAGE:
         return
-    if news:  # no toast: what reads pages aloud has no name for those
+    if news:  # no toast: screen readers have no name for those
         st.success(news, icon=":material/visibility:")
     elif trouble and job is None:
         text = state.say("{What} the driver sees was estimated, but cannot be taken over: ")
@@ -260,9 +260,9 @@ def _is_ready(job: BackgroundJob[WrittenEstimates]) -> bool:
 
 
 def take_over() -> None:
-    """Make the estimates of a run that is done what is open, and rerun the page.
+    """Open the session with the estimates of a finished run, and rerun the page.
 
-    Frame, settings and choices stay. To be called once all widgets have been drawn: nobody's click
+    Frame, settings and choices stay. Call this once all widgets have been drawn, so that no click
     is lost.
     """
     job = RUN.job

@@ -25,11 +25,11 @@ WHERE_FROM: Final = {
     "distance": "No distance of this {one} is known: give the truth's or the systems' "
     "distances as distance_m; by distance, the truth can borrow those of its matches.",
 }
-"""What to do about a weighting that cannot be drawn."""
+"""Suggested fix for a weighting that cannot be drawn."""
 
 
 def draw(result: Result, encounter: int) -> None:
-    """Three curves of the weight and what follows from each; folded, they cost nothing."""
+    """Draw the weight by each weighting, and its effect. Folded, nothing is computed."""
     place = st.expander(
         "Weighted by height, horizon and distance", key="encounters_weightings", on_change="rerun"
     )
@@ -46,7 +46,7 @@ def draw(result: Result, encounter: int) -> None:
 
 
 def _table(weightings: Weightings) -> pd.DataFrame:
-    """Which frames count, what X and Y miss of them, and what that weighs, as text."""
+    """Return a table of the frames that count, what X and Y miss of them, and the severity."""
     columns = {}
     for kind, facts in _facts(weightings).items():
         heading = f"{HEADINGS[kind]} (in use)" if kind == weightings.in_use else HEADINGS[kind]
@@ -66,7 +66,7 @@ def _table(weightings: Weightings) -> pd.DataFrame:
 
 
 def _facts(weightings: Weightings) -> dict[str, dict[str, Any]]:
-    """The row of each kind, by its name."""
+    """Return the row of each kind by its name."""
     rows = weightings.table.to_dict("index")
     return {kind: {str(name): value for name, value in rows[kind].items()} for kind in KINDS}
 
@@ -78,7 +78,7 @@ def _span(facts: dict[str, Any]) -> str:
 
 
 def _missed(facts: dict[str, Any], letter: str) -> str:
-    """How many frames that count it misses, and how it fails, if it does."""
+    """Return the number of relevant frames that the system misses, and its miss class."""
     if not facts["is_known"] or not facts["n_relevant"]:
         return UNDEFINED
     kind = facts[f"miss_class_{letter}"]

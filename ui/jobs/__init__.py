@@ -1,1 +1,1 @@
-"""Work in the background, and its progress bar."""
+"""Background jobs and their progress bars."""

@@ -1,4 +1,4 @@
-"""Work in the background while its page stays alive: progress, cancel, end with the session."""
+"""Background jobs of a session, with progress and cancellation."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ui.session.uploads import remove_folder
 from ui.session.workspace import Workspace
 
 MOST_AT_ONCE: Final = 2
-"""Jobs of all sessions together that run at a time; further ones wait."""
+"""Maximum number of jobs of all sessions that run at a time. Others wait."""
 WAIT_S: Final = 0.2
 
 Output = TypeVar("Output")
@@ -26,9 +26,9 @@ _slots = threading.BoundedSemaphore(MOST_AT_ONCE)
 
 
 def while_open(space: Workspace) -> Callable[[], bool]:
-    """Return a function that is true as long as the session has open what it has open now.
+    """Return a function that is true while the session keeps its current dataset open.
 
-    It does not hold the workspace: a thread that did would keep the session's files alive.
+    It holds no reference to the workspace, which would keep the session's files alive.
     """
     if space.opened is None:
         return lambda: False
@@ -58,12 +58,12 @@ class JobState(Enum):
 
 
 class BackgroundJob(Generic[Output]):
-    """One piece of work. It starts at once, or when another has ended.
+    """Background job. It starts at once, or when a running one has ended.
 
     Attributes
     ----------
     key
-        Inputs of the work, so that a page can check whether it fits; None: it does not matter.
+        Inputs of the work, by which a page checks whether it is current; None: not checked.
     folder, title
         Folder that the work writes to, if any, and how pages call the work.
     is_kept
@@ -73,7 +73,7 @@ class BackgroundJob(Generic[Output]):
     output, error
         Return value of the work once it is done, or why it failed, in words.
     is_told
-        True once its page has said how it ended.
+        True once its page has shown the outcome.
     outlasts
         True if its output stays useful when the same recordings are read again.
     """
@@ -94,10 +94,10 @@ class BackgroundJob(Generic[Output]):
         Parameters
         ----------
         work
-            Receives the job's `Progress`, which ends it when it is cancelled. It must not hold
-            the session's workspace, which would then never end.
+            Receives the job's `Progress`, which raises `CancelledError` once the job is cancelled.
+            It must not hold a reference to the session's workspace, which would then never end.
         is_wanted
-            False once the session has ended or shows something else: the job then ends, too.
+            Returns False once the session has ended or shows something else, which cancels the job.
         space
             Workspace whose quota the files in `folder` are counted in.
         """
@@ -123,11 +123,11 @@ class BackgroundJob(Generic[Output]):
         return self.is_busy and self._stop.is_set()
 
     def cancel(self) -> None:
-        """Stop at the next step and leave nothing. Work that is done already stays."""
+        """Stop at the next step and remove the files. The output of an ended job stays."""
         self._stop.set()
 
     def discard(self) -> None:
-        """Stop at the next step and leave nothing, even of work that is done."""
+        """Stop at the next step and remove the files, even of an ended job."""
         self.cancel()
         with self._ending:
             if not self.is_busy:

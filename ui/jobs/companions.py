@@ -26,7 +26,7 @@ def is_quick(result: Result) -> bool:
 
 def wait_for_companions(result: Result, evidence: pd.DataFrame) -> Companions | None:
     """Return the companions of the comparison, or None while they are computed."""
-    protocol = state.protocol()  # not to be asked in the background
+    protocol = state.protocol()  # has to be read outside the background thread
     miss_rate = cached_miss_rate(state.cached, result, find_units(result), protocol)
     computation = Computation(
         kind=KIND,

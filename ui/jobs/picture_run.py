@@ -1,4 +1,4 @@
-"""Runs over the pictures of the open recordings: how each kind starts, goes on, and is offered."""
+"""Runs over the pictures of the open recordings, as background jobs with buttons and progress."""
 
 from __future__ import annotations
 
@@ -69,9 +69,9 @@ class PictureRun(Generic[Output]):
         state.workspace().drop_job(self.name)
 
     def new_folder(self) -> Path:
-        """Make the folder of a new run, and remove those of earlier ones that are not open.
+        """Make the folder of a new run, and remove the folders of earlier runs that are not open.
 
-        It lies beside the other files of an upload, so that the session is exported as one.
+        It lies beside the files of an upload, so that all are exported as one session.
         """
         self.drop()
         space, session = state.workspace(), state.opened().session
@@ -112,7 +112,7 @@ class PictureRun(Generic[Output]):
         space.put_job(self.name, job)
 
     def draw(self, job: BackgroundJob[Output]) -> JobState:
-        """Draw the progress of a run, or why it has no output. Return how far it was."""
+        """Draw the progress of a run, or why it has no output. Return the state that was drawn."""
         doing = self.doing.format(title=job.title)
         return draw_job(
             job, self.name, thing=self.thing, doing=doing, with_steps=self.has_time_left
@@ -138,8 +138,9 @@ class PictureRun(Generic[Output]):
 class Aside:
     """A page's run that goes on while the visitor is on other pages.
 
-    `draw` draws it in the sidebar of the page with that path. Once all widgets are drawn,
-    `take_over` opens its output if it is done. After a fault there, `give_up` forgets it.
+    `draw` draws its progress in the sidebar of the page with the given path. Once all widgets are
+    drawn, `take_over` opens the output of a run that is done. If that fails, `give_up` drops the
+    run.
     """
 
     draw: Callable[[str], None]
@@ -166,19 +167,19 @@ def dataset_of(names: Collection[str]) -> Dataset:
 
 
 def open_written(space: Workspace, job: BackgroundJob[Any], opens: Callable[[], None]) -> None:
-    """Open a session with the files of a run, which then stay. `opens` does, and reruns the page.
+    """Open a session with the files of a run, which then stay, by `opens`, which reruns the page.
 
     Raises
     ------
     NvcoreError
-        If there is no room for it, or it cannot be used. What was open stays open, and the files
-        go with the job.
+        If there is no room for the files, or the session cannot be used. The previous session stays
+        open, and the files are removed with the job.
     """
     before = space.opened
     assert job.folder is not None
     try:
         count_folder(space, job.folder)
-        job.is_kept = True  # else its files go with what was open
+        job.is_kept = True  # else its files are removed with the previous session
         opens()
     finally:  # `opens` ends the page's run by an exception, too
         job.is_kept = space.opened is not before

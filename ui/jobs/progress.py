@@ -1,4 +1,4 @@
-"""Progress of a job in the background and how it ended: the same on every page."""
+"""Progress and outcome of a background job, the same on every page."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from ui.widgets.text import plain
 
 POLL_S: Final = 0.4
 NO_TIME_YET: Final = "estimating how long it takes"
-"""While nothing is done."""
+"""Text while the time left is unknown."""
 WAITS: Final = "It is done, and waits until other work in this tab has ended"
 
 
 def start_as_made(job: BackgroundJob[Any], kind: str, **choices: object) -> None:
     """Set the widgets of these keys to the values of the job, before they are drawn.
 
-    Only when the session sees the job for the first time: after a reload of the page the session
-    is new, its widgets have lost their values, and the job goes on.
+    This happens only when the session sees the job for the first time. After a reload the session
+    is new and its widgets have lost their values, but the job goes on.
     """
     seen = store.JOB_SEEN.of(kind)
     if seen.get() != job.key:
@@ -33,7 +33,7 @@ def start_as_made(job: BackgroundJob[Any], kind: str, **choices: object) -> None
 def draw_job(
     job: BackgroundJob[Any], kind: str, *, thing: str, doing: str, with_steps: bool = False
 ) -> JobState:
-    """Draw progress with a button to cancel, or why there is no output. Return how far it was.
+    """Draw progress with a button to cancel, or why there is no output. Return the drawn state.
 
     Sentences call the output `thing` ("report"), and begin with `doing` ("Making the report").
     With `with_steps` they end with the steps of the work, such as the time left.

@@ -12,7 +12,7 @@ from ui.widgets.text import docs_link
 
 
 def draw(result: Result) -> None:
-    """A strip for each recording; a click opens the frame that loses most there."""
+    """Draw a strip for each recording. A click opens the frame that loses most there."""
     figure = kept_figure(
         "loss_strip",
         (result.params, state.systems(), state.theme()),

@@ -47,7 +47,7 @@ def draw(studies: Studies[S]) -> None:
             studies.close()
             st.rerun()
     with st.container(horizontal=True):
-        # outside the part that is redrawn every few seconds: a click would miss its button
+        # outside the fragment, whose reruns would lose clicks
         studies.draw_downloads(study)
     _draw_progress(studies, study)
     studies.draw_results(study)
@@ -88,7 +88,7 @@ def _draw_progress(studies: Studies[S], study: S) -> None:
 
 
 def _draw_one_participant(studies: Studies[S], study: S) -> None:
-    """Ask for a name or code; offer that participant's data, a new code, and to delete them."""
+    """Ask for a name or code, then offer that participant's data, a new code, and deletion."""
     prefix, store = studies.prefix, studies.store()
     st.header("One participant")
     st.caption(

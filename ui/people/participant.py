@@ -18,7 +18,7 @@ from ui.widgets.text import plain
 
 
 def draw(studies: Studies[S]) -> None:
-    """Draw the page: nothing else of the app is in sight."""
+    """Draw the page, without the rest of the app."""
     store = studies.store()
     study = store.study(st.query_params[STUDY])
     if study is None:
@@ -41,7 +41,7 @@ def draw(studies: Studies[S]) -> None:
 
 
 def draw_code() -> None:
-    """Say the participant's personal code, which is in the address and nowhere else."""
+    """Show the participant's personal code, which only the address has."""
     st.caption(
         f"Your code is **{plain(st.query_params.get(PARTICIPANT, ''))}**. Note it down: with it "
         "you go on later, ask for your answers, or have them deleted."
@@ -110,7 +110,7 @@ def _thank(studies: Studies[S], study: S, person: Person) -> None:
 
 
 def _offer_back(studies: Studies[S], study: S) -> None:
-    """Draw the way back for whoever conducts on this very screen."""
+    """Draw the button back to the conductor's page, if this browser session conducts the study."""
     if studies.is_own(study) and button(
         studies.back,
         key=f"{studies.prefix}_back",
@@ -126,7 +126,7 @@ def _offer_back(studies: Studies[S], study: S) -> None:
 def draw_form(
     form: Mapping[str, str], key: str, *, usual: Mapping[str, float | None]
 ) -> dict[str, str]:
-    """Draw the fields with these labels, and return what was entered, without what is empty.
+    """Draw the fields with these labels, and return those that were filled in.
 
     Screen and distance begin with their `usual` values.
     """

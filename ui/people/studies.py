@@ -1,7 +1,7 @@
-"""Base of each task on its page: file of answers, addresses, words, and what the task draws.
+"""Base class of a task on its page: file of answers, addresses, words, and drawing hooks.
 
 A participant's address is ``PAGE?study=TOKEN&participant=CODE``, the conductor's
-``PAGE?conduct=SECRET``; none follows from another.
+``PAGE?conduct=SECRET``. None can be derived from another.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ STUDY: Final = "study"
 PARTICIPANT: Final = "participant"
 CONDUCT: Final = "conduct"
 ON_SCREEN: Final = "on_screen"
-"""Name among a workspace's notes of what a participant has on the screen; it knows its ``page``."""
+"""Key of the workspace's note on the study that a participant has on the screen."""
 LOCAL: Final = ("localhost", "127.0.0.1", "::1")
 
 S = TypeVar("S", bound=Study)
@@ -39,15 +39,15 @@ def is_participant() -> bool:
 
 def enter(token: str, code: str = "") -> None:
     """Show a study to a participant, on this screen."""
-    # at once: an address that is emptied first would be that of a page that is left
+    # in one step: emptied first, the address would be that of a page that is left
     st.query_params.from_dict({STUDY: token} | ({PARTICIPANT: code} if code else {}))
     st.rerun()
 
 
 def leave_screen(space: Workspace, page: str = "") -> None:
-    """Forget what a participant has on the screen of other pages than this one.
+    """Forget the study on the participant's screen, unless it belongs to this page.
 
-    The browser then gets and sends nothing.
+    The routes then serve no pictures and take no answers.
     """
     screen = space.notes.get(ON_SCREEN)
     if screen is not None and screen.page != page:
@@ -55,7 +55,7 @@ def leave_screen(space: Workspace, page: str = "") -> None:
 
 
 def is_local(address: str) -> bool:
-    """True if the address leads to the machine that it is opened on, whichever that is.
+    """True if the address leads to the very machine that opens it.
 
     Examples
     --------
@@ -75,7 +75,7 @@ class Progress(NamedTuple):
 
 
 class Studies(Generic[S]):
-    """Studies of one task: facts and words about it, and hooks that draw what only it has."""
+    """Studies of one task: names and labels, and hooks that draw its own parts."""
 
     page: ClassVar[str]  # name of the page in addresses
     what: ClassVar[str]  # a study
@@ -90,15 +90,15 @@ class Studies(Generic[S]):
     back: ClassVar[str]  # button of the conductor: take it back
 
     def is_ready(self, study: S) -> bool:
-        """Return True if the study can be shown; else say or do what is needed."""
+        """Return True if the study can be shown. Otherwise, show or do what is needed first."""
         del study
         return True
 
     def introduce(self, study: S) -> None:
-        """Draw what participants will do, before they agree."""
+        """Draw a description of the task, before participants agree."""
 
     def explain(self) -> None:
-        """Draw what participants may want to know, between terms and form."""
+        """Draw background for participants between terms and form."""
 
     def usual(self, study: S) -> Mapping[str, float | None]:
         """Return values of the form's number fields before it is filled in."""
@@ -106,11 +106,11 @@ class Studies(Generic[S]):
         return {}
 
     def draw_trial(self, study: S, person: Person, left: list[Any]) -> bool:
-        """Draw the participant's next trial; False if there is none."""
+        """Draw the participant's next trial, and return False if there is none."""
         raise NotImplementedError
 
     def draw_end(self, person: Person) -> None:
-        """Draw what is said after the last trial."""
+        """Draw the text after the last trial."""
 
     def on_back(self) -> None:
         """Restore what participants changed on the conductor's screen."""
@@ -119,7 +119,7 @@ class Studies(Generic[S]):
         """Draw the form that begins a study."""
 
     def draw_notes(self) -> None:
-        """Draw what the conductor has to know, below the addresses."""
+        """Draw notes for the conductor below the addresses."""
 
     def draw_downloads(self, study: S) -> None:
         """Draw the buttons that save tables and settings."""
@@ -129,7 +129,7 @@ class Studies(Generic[S]):
         raise NotImplementedError
 
     def draw_results(self, study: S) -> None:
-        """Draw what the answers say, below the progress."""
+        """Draw results of the answers below the progress."""
 
     @property
     def _conducted(self) -> Entry[str | None]:
@@ -150,7 +150,7 @@ class Studies(Generic[S]):
         Raises
         ------
         InputError
-            If the address names none that there is.
+            If there is no study of the name in the address.
         """
         secret = st.query_params.get(CONDUCT) or self._conducted.get()
         if secret is None:
@@ -175,12 +175,12 @@ class Studies(Generic[S]):
         return study.token in OWN_STUDIES.of(self.prefix).get()
 
     def close(self) -> None:
-        """Conduct none; the link of the one that was open opens it again."""
+        """Stop conducting the open study. Its link opens it again."""
         self._conducted.pop()
         st.query_params.pop(CONDUCT, None)
 
     def addresses(self, study: S, code: str = "") -> tuple[str, str]:
-        """Return addresses for participants, or the one with this code, and for the conductor."""
+        """Return the addresses for participants (or for the one with this code) and conductor."""
         page = str(st.context.url or self.page).partition("?")[0]
         person = f"&{PARTICIPANT}={quote(code)}" if code else ""
         secret = quote(study.conductor)

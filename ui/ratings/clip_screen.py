@@ -22,11 +22,11 @@ from ui.widgets.drawing import viewer_arguments
 from ui.widgets.viewer import n_plays_in, viewer
 
 ENDS: Final = ("not annoying at all", "very annoying")
-"""Words at the ends of the scale; they are ours, the paper gives none."""
+"""Labels of the ends of the scale. (Our choice: the paper gives none.)"""
 HEIGHT_PX: Final = 640
 BEFORE_S: Final = 5.0
 AFTER_S: Final = 2.0
-"""What is shown before and after an alert; ours."""
+"""Seconds shown before and after an alert. (Our choice.)"""
 Letter = Literal["x", "y"]
 Choice = TypeVar("Choice", int, str)
 
@@ -41,7 +41,7 @@ class ClipScreen:
     name: str
 
     def draw(self, plan: Sequence[Shown], left: Sequence[Shown]) -> bool:
-        """Draw the next clip or alert, or the last clip again; False if nothing is left."""
+        """Draw the next clip or alert, or the last clip again. Return False if none is left."""
         rated = [shown for shown in plan if shown.table == "rating" and shown not in left]
         if rated and RATING_CHANGES.get():
             self._change(rated[-1].place)
@@ -68,7 +68,7 @@ class ClipScreen:
         return True
 
     def _change(self, clip: int) -> None:
-        """Draw a clip once more; it may be rated without being watched again."""
+        """Draw a rated clip again, which may be rated without watching it."""
         rating = self.store.ratings_of(self.study, self.name)[clip]
         key = f"again_{clip}_of_{self.name}"
         st.markdown("# Your last clip")
@@ -80,7 +80,7 @@ class ClipScreen:
             st.rerun()
 
     def _ask(self, clip: int, key: str) -> None:
-        """Draw the scale; keep the value of the button that is pressed."""
+        """Draw the scale, and keep the value of the pressed button."""
         low, high = self.study.low, self.study.high
         with st.container(key="rating_scale"):
             st.markdown("**How annoying would it be to drive with this system?**")
@@ -123,9 +123,14 @@ class ClipScreen:
         *,
         signs_s: Sequence[tuple[float, float]] = (),
     ) -> bool:
-        """Show a stretch (s; NaN: all) of a recording; return True once it was seen to its end.
+        """Show a stretch of a recording, and return True once it has played to its end.
 
-        From and to the times `signs_s` a warning sign is shown.
+        Parameters
+        ----------
+        stretch_s
+            Start and end, s. NaN: the whole recording.
+        signs_s
+            Starts and ends of warning signs in the picture, s.
         """
         result = self.result
         recording = state.recording_names().index(of.recording)

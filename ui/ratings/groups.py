@@ -1,4 +1,4 @@
-"""Ratings page: persons or drives under several conditions, compared; needs no ratings."""
+"""Ratings page: comparison of persons or drives under several conditions, without ratings."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def _parsed(content: bytes, name: str) -> TextTable:
 
 
 def _ask(text: TextTable) -> GroupArguments:
-    """How the table is compared."""
+    """Ask how to compare the table."""
     is_means = all(name in text for name in SUMMARY)
     first, second, third = st.columns(3)
     chosen: dict[str, Any] = {}

@@ -84,7 +84,7 @@ def draw_setup(
 
 
 def _choose_stretches(result: Result) -> list[tuple[Any, ...]]:
-    """Ask what is rated; return recordings, with start, end and reason of stretches."""
+    """Ask what is rated, and return recordings, or stretches with start, end and reason."""
     rated = choose_side_by_side(
         "What is rated",
         {"whole": "Whole recordings", "clips": "Clips around encounters and false alerts"},
@@ -113,7 +113,7 @@ def _choose_stretches(result: Result) -> list[tuple[Any, ...]]:
 
 
 def _ask_alerts(result: Result, recordings: list[str], systems: list[str]) -> list[Alert]:
-    """Ask for alerts of these recordings and systems to judge: the page's, or a file's."""
+    """Ask which alerts of these recordings and systems are judged, and return them."""
     ways = {"no": "No", "these": "Those of this comparison", "file": "Those of a CSV file"}
     RATING_ALERTS.setdefault("no")
     way = choose_side_by_side(
@@ -144,7 +144,7 @@ def _ask_alerts(result: Result, recordings: list[str], systems: list[str]) -> li
 
 
 def draw_worth(answers: pd.DataFrame) -> None:
-    """Draw how far the kinds of alerts agree with the answers."""
+    """Draw the agreement of the kinds of alerts with the answers."""
     st.header("Were the alerts worth it?")
     table = agreement_of_kinds(answers)
     shown = table[["kind", "n_alerts", "n_answers", "n_unsure"]].assign(
@@ -178,7 +178,7 @@ def draw_worth(answers: pd.DataFrame) -> None:
 
 
 def _with_ends(row: dict[Hashable, Any], of: str) -> str:
-    """A value with its interval, where there is one."""
+    """Return a value with its interval, if it has one."""
     value = number(row[of], ".2f")
     if np.isnan(row[f"{of}_low"]):
         return value

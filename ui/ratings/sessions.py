@@ -43,7 +43,7 @@ class RatingSessions(Studies[RatingStudy]):
         return RatingStore(self.file())
 
     def is_ready(self, study: RatingStudy) -> bool:
-        """Return True, with the session's thresholds, or go to where its comparison is opened."""
+        """Return True with the session's thresholds set, or go to the page that opens its data."""
         if state.result() is None or not _is_open(study):
             RATING_WAITING.set((study.token, st.query_params.get(PARTICIPANT, "")))
             st.query_params.clear()
@@ -98,7 +98,7 @@ class RatingSessions(Studies[RatingStudy]):
         session_setup.draw_setup(self, self.store, result)
 
     def draw_notes(self) -> None:
-        """Say what participants' browsers need where other files than at the start are open."""
+        """Draw what participants' browsers need if other files than at the start are open."""
         start = state.shared_start().opened
         if state.opened().dataset.fingerprint != start.dataset.fingerprint:
             st.caption(
@@ -150,13 +150,13 @@ SESSIONS: Final = RatingSessions()
 
 
 def choose_part() -> str:
-    """Draw the parts of the page; a conductor's link opens the rating session."""
+    """Draw the choice of the page's part. A conductor's link opens the rating session."""
     RATINGS_PART.setdefault("session" if CONDUCT in st.query_params else "results")
     return choose_side_by_side("Part", PARTS, RATINGS_PART.key, label_visibility="collapsed")
 
 
 def draw_waiting() -> None:
-    """Draw what a participant does whose link was opened while another comparison is open."""
+    """Draw the next step for a participant whose session belongs to another comparison."""
     waiting = RATING_WAITING.get()
     if waiting is None:
         return
@@ -180,7 +180,7 @@ def draw_waiting() -> None:
 
 
 def _is_open(study: RatingStudy) -> bool:
-    """Return True if what is open has the clips of the session."""
+    """Return True if the open comparison has the clips of the session."""
     systems = {clip.system for clip in study.clips} | {alert.system for alert in study.alerts}
     return state.opened().dataset.fingerprint == study.fingerprint and systems <= set(
         state.systems()

@@ -1,4 +1,4 @@
-"""Where the ratings come from: simulated, a file, typed in, a rating session."""
+"""Sources of ratings: simulated, a file, typed in, a rating session."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ SESSION: Final = "Rating session"
 
 @dataclass(frozen=True)
 class RatingSource:
-    """Ratings to look at, and whose boxes were shown where they do not say; empty: they say it.
+    """Ratings and the system whose boxes were shown, which is empty if the ratings name it.
 
     Simulated ratings are from no person.
     """
@@ -39,9 +39,9 @@ class RatingSource:
     is_simulated: bool
 
     def rows(self, *more: str) -> np.ndarray:
-        """A number for each rating, the same for the same participant, clip and system; uint64.
+        """Return a hash of participant, clip and system for each rating, uint64.
 
-        With `more` columns it is of these as well.
+        Columns in `more` are hashed as well.
         """
         ratings = self.ratings.dropna(subset="rating")
         ratings = ratings.assign(
@@ -51,13 +51,13 @@ class RatingSource:
         return pd.util.hash_pandas_object(ratings.astype(str), index=False).to_numpy()
 
     def digest(self) -> int:
-        """A number that differs where the ratings do, or how long after the clips they came."""
+        """Return a hash of the ratings and of their delays after the clips."""
         delays = self.ratings.get(DELAY, pd.Series(dtype=float)).to_numpy(dtype=float)
         return hash((self.rows("rating").tobytes(), delays.tobytes()))
 
 
 def choose(result: Result) -> RatingSource | None:
-    """The ratings that are chosen; None while there are none."""
+    """Return the chosen ratings, or None while there are none."""
     sources = [FILE, TYPED, SESSION]
     if state.opened().label == state.SAMPLE_LABEL and _simulated_file().exists():
         sources.insert(0, SIMULATED)
@@ -121,7 +121,7 @@ def _session(result: Result) -> pd.DataFrame | None:
 
 
 def _draw_apart(result: Result, apart: dict[str, tuple[float | None, float | None]]) -> None:
-    """A warning that the clips showed other boxes than saliency is computed from."""
+    """Warn that the clips showed other boxes than those that saliency is computed from."""
     clips_shown = [
         f"{'X' if name == result.x.name else 'Y'} {plain(name)}: clips at "
         f"{_threshold(of_clips)}, now {_threshold(live)}"

@@ -18,7 +18,7 @@ def shown_thresholds() -> dict[str, float | None]:
 
 
 def thresholds_apart(study: RatingStudy) -> dict[str, tuple[float | None, float | None]]:
-    """Return thresholds of the clips and of now, by system, where they differ."""
+    """Return (threshold of the clips, current threshold) of each system where they differ."""
     live, apart = shown_thresholds(), {}
     for name, value in live.items():
         span = state.score_span(name)
@@ -33,7 +33,7 @@ def thresholds_apart(study: RatingStudy) -> dict[str, tuple[float | None, float 
 
 
 def set_thresholds(of: Mapping[str, float | None]) -> None:
-    """Give the compared systems of these names these thresholds in the next run."""
+    """Set the thresholds of these systems for the next run, if they are compared."""
     for letter, name in zip("xy", state.systems(), strict=True):
         if name is not None and name in of:
             state.set_threshold(letter, of[name])

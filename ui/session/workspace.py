@@ -1,4 +1,4 @@
-"""What one browser session has open: its comparison, its pictures and its own folder on disk."""
+"""Workspace of one browser session: its comparison, its pictures and its own folder on disk."""
 
 from __future__ import annotations
 
@@ -44,18 +44,18 @@ class Caching:
         self._caches_lock = threading.Lock()
 
     def cached(self, kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
-        """The cached value for this key; if there is none, `make` computes it.
+        """Return the cached value for this key, or compute it by `make`.
 
         Parameters
         ----------
         kind
-            Name of the cache; each kind has its own.
+            Name of the cache.
         key
-            What the value depends on.
+            Everything that the value depends on.
         make
-            Makes it; of two threads that ask at once, each makes one and the first is kept.
+            Computes it. If two threads ask at once, both compute it and the first value is kept.
         most
-            How many values the cache holds; the least recently used is dropped first.
+            Size of the cache. The least recently used value is dropped first.
         """
         value: T
         with self._caches_lock:
@@ -74,7 +74,7 @@ class Caching:
         return value
 
     def peek(self, kind: str, key: Hashable) -> Any:
-        """The cached value for this key; None if there is none."""
+        """Return the cached value for this key, or None."""
         with self._caches_lock:
             cache = self._caches.get(kind)
             return None if cache is None else cache.get(key)
@@ -89,8 +89,8 @@ class Caching:
 class Stored:
     """A picture file in the session's folder: its safe name and its kind.
 
-    `form` is the number of the form it was sent in, of whose files no other has its name. What was
-    sent in an earlier form is open.
+    `form` is the number of the upload form, in which no other file has its name. Files of earlier
+    forms are open.
     """
 
     name: str
@@ -106,20 +106,20 @@ class Stored:
 
     @property
     def source(self) -> PurePosixPath:
-        """What a recording names: the video or archive, or the folder of single pictures."""
+        """Path that a recording names: the video or archive, or the folder of single pictures."""
         return self.place.parent if self.kind == "image" else self.place
 
 
 @dataclass(frozen=True)
 class Opened:
-    """What is open: the session with changes made on the pages, its data, and a label.
+    """The open session with changes made on the pages, its data, and a label.
 
     Attributes
     ----------
     dataset
         The recordings that the session compares.
     whole
-        All recordings; of `dataset` where the session compares all.
+        All recordings. It is `dataset` if the session compares all.
     """
 
     session: Session
@@ -129,7 +129,7 @@ class Opened:
 
     @classmethod
     def of(cls, session: Session, whole: Dataset, label: str) -> Opened:
-        """Opens data, restricted to the recordings that the session chooses.
+        """Open data, restricted to the recordings that the session chooses.
 
         Raises
         ------
@@ -155,7 +155,7 @@ class Opened:
 
 
 class Compared(NamedTuple):
-    """A result and its version in addresses; replaced together."""
+    """A result and its version in addresses, which are replaced together."""
 
     result: Result
     version: str
@@ -167,7 +167,7 @@ class Job(Protocol):
     Attributes
     ----------
     outlasts
-        Whether what came out is of use, too, when the same recordings are read again.
+        True if the output stays useful when the same recordings are read again.
     """
 
     outlasts: bool
@@ -184,7 +184,7 @@ _workspaces: weakref.WeakValueDictionary[str, Workspace] = weakref.WeakValueDict
 
 
 class Workspace(Caching):
-    """Workspace of one browser session; lives in its store (`ui.session.store`) and ends with it.
+    """Workspace of one browser session, in whose store (`ui.session.store`) it lives and ends.
 
     The frame, box and upload routes find it by its token, which only the session's own browser
     knows, and are for its owner alone.
@@ -194,40 +194,41 @@ class Workspace(Caching):
     token
         Unguessable name of the workspace in URLs.
     owner
-        Key of the person who has logged in (`ui.access.people`); empty where nobody has to.
+        Key of the person who has logged in (`ui.access.people`). Empty if log-in is off.
     folder
-        Own folder for uploads, mode 0700; gone when the workspace is.
+        Own folder for uploads, mode 0700, which is removed with the workspace.
     opened
         The open comparison; None before one is opened. Pages ask `ui.session.state.opened`.
     n_opened
-        How many comparisons were opened: changes when another one is.
+        Number of comparisons opened so far.
     compared
         The newest result, which the routes read boxes from, with its version.
     pictures
-        Those of the recordings that are open, by recording index.
+        Pictures of the open recordings, by recording index.
     visible
-        Pictures of visible light that some recordings have beside these.
+        Pictures of visible light that some recordings have as well.
     stored
-        Uploaded pictures, by place; written by `ui.session.uploads`.
+        Uploaded pictures by place, written by `ui.session.uploads`.
     form
         Number of the form that is being filled in, see `Stored`.
     used_bytes, n_received
-        Size of all uploads, and how many there have been.
+        Size and number of all uploads.
     upload_bytes
-        What of `used_bytes` belongs to the annotations of a form, by its folder.
+        Share of `used_bytes` that belongs to the annotations of a form, by its folder.
     lock
-        Held while those are changed.
+        Held while these are changed.
     picture_process
-        Opens the pictures that were sent.
+        Process that opens and reads pictures.
     model_process
-        Opens the models that are tried, and runs them.
+        Process that opens and runs models.
     picture_turns
-        In which they are read for the browser: whose take long keep no thread from other visitors.
+        Limits how many pictures the browser reads at a time, so that slow ones do not block the
+        threads of other visitors.
     refusal
-        Why the last annotation file was not taken; empty once the page has said it.
+        Why the last annotation file was refused. Empty once the page has shown it.
     notes
-        What a page remembers of its user, by a name of its own: outlasts `forget`, unlike the
-        values of `cached`, and a reload, unlike the store.
+        Values that a page remembers under its own key. They outlast `forget`, unlike cached values,
+        and a reload, unlike the store.
     """
 
     def __init__(self) -> None:
@@ -281,7 +282,7 @@ class Workspace(Caching):
         return str(self._n_changes)
 
     def job(self, kind: str) -> Any:
-        """The newest job of this kind, running or ended; None if there was none."""
+        """Return the newest job of this kind, running or ended, or None."""
         return self._jobs.get(kind)
 
     def drop_job(self, kind: str) -> None:
@@ -301,7 +302,7 @@ class Workspace(Caching):
         self._jobs[kind] = job
 
     def forget(self, *, keeps_outputs: bool = False) -> None:
-        """Drop all computed values and stop all jobs, optionally except those that outlast it."""
+        """Clear cached values and drop jobs. `keeps_outputs` spares ended jobs that outlast it."""
         for kind, job in list(self._jobs.items()):
             if not (keeps_outputs and job.outlasts and not job.is_busy):
                 self.drop_job(kind)
@@ -309,7 +310,7 @@ class Workspace(Caching):
         self.forget_values()
 
     def picture_of(self, recording: int, row: int) -> tuple[Pictures | None, int]:
-        """Pictures of a recording, and which of them shows a frame (row within it); -1: none."""
+        """Return a recording's pictures, and the index (-1: none) of the one for a frame's row."""
         pictures = self.pictures.sources.get(recording)
         return pictures, -1 if pictures is None else int(self.pictures.indices[recording][row])
 
@@ -319,7 +320,7 @@ class Workspace(Caching):
         pictures: RecordingPictures,
         visible: RecordingPictures = NONE_VISIBLE,
     ) -> Opened:
-        """Switch to another comparison and its pictures; returns it."""
+        """Switch to another comparison and its pictures, and return it."""
         self.forget()  # first: nothing should go on to read the pictures
         self.close_pictures()
         self._all_pictures, self._all_visible = pictures, visible
@@ -328,7 +329,7 @@ class Workspace(Caching):
         return opened
 
     def look_at(self, opened: Opened, *, keeps_outputs: bool = False) -> None:
-        """Switch to other recordings of the same data; pictures stay open; see `forget`."""
+        """Switch to other recordings of the same data. Pictures stay open (see `forget`)."""
         self.forget(keeps_outputs=keeps_outputs)
         self._look_at(opened)
 
@@ -340,7 +341,7 @@ class Workspace(Caching):
         self._n_changes += 1
 
     def close_pictures(self) -> None:
-        """Close the picture files; no recording has pictures until new ones are set."""
+        """Close the picture files. No recording has pictures until new ones are set."""
         opened = (*self._all_pictures.sources.values(), *self._all_visible.sources.values())
         sources = {id(source): source for source in opened}
         self._all_pictures = self._all_visible = RecordingPictures()
@@ -362,23 +363,23 @@ class Workspace(Caching):
 
 
 def workspace_of(token: str) -> Workspace | None:
-    """The workspace with that token; None if there is no such session any more."""
+    """Return the workspace with that token, or None if its session has ended."""
     return _workspaces.get(token)
 
 
 def workspace_of_session(session_id: str) -> Workspace | None:
-    """The workspace of a Streamlit session; None if it has none."""
+    """Return the workspace of a Streamlit session, or None."""
     spaces = (space for space in of_session(session_id) if isinstance(space, Workspace))
     return next(spaces, None)
 
 
 def used_by_all() -> int:
-    """Bytes on disk of the uploads of all sessions."""
+    """Return the size of all sessions' uploads, bytes."""
     return sum(space.used_bytes for space in list(_workspaces.values()))
 
 
 def opened_by_others(space: Workspace) -> list[Opened]:
-    """What other sessions have open, each shared comparison once."""
+    """Return the comparisons that other sessions have open, each shared one once."""
     others = {
         id(other.opened.whole.frames): other.opened
         for other in list(_workspaces.values())

@@ -19,7 +19,10 @@ def button(
     disabled: bool = False,
     **options: Any,
 ) -> bool:
-    """Whether it was clicked, to be asked once; `at` is where it stands, the rest Streamlit's."""
+    """Draw a button, and return True once after a click.
+
+    `at` is its container. Other options are Streamlit's.
+    """
     draw = st.button if at is None else at.button
     draw(label, key=key, on_click=keep_click, args=(key, label), disabled=disabled, **options)
     return bool(take_click(key) == label) and not disabled
@@ -28,7 +31,7 @@ def button(
 def submit_button(
     label: str, *, key: str, at: DeltaGenerator | None = None, **options: Any
 ) -> bool:
-    """Whether the form was sent by it; as `button`."""
+    """Draw the button that sends a form, and return True once after a click (see `button`)."""
     draw = st.form_submit_button if at is None else at.form_submit_button
     draw(label, key=key, on_click=keep_click, args=(key, label), **options)
     return bool(take_click(key) == label)

@@ -75,7 +75,7 @@ def choose_first(label: str, n: int, most: int, key: str, **more: Any) -> int:
 
 
 def ask_for_file(label: str, key: str, help: str | None = None) -> tuple[bytes, str] | None:  # noqa: A002
-    """Draw a field for a small CSV file, and return its content and name; None while there is none.
+    """Draw a field for a small CSV file, and return its content and name, or None without one.
 
     Raises
     ------

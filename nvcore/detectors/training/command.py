@@ -68,7 +68,7 @@ def train(session_file: Path | None, **options: Any) -> None:
 
 
 def _with_pictures(session: Session) -> list[str]:
-    """What the recordings are called that the session compares and has pictures of."""
+    """Return the names of the compared recordings that have pictures."""
     from nvcore.inputs.recordings_file import with_recordings_file
 
     return [
@@ -81,7 +81,7 @@ def _with_pictures(session: Session) -> list[str]:
 
 
 def _next_step(out: Path, session_file: Path | None, others: Sequence[str]) -> str:
-    """How to run the model on recordings that it was not trained on, as a command for a shell."""
+    """Return a shell command that runs the model on other recordings, or why there are none."""
     if session_file is not None and not others:
         return (
             "it was trained on all recordings of the session: run it on others, or train again "

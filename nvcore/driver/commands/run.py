@@ -101,7 +101,7 @@ _setting_options = with_options(
 def features(
     session_file: Path | None, images: Path | None, boxes: Path | None, **options: Any
 ) -> None:
-    """How well each pedestrian can be seen: eight features of each in every frame, and the light.
+    """Compute eight features of each pedestrian in every frame, and the light.
 
     SESSION_FILE (TOML) names the ground truth and for each recording the pictures of visible light
     (visible, else pictures), a light meter (light) and where the driver looked (gaze). Exit code 0:

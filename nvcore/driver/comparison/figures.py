@@ -44,13 +44,13 @@ from nvcore.wording import count_text
 HEIGHT_PX: Final = 300
 WITH_LIGHT_PX: Final = 540
 ADAPTING_S: Final = (5.0, 10.0)
-"""Least and largest upper end of the axis of the adaptation: what matters comes first."""
+"""Least and largest upper end of the adaptation axis, as the first seconds matter most."""
 OUTSIDE_AT: Final = -0.06
-"""Height of the strokes of doubtful frames: below 0, where no estimate can be."""
+"""Height of the strokes of doubtful frames, below 0, where no estimate can lie."""
 ROOM_S: Final = 0.5
 """Time shown before and after the pedestrian."""
 SIMULATED: Final[dict[Shade, str]] = {"light": "#8E3A8A", "dark": "#D68FD0"}
-"""Neither X's nor Y's colour, nor the truth's."""
+"""Colours other than those of X, Y and truth."""
 LIGHT: Final = {
     LightSource.METER: ("light (lx)", "light by the light meter"),
     LightSource.PICTURE: (
@@ -93,16 +93,16 @@ def detectability_course_plot(
     Parameters
     ----------
     course
-        Of `nvcore.driver.comparison.encounters.detectability_course`.
+        Course from `nvcore.driver.comparison.encounters.detectability_course`.
     threshold
         Least detectability with which the driver sees the pedestrian, 0..1.
     clock
-        Of the pedestrian's recording; None: nothing is known of the light.
+        Light and adaptation of the pedestrian's recording; None: the light is unknown.
     simulated
-        Rows as of the course, with what `detectability` would be after a simulated change of light
-        (`nvcore.driver.simulation.simulate_change`), which is the clock's, too.
+        The course with `detectability` after a simulated change of light
+        (`nvcore.driver.simulation.simulate_change`), which `clock` then has, too.
     caution
-        Whose answers the estimates rest on, where some were simulated.
+        Origin of the estimates, if some of the answers behind them were simulated.
     """
     known, look = course[course["detectability"].notna()], LOOK[theme]
     if known.empty:
@@ -182,7 +182,7 @@ def _band(known: pd.DataFrame, theme: Theme) -> go.Scatter:
         showlegend=bool((known["sd"] > 0).any()),
         fill="toself",
         fillcolor=pale,
-        line={"color": pale, "width": 1},  # all there is of a single frame
+        line={"color": pale, "width": 1},  # a single frame has no area
     )
 
 
@@ -205,7 +205,7 @@ def _outside(known: pd.DataFrame, theme: Theme) -> go.Scatter:
 def _light(
     clock: AdaptationClock, span: list[float], theme: Theme
 ) -> tuple[list[go.Scatter], dict[str, Any]]:
-    """Draw brightness, and the seconds since it became dark, over time, with their axes."""
+    """Return lines of brightness and of the seconds since it became dark, and their axes."""
     is_inside = (clock.time_s >= span[0]) & (clock.time_s <= span[1])
     bright = clock.level[clock.level > 0]
     low, high = -1, 0  # exponents of ten that enclose all readings
@@ -258,11 +258,11 @@ def driver_threshold_plot(
     Parameters
     ----------
     counts
-        Of `nvcore.driver.comparison.encounters.over_driver_threshold`.
+        Counts from `nvcore.driver.comparison.encounters.over_driver_threshold`.
     names
         Names of X and Y.
     threshold
-        `driver_threshold` as it is set, 0 to 1, marked.
+        Marked `driver_threshold`, 0 to 1.
     """
     if counts.empty:
         text = f"Of no encounter is it known whether the driver sees the {objects.singular}."
@@ -323,8 +323,9 @@ def driver_venn_plot(
 ) -> go.Figure:
     """Draw a Venn diagram of the near encounters that the driver, X and Y see.
 
-    A click on a count gives its region (`nvcore.driver.comparison.kinds.DriverRegion`) as `customdata`. The circles
-    are of one size: three counts and their overlaps cannot be areas of circles.
+    A click on a count gives its region (`nvcore.driver.comparison.kinds.DriverRegion`) as
+    `customdata`. The circles are of one size: three counts and their overlaps cannot be areas of
+    circles.
 
     Parameters
     ----------

@@ -39,7 +39,7 @@ AROUND_PX: Final = 130
 TITLES_PX: Final = 26
 """Height of the periods above the histograms."""
 GAP: Final = 0.02
-"""Between two histograms, as a share of the width."""
+"""Gap between two histograms, as a share of the width."""
 _LINES: Final = (
     ("switched", "switched: one for each period", "solid", "circle"),
     ("single", "single: one for all", "dash", "diamond"),
@@ -59,9 +59,9 @@ def estimator_errors_plot(
     Parameters
     ----------
     errors
-        Of `nvcore.driver.evaluation.tables.errors_table`.
+        Table from `nvcore.driver.evaluation.tables.errors_table`.
     has_published
-        Whether the paper's errors, of other data, are drawn, too.
+        True to draw the paper's errors as well, which are of other data.
     """
     rows = errors[errors["period_s"].notna()]
     if rows.empty:
@@ -91,12 +91,12 @@ def estimator_errors_plot(
 def estimates_plot(estimates: pd.DataFrame, *, theme: Theme) -> go.Figure:
     """Plot detectability over its estimate, one mark for each pedestrian and period.
 
-    On the line both are the same.
+    The line marks equal values.
 
     Parameters
     ----------
     estimates
-        Of `nvcore.driver.evaluation.tables.estimates_table`.
+        Table from `nvcore.driver.evaluation.tables.estimates_table`.
     """
     if estimates.empty:
         return empty_figure("Nothing was evaluated.", theme=theme)
@@ -134,7 +134,7 @@ def feature_pairs_plot(pairs: pd.DataFrame, *, theme: Theme) -> go.Figure:
     Parameters
     ----------
     pairs
-        Of `nvcore.driver.evaluation.tables.pairs_table`.
+        Table from `nvcore.driver.evaluation.tables.pairs_table`.
     """
     if pairs.empty:
         return empty_figure("No pair of features was evaluated.", theme=theme)
@@ -175,7 +175,7 @@ def pair_ranks_plot(ranks: pd.DataFrame, *, theme: Theme) -> go.Figure:
     Parameters
     ----------
     ranks
-        Of `nvcore.driver.evaluation.tables.pair_ranks_table`.
+        Table from `nvcore.driver.evaluation.tables.pair_ranks_table`.
     """
     if ranks.empty:
         return empty_figure("One period alone has no ranking to compare with.", theme=theme)
@@ -210,7 +210,7 @@ def detectability_plot(periods: pd.DataFrame, *, theme: Theme) -> go.Figure:
     Parameters
     ----------
     periods
-        Of `nvcore.driver.evaluation.tables.periods_table`.
+        Table from `nvcore.driver.evaluation.tables.periods_table`.
     """
     if periods.empty:
         return empty_figure("There are no trials.", theme=theme)
@@ -247,7 +247,7 @@ def detectability_histograms_plot(histograms: pd.DataFrame, *, theme: Theme) -> 
     Parameters
     ----------
     histograms
-        Of `nvcore.driver.evaluation.tables.histograms_table`.
+        Table from `nvcore.driver.evaluation.tables.histograms_table`.
     """
     if histograms.empty:
         return empty_figure("There are no trials.", theme=theme)

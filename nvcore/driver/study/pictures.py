@@ -24,11 +24,11 @@ from nvcore.wording import one_line
 BOXES_FILE: Final = "boxes.csv"
 MOST_PICTURES: Final = 500
 MOST_BYTES: Final = 64 << 20
-"""Of one file."""
+"""Largest size of one file."""
 COARSE_COLUMNS: Final = 48
 """Width of a coarse picture, px."""
 MARGIN: Final = 0.1
-"""How much wider and higher than its box a pedestrian is taken to be, at each side."""
+"""Share of its box by which a pedestrian is taken to be larger, at each side."""
 PRACTICE_SIZE: Final = (1280, 720)
 FIGURES: Final = ((300.0, 330.0, 60.0, 170.0), (890.0, 350.0, 50.0, 140.0))
 """Box of the figure in each picture for practice: x, y, w, h, px."""
@@ -64,7 +64,7 @@ class StudyPicture:
 
 
 def read_pictures(folder: Path) -> tuple[StudyPicture, ...]:
-    """The pictures that ``boxes.csv`` of a folder names, in its order.
+    """Return the pictures that ``boxes.csv`` of a folder names, in its order.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def read_pictures(folder: Path) -> tuple[StudyPicture, ...]:
 
 
 def load_picture(folder: Path, picture: StudyPicture) -> Picture:
-    """A picture of a study, uint8, grey (height, width) or RGB (height, width, 3).
+    """Return a picture of a study, uint8, grey (height, width) or RGB (height, width, 3).
 
     Raises
     ------
@@ -112,7 +112,7 @@ def load_picture(folder: Path, picture: StudyPicture) -> Picture:
 
 
 def _content(folder: Path, image: str) -> bytes:
-    """The file, which lies in this folder itself, links followed."""
+    """Return the content of a file that lies in this very folder once links are followed."""
     name = one_line(image)
     place = Path(os.path.realpath(folder / image.replace("\0", "")))
     is_there = place.parent == Path(os.path.realpath(folder)) and place.is_file()
@@ -131,11 +131,11 @@ def _content(folder: Path, image: str) -> bytes:
 def coarse(
     picture: Picture, box: Sequence[float], *, n_columns: int = COARSE_COLUMNS
 ) -> np.ndarray:
-    """A picture of the same scene in which the pedestrian cannot be seen.
+    """Return a picture of the same scene in which the pedestrian cannot be seen.
 
     The place of the pedestrian (the box, and a tenth more at each side) is painted over, from the
-    pixels left of it to those right of it; then the picture is averaged over squares. The paper
-    says only that the resolution is low: how, is ours.
+    pixels left of it to those right of it. Then the picture is averaged over squares. The paper
+    says only that the resolution is low, so the method is our choice.
 
     Parameters
     ----------
@@ -194,7 +194,7 @@ def practice_picture(index: int) -> np.ndarray:
 
 
 def _is_figure(x: np.ndarray, y: np.ndarray, box: tuple[float, ...]) -> np.ndarray:
-    """Head, trunk and legs within the box."""
+    """Return the pixels of head, trunk and legs within the box."""
     left, top, w, h = box
     across, down = (x - left - w / 2) / w, (y - top) / h
     head = (across / 0.22) ** 2 + ((down - 0.08) / 0.08) ** 2 < 1

@@ -1,4 +1,4 @@
-"""Which picture each participant is shown in which run, how long after the light has changed."""
+"""Plan of each participant's trials: runs, pictures, and times after the change of light."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ SEED: Final = 20_140_051
 N_ORDERS: Final = 5
 """Orders of runs among which the one with the fewest repeats of a picture is taken."""
 ANSWER_S: Final = 2.0
-"""Time for an answer where it has no limit, in what is said of the length of a study."""
+"""Time for an answer without a time limit, in the stated duration of a study."""
 BETWEEN_RUNS_S: Final = 2.0
-"""Time to begin the next run, in what is said of the length of a study."""
+"""Time to begin the next run, in the stated duration of a study."""
 
 
 class Trial(NamedTuple):
@@ -59,16 +59,16 @@ def plan_trials(
 ) -> tuple[Trial, ...]:
     """Return the trials of one participant in their order, the same for the same number.
 
-    With ``all`` every picture is shown at every time; the two pictures of a run differ. With
-    ``latin`` every picture is shown once; over as many participants as there are times every
-    picture is shown at every time once. Where the pictures do not fill all runs, a run has one
+    With ``all`` every picture is shown at every time, and the two pictures of a run differ. With
+    ``latin`` every picture is shown once. Over as many participants as there are times, every
+    picture is then shown at every time once. Where the pictures do not fill all runs, a run has one
     picture. The order of the runs is random, but a picture comes in two runs in a row only if it
     must.
 
     Parameters
     ----------
     n_pictures
-        How many pictures there are.
+        Number of pictures.
     participant
         0-based number of the participant.
 
@@ -142,7 +142,7 @@ def _latin_square(
 
 
 def _in_order(runs: list[_Run], rng: np.random.Generator) -> list[_Run]:
-    """Return the runs in a random order; a picture comes in two runs in a row only if it must."""
+    """Return the runs in a random order that avoids one picture in two runs in a row."""
     pictures = [{picture for picture, _ in run} for run in runs]
     orders = []
     for _ in range(N_ORDERS):
@@ -161,7 +161,10 @@ def _in_order(runs: list[_Run], rng: np.random.Generator) -> list[_Run]:
 
 
 def duration_s(trials: Sequence[Trial], timing: Timing) -> float:
-    """Return how long these trials last, s; for an answer the longest time is taken, or 2 s."""
+    """Return the expected duration of these trials, s.
+
+    Each answer counts with its time limit, or 2 s without one.
+    """
     answer_s = timing.answer_s or ANSWER_S
     last_s: dict[int, float] = {}
     for trial in trials:

@@ -117,7 +117,7 @@ class Timing:
 
 @dataclass(frozen=True, kw_only=True)
 class Facts:
-    """Facts measured or set where the study takes place; None: not known.
+    """Facts measured or set where the study takes place. None: not known.
 
     Attributes
     ----------
@@ -176,12 +176,12 @@ class StudySettings:
     n_practice
         Runs with drawn pictures before the first; their answers are not kept.
     keep_days
-        After so many days from its beginning the study is deleted with all answers.
+        Days after its beginning at which the study is deleted with all answers.
 
     Raises
     ------
     InputError
-        If one of them cannot be.
+        If one of them is invalid.
     """
 
     design: Design = "latin"
@@ -205,7 +205,7 @@ class StudySettings:
         return form_of(FORM, self.questions)
 
     def to_json(self) -> dict[str, Any]:
-        """Return the settings as values of JSON; what is not known is null."""
+        """Return the settings as values of JSON. Unknown values are null."""
         return asdict(self)
 
     @classmethod

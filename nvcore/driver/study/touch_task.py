@@ -30,7 +30,7 @@ class DetectabilityStudy(Study):
     Attributes
     ----------
     settings
-        What the conductor decided.
+        Settings that the conductor chose.
     folder
         Folder of the pictures, as whoever began the study names it.
     """
@@ -101,7 +101,7 @@ class Answer:
 
 
 class DetectabilityStore(StudyStore[DetectabilityStudy]):
-    """Detectability studies in one file; see `nvcore.people.store.StudyStore`."""
+    """Store of detectability studies in one file (see `nvcore.people.store.StudyStore`)."""
 
     what = "study"
     study_columns = """settings TEXT NOT NULL, pictures TEXT NOT NULL, folder TEXT NOT NULL,
@@ -136,7 +136,13 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
         folder: str,
         now: datetime | None = None,
     ) -> DetectabilityStudy:
-        """Begin a study of these pictures, of which the design may need more."""
+        """Begin a study of these pictures.
+
+        Raises
+        ------
+        InputError
+            If the design needs more pictures, or there are too many trials or studies.
+        """
         begun_at = now or datetime.now(UTC)
         study = DetectabilityStudy(
             **new_names(),
@@ -159,9 +165,10 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
     def note_showing(
         self, study: DetectabilityStudy, name: str, place: int, report: str = ""
     ) -> None:
-        """Remember that the picture of a trial appears: who reloads the page has seen it.
+        """Count that the picture of a trial appears: after a reload it was seen before.
 
-        The last `report`, sent again, is not counted again, unless it has no name.
+        A `report` with the same name as the last one is a repetition, and not counted. One
+        without a name always counts.
         """
         self._trial(study, name, place)
         with self.connect() as base:
@@ -178,7 +185,7 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
                 )
 
     def answer(self, study: DetectabilityStudy, name: str, place: int, answer: Answer) -> None:
-        """Keep an answer to the trial with this ``order``. Another one changes nothing.
+        """Keep the first answer to the trial with this ``order``, and ignore later ones.
 
         Raises
         ------
@@ -228,16 +235,16 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
 
 
 def marks_of(trial: Trial, answer: Answer, n_shown: int, timing: Timing) -> list[str]:
-    """Return in words what was not as it should be in a trial.
+    """Return the irregularities of a trial in words.
 
-    A trial is marked if its picture came more than 50 ms early or late, was to be seen for 50 ms
-    less or more than asked, was shown before (the page was loaded again before the answer), was
-    never reported as shown, or has no answer in the time given.
+    A trial is marked if its picture came more than 50 ms early or late, was visible for 50 ms less
+    or more than asked, was shown before (the page was reloaded before the answer), was never
+    reported as shown, or has no answer within the time limit.
 
     Parameters
     ----------
     n_shown
-        How often the browser reported that the picture appears.
+        Number of times that the browser reported the picture.
     """
     late_s = answer.measured_s - trial.adaptation_s
     marks = {
@@ -251,7 +258,7 @@ def marks_of(trial: Trial, answer: Answer, n_shown: int, timing: Timing) -> list
 
 
 def trials_table(store: DetectabilityStore, study: DetectabilityStudy) -> pd.DataFrame:
-    """Return all trials with an answer, or whose time for one is over, as they are handed on.
+    """Return all trials with an answer, or whose time limit has passed, as exported.
 
     Returns
     -------
@@ -324,7 +331,7 @@ def boxes_table(study: DetectabilityStudy) -> pd.DataFrame:
 
 
 def about(study: DetectabilityStudy) -> dict[str, Any]:
-    """Return how the study was done, as values of JSON: settings, pictures, dates; no person."""
+    """Return settings, pictures and dates of a study as values of JSON, without its people."""
     return {
         "begun_at": study.begun_at.isoformat(),
         "deleted_at": study.ends_at.isoformat(),

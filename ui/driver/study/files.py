@@ -14,18 +14,18 @@ SAMPLE: Final = "sample"
 LOCAL: Final = "local:"
 """Start of the name of a folder below the one that the app was started with."""
 DEEPEST: Final = 3
-"""Folders so far below that one are looked into."""
+"""Depth below that folder to which folders are searched."""
 MOST_FOLDERS: Final = 500
-"""Folders that are looked into."""
+"""Maximum number of folders that are searched."""
 
 
 def sample_folder() -> Path:
-    """Return where the sample's pictures for a study are, if there are any."""
+    """Return the folder of the sample's pictures for a study, which need not exist."""
     return state.SAMPLE.parent / "study"
 
 
 def folders() -> dict[str, str]:
-    """Return folders whose pictures a study may show: name in the file of answers, and in words.
+    """Return folders whose pictures a study may show: label by name in the file of answers.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def _with_boxes(root: LocalRoot) -> list[str]:
                 return paths
             try:
                 entries = root.entries(path)
-            except InputError:  # may not be looked into
+            except InputError:  # may not be read
                 continue
             below += [entry.path for entry in entries if entry.is_folder]
             if any(Path(entry.path).name == BOXES_FILE for entry in entries if not entry.is_folder):

@@ -18,13 +18,13 @@ PRACTICE: Final = "practice-"
 """Start of the names of pictures for practice."""
 POINTERS: Final = ("touch", "pen", "mouse", "keyboard")
 MOST_BYTES: Final = 2000
-"""Of an answer."""
+"""Maximum size of an answer."""
 View = Literal["full", "coarse"]
 
 
 @dataclass(frozen=True)
 class OnScreen:
-    """Study while one of its participants is before the screen.
+    """Study that one of its participants has on the screen.
 
     Attributes
     ----------
@@ -57,13 +57,13 @@ class OnScreen:
 
     @property
     def whose(self) -> str:
-        """Mark of this participant's answers: the browser may have kept those of others."""
+        """Owner of this participant's answers: the browser may still hold those of others."""
         return f"{self.study.token} {self.name}"
 
     def keep(self, place: int, kind: str, content: bytes) -> bool:
         """Keep an answer, or the report that a picture appears, as the browser sends it.
 
-        Returns False if it is another participant's: then nothing is kept.
+        Returns False, and keeps nothing, if it belongs to another participant.
         """
         sent = sent_by_browser(content)
         if sent.get("whose", self.whose) != self.whose:
@@ -78,7 +78,7 @@ class OnScreen:
 
 
 def sent_by_browser(content: bytes) -> Mapping[str, Any]:
-    """Return the fields of what a browser sends; numbers are floats."""
+    """Return the fields that a browser sends, with numbers as floats."""
     try:
         sent = json.loads(content, parse_int=float)
     except (ValueError, RecursionError) as error:
@@ -89,7 +89,7 @@ def sent_by_browser(content: bytes) -> Mapping[str, Any]:
 
 
 def answer_of(sent: Mapping[str, Any], screen: str = "") -> Answer:
-    """Return an answer from the fields that a browser sends, of which nothing is trusted."""
+    """Validate the fields that a browser sends, and return them as an answer."""
     touch = sent.get("touch")
     if touch is not None and not (isinstance(touch, list) and len(touch) == 2):
         raise InputError("this is no answer: a touch has two places")

@@ -1,13 +1,13 @@
-"""Routes that the browser of a participant fetches pictures from, and sends answers to.
+"""Routes from which a participant's browser fetches pictures, and to which it sends answers.
 
-Only while the session's page has a study on the screen: for its participant, and nobody else.
+They work only while the session's page has a study on the screen, and for its participant alone.
 
     GET /nv/TOKEN/study/PICTURE/VIEW.png    a picture (by index, or practice-0): full or coarse
     PUT /nv/TOKEN/study/PLACE/shown         the picture of a trial appears
     PUT /nv/TOKEN/study/PLACE/answer        its answer
 
-What is sent is JSON, and says whose it is. 400 and 413 are for what no other try makes better; with
-anything else but success the browser keeps it, and sends it again, also to the next session.
+The browser sends JSON that names its owner. After 400 or 413 it gives up, as a retry cannot help.
+After any other failure it keeps the content and retries, even with the next session.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ async def study_picture(request: Request, space: Workspace | None) -> Response:
 
 @for_owner(sent="answers")
 async def study_answer(request: Request, space: Workspace | None) -> Response:
-    """Keep that a picture appears, or its answer; then it is on disk."""
+    """Keep the report that a picture appears, or its answer. Success means that it is on disk."""
     screen: OnScreen | None = None if space is None else space.notes.get(ON_SCREEN)
     kind, place = request.path_params["kind"], index_in(request, "place")
     if screen is None or kind not in ("shown", "answer"):
