@@ -118,7 +118,7 @@ def contributed(kind: str) -> tuple[Any, ...]:
         Name of a list in `nvcore.subjects.Subject.ui`, or of a reference ``"module:name"`` to it:
         ``"PAGES"`` (`Page`), ``"DOCUMENTS"`` (`Document`), ``"ROUTES"``
         (`ui.session.routes.Place`), ``"STUDIES"`` (`ui.people.studies.Studies`), ``"ASIDE"``
-        (`ui.jobs.picture_run.Aside`), ``"PRELOADED"`` (modules that `ui.confined.nursery` loads
+        (`ui.jobs.page_run.Aside`), ``"PRELOADED"`` (modules that `ui.confined.nursery` loads
         before it forks, none of them loading Streamlit), ``"TIMELINE_PLOTS"``
         (`TimelinePlot`), ``"SIGHT"``
         (`ui.widgets.drawing.Sight`) or ``"MADE_FILES"`` (function of the session and of the session

@@ -268,7 +268,7 @@ class _View:
             "illumination_by": "" if clock is None else clock.source.value,
             "picture": np.where(self.is_seen[self.frame_of_box], self.recording.kind, ""),
         }
-        return pd.DataFrame(values, index=pd.RangeIndex(len(frame)))
+        return pd.DataFrame(values, index=pd.RangeIndex(len(frame)))[[*FEATURE_COLUMNS]]
 
     def _say(self, *notes: Note | None) -> str:
         return " ".join(phrase(note, self.objects) for note in notes if note is not None)

@@ -168,7 +168,7 @@ def lanes_figure(
     traces = [_bars(runs, *kind, look) for kind in KINDS]
     strip = None
     for added in contributed("lanes"):
-        strip = added.strip(result, recording, theme)
+        strip = added.strip(result, recording, theme) or strip
         traces.append(added.marks(result, encounters, 0.6 * lane_px, theme))
     traces = [trace for trace in traces if len(trace.x)]
     short = objects.say("{short}")

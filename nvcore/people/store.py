@@ -289,7 +289,7 @@ class StudyStore(Generic[S]):
         check_answers(study.form, answers)
         name = name.strip() if self.has_names else draw_pseudonym()
         if not 0 < len(name) <= MOST_NAME:
-            raise InputError(f"a participant's name or code has 1 to {MOST_NAME} characters")
+            raise InputError(f"a name or pseudonym has 1 to {MOST_NAME} characters")
         code = draw_code()
         query = "SELECT name, number FROM participant WHERE study = ?"
         with self.connect() as base:
@@ -361,17 +361,19 @@ class StudyStore(Generic[S]):
         Raises
         ------
         InputError
-            If they have not agreed to the terms.
+            If they have not agreed to the terms, or were deleted.
         """
         if study.consent and person.consented_at is None:
             raise InputError(
                 f"{person.name} has not agreed to the terms; delete them, and let them begin anew"
             )
         code = draw_code()
-        self.execute(
-            "UPDATE participant SET code = ? WHERE study = ? AND name = ?",
+        changed = self.execute(
+            "UPDATE participant SET code = ? WHERE study = ? AND name = ? RETURNING number",
             *(hash_code(study.token, code), study.token, person.name),
         )
+        if not changed:
+            raise InputError(f"{person.name} does not take part in this study any more")
         return code
 
     def keep(
@@ -480,4 +482,4 @@ def _stored(value: Any) -> Any:
 
 def _check_room(n: int, most: int, what: str) -> None:
     if n >= most:
-        raise InputError(f"there are {most:,} {what} already, which is all that there may be")
+        raise InputError(f"the limit of {most:,} {what} is reached")

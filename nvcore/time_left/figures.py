@@ -53,7 +53,6 @@ from nvcore.wording import count_text, minus, percent
 OverSpeed = Literal["share_in_time", "mean_impact_kmh"]
 
 NO_URGENT: Final = "No encounter is urgent: nobody has to be told in time."
-LAST_CHANCE: Final = "last chance to stop"
 MOST_ROWS: Final = 20
 """Default number of encounters drawn, which fill a screen."""
 MOST_S: Final = 12.0

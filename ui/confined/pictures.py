@@ -58,8 +58,6 @@ class PictureProcess(Process):
             raise
         except InputError as error:
             raise MediaError(error.message) from error
-        except OSError as error:
-            raise MediaError(f"{what} failed ({error.strerror})") from error
 
 
 class ConfinedPictures:

@@ -23,14 +23,14 @@ from ui.session import state
 
 T = TypeVar("T")
 
-MOST_AT_ONCE: Final = 2
+MOST_QUESTIONS: Final = 2
 """Pictures of all visitors that are given to detectors at a time; others wait."""
 MOST_KEPT: Final = 16
 """Cached answers of a kind."""
 LARGE_KEPT: Final = 2
 """Cached answers of a kind that are large."""
 
-_turns = threading.BoundedSemaphore(MOST_AT_ONCE)
+_turns = threading.BoundedSemaphore(MOST_QUESTIONS)
 
 
 def ask(

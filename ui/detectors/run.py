@@ -29,7 +29,7 @@ from ui.detectors.asking import described, key_of, trained_recordings
 from ui.detectors.confined import ConfinedDetector, DetectorFacts, DetectorSpec
 from ui.detectors.trial import Levels, levels_of
 from ui.jobs.background import BackgroundJob, JobState
-from ui.jobs.picture_run import PictureRun, dataset_of, is_uploaded, named_in, open_written
+from ui.jobs.page_run import PageRun, dataset_of, is_uploaded, named_in, open_written
 from ui.session import state, store
 from ui.session.opening import live_session
 from ui.session.uploads import ANNOTATION_FOLDERS
@@ -38,7 +38,7 @@ from ui.shell.navigate import ask_for_page
 from ui.widgets.buttons import button, download
 from ui.widgets.text import docs_link, plain
 
-RUN: Final = PictureRun[WrittenRun](
+RUN: Final = PageRun[WrittenRun](
     "detector_run",
     "run",
     "Running {title}",
@@ -46,7 +46,7 @@ RUN: Final = PictureRun[WrittenRun](
     outlasts=True,
     has_time_left=True,
 )
-TIMING: Final = PictureRun[Expectation]("detector_timing", "estimate", "Timing it")
+TIMING: Final = PageRun[Expectation]("detector_timing", "estimate", "Timing it")
 HEADER: Final = "Run it over the recordings"
 BEFORE: Final = "detector_before"
 

@@ -24,9 +24,9 @@ from ui.driver.confined import EstimatorSpec, run_confined
 from ui.driver.known import RUN as OPENED
 from ui.driver.known import OpenedRun, opened_run
 from ui.jobs.background import BackgroundJob, JobState
-from ui.jobs.picture_run import (
+from ui.jobs.page_run import (
     Aside,
-    PictureRun,
+    PageRun,
     dataset_of,
     is_uploaded,
     named_in,
@@ -40,7 +40,7 @@ from ui.shell.navigate import PAGES
 from ui.widgets.buttons import download
 from ui.widgets.text import docs_link, plain
 
-RUN: Final = PictureRun[WrittenEstimates](
+RUN: Final = PageRun[WrittenEstimates](
     "driver_run", "estimate", "Looking at the pictures", folder="driver", has_time_left=True
 )
 PAGE: Final = "driver"

@@ -17,7 +17,7 @@ from nvcore.protocols import Protocol
 from nvcore.report.html import write_html_report
 from nvcore.report.sections.evidence import AT_ONCE
 from ui.export.session import public_findings, with_public_names
-from ui.jobs.picture_run import PictureRun
+from ui.jobs.page_run import PageRun
 from ui.jobs.progress import start_as_made
 from ui.session import state, store
 from ui.session.results import input_findings
@@ -26,9 +26,7 @@ from ui.widgets import drawing
 from ui.widgets.text import plain
 
 NAME: Final = "nvcore-report.html"
-RUN: Final = PictureRun[None](
-    "html", "report", "Making the report", folder="html", has_time_left=True
-)
+RUN: Final = PageRun[None]("html", "report", "Making the report", folder="html", has_time_left=True)
 LABELS: Final = {
     "title": "Title",
     "author": "Author",

@@ -23,7 +23,7 @@ from ui.export.session import (
     public_findings,
     with_public_names,
 )
-from ui.jobs.picture_run import is_uploaded
+from ui.jobs.page_run import is_uploaded
 from ui.session import state
 from ui.session.opening import live_session
 from ui.session.results import input_findings

@@ -11,7 +11,7 @@ from nvcore.comparison import Result
 from nvcore.overlay import FPS_RANGE, write_video
 from nvcore.progress import Progress, with_time_left
 from ui.export.frame import file_stem
-from ui.jobs.picture_run import PictureRun
+from ui.jobs.page_run import PageRun
 from ui.session import state
 from ui.widgets import drawing
 from ui.widgets.text import plain
@@ -21,7 +21,7 @@ LONGEST_S: Final = 120.0
 USUAL_S: Final = 10.0
 """Length of the proposed interval."""
 SPEEDS: Final = {1.0: "real time", 0.5: "half", 0.25: "quarter", 2.0: "double"}
-RUN: Final = PictureRun[None](
+RUN: Final = PageRun[None](
     # boxes and pictures do not depend on what is estimated
     "video",
     "video",

@@ -16,13 +16,13 @@ from nvcore.progress import Progress
 from ui.session.uploads import remove_folder
 from ui.session.workspace import Workspace
 
-MOST_AT_ONCE: Final = 2
+MOST_JOBS: Final = 2
 """Maximum number of jobs of all sessions that run at a time. Others wait."""
 WAIT_S: Final = 0.2
 
 Output = TypeVar("Output")
 
-_slots = threading.BoundedSemaphore(MOST_AT_ONCE)
+_slots = threading.BoundedSemaphore(MOST_JOBS)
 
 
 def while_open(space: Workspace) -> Callable[[], bool]:

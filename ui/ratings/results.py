@@ -27,6 +27,7 @@ from ui.ratings import applied_fit, drivers, fit, source
 from ui.ratings.applied_fit import AppliedFit
 from ui.ratings.source import RatingSource
 from ui.session import state
+from ui.shell.messages import shown_error
 from ui.widgets.charts import draw_chart
 from ui.widgets.choices import download_csv
 from ui.widgets.table import TableColumn, draw_table, own_headings
@@ -49,7 +50,7 @@ def draw(result: Result) -> None:
     try:
         ratings, unknown = split_known(rating_source.ratings, saliency, system=rating_source.system)
     except InputError as error:
-        st.error(plain(str(error)))
+        st.error(shown_error(error))
         return
     _draw_unknown(ratings, unknown)
     digest = rating_source.digest()

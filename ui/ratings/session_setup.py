@@ -22,11 +22,12 @@ from ui.ratings.clip_screen import ENDS
 from ui.ratings.thresholds import shown_thresholds
 from ui.session import state
 from ui.session.store import RATING_ALERTS
+from ui.shell.messages import shown_error
 from ui.shell.navigate import open_page
 from ui.widgets.buttons import button
 from ui.widgets.choices import ask_for_file, choose_side_by_side
 from ui.widgets.table import TableColumn, draw_table
-from ui.widgets.text import docs_link, number, plain
+from ui.widgets.text import docs_link, number
 
 
 def draw_setup(
@@ -59,7 +60,7 @@ def draw_setup(
         st.caption(f"{count_text(len(clips), 'clip')}.")
         alerts = _ask_alerts(result, recordings, systems)
     except InputError as error:
-        st.error(plain(str(error)))
+        st.error(shown_error(error))
         return
     with st.expander("Consent, form, and how long ratings are kept", key="rating_terms"):
         consent, questions, keep_days = ask_terms(

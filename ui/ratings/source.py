@@ -18,6 +18,7 @@ from ui.ratings import typed
 from ui.ratings.sessions import SESSIONS
 from ui.ratings.thresholds import set_thresholds, thresholds_apart
 from ui.session import state
+from ui.shell.messages import shown_error
 from ui.widgets.choices import ask_for_file, choose_side_by_side
 from ui.widgets.text import plain
 
@@ -66,7 +67,7 @@ def choose(result: Result) -> RatingSource | None:
     try:
         ratings = READERS[source](result)
     except InputError as error:
-        st.error(plain(str(error)))
+        st.error(shown_error(error))
         return None
     if ratings is None or ratings["rating"].notna().sum() == 0:
         if ratings is not None:

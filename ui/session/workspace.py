@@ -30,7 +30,7 @@ from ui.session.lifetime import end_with_session, new_folder, of_session
 T = TypeVar("T")
 PICTURES: Final = "pictures"
 """Folder of the session's pictures."""
-MOST_AT_ONCE: Final = 4
+MOST_READS: Final = 4
 """Pictures that are read at a time for the browser of one session."""
 NONE_VISIBLE: Final = RecordingPictures()
 Kind = Literal["video", "zip", "image"]
@@ -246,7 +246,7 @@ class Workspace(Caching):
         self.lock = threading.Lock()
         self.picture_process = PictureProcess()
         self.model_process = Process(MODELS)
-        self.picture_turns = CapacityLimiter(MOST_AT_ONCE)
+        self.picture_turns = CapacityLimiter(MOST_READS)
         self.stored: dict[PurePosixPath, Stored] = {}
         self.form = 0
         self.used_bytes = 0

@@ -28,9 +28,10 @@ a pedestrian. Before each picture the screen is bright, then dark at once. This 
 for eyes that are sensitive to light: do not take part if flashes of light make you ill.
 
 We keep your answers with their times, what you enter about yourself on this page, and how large \
-the pictures are on your screen. We keep no name: you get a code, and only who has the code can \
-say which answers are yours. You may stop at any time, without a reason. Tell the person who \
-conducts the study your code, and you get a copy of your answers, or they are deleted.
+the pictures are on your screen. We keep no name. Tables show a random pseudonym; with your code, \
+or the day you joined, the person who conducts the study can find your answers. You may stop at \
+any time, without a reason. Tell that person your code, and you get a copy of your answers, or \
+they are deleted.
 """
 FORM: Final = ("age", "vision", "licence", "screen_inch", "distance_cm")
 """Fields of the form before a study's own questions."""

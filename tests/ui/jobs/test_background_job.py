@@ -127,7 +127,7 @@ def opened_workspace() -> Workspace:
 @pytest.mark.parametrize("ending", ["close", "forget"])
 def test_a_job_ends_with_what_its_workspace_has_open(ending: str, writer: Writer):
     space = opened_workspace()
-    writers = [Writer(space.folder / f"{i}") for i in range(background.MOST_AT_ONCE)]
+    writers = [Writer(space.folder / f"{i}") for i in range(background.MOST_JOBS)]
     jobs = [each.halfway(while_open(space)) for each in writers]
     for number, job in enumerate(jobs):
         space.put_job(f"kind {number}", job)
@@ -164,7 +164,7 @@ def test_a_job_does_not_keep_its_workspace():
 
 
 def test_a_further_job_waits_until_another_has_ended_and_can_be_cancelled(tmp_path: Path):
-    writers = [Writer(tmp_path / f"{number}") for number in range(background.MOST_AT_ONCE + 2)]
+    writers = [Writer(tmp_path / f"{number}") for number in range(background.MOST_JOBS + 2)]
     *running, cancelled, waiting = writers
     jobs = [each.halfway() for each in running]
     cancelled.path.write_bytes(b"copied before")

@@ -11,12 +11,12 @@ import pytest
 from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source
 from ui.jobs.background import BackgroundJob
-from ui.jobs.picture_run import PictureRun, open_written
+from ui.jobs.page_run import PageRun, open_written
 from ui.session import state, uploads
 from ui.session.uploads import count_folder
 from ui.session.workspace import Workspace
 
-RUN = PictureRun[int]("run", "run", "Running", folder="detector")
+RUN = PageRun[int]("run", "run", "Running", folder="detector")
 
 
 @pytest.fixture

@@ -22,7 +22,7 @@ from ui.widgets.buttons import button, download
 
 
 @dataclass(frozen=True)
-class PictureRun(Generic[Output]):
+class PageRun(Generic[Output]):
     """A kind of run over pictures. The workspace keeps the newest run of each kind.
 
     Attributes
