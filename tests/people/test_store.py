@@ -143,6 +143,9 @@ def test_a_new_code_ends_the_one_before(store):
     assert store.by_code(study, code) is None
     assert store.by_code(study, new) == anna
     assert store.by_code(study, bobs).name == "Bob"
+    store.delete(study, anna)
+    with pytest.raises(InputError, match="Anna does not take part in this study any more"):
+        store.new_code(study, anna)
 
 
 def test_who_has_not_agreed_gets_no_code(store):
