@@ -244,10 +244,10 @@ def test_there_is_room_for_so_many_and_no_more(store, monkeypatch):
     monkeypatch.setattr(engine, "MOST_STUDIES", 2)
     study = store.begin()
     joined(store, study, "Ann", "Bob")
-    with pytest.raises(InputError, match="2 participants already"):
+    with pytest.raises(InputError, match="limit of 2 participants"):
         joined(store, study, "Cem")
     joined(store, store.begin(), "Ann")
-    with pytest.raises(InputError, match="2 studies already"):
+    with pytest.raises(InputError, match="limit of 2 studies"):
         store.begin()
 
 

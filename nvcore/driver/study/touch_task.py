@@ -211,7 +211,7 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
     def _trial(self, study: DetectabilityStudy, name: str, place: int) -> Trial:
         people = self.participants(study, name)
         if not people:
-            raise InputError("nobody of that name takes part in this study")
+            raise InputError("nobody takes part in this study under that name")
         if not 1 <= place <= len(people[0].plan):
             raise InputError(f"the participant has no trial {place}")
         trial: Trial = people[0].plan[place - 1]
