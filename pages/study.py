@@ -2,13 +2,13 @@
 
 import streamlit as st
 
-from ui.driver.study.touch_studies import STUDIES
+from ui.driver.study.touch_studies import TOUCH
 from ui.people import conduct, participant
 from ui.people.studies import is_participant
 from ui.widgets.text import docs_link
 
 if is_participant():
-    participant.draw(STUDIES)
+    participant.draw(TOUCH)
 else:
     st.title("Study")
     st.caption(
@@ -16,4 +16,4 @@ else:
         "answers train the estimate of what a driver would have seen "
         f"({docs_link('Study', 'study', doc='study')})."
     )
-    conduct.draw(STUDIES)
+    conduct.draw(TOUCH)

@@ -117,7 +117,8 @@ def contributed(kind: str) -> tuple[Any, ...]:
     kind
         Name of a list in `nvcore.subjects.Subject.ui`, or of a reference ``"module:name"`` to it:
         ``"PAGES"`` (`Page`), ``"DOCUMENTS"`` (`Document`), ``"ROUTES"``
-        (`ui.session.routes.Place`), ``"STUDIES"`` (`ui.people.studies.Studies`), ``"ASIDE"``
+        (`ui.session.routes.Place`), ``"STUDIES"`` (tuple of
+        `ui.people.studies.Studies`), ``"ASIDE"``
         (`ui.jobs.page_run.Aside`), ``"PRELOADED"`` (modules that `ui.confined.nursery` loads
         before it forks, none of them loading Streamlit), ``"TIMELINE_PLOTS"``
         (`TimelinePlot`), ``"SIGHT"``

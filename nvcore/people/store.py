@@ -6,18 +6,21 @@ To add a task, derive a store from `StudyStore`, as `nvcore.ratings.clip_task` d
    a participant's trials.
 2. A trial is a named tuple that has ``table`` and ``place``: where its answer is kept.
 3. Declare ``what`` the answers are, the ``trial``, a `Table` for each kind of answer, and
-   ``study_columns``: fields of the study but for its two names (composite values become JSON). By
-   these the file is created, exported and emptied.
+   ``study_columns``: every field of the study but its two names (composite values become JSON),
+   ``ends_at`` among them. By these the file is created, exported and emptied.
 4. Give ``study_of`` (a row as a study), ``begin`` (check the settings, then ``_begin``), and a
    method for each kind of answer that checks it and calls ``keep``.
 5. Return answers as DataFrames: their columns are those of the CSV files.
 6. On the page, derive from `ui.people.studies.Studies`, and name it in ``STUDIES`` of the subject.
+
+The smallest task is in ``tests/people/test_store.py``.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import re
 import secrets
 import sqlite3
 from collections.abc import Iterator, Mapping
@@ -26,7 +29,7 @@ from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from itertools import count
 from pathlib import Path
-from typing import Any, ClassVar, Final, Generic, NamedTuple, TypeVar
+from typing import Any, ClassVar, Final, Generic, NamedTuple, TypedDict, TypeVar
 
 from nvcore.errors import InputError, StoreError
 from nvcore.people.form import check_answers
@@ -86,7 +89,8 @@ class Table(NamedTuple):
     """Kind of record that participants leave.
 
     Its `columns` are SQL; those that files of earlier versions lack need a default. The `key` is
-    the column that tells the records of a participant apart; empty: there is one record each.
+    the column that tells the records of a participant apart, and has the `place` of a trial; empty:
+    there is one record each, and no trial names this table.
     """
 
     columns: str
@@ -202,8 +206,8 @@ class StudyStore(Generic[S]):
             if existing:
                 statements += [
                     f"ALTER TABLE {name} ADD COLUMN {column}"
-                    for column in map(str.strip, columns.partition("PRIMARY KEY (")[0].split(","))
-                    if column and column.split()[0] not in existing
+                    for column in _columns(columns.partition("PRIMARY KEY (")[0])
+                    if column.split()[0] not in existing
                 ]
             else:
                 statements.append(f"CREATE TABLE {name} ({columns})")
@@ -236,12 +240,14 @@ class StudyStore(Generic[S]):
 
     def _begin(self, study: S) -> S:
         """Keep a new study."""
-        columns = [of.split()[0] for of in f"{STUDY}, {self.study_columns}".split(",")]
+        columns = [of.split()[0] for of in _columns(f"{STUDY}, {self.study_columns}")]
         row = {column: _stored(getattr(study, column)) for column in columns}
         with self.connect() as base:
             (n,) = base.execute("SELECT COUNT(*) FROM study").fetchone()
             _check_room(n, MOST_STUDIES, "studies")
             _insert(base, "study", row)
+        if self.study(study.token) != study:
+            raise TypeError(f"study_columns or study_of of {type(self).__name__} lose a field")
         return study
 
     def study(self, token: str) -> S | None:
@@ -456,9 +462,21 @@ class StudyStore(Generic[S]):
             )
 
 
-def new_names() -> dict[str, str]:
-    """Draw the secret names of a study for participants and for its conductor."""
-    return {"token": secrets.token_urlsafe(16), "conductor": secrets.token_urlsafe(16)}
+class Names(TypedDict):
+    """Secret names of a study for participants and for its conductor."""
+
+    token: str
+    conductor: str
+
+
+def new_names() -> Names:
+    """Draw the secret names of a study."""
+    return Names(token=secrets.token_urlsafe(16), conductor=secrets.token_urlsafe(16))
+
+
+def _columns(sql: str) -> list[str]:
+    """Return the columns of a declaration; a comma in brackets, as of a CHECK, ends none."""
+    return [column for part in re.split(r",(?![^()]*\))", sql) if (column := part.strip())]
 
 
 def _insert(

@@ -46,7 +46,7 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     room.PAGES = (Page("toy", "Toy", "Compare", after="overview", shown=(), own=(SALIENCY,)),)
     room.DOCUMENTS = (Document("toy", "The toy", after="metrics"),)
     parts.ROUTES = (Place("toy/{row}", answer),)
-    parts.STUDIES = ToyStudies()
+    parts.STUDIES = (ToyStudies(),)
     for module in (package, room, parts):
         monkeypatch.setitem(sys.modules, module.__name__, module)
     monkeypatch.setattr(subjects, "SUBJECTS", (*subjects.SUBJECTS, "toy"))

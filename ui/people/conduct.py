@@ -141,11 +141,12 @@ def _draw_one_participant(studies: Studies[S], study: S) -> None:
 
 
 def ask_terms(
-    consent: str, prefix: str, questions: str, days: str, *, choice: str = ""
+    consent: str, prefix: str, days: str, *, questions: str = "", choice: str = ""
 ) -> tuple[str, tuple[str, ...] | None, int]:
     """Ask for the text of consent, own questions, and the days that answers are kept.
 
-    With a `choice`, the label of a checkbox, questions are None unless it is ticked.
+    With a `choice`, the label of a checkbox, questions are None unless it is ticked. Without a
+    label `questions` they are not asked for.
     """
     text = st.text_area(
         "What participants agree to",
@@ -155,7 +156,7 @@ def ask_terms(
         height=260,
     )
     lines: tuple[str, ...] | None = None
-    if not choice or st.checkbox(choice, key=f"{prefix}_has_form"):
+    if questions and (not choice or st.checkbox(choice, key=f"{prefix}_has_form")):
         own = st.text_area(questions, key=f"{prefix}_questions", max_chars=MOST_TEXT)
         lines = tuple(line.strip() for line in own.splitlines() if line.strip())
     keep_days = st.number_input(

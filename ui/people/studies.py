@@ -75,7 +75,11 @@ class Progress(NamedTuple):
 
 
 class Studies(Generic[S]):
-    """Studies of one task: names and labels, and hooks that draw its own parts."""
+    """Studies of one task: names and labels, and hooks that draw its own parts.
+
+    A task gives all class variables without a value, `store`, `draw_trial`, `progress` and
+    `draw_setup`. The rest is optional.
+    """
 
     page: ClassVar[str]  # name of the page in addresses
     what: ClassVar[str]  # a study
@@ -106,7 +110,11 @@ class Studies(Generic[S]):
         return {}
 
     def draw_trial(self, study: S, person: Person, left: list[Any]) -> bool:
-        """Draw the participant's next trial, and return False if there is none."""
+        """Draw the participant's next trial, and return False if there is none.
+
+        Before the first one `ui.people.participant.draw_code` says the personal code. After an
+        answer is kept, the page is rerun.
+        """
         raise NotImplementedError
 
     def draw_end(self, person: Person) -> None:

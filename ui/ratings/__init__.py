@@ -9,4 +9,4 @@ PAGES: Final = (
     Page("ratings", "Ratings", "Lab", after="study", shown=(SALIENCY,), is_folded=True),
 )
 DOCUMENTS: Final = (Document("ratings", "Ratings", after="validation"),)
-STUDIES: Final = "sessions:SESSIONS"
+STUDIES: Final = "sessions:STUDIES"

@@ -66,8 +66,8 @@ def draw_setup(
         consent, questions, keep_days = ask_terms(
             CONSENT,
             "rating",
-            "Own questions, one a line, after these",
             "Days until the session is deleted with all ratings",
+            questions="Own questions, one a line, after these",
             choice="Ask for age, sex, driving licence and driving at night",
         )
     offer_start(

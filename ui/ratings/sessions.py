@@ -147,6 +147,7 @@ class RatingSessions(Studies[RatingStudy]):
 
 
 SESSIONS: Final = RatingSessions()
+STUDIES: Final = (SESSIONS,)
 
 
 def choose_part() -> str:

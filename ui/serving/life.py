@@ -16,6 +16,7 @@ import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from functools import cache
+from itertools import chain
 from types import FrameType
 from typing import Any, Final
 
@@ -98,7 +99,7 @@ def check_start() -> None:
     session = start_file()
     if session is not None:
         find_all(read_session(session))
-    for studies in contributed("STUDIES"):
+    for studies in chain(*contributed("STUDIES")):
         if os.environ.get(studies.variable):
             studies.store()
     try:
@@ -167,7 +168,7 @@ async def keep_deleting_ended() -> None:
 
 def delete_ended() -> None:
     """Delete finished studies with all their answers."""
-    for studies in contributed("STUDIES"):
+    for studies in chain(*contributed("STUDIES")):
         if not studies.file().is_file():
             continue
         try:

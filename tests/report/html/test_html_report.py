@@ -294,8 +294,8 @@ def test_a_text_in_css_can_end_neither_it_nor_the_style():
 
 def test_charts_are_figures_of_plotly_and_nothing_is_fetched_from_elsewhere(page, content):
     charts = page.charts()
-    assert len(charts) == 11
-    assert [chart["layout"]["title"].get("text") for chart in charts.values()] == [None] * 11
+    assert len(charts) == content.count('<figure class="chart"') > 0
+    assert {chart["layout"]["title"].get("text") for chart in charts.values()} == {None}
     captions = re.findall(r"<figcaption><strong>(.*?)</strong> <span class=.muted.>", content)
     assert "Similarity by recording" in captions
     assert not re.search("click", " ".join(captions), flags=re.IGNORECASE)
@@ -314,7 +314,8 @@ def test_changed_parameters_and_the_protocol_are_told_and_the_stability_map_may_
 ):
     changed = compare(result.dataset, Params(alpha=0.625, proximity="none", match="lateral"))
     session = replace(session, protocol=PROTOCOLS["reasonable"])
-    page = Page(written(tmp_path / "r.html", changed, session, stability=False))
+    content = written(tmp_path / "r.html", changed, session, stability=False)
+    page = Page(content)
     assert page.row("Parameters", "alpha")[:2] == ["0.625, changed", "0.9"]
     assert "1 − (0.625 × D(truth, system) + 0.375 × D(system, truth))" in page.text
     assert "1 for everybody" in page.text
@@ -322,7 +323,7 @@ def test_changed_parameters_and_the_protocol_are_told_and_the_stability_map_may_
     assert "Protocol reasonable:" in page.text
     assert "height 50 or more px" in page.text
     assert "Not computed for these 40 frames" in page.text
-    assert len(page.charts()) == 10
+    assert 'id="chart-stability"' not in content
 
 
 def test_frames_rather_than_persons_are_no_evidence_of_their_own(tmp_path, page):
@@ -392,7 +393,8 @@ def test_names_from_files_are_text(tmp_path):
     assert page.tags.count("b") == 0
     assert page.row("Similarity by recording", HOSTILE)[0] == "20"
     assert f"{HOSTILE} (X) and <b>nir</b> (Y) compared" in page.words
-    assert len(page.charts()) == 11  # their JSON is whole: no name ended its script
+    # their JSON is whole: no name ended its script
+    assert len(page.charts()) == content.count('<figure class="chart"') > 0
 
 
 @pytest.mark.parametrize(

@@ -134,8 +134,8 @@ def _draw_settings() -> StudySettings:
         consent, questions, keep_days = ask_terms(
             CONSENT,
             "study",
-            "Own questions, one a line, after age, vision and driving licence",
             "Days until the study is deleted with all answers",
+            questions="Own questions, one a line, after age, vision and driving licence",
         )
     # last: what is refused would take all fields below it off the page, with what was entered
     return StudySettings(

@@ -231,4 +231,5 @@ def _draw_run(
     draw_run(name, title, sent, timing, whose=screen.whose, on_end=on_end)
 
 
-STUDIES: Final = TouchStudies()
+TOUCH: Final = TouchStudies()
+STUDIES: Final = (TOUCH,)

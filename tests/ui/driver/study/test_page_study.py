@@ -47,7 +47,7 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> list[dict]:
 def opened(**address: str) -> AppTest:
     """What participants see, by their address, else what the conductor sees."""
     side = "participant" if "study" in address else "conduct"
-    call = f"ui.people.{side}.draw(touch_studies.STUDIES)"
+    call = f"ui.people.{side}.draw(touch_studies.TOUCH)"
     return checked(part("from ui.driver.study import touch_studies", call, **address).run())
 
 
