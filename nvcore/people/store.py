@@ -475,7 +475,7 @@ def new_names() -> Names:
 
 
 def _columns(sql: str) -> list[str]:
-    """Return the columns of a declaration; a comma in brackets, as of a CHECK, ends none."""
+    """Return the columns of a declaration, whose brackets, as of a CHECK, may hold commas."""
     return [column for part in re.split(r",(?![^()]*\))", sql) if (column := part.strip())]
 
 

@@ -41,7 +41,7 @@ METHOD: Final = docs_link("how", "saliency-against-mean-rank", doc="ratings")
 
 
 def draw(result: Result) -> None:
-    """Ratings, agreement, saliency against the mean rank, and the fit."""
+    """Draw ratings, agreement, saliency against the mean rank, and the fit."""
     rating_source = source.choose(result)
     if rating_source is None:
         return
@@ -72,7 +72,7 @@ def draw(result: Result) -> None:
 
 
 def _of_clips(result: Result, rating_source: RatingSource) -> Result:
-    """The comparison whose recordings are the clips that were rated."""
+    """Return the comparison whose recordings are the clips that were rated."""
     names = tuple(rating_source.ratings["clip"].unique())
     if set(names) <= set(state.recording_names()):
         return result
@@ -85,7 +85,7 @@ def _of_clips(result: Result, rating_source: RatingSource) -> Result:
 
 
 def _draw_unknown(ratings: pd.DataFrame, unknown: pd.DataFrame) -> None:
-    """Which rated clips, and whose ratings, are of no clip in this comparison."""
+    """Name the rated clips, and their raters, that are not in this comparison."""
     if unknown.empty:
         return
     clips = unknown[["clip", "system"]].drop_duplicates()
@@ -107,7 +107,7 @@ def _agreement(ratings: pd.DataFrame, key: object) -> Agreement:
 
 
 def _people(ratings: pd.DataFrame, digest: int) -> list[str]:
-    """How far people agree; the participants who are left out."""
+    """Draw how far people agree, and return the participants who are left out."""
     st.header("Do people agree?")
     everybody = _agreement(ratings, (digest, ()))
     people = everybody.participants
@@ -151,7 +151,7 @@ def _people(ratings: pd.DataFrame, digest: int) -> list[str]:
 
 
 def _concordance(agreement: Agreement) -> str:
-    """Kendall's W in plain words."""
+    """Return Kendall's W in plain words."""
     if not np.isfinite(agreement.w):
         return f"{UNDEFINED}: {agreement.method}."
     p = p_text(agreement.p, agreement.p)
@@ -172,7 +172,7 @@ def _concordance(agreement: Agreement) -> str:
 def _cautions(
     result: Result, rating_source: RatingSource, n_people: int, fit_in_use: AppliedFit | None
 ) -> None:
-    """What keeps plot and correlations from being evidence."""
+    """Say what keeps plot and correlations from being evidence."""
     if fit_in_use is not None:
         st.warning(_training(fit_in_use.share_seen(rating_source)), icon=":material/warning:")
     if applied_fit.of_simulated(result, rating_source):
@@ -189,7 +189,7 @@ def _cautions(
 
 
 def _training(share: float) -> str:
-    """That the fit has seen so large a share of the ratings, 0 to 1."""
+    """Say that the fit has seen this share of the ratings, 0 to 1."""
     if share == 1:
         return (
             "These settings were **fitted to these ratings**: plot and correlations are training "
@@ -251,7 +251,7 @@ def _against_saliency(result: Result, clips: pd.DataFrame) -> None:
 
 
 def _correlations(correlations: list[Correlation]) -> pd.DataFrame:
-    """The coefficients as text; undefined ones with the reason."""
+    """Return the coefficients as text, undefined ones with the reason."""
     table = pd.DataFrame(
         {
             "Coefficient": [row.name for row in correlations],
@@ -275,6 +275,6 @@ def _downloads(ratings: pd.DataFrame, ranks: pd.DataFrame) -> None:
 
 
 def _long(ranks: pd.DataFrame) -> pd.DataFrame:
-    """One row for each participant and clip."""
+    """Return one row for each participant and clip."""
     table = ranks.melt(ignore_index=False, value_name="rank").reset_index()
     return table[["participant", "clip", "system", "rank"]]

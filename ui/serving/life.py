@@ -71,7 +71,7 @@ def _noting_shutdown(handler: Any) -> Callable[[int, FrameType | None], Any]:
 
 @asynccontextmanager
 async def lifespan(_app: Any) -> AsyncIterator[None]:
-    """Start the server's background work; stop it and remove all uploads at shutdown."""
+    """Start the server's background work. At shutdown, stop it and remove all uploads."""
     lifetime.close_sessions_on(asyncio.get_running_loop())
     watch_for_shutdown()
     guard_connections()
@@ -114,7 +114,7 @@ def check_start() -> None:
 
 @cache
 def settle_memory() -> None:
-    """After the first page, once: what it has loaded stays, and is not looked through any more.
+    """Exempt the objects that the first page has loaded from garbage collection.
 
     Streamlit collects garbage after every run, which then takes a third of the time.
     """
@@ -123,7 +123,7 @@ def settle_memory() -> None:
 
 
 def start_preparing() -> None:
-    """Prepare in a background thread; early visitors wait for whatever is not ready yet."""
+    """Prepare in a background thread. Early visitors wait for whatever is not ready yet."""
     threading.Thread(target=_prepare, name="prepare", daemon=True).start()
 
 
