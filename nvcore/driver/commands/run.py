@@ -52,6 +52,12 @@ def _gather(context: click.Context, option: click.Parameter, value: Any) -> None
         context.params.setdefault("settings", {})[option.name] = value
 
 
+def _run(session_file: Path, kind: Any, job_of: Any, options: dict[str, Any]) -> Any:
+    """Return what a job of `job_on` writes, and show its progress."""
+    with job_on(session_file, kind, job_of, options) as job, ShareProgress() as progress:
+        return job(progress)
+
+
 _setting_options = with_options(
     *(
         grouped_option(
@@ -130,11 +136,7 @@ def features(
     assert session_file is not None
     from nvcore.driver.face import features_job
 
-    with (
-        job_on(session_file, FeatureArguments, features_job, options) as job,
-        ShareProgress() as progress,
-    ):
-        written = job(progress)
+    written = _run(session_file, FeatureArguments, features_job, options)
     click.echo(str(written.run))
     click.echo(one_line(f"written to {written.features} and {written.record}"), err=True)
 
@@ -159,11 +161,7 @@ def estimate(session_file: Path, **options: Any) -> None:
     """
     from nvcore.driver.face import estimate_job
 
-    with (
-        job_on(session_file, EstimateArguments, estimate_job, options) as job,
-        ShareProgress() as progress,
-    ):
-        written = job(progress)
+    written = _run(session_file, EstimateArguments, estimate_job, options)
     click.echo(str(written.run))
     click.echo(one_line(f"written to {options['out']}"), err=True)
     click.echo(one_line(f"compare: nvcore compare {written.session}"), err=True)
