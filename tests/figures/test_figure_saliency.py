@@ -70,6 +70,15 @@ def test_an_event_is_taken_apart_into_duration_and_what_recency_leaves(result: R
     assert (figure.layout.legend.xref, figure.layout.legend.yref) == ("container", "container")
 
 
+def test_the_events_of_both_systems_stand_in_rows_of_their_own() -> None:
+    truth = [at(i, 50, track=3) for i in range(10)]
+    found = [box for box in truth if box.frame not in (2, 3, 8, 9)]
+    figure = parts_plot(result_of(make_dataset(truth, found, found)), theme="light")
+    bars = [bar for bar in figure.data if bar.orientation == "h"]
+    assert [bar.y.tolist() for bar in bars] == [[0, 1], [0, 1], [2, 3], [2, 3]]
+    assert len(figure.layout.yaxis.ticktext) == 4
+
+
 def test_every_recording_has_a_mark_for_each_system_and_a_line_between_the_two(
     result: Result,
 ) -> None:

@@ -103,6 +103,8 @@ def test_each_period_has_its_histogram_beside_the_others():
     first, second = figure.layout.xaxis.domain, figure.layout.xaxis2.domain
     assert first == pytest.approx((0, 0.49))
     assert second == pytest.approx((0.51, 1))
+    titles = [figure.layout[name].title.text for name in ("xaxis", "xaxis2")]
+    assert titles == ["", "detectability"]
     assert "4 pedestrians at each" in words(figure)
 
 

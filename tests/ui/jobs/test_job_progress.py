@@ -37,3 +37,15 @@ def test_until_a_time_left_is_known_that_is_said(share: float, step: str, words:
     )
     (progress,) = checked(page.run()).get("progress")
     assert progress.proto.text.replace("\\", "") == words
+
+
+def test_choices_of_a_job_are_set_once_so_that_later_ones_stay():
+    page = scripted(
+        "import streamlit as st\n"
+        "from ui.jobs.progress import start_as_made\n"
+        "start_as_made(st.session_state['job'], 'run', choice=True)\n"
+        "st.checkbox('choice', key='choice')"
+    )
+    page.session_state["job"] = SimpleNamespace(key=(1, 2))
+    assert checked(page.run()).checkbox(key="choice").value
+    assert not checked(page.checkbox(key="choice").uncheck().run()).checkbox(key="choice").value

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from ui.people.studies import is_local
+import ui.people.studies
+from ui.people.studies import Studies, is_local
 
 
 @pytest.mark.parametrize(
@@ -18,3 +19,14 @@ from ui.people.studies import is_local
 )
 def test_an_address_of_this_computer_is_told_from_others(address: str, expected: bool):
     assert is_local(address) is expected
+
+
+def test_answers_are_in_the_file_of_the_variable_else_in_the_users_folder(monkeypatch, tmp_path):
+    class Toy(Studies):
+        variable, file_name = "TOY_ANSWERS", "toy.sqlite"
+
+    monkeypatch.setattr(ui.people.studies.click, "get_app_dir", lambda _: str(tmp_path))
+    monkeypatch.delenv("TOY_ANSWERS", raising=False)
+    assert Toy().file() == tmp_path / "toy.sqlite"
+    monkeypatch.setenv("TOY_ANSWERS", str(tmp_path / "other.sqlite"))
+    assert Toy().file() == tmp_path / "other.sqlite"

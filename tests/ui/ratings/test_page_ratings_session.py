@@ -126,6 +126,8 @@ def test_a_participant_sees_clips_only_and_every_rating_is_kept(
         assert f"Clip {number + 1} of 4" in words(page)
         recording, system, *_ = study.clips[clip]
         assert shown[-1] == (names.index(recording), "x" if system == "FIR" else "y")
+        scale = [part.key for part in page.button if part.key.startswith(f"rating_{clip}_")]
+        assert scale == [f"rating_{clip}_{value}" for value in range(1, 8)]
         press(page, f"rating_{clip}_{number + 2}")
         assert store.ratings_of(study, "Ann")[clip] == number + 2
     assert page.title[0].value == "Thank you"

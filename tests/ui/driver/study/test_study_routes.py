@@ -36,8 +36,8 @@ TOUCH = {
 
 @pytest.fixture
 def screen(space: Workspace, tmp_path: Path) -> OnScreen:
-    """A participant of a study of two pictures."""
-    folder = study_pictures.write(tmp_path / "dusk", 2)
+    """A participant of a study of three pictures; there are two for practice."""
+    folder = study_pictures.write(tmp_path / "dusk", 3)
     store = DetectabilityStore(tmp_path / "studies.sqlite")
     study = store.begin(StudySettings(), read_pictures(folder), folder="local:dusk")
     person, _ = store.join(study, {})
@@ -58,12 +58,14 @@ def test_pictures_come_whole_and_coarse(space: Workspace, screen: OnScreen):
     assert full.max() == 190
     assert coarse.shape[1] == 48
     assert coarse.max() == 40  # the sky: nobody is to be seen
+    assert picture(space, "2/full").shape == full.shape
+    assert picture(space, "practice-1/full").shape == (720, 1280, 3)
     assert picture(space, "practice-0/full").shape == (720, 1280, 3)
 
 
 @pytest.mark.parametrize(
     "name",
-    ["2/full", "-1/full", "x/full", "0/other", "practice-2/full", "practice-/full", "9999999/full"],
+    ["3/full", "-1/full", "x/full", "0/other", "practice-2/full", "practice-/full", "9999999/full"],
 )
 def test_other_pictures_are_not_found(space: Workspace, screen: OnScreen, name: str):
     assert ask(f"{address(space)}/study/{name}.png").status == 404
@@ -126,7 +128,7 @@ def test_a_touch_outside_the_picture_is_no_answer(space: Workspace, screen: OnSc
     assert screen.store.answers(screen.study) == {}
 
 
-@pytest.mark.parametrize("place", ["0", "3", "x", "9" * 30])
+@pytest.mark.parametrize("place", ["0", "4", "x", "9" * 30])
 def test_what_is_no_trial_of_the_participant_is_refused(
     space: Workspace, screen: OnScreen, place: str
 ):
