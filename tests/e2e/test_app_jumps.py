@@ -175,7 +175,7 @@ IN_THE_SAMPLE: Final = (
     Jump("ui/data/audit/entries.py:_go", "Data", "Timeline", open_case),
     Jump("ui/timeline/listed.py:draw", "Timeline", "Data", press("listed_back")),
     Jump("ui/timeline/panel.py:_chosen", "Timeline", "Encounters", choose_pedestrian),
-    Jump("ui/ratings/conduct.py:_ask_alerts", "Ratings", "Alerts", ask_of_alerts),
+    Jump("ui/ratings/session_setup.py:_ask_alerts", "Ratings", "Alerts", ask_of_alerts),
     Jump("ui/shell/pages.py:draw_bar", "Data", "Time left", follow("Time left")),
     Jump("ui/shell/pages.py:_draw_group", "Data", "Stability", follow("Stability")),
     Jump(
@@ -202,7 +202,7 @@ ELSEWHERE: Final = {
     "ui/data/opening.py:_draw_opened": "other files were opened, with settings of their own",
     "ui/detectors/run.py:_open": "as above: the session that it opens has the settings",
     "ui/driver/run.py:draw_aside": "a link of Streamlit's, as those of the navigation",
-    "ui/ratings/participant.py:draw_waiting": "a participant has no settings",
+    "ui/ratings/sessions.py:draw_waiting": "a participant has no settings",
 }
 
 

@@ -156,7 +156,7 @@ def test_the_pages_have_no_accessibility_fault(visit, links):
     for theme in ("light", "dark"):
         one = visit(study, theme=theme)
         faults += one.accessibility_faults()
-        begin(one, "Dan")
+        begin(one, f"Dan {theme}")
         expect(one.page.get_by_role("button", name="Play the clip")).to_be_visible()
         faults += one.accessibility_faults()
         one.go(conduct)
