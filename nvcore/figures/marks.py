@@ -52,8 +52,7 @@ def click_markers(x: Any, y: Any, texts: Any, **more: Any) -> go.Scatter:
 
 def line_up(figure: go.Figure, x: float, name: str, theme: Theme) -> None:
     """Add a line over the whole height at `x`."""
-    line = {"color": LOOK[theme].ink, "width": 1.5}
-    figure.add_shape(type="line", name=name, x0=x, x1=x, yref="paper", y0=0, y1=1, line=line)
+    rule(figure, "x", x, name=name, line={"color": LOOK[theme].ink, "width": 1.5})
 
 
 def row_texts(template: str, **columns: Any) -> list[str]:

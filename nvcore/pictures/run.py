@@ -74,12 +74,12 @@ class PictureRun:
         """
         if source is None:
             return
-        reader = source.another()
+        reader, n_before = source.another(), len(faults)
         try:
             yield from self.map(work, _readable(reader, indices, faults), name)
         finally:
             reader.close()
-        self.n_pictures -= len(faults)
+        self.n_pictures -= len(faults) - n_before
 
     def map(
         self, work: Callable[[int, P], T], pictures: Iterable[tuple[int, P]], name: str

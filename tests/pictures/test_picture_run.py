@@ -34,6 +34,8 @@ def test_pictures_that_cannot_be_read_are_skipped_and_no_longer_counted(tmp_path
     assert shares[-1] == 7 / 8
     assert words[-1].startswith("night: 7 of 8 pictures, ")
     assert words[-1].endswith(" left")
+    assert list(run.over(source, [(0, 0)], lambda *of: of[0], "dusk", faults)) == [0]
+    assert run.n_pictures == 7  # the fault of the night counts once
     assert list(run.over(None, [(0, 0)], number_in, "day", faults)) == []  # type: ignore[arg-type]
 
 

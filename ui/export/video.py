@@ -9,7 +9,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.overlay import FPS_RANGE, write_video
-from nvcore.progress import Progress, with_time_left
+from nvcore.progress import Progress
 from ui.export.frame import file_stem
 from ui.jobs.page_run import PageRun
 from ui.session import state
@@ -133,7 +133,7 @@ def _start(result: Result, recording: int, interval: Interval, *, labels: bool) 
             first + interval.row_stop,
             folder / name,
             fps=interval.fps,
-            progress=with_time_left(progress),
+            progress=progress,
             indices=pictures.indices.get(recording),
             lo=lo,
             hi=hi,

@@ -9,7 +9,7 @@ import streamlit as st
 from nvcore.errors import InputError
 from nvcore.people.form import CHOICES, MOST_QUESTION
 from nvcore.people.participants import MOST_NAME
-from nvcore.people.store import Person
+from nvcore.people.store import Person, StudyStore
 from ui.people.studies import PARTICIPANT, STUDY, S, Studies, enter, leave_screen
 from ui.session import state
 from ui.shell.messages import shown_error
@@ -35,7 +35,7 @@ def draw(studies: Studies[S]) -> None:
                     f"Nobody takes part in this {studies.what} with the code in the address. If "
                     "you have taken part already, ask the person who conducts it for a new code."
                 )
-            _welcome(studies, study)
+            _welcome(studies, study, store)
         elif not studies.draw_trial(study, person, store.left(study, person)):
             _thank(studies, study, person)
 
@@ -48,8 +48,8 @@ def draw_code() -> None:
     )
 
 
-def _welcome(studies: Studies[S], study: S) -> None:
-    store, prefix = studies.store(), studies.prefix
+def _welcome(studies: Studies[S], study: S, store: StudyStore[S]) -> None:
+    prefix = studies.prefix
     st.title(studies.title)
     studies.introduce(study)
     for paragraph in study.consent.split("\n\n"):

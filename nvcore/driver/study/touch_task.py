@@ -268,7 +268,7 @@ def trials_table(store: DetectabilityStore, study: DetectabilityStudy) -> pd.Dat
     answered and, after "marked:", what was not as it should be (`marks_of`).
     """
     rows = []
-    for person, trial, answer, marks in _answered(store, study):
+    for person, trial, answer, marks in _answered(store, study, store.participants(study)):
         picture = study.pictures[trial.picture]
         device = [answer.device] if answer.device else []
         device += [f"marked: {', '.join(marks)}"] if marks else []
@@ -287,11 +287,11 @@ def trials_table(store: DetectabilityStore, study: DetectabilityStudy) -> pd.Dat
 
 
 def _answered(
-    store: DetectabilityStore, study: DetectabilityStudy
+    store: DetectabilityStore, study: DetectabilityStudy, people: Sequence[Person]
 ) -> Iterator[tuple[Person, Trial, Answer, list[str]]]:
     """Yield all answered trials with their marks, by participant and order."""
     answers = store.answers(study)
-    for person in store.participants(study):
+    for person in people:
         for place, (answer, n_shown) in answers.get(person.name, {}).items():
             trial = person.plan[place - 1]
             yield person, trial, answer, marks_of(trial, answer, n_shown, study.settings.timing)
@@ -305,6 +305,7 @@ def participants_table(store: DetectabilityStore, study: DetectabilityStudy) -> 
     ``subject``, ``joined`` (date), ``n_trials``, ``n_answered``, ``n_marked``, and what the form
     asked for; empty where nothing was entered.
     """
+    people = store.participants(study)
     rows: dict[str, dict[str, Any]] = {
         person.name: {
             "subject": person.name,
@@ -315,9 +316,9 @@ def participants_table(store: DetectabilityStore, study: DetectabilityStudy) -> 
             **dict.fromkeys(study.form, ""),
             **person.form,
         }
-        for person in store.participants(study)
+        for person in people
     }
-    for person, _, _, marks in _answered(store, study):
+    for person, _, _, marks in _answered(store, study, people):
         rows[person.name]["n_answered"] += 1
         rows[person.name]["n_marked"] += bool(marks)
     first = ("subject", "joined", "n_trials", "n_answered", "n_marked")
