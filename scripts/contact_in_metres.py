@@ -25,7 +25,7 @@ from bench.tables import table
 from bench.web.tables import put_section
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
-from nvcore.figures.style import LOOK, LOSS_COLOURS, axis, layout
+from nvcore.figures.style import LOOK, LOSS_COLOURS
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.metrics.encounters import find_encounters
@@ -319,16 +319,16 @@ def ratio_figure(boxes: pd.DataFrame) -> go.Figure:
             )
     title = "Time to contact by box heights over that by metres"
     subtitle = f"KITTI {', '.join(SIZES)}: a mark for each box that is closing by both"
-    style = layout("light", title=title, subtitle=subtitle, height=420)
+    style = look.layout(title=title, subtitle=subtitle, height=420)
     ground = {"paper_bgcolor": look.surface, "plot_bgcolor": look.surface}
     figure.update_layout(**(style | ground))
     ticks = {"type": "log", "tickvals": [0.5, 1, 2, 4, 8, 20, 60], "range": np.log10([0.6, 100])}
     for column, text in enumerate(ways.values(), start=1):
-        across = axis("light", f"time to contact by metres (s), {text}", **ticks)
+        across = look.axis(f"time to contact by metres (s), {text}", can_zoom=True, **ticks)
         figure.update_xaxes(**across, row=1, col=column)
         up = {"type": "log", "range": np.log10([0.2, 5]), "tickvals": [0.25, 0.5, 1, 2, 4]}
         title = "ratio (1 = the same)" if column == 1 else ""
-        figure.update_yaxes(**axis("light", title, **up), row=1, col=column)
+        figure.update_yaxes(**look.axis(title, can_zoom=True, **up), row=1, col=column)
         figure.add_hline(y=1, line={"color": look.ink, "width": 1}, row=1, col=column)
     return figure
 

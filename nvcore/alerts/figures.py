@@ -12,16 +12,9 @@ import plotly.graph_objects as go
 from nvcore.alerts.episodes import UNWANTED, AlertKind
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
-from nvcore.figures.marks import (
-    marks,
-    row_texts,
-    still_line,
-    system_line,
-    system_marker,
-    with_gaps,
-)
-from nvcore.figures.over_time import draw_recording, time_axis
-from nvcore.figures.style import LOOK, axis, draw, empty_figure, faded, rows_axis, system_label
+from nvcore.figures.marks import joined, marks, row_texts
+from nvcore.figures.over_time import OverTime
+from nvcore.figures.style import LOOK, faded, system_label
 from nvcore.palette import Theme
 from nvcore.wording import LEAST_HOURLY_S, count_text, duration_text, number
 
@@ -29,6 +22,8 @@ ROW_PX: Final = 22
 KIND_PX: Final = 64
 APART: Final = 0.16
 """Distance of X and Y from the middle of a row, in rows."""
+POINTS: Final = (("policy", 5, ""), ("in use", 13, ", in use"), ("log", 15, ", its log"))
+"""Points of the trade-off: size of their marks, and the end of their name."""
 
 
 def alerts_over_time(result: Result, recording: int, theme: Theme) -> go.Figure:
@@ -42,7 +37,7 @@ def alerts_over_time(result: Result, recording: int, theme: Theme) -> go.Figure:
     recording
         Row of ``dataset.recordings``.
     """
-    view, noun = alerts_in(result), result.objects.singular
+    look, view, noun = LOOK[theme], alerts_in(result), result.objects.singular
     alerts = pd.concat([view.of(system) for _, system in result.sides], ignore_index=True)
     table = view.table.assign(row=alerts["first_row"], whom=alerts["encounter"])
     table = table[alerts["recording"] == recording]
@@ -54,9 +49,8 @@ def alerts_over_time(result: Result, recording: int, theme: Theme) -> go.Figure:
             continue
         place, start_s = np.full(len(own), float(len(labels))), own["start_s"].to_numpy()
         labels.append(f"{letter.upper()} {kind.value}")
-        ends = with_gaps(start_s, start_s + own["duration_s"].to_numpy())
-        line = {"width": 9, "color": LOOK[theme].of(letter)}
-        traces.append(still_line(ends, with_gaps(place, place), "", line=line))
+        end_s = start_s + own["duration_s"].to_numpy()
+        traces.append(joined(start_s, end_s, place, "", width=9, color=look.of(letter)))
         texts = row_texts(
             "{letter}, {kind}: frame {frame}, {start_s:.2f} s, for {duration_s:.1f} s{whom}",
             letter=letter.upper(),
@@ -66,23 +60,20 @@ def alerts_over_time(result: Result, recording: int, theme: Theme) -> go.Figure:
             duration_s=own["duration_s"],
             whom=["" if pd.isna(who) else f"<br>{noun} {who}" for who in own["encounter"]],
         )
-        of, marker = own[["row", "whom"]].to_numpy(), system_marker(letter, 10, theme)
-        trace = marks(start_s, place, texts, customdata=of, name=labels[-1], marker=marker)
-        traces.append(trace)
+        looks = {"customdata": own[["row", "whom"]].to_numpy(), "name": labels[-1]}
+        traces.append(look.marks(letter, "", 10, start_s, place, texts, **looks))
     if not labels:
-        return empty_figure("Nothing alerts the driver in this recording.", theme=theme)
-    return draw_recording(
+        return look.empty("Nothing alerts the driver in this recording.")
+    over_time = OverTime(result, recording, look)
+    return over_time.draw(
         traces,
-        result,
-        recording,
-        theme,
         "",
         "Alerts",
         subtitle=count_text(len(table), "alert"),
         height=100 + ROW_PX * len(labels),
         showlegend=False,
-        xaxis=time_axis(result, recording, theme, ticksuffix=" s"),
-        yaxis=rows_axis(theme, labels, fixedrange=True, showgrid=False),
+        xaxis=over_time.axis(ticksuffix=" s"),
+        yaxis=look.rows_axis(labels, showgrid=False),
     )
 
 
@@ -91,39 +82,36 @@ def alerts_in_time(result: Result, *, theme: Theme) -> go.Figure:
 
     Thick: the interval of the draws (other drivers, these recordings); thin: of both.
     """
-    judged = alerts_in(result).in_time_for_drivers
+    look, judged = LOOK[theme], alerts_in(result).in_time_for_drivers
     n = len(judged.chances)
     if not n:
-        return empty_figure("Nobody is urgent here.", theme=theme)
+        return look.empty("Nobody is urgent here.")
     shares = judged.table[judged.table["measure"] == "share"]
     kinds = shares["kind"].unique().tolist()
     traces, others = [], f"<br>other {judged.what_varies}, too: "
     for (letter, system), shift in zip(result.sides, (-APART, APART), strict=True):
         rows = shares[shares["side"] == letter].set_index("kind").loc[kinds]
-        place, colour = np.arange(len(kinds)) + shift, LOOK[theme].of(letter)
+        place, colour = np.arange(len(kinds)) + shift, look.of(letter)
         for draws, width, opacity in (("", 2, 0.8), ("draws_", 8, 0.35)):
-            reach = (100 * rows[draws + end].to_numpy(dtype=float) for end in ("low", "high"))
-            line = {"width": width, "color": faded(colour, opacity)}
-            traces.append(still_line(with_gaps(*reach), with_gaps(place, place), "", line=line))
+            low, high = 100 * rows[[f"{draws}low", f"{draws}high"]].to_numpy(dtype=float).T
+            traces.append(joined(low, high, place, "", width=width, color=faded(colour, opacity)))
         texts = [
             f"{kind}, {letter.upper()}: in time in {row['mean']:.0%}<br>other drivers: "
             f"{row['draws_low']:.0%} to {row['draws_high']:.0%}"
             + ("" if np.isnan(row["low"]) else f"{others}{row['low']:.0%} to {row['high']:.0%}")
             for kind, row in rows.iterrows()
         ]
-        name, marker = system_label(letter, system.name), system_marker(letter, 11, theme)
         means = 100 * rows["mean"].to_numpy()
-        traces.append(marks(means, place, texts, name=name, marker=marker))
-    return draw(
+        traces.append(look.marks(letter, system.name, 11, means, place, texts))
+    return look.draw(
         traces,
-        theme,
         title="Brakes in time, by kind of alert",
         subtitle=f"of {count_text(n, 'urgent encounter')}; thick: other drivers, thin: other "
         f"drivers and {judged.what_varies} (95 %)",
         height=150 + KIND_PX * len(kinds),
         hoverdistance=-1,
-        xaxis=axis(theme, "in time (%)", range=[-2, 102], fixedrange=True),
-        yaxis=rows_axis(theme, kinds, fixedrange=True),
+        xaxis=look.axis("in time (%)", range=[-2, 102]),
+        yaxis=look.rows_axis(kinds),
     )
 
 
@@ -134,58 +122,41 @@ def alert_trade_off(result: Result, *, theme: Theme) -> go.Figure:
     threshold, and a star for its own log. `customdata` is the threshold. For short recordings the
     number replaces the rate per hour.
     """
-    view, duration_s = alerts_in(result), result.duration_s
+    look, view, duration_s = LOOK[theme], alerts_in(result), result.duration_s
     n_urgent = view.n_urgent
     if not n_urgent:
-        text = "No encounter is urgent: nobody has to be alerted in time."
-        return empty_figure(text, theme=theme)
+        return look.empty("No encounter is urgent: nobody has to be alerted in time.")
     is_short = duration_s < LEAST_HOURLY_S
     traces: list[go.Scatter] = []
-    for letter, system in result.sides:
-        label = system_label(letter, system.name)
-        for of, size, looks in (
-            (
-                "policy",
-                5,
-                {"name": label, "mode": "lines+markers", "line": system_line(letter, theme)},
-            ),
-            ("in use", 13, {"name": f"{label}, in use"}),
-            ("log", 15, {"name": f"{label}, its log"}),
-        ):
-            points = view.curve[(view.curve["system"] == letter) & (view.curve["of"] == of)]
-            if points.empty:
-                continue
-            marker = system_marker(letter, size, theme)
-            traces.append(
-                marks(
-                    points["unwanted" if is_short else "unwanted_per_hour"],
-                    points["in_time"],
-                    [_trade_off_text(row) for row in points.to_dict("records")],
-                    customdata=points["threshold"],
-                    marker=marker | {"symbol": "star"} if of == "log" else marker,
-                    cliponaxis=False,
-                    **looks,
-                )
-            )
+    for (letter, system), (of, size, ending) in product(result.sides, POINTS):
+        points = view.curve[(view.curve["system"] == letter) & (view.curve["of"] == of)]
+        if points.empty:
+            continue
+        looks: dict[str, Any] = {"cliponaxis": False}
+        looks["name"] = system_label(letter, system.name) + ending
+        looks["marker"] = look.marker(letter, size) | ({"symbol": "star"} if of == "log" else {})
+        if of == "policy":
+            looks |= {"mode": "lines+markers", "line": look.line(letter)}
+        unwanted = points["unwanted" if is_short else "unwanted_per_hour"]
+        texts = [_trade_off_text(row) for row in points.to_dict("records")]
+        threshold = points["threshold"]
+        traces.append(marks(unwanted, points["in_time"], texts, customdata=threshold, **looks))
     per = f"in {duration_text(duration_s)}" if is_short else "per hour"
     x_title = f"unwanted alerts {per}: false, nuisance or redundant"
     ends = [-0.04 * n_urgent, 1.06 * n_urgent]
-    form: dict[str, Any] = {"range": ends, "fixedrange": True, "tickformat": ",d"}
-    return draw(
+    return look.draw(
         traces,
-        theme,
         title="Alerted in time against unwanted alerts",
         subtitle=f"{count_text(n_urgent, 'urgent encounter')}; over the score threshold, the rest "
         "of the policy as it is; up and left is better",
         height=380,
-        xaxis=axis(theme, x_title, rangemode="tozero", fixedrange=True),
-        yaxis=axis(theme, "urgent encounters alerted in time", **form),
+        xaxis=look.axis(x_title, rangemode="tozero"),
+        yaxis=look.axis("urgent encounters alerted in time", range=ends, tickformat=",d"),
     )
 
 
 def _trade_off_text(row: dict[Any, Any]) -> str:
-    is_all = np.isneginf(row["threshold"])
-    where = "every box" if is_all else f"score from {row['threshold']:.4g}"
+    where = "every box" if np.isneginf(row["threshold"]) else f"score from {row['threshold']:.4g}"
     where = "its own log" if row["of"] == "log" else where
     kinds = ", ".join(f"{number(row[kind.value], 'd')} {kind.value}" for kind in UNWANTED)
     return f"{where}<br>{row['in_time']} alerted in time, {row['unwanted']} unwanted: {kinds}"

@@ -170,12 +170,11 @@ class Figures:
             for name in result.names
         ]
         thresholds = [system.threshold for _, system in result.sides]
-        summaries = map(summarise_curve, curves, thresholds)
         return figures.curve_plot(
             curves,
             thresholds,
             kind,
-            summaries=[figures.legend_text(summary, kind) for summary in summaries],
+            summaries=[*map(summarise_curve, curves, thresholds)],
             hint="",
             published=settings.published,
             **self._worded,

@@ -20,17 +20,8 @@ with needs("report", "figures need"):
     import cv2
     import plotly.graph_objects as go
 
-    from nvcore.figures.marks import click_markers, marks, still_line, with_gaps
-    from nvcore.figures.style import (
-        HEADING_PX,
-        HIDDEN_AXIS,
-        LOOK,
-        axis,
-        draw,
-        faded,
-        plain,
-        written,
-    )
+    from nvcore.figures.marks import click_markers, marks, outlines, still_line
+    from nvcore.figures.style import HEADING_PX, HIDDEN_AXIS, LOOK, ChartLook, faded, plain, written
 
 if TYPE_CHECKING:
     from nvcore.detectors.base import Detections
@@ -129,14 +120,14 @@ def boxes_plot(
     is_above = boxes.score >= threshold
     is_gone = is_above & ~is_counting
     look = LOOK[scheme_of(theme)._replace(shade="dark")]  # on a picture, whatever the page's ground
-    swatch = {"color": faded(look.y, 0.7), "width": 1.5}  # the line itself is too faint for it
     faint = _outlines(sides[is_gone], "suppressed boxes", color=faded(look.y, SUPPRESSED), width=1)
     traces = [faint.update(showlegend=False)]
     if chosen is not None:  # filled, to be known even without the colour
         outline = _outlines(sides[[chosen]], "chosen", color=CHOSEN, width=6)
         traces.append(outline.update(fill="toself", fillcolor=faded(CHOSEN, 0.25)))
-    shows = bool(is_gone.any())
-    traces.append(still_line([None], [None], "suppressed", showlegend=shows, line=swatch))
+    # for the legend, as the line itself is too faint for it
+    swatch = {"color": faded(look.y, 0.7), "width": 1.5, "showlegend": bool(is_gone.any())}
+    traces.append(still_line([None], [None], "suppressed", **swatch))
     if truth is not None:
         traces.append(_outlines(truth, "truth", color=look.truth, width=1.5))
     # solid, as the dashes of the system's line are longer than a distant box
@@ -159,9 +150,8 @@ def boxes_plot(
     traces.append(click_markers(**in_the_middle("gone", is_gone)))
     on_top = in_the_middle("counting", is_counting)
     traces.append(marks(**on_top, showlegend=False, marker=marker))
-    return draw(
+    return LOOK[theme].draw(
         traces,
-        theme,
         title=title,
         subtitle=_counts(int(is_above.sum()), is_counting, truth, states),
         height=BOXES_PX,
@@ -238,10 +228,8 @@ def _counts(
 def _outlines(sides: NDArray[np.float64], name: str, **line: Any) -> go.Scatter:
     """Return all boxes as one line."""
     left, top, width, height = sides.T
-    right, bottom = left + width, top + height
-    x = with_gaps(left, right, right, left, left)
-    y = with_gaps(top, top, bottom, bottom, top)
-    return still_line(x, y, name, showlegend=len(sides) > 0, line=line)
+    path = outlines(left, left + width, top, top + height)
+    return still_line(*path, name, showlegend=len(sides) > 0, **line)
 
 
 def score_map_plot(
@@ -264,12 +252,11 @@ def score_map_plot(
         ``"trees"``: the number of trees that each window passed, on a logarithmic scale.
         ``"confidence"``: the confidence of windows that passed all trees.
     """
+    look = LOOK[theme]
     height, width = picture.shape[:2]
-    level, step, look = windows.level, windows.step, LOOK[theme]
-    small = {"size": 11, "color": look.muted}
-    bar: dict[str, Any] = {"thickness": 8, "outlinewidth": 0, "tickfont": small}
-    bar |= {"title": {"text": of, "side": "right", "font": small}, "orientation": "h", "len": 0.3}
-    bar |= {"x": 0, "xanchor": "left", "y": 0, "yanchor": "top"}
+    level, step = windows.level, windows.step
+    place: dict[str, Any] = {"x": 0, "xanchor": "left", "y": 0, "yanchor": "top"}
+    bar = look.colour_bar(of, 8, orientation="h", len=0.3, **place)
     values, unit, more = windows.score, "confidence %{z:.3g}", {}
     if of == "trees":
         values = np.log10(np.where(windows.depth > 0, windows.depth, np.nan))  # NaN: not looked at
@@ -288,9 +275,8 @@ def score_map_plot(
         name=MAP_TITLES[of],
         **more,
     )
-    return draw(
+    return look.draw(
         heat,
-        theme,
         title=MAP_TITLES[of],
         subtitle=f"scale {level.scale:g}: {count_text(windows.n_windows, 'window')} of "
         f"{wide * level.across:.0f} × {high * level.down:.0f} px, "
@@ -319,22 +305,22 @@ def pictures_plot(
     stretched
         Whether the contrast of each is stretched: most gradients are faint.
     """
+    look = LOOK[theme]
     height, width = next(iter(pictures.values())).shape[:2]
     columns = min(columns, len(pictures))
     rows = -(-len(pictures) // columns)
     share, size = WIDE_LABEL if columns <= FEW_COLUMNS else NARROW_LABEL
     label = share * height
     across, down = 1.04 * width, label + height + 0.04 * height
-    corner, color = {"xanchor": "left", "yanchor": "bottom", "xshift": -2}, LOOK[theme].ink
+    corner, color = {"xanchor": "left", "yanchor": "bottom", "xshift": -2}, look.ink
     images, labels = [], []
     for index, (name, picture) in enumerate(pictures.items()):
         place = {"x": index % columns * across, "y": index // columns * down + label}
         shown = stretch(picture, 0, STRETCH[1]) if stretched else picture
         images.append(_layer(shown, SMALL_PX, width, height, **place))
         labels.append(written(plain(name), size=size, color=color, **corner, **place))
-    return draw(
+    return look.draw(
         [],
-        theme,
         title=title,
         subtitle=subtitle,
         height=HEADING_PX + 12 + ROW_PX * rows,
@@ -387,9 +373,9 @@ def confidence_plot(path: WindowPath, *, theme: Theme) -> go.Figure:
     line: dict[str, Any] = {"width": 2.4, "color": look.y}
     traces = [_over_trees(trees[:end], path.confidence[:end], "this window", line=line)]
     if end < n_trees:
-        rest, dotted = slice(end - 1, None), {**line, "width": 1.4, "dash": "dot"}
-        ahead = trees[rest], path.confidence[rest], "had it not been rejected"
-        traces.append(still_line(*ahead, showlegend=None, line=dotted))
+        ahead = trees[end - 1 :], path.confidence[end - 1 :], "had it not been rejected"
+        dotted: dict[str, Any] = {"color": look.y, "width": 1.4, "dash": "dot", "showlegend": None}
+        traces.append(still_line(*ahead, **dotted))
     has_floor = np.isfinite(path.floor)
     if has_floor.any():
         is_trace = bool(has_floor.all())
@@ -408,14 +394,13 @@ def confidence_plot(path: WindowPath, *, theme: Theme) -> go.Figure:
     if path.rejected_after is not None:
         traces.append(_rejected([path], "rejected", size=11, color=look.ink))
         outcome = f"rejected after {end:,} of {all_trees}"
-    return draw(
+    return look.draw(
         traces,
-        theme,
         title="Running confidence of the window",
         subtitle=outcome,
         height=TREES_PX,
-        xaxis=axis(theme, "trees", range=[0, n_trees + 1], fixedrange=True),
-        yaxis=_confidence_axis(theme),
+        xaxis=look.axis("trees", range=[0, n_trees + 1]),
+        yaxis=look.axis("confidence", zeroline=True, zerolinecolor=look.pale),
     )
 
 
@@ -432,9 +417,8 @@ def traces_plot(
     look, traces = LOOK[theme], []
     floor = next((path.floor for path in (*objects, *background)), np.array([np.nan]))
     if np.isfinite(floor).all():
-        line = {"width": 1.8, "color": look.ink, "dash": "dash"}
-        trees = np.arange(1, len(floor) + 1)
-        traces.append(still_line(trees, floor, "rejected below", showlegend=True, line=line))
+        looks = {"width": 1.8, "color": look.ink, "dash": "dash", "showlegend": True}
+        traces.append(still_line(np.arange(1, len(floor) + 1), floor, "rejected below", **looks))
     for name, windows, width, color in (
         ("objects", objects, 2, look.y),
         ("background", background, 1.4, look.muted),
@@ -453,15 +437,14 @@ def traces_plot(
             _rejected(windows, f"{name}, rejected", size=9, color=color),
         ]
     n_through = sum(path.rejected_after is None for path in objects)
-    return draw(
+    return look.draw(
         traces,
-        theme,
         title="Objects and background over the trees",
         subtitle=f"{n_through} of {count_text(len(objects), 'object')} came through; "
         f"{count_text(len(background), 'window')} of background rejected",
         height=TREES_PX,
-        xaxis=axis(theme, "trees, logarithmic", type="log", dtick="D2", fixedrange=True),
-        yaxis=_confidence_axis(theme),
+        xaxis=look.axis("trees, logarithmic", type="log", dtick="D2"),
+        yaxis=look.axis("confidence", zeroline=True, zerolinecolor=look.pale),
     )
 
 
@@ -490,14 +473,13 @@ def training_plot(error: np.ndarray, round_ends: np.ndarray, *, theme: Theme) ->
         )
         for number, (errors, line) in enumerate(zip(rounds, lines, strict=True), start=1)
     ]
-    return draw(
+    return look.draw(
         traces,
-        theme,
         title="Training error over the rounds",
         subtitle="each round begins anew, with the background that the last one took for objects",
         height=TREES_PX,
-        xaxis=axis(theme, "trees of the round", rangemode="tozero", fixedrange=True),
-        yaxis=axis(theme, "training error", rangemode="tozero", tickformat=".0%", fixedrange=True),
+        xaxis=look.axis("trees of the round", rangemode="tozero"),
+        yaxis=look.axis("training error", rangemode="tozero", tickformat=".0%"),
     )
 
 
@@ -517,11 +499,6 @@ def _rejected(windows: Sequence[WindowPath], name: str, *, size: float, color: s
     return marks(x, y, texts, name=name, marker={"symbol": "x", "size": size, "color": color})
 
 
-def _confidence_axis(theme: Theme) -> dict[str, Any]:
-    zero = {"zeroline": True, "zerolinecolor": LOOK[theme].pale}
-    return axis(theme, "confidence", fixedrange=True, **zero)
-
-
 def tree_plot(
     tree: Tree, *, theme: Theme, window: tuple[int, int], number: int, leaf: int | None = None
 ) -> go.Figure:
@@ -538,7 +515,7 @@ def tree_plot(
     """
     look = LOOK[theme]
     taken = () if leaf is None else (("root", leaf // 2), (("left", "right")[leaf // 2], leaf % 2))
-    thick, thin = {"width": 3, "color": look.y}, {"width": 1.4, "color": look.pale}
+    thick, thin = (look.y, 3), (look.pale, 1.4)
     lines, answers, questions = [], [], []
     shapes: list[dict[str, Any]] = []
     for name, node, ends, below in (
@@ -549,12 +526,12 @@ def tree_plot(
         x, y = QUESTIONS[name]
         for side, (end_x, end_y) in enumerate(ends):
             answer, anchor = (("below", "right"), ("at least", "left"))[side]
-            line = thick if (name, side) in taken else thin
+            color, width = thick if (name, side) in taken else thin
             ends_y = [y - 0.48, end_y + below]
-            lines.append(still_line([x, end_x], ends_y, answer, line=line))
+            lines.append(still_line([x, end_x], ends_y, answer, color=color, width=width))
             middle = {"x": (x + end_x) / 2, "y": sum(ends_y) / 2, "xshift": 24 * side - 12}
             answers.append(written(answer, size=11, color=look.muted, xanchor=anchor, **middle))
-        shapes += _window(node, (x, y), window, theme)
+        shapes += _window(node, (x, y), window, look)
         left = {"xanchor": "left", "align": "left"}
         questions.append(written(_question(node), size=12, color=look.ink, x=x + GAP, y=y, **left))
     leaves = []
@@ -564,9 +541,8 @@ def tree_plot(
             text, color = f"<b>{text}</b>", look.y
         leaves.append(written(text, size=14, color=color, x=x, y=y))
     outcome = "" if leaf is None else "; the chosen window takes the thick way"
-    return draw(
+    return look.draw(
         lines,
-        theme,
         title=f"Tree {number:,}",
         subtitle=f"what each leaf adds to the confidence{outcome}",
         height=400,
@@ -588,10 +564,10 @@ def _question(node: Node) -> str:
 
 
 def _window(
-    node: Node, place: tuple[float, float], window: tuple[int, int], theme: Theme
+    node: Node, place: tuple[float, float], window: tuple[int, int], look: ChartLook
 ) -> list[dict[str, Any]]:
     """Return the shapes of the window and of the rectangles in it."""
-    look, (width, height) = LOOK[theme], window
+    (width, height) = window
     down = HIGHEST / max(height, width)
     across = SHAPE * down
     left, top = place[0] - GAP - across * width, place[1] + down * height / 2

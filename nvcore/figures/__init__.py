@@ -3,7 +3,7 @@
 from nvcore.extras import needs
 
 with needs("report", "figures need"):
-    from nvcore.figures.curves import CurveKind, curve_plot, legend_text
+    from nvcore.figures.curves import CurveKind, curve_plot
     from nvcore.figures.dots import recordings_plot, subgroup_forest
     from nvcore.figures.encounters import (
         fusion_plot,
@@ -31,7 +31,6 @@ __all__ = [
     "fusion_plot",
     "lanes_figure",
     "lead_time_plot",
-    "legend_text",
     "loss_plot",
     "loss_strip_plot",
     "miss_classes_plot",

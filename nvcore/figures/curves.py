@@ -15,17 +15,8 @@ import plotly.graph_objects as go
 from nvcore.detection.curve_summary import CurveSummary
 from nvcore.detection.curves import CurvePoint, DetectionCurve
 from nvcore.detection.miss_rate import FPPI_REFERENCES
-from nvcore.figures.marks import HOVER, click_markers, marks, rule, system_line, system_marker
-from nvcore.figures.style import (
-    LOOK,
-    axis,
-    begins_at,
-    draw,
-    empty_figure,
-    plain,
-    system_label,
-    write,
-)
+from nvcore.figures.marks import HOVER, click_markers, marks, rule, still_line
+from nvcore.figures.style import LOOK, ChartLook, begins_at, plain, system_label, write
 from nvcore.objects import Objects
 from nvcore.palette import Theme
 from nvcore.published import PublishedPoint
@@ -104,17 +95,9 @@ MARGIN_SHARE: Final = 0.02
 
 @dataclass(frozen=True)
 class LogScale:
-    """A logarithmic axis of rates.
+    """A logarithmic axis of rates: its lowest tick, the place of values below it, and settings.
 
-    Attributes
-    ----------
-    low, edge
-        Lowest tick, and place of the values below it.
-    axis
-        Settings of Plotly's axis.
-    has_edge
-        True if values stand at the edge, which is then labelled "0", or "< 0.001" if some are not
-        0.
+    If values stand at the edge, it is labelled "0", or "< 0.001" if some are not 0.
     """
 
     low: float
@@ -163,21 +146,20 @@ def mark_value(
     figure: go.Figure,
     x: float,
     text: str,
-    theme: Theme,
+    look: ChartLook,
     *,
     name: str,
     left_from: float,
     y: float = 1,
     colour: str = "ink",
-    dash: str | None = None,
-    layer: str | None = None,
+    **looks: Any,
 ) -> None:
     """Draw a line over the whole height at `x`, with a text beside it at the height `y`, 0 to 1.
 
     Above `left_from` the text stands left of the line.
     """
-    shade = getattr(LOOK[theme], colour)
-    rule(figure, "x", x, name=name, line={"color": shade, "width": 1.5, "dash": dash}, layer=layer)
+    shade = getattr(look, colour)
+    rule(figure, "x", x, color=shade, name=name, **looks)
     anchor, shift = ("right", -4) if x > left_from else ("left", 4)
     place = {"x": x, "xanchor": anchor, "xshift": shift}
     place |= {"y": y, "yref": "paper", "yanchor": "top" if y > 0.5 else "bottom"}
@@ -208,7 +190,7 @@ def curve_plot(
     *,
     theme: Theme,
     objects: Objects,
-    summaries: Sequence[str] = ("", ""),
+    summaries: Sequence[CurveSummary | None] = (None, None),
     windows_per_image: float | None = None,
     hint: str = TO_CLICK,
     published: Sequence[PublishedPoint] = (),
@@ -226,18 +208,17 @@ def curve_plot(
     thresholds
         Thresholds in use of X and Y; None: every detection counts.
     summaries
-        Texts after the names in the legend (`legend_text`).
+        Of the curves, whose measure then stands in the legend.
     windows_per_image
         For false positives per window (`nvcore.detection.windows`).
     hint
-        Last part of the subtitle.
+        Last part of the subtitle; empty: there is none.
     published
         Published points of others. A point without the measures of this kind of curve is left out.
     """
-    of = KINDS[kind]
-    why_empty = _why_empty(curves, kind, windows_per_image)
-    if why_empty:
-        return empty_figure(why_empty, theme=theme, height=300)
+    look, of = LOOK[theme], KINDS[kind]
+    if why_empty := _why_empty(curves, kind, windows_per_image):
+        return look.empty(why_empty, height=300)
     lines = [_points(_values(curve, windows_per_image), of) for curve in curves]
     used = [
         _points(_values(curve.at(threshold), windows_per_image), of)
@@ -250,25 +231,16 @@ def curve_plot(
         table[name] = scale.place(table[name])
     lines = [_thinned(points, is_log="x" in scales) for points in lines]
     layers = [
-        _of_system(
-            letter,
-            of,
-            points,
-            point,
-            scales.get("y"),
-            theme,
-            name=_legend(letter, curve, kind, summary),
-            is_ranked=curve.is_ranked,
-        )
-        for letter, curve, points, point, summary in zip(
-            "xy", curves, lines, used, summaries, strict=False
+        _of_system(letter, kind, curve, summary, points, point, scales, look)
+        for letter, curve, summary, points, point in zip(
+            "xy", curves, summaries, lines, used, strict=False
         )
     ]
     traces = [trace for layer in zip(*layers, strict=True) for trace in layer if trace is not None]
     for i, (name, point) in enumerate(others.items()):
         if len(point):
             symbol = PUBLISHED_SYMBOLS[i % len(PUBLISHED_SYMBOLS)]
-            traces.append(_published(plain(name), point, of, symbol, theme))
+            traces.append(_published(plain(name), point, of, symbol, look))
     extent = f"{count_text(curves[0].n_truth, objects.singular, objects.plural)} in "
     extent += count_text(curves[0].n_images, "image")
     letters = [letter for letter, point in zip("XY", used, strict=False) if len(point)]
@@ -276,9 +248,9 @@ def curve_plot(
         which = "s: thresholds" if len(letters) > 1 else f": threshold of {letters[0]}"
         extent += f"; large mark{which} in use"
     if hint != TO_CLICK or any(np.isfinite(curve.threshold).any() for curve in curves):
-        extent += f"; {hint}"
-    axes = _axes(of, scales, theme)
-    return draw(traces, theme, title=of.title, subtitle=extent, height=420, **axes)
+        extent += f"; {hint}" if hint else ""
+    axes = _axes(of, scales, look)
+    return look.draw(traces, title=of.title, subtitle=extent, height=420, **axes)
 
 
 def _why_empty(curves: Sequence[DetectionCurve], kind: CurveKind, windows: float | None) -> str:
@@ -339,8 +311,8 @@ def _scales(of: CurveChart, x: np.ndarray, y: np.ndarray) -> dict[str, LogScale]
     return scales
 
 
-def _axes(of: CurveChart, scales: Mapping[str, LogScale], theme: Theme) -> dict[str, Any]:
-    x, y = (axis(theme, of.measures[name][0]) for name in (of.x, of.y))
+def _axes(of: CurveChart, scales: Mapping[str, LogScale], look: ChartLook) -> dict[str, Any]:
+    x, y = (look.axis(of.measures[name][0], can_zoom=True) for name in (of.x, of.y))
     y["range"] = UNIT_RANGE
     if "x" in scales:
         x |= scales["x"].axis
@@ -355,7 +327,9 @@ def _axes(of: CurveChart, scales: Mapping[str, LogScale], theme: Theme) -> dict[
     return {"xaxis": x, "yaxis": y}
 
 
-def _legend(letter: str, curve: DetectionCurve, kind: CurveKind, summary: str) -> str:
+def _legend(
+    letter: str, curve: DetectionCurve, kind: CurveKind, summary: CurveSummary | None
+) -> str:
     """Return a system's text in the legend. It says why there is no curve."""
     why = ""
     if not len(curve):
@@ -363,48 +337,40 @@ def _legend(letter: str, curve: DetectionCurve, kind: CurveKind, summary: str) -
     elif not curve.is_ranked:
         why = f"no scores: F1 {curve.f1[0]:.3f}" if kind == "f1" else "no scores: a point"
         why = "points: some scores are missing" if len(curve) > 1 else why
-    return ", ".join(filter(None, (system_label(letter, curve.system), why, summary)))
+    measure = legend_text(summary, kind) if summary else ""
+    return ", ".join(filter(None, (system_label(letter, curve.system), why, measure)))
 
 
 def _of_system(
     letter: str,
-    of: CurveChart,
+    kind: CurveKind,
+    curve: DetectionCurve,
+    summary: CurveSummary | None,
     points: pd.DataFrame,
     in_use: pd.DataFrame,
-    y_scale: LogScale | None,
-    theme: Theme,
-    *,
-    name: str,
-    is_ranked: bool,
+    scales: Mapping[str, LogScale],
+    look: ChartLook,
 ) -> tuple[go.Scatter | None, ...]:
     """Return a system's curve, its first point at the lower edge, the point in use, and clicks."""
-    look = LOOK[theme]
+    of, name = KINDS[kind], _legend(letter, curve, kind, summary)
     # a line of a single point cannot be seen, and nothing at all would not be in the legend
-    line = go.Scatter(
-        x=points["x"] if len(points) else [None],
-        y=points["y"] if len(points) else [None],
-        mode="lines" if is_ranked and len(points) > 1 else "markers",
-        hoverinfo="skip",
-        name=name,
+    line = still_line(
+        points["x"] if len(points) else [None],
+        points["y"] if len(points) else [None],
+        name,
+        mode="lines" if curve.is_ranked and len(points) > 1 else "markers",
         showlegend=True,
-        line=system_line(letter, theme),
+        line=look.line(letter),
         marker={"color": look.of(letter), "symbol": look.symbol(letter), "size": 9},
         cliponaxis=False,
     )
     at_edge = in_sight = None
-    first = points[points["y"] == y_scale.edge].head(1) if y_scale else points.head(0)
+    first = points[points["y"] == scales["y"].edge].head(1) if "y" in scales else points.head(0)
     if len(first):
-        symbol = f"{look.symbol(letter)}-open"
-        at_edge = go.Scatter(
-            x=first["x"],
-            y=first["y"],
-            mode="markers",
-            name=f"{letter.upper()} at the edge",
-            hoverinfo="skip",
-            showlegend=False,
-            cliponaxis=False,
-            marker={"color": look.of(letter), "symbol": symbol, "size": 11, "line": {"width": 2}},
-        )
+        symbol, name = f"{look.symbol(letter)}-open", f"{letter.upper()} at the edge"
+        marker = {"color": look.of(letter), "symbol": symbol, "size": 11, "line": {"width": 2}}
+        looks = {"mode": "markers", "cliponaxis": False, "marker": marker}
+        at_edge = still_line(first["x"], first["y"], name, **looks)
     if len(in_use):  # not where a measure is undefined
         in_sight = marks(
             **_told(in_use, letter, of),
@@ -412,7 +378,7 @@ def _of_system(
             name=f"{letter.upper()} as set",
             showlegend=False,
             cliponaxis=False,
-            marker=system_marker(letter, IN_USE_PX, theme, rim=2),
+            marker=look.marker(letter, IN_USE_PX, rim=2),
         )
     clicks = click_markers(**_told(points, letter, of), name=f"{letter.upper()}, points")
     return line, at_edge, in_sight, clicks
@@ -434,14 +400,12 @@ def _told(points: pd.DataFrame, letter: str, of: CurveChart) -> dict[str, Any]:
 
 
 def _published(
-    name: str, point: pd.DataFrame, of: CurveChart, symbol: str, theme: Theme
+    name: str, point: pd.DataFrame, of: CurveChart, symbol: str, look: ChartLook
 ) -> go.Scatter:
     """Return a mark for a published point, in the legend by name."""
     x, y = point[of.x].iloc[0], point[of.y].iloc[0]
     x_word, y_word = (MEASURES[measure][0].partition(" (")[0] for measure in (of.x, of.y))
     text = f"{name}, as published<br>{x_word} {x:.3g}, {y_word} {y:.3g}"
-    look = LOOK[theme]
-    marker = {"color": look.ink, "size": PUBLISHED_PX, "symbol": symbol}
-    marker["line"] = {"color": look.surface, "width": 1}
-    label = f"{name} (published)"
+    rim, label = {"color": look.surface, "width": 1}, f"{name} (published)"
+    marker = {"color": look.ink, "size": PUBLISHED_PX, "symbol": symbol, "line": rim}
     return marks(point["x"], point["y"], [text], name=label, showlegend=True, marker=marker)

@@ -13,28 +13,8 @@ import plotly.graph_objects as go
 from nvcore.evidence.planning.notes import ASSUMPTIONS
 from nvcore.evidence.planning.plan import Plan
 from nvcore.evidence.subgroups import ALL
-from nvcore.figures.marks import (
-    click_markers,
-    curve_line,
-    marks,
-    row_texts,
-    still_line,
-    system_marker,
-    with_gaps,
-)
-from nvcore.figures.style import (
-    LETTER_PX,
-    LOOK,
-    axis,
-    begins_at,
-    draw,
-    empty_figure,
-    plain,
-    rows_axis,
-    system_label,
-    which_is_which,
-    written,
-)
+from nvcore.figures.marks import click_markers, curve_line, joined, marks, row_texts
+from nvcore.figures.style import LETTER_PX, LOOK, begins_at, plain, which_is_which, written
 from nvcore.measures.entry import HIGHER
 from nvcore.measures.table import difference_text, inference_of, measure_of
 from nvcore.palette import Theme
@@ -52,12 +32,6 @@ AXES: Final[dict[ByRecording, tuple[str, str, tuple[float, float]]]] = {
     "saliency": ("Saliency by recording", "saliency (s, 0 = nothing to notice)", (0.0, 1.0)),
 }
 """Titles of figure and axis, and the least range shown, so that small gains look small."""
-
-
-def joined_rows(start: np.ndarray, stop: np.ndarray, name: str, **line: Any) -> go.Scatter:
-    """Return a line from `start` to `stop` in each row, the first row at 0."""
-    place = np.arange(len(start), dtype=float)
-    return still_line(with_gaps(start, stop), with_gaps(place, place), name, line=line)
 
 
 def forest_in_words(subgroups: pd.DataFrame) -> str:
@@ -88,12 +62,12 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
     subgroups
         `nvcore.evidence.subgroup_table.subgroup_table` of one measure.
     """
-    is_defined = np.isfinite(subgroups["difference"].to_numpy(dtype=float))
+    look, is_defined = LOOK[theme], np.isfinite(subgroups["difference"].to_numpy(dtype=float))
     table = subgroups[is_defined].head(MOST_GROUPS)
     if table.empty:
-        return empty_figure("There is no group in which this measure is defined.", theme=theme)
+        return look.empty("There is no group in which this measure is defined.")
     key, label, better, unit = table[["figure", "label", "better", "unit"]].iloc[0]
-    look, scale = LOOK[theme], inference_of(key).scale
+    scale = inference_of(key).scale
     difference, low, high = (100.0 if scale.is_share else 1.0) * table[
         ["difference", "low", "high"]
     ].to_numpy(dtype=float).T
@@ -133,23 +107,20 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
     values = np.concatenate([difference, low, high, [0.0]])
     least, most = float(np.nanmin(values)), float(np.nanmax(values))
     room = 0.05 * max(most - least, scale.least)
-    figure = draw(
-        [joined_rows(low, high, "95 % interval", color=look.muted, width=2), differences],
-        theme,
+    figure = look.draw(
+        [joined(low, high, place, "95 % interval", color=look.muted, width=2), differences],
         title=f"{plain(capitalised(label), max_length=80)}: X minus Y, by group",
         subtitle=f"{n_most}{near}; larger squares: more {unit}; open: no interval; "
         f"in brackets: p corrected for all groups{which_is_which(theme)}",
         height=130 + 30 * len(table),
         showlegend=False,
         margin={"r": LETTER_PX * max(map(len, words))},
-        xaxis=axis(
-            theme,
+        xaxis=look.axis(
             f"difference{f' in {axis_unit}' if axis_unit else ''} ({side}: X is better)",
+            can_zoom=True,
             range=[least - room, most + room],
         ),
-        yaxis=rows_axis(
-            theme, labels, room=0.5, tickvals=place.tolist(), showgrid=False, fixedrange=True
-        ),
+        yaxis=look.rows_axis(labels, room=0.5, tickvals=place.tolist(), showgrid=False),
         annotations=counts,
     )
     return figure.add_vline(0, line={"color": look.ink, "width": 1})
@@ -202,11 +173,12 @@ def recordings_plot(
     measure
         ``mean_similarity`` (1 is best) or ``saliency`` (0 is best).
     """
+    look = LOOK[theme]
     title, axis_title, least = AXES[measure]
     values = recordings[[f"{measure}_x", f"{measure}_y"]].to_numpy(dtype=float)
     recordings, values = (part[np.isfinite(values).all(axis=1)] for part in (recordings, values))
     if recordings.empty:
-        return empty_figure("There is no recording to compare.", theme=theme)
+        return look.empty("There is no recording to compare.")
     gain = values[:, 0] - values[:, 1]
     if measure_of(measure).better != HIGHER:
         gain = values[:, 1] - values[:, 0]
@@ -218,14 +190,7 @@ def recordings_plot(
     template = "{label}<br>X {x:.3f}   Y {y:.3f}   X − Y {gain:+.3f}"
     text = row_texts(template, label=labels, x=x, y=y, gain=x - y)
     systems = [
-        marks(
-            along,
-            place,
-            text,
-            customdata=rows,
-            name=system_label(letter, name),
-            marker=system_marker(letter, 11, theme),
-        )
+        look.marks(letter, name, 11, along, place, text, customdata=rows)
         for letter, name, along in zip("xy", names, (x, y), strict=True)
     ]
     extent = count_text(len(gain), "recording")
@@ -238,19 +203,18 @@ def recordings_plot(
     low, high = min(least[0], values[largest].min()), max(least[1], values[largest].max())
     room = 0.03 * (high - low)
     ends = [low - room, high + room]
-    return draw(
+    return look.draw(
         [
-            joined_rows(x, y, "difference", width=3, color=LOOK[theme].pale),
+            joined(x, y, place, "difference", width=3, color=look.pale),
             *systems,
             click_markers((x + y) / 2, place, text, customdata=rows, name="recordings"),
         ],
-        theme,
         title=title,
         subtitle=extent,
         height=150 + 24 * len(largest),
         hoverdistance=-1,
-        xaxis=axis(theme, axis_title + begins_at(ends[0]), range=ends),
-        yaxis=rows_axis(theme, labels, tickvals=place, fixedrange=True),
+        xaxis=look.axis(axis_title + begins_at(ends[0]), can_zoom=True, range=ends),
+        yaxis=look.rows_axis(labels, tickvals=place),
     )
 
 
@@ -261,7 +225,7 @@ def power_plot(plan: Plan, *, theme: Theme) -> go.Figure:
     """
     look, sizes = LOOK[theme], [size for size in plan.sizes if size.points]
     if not sizes:
-        return empty_figure("No study was simulated.", theme=theme)
+        return look.empty("No study was simulated.")
     traces = []
     looks = (("solid", "circle", look.ink), ("dash", "diamond", look.muted))
     for size, (dash, symbol, colour) in zip(sizes, looks, strict=False):
@@ -293,24 +257,24 @@ def power_plot(plan: Plan, *, theme: Theme) -> go.Figure:
         )
         traces.append(line)
     numbers = list(chain(*(trace.x for trace in traces)))
-    along = axis(theme, "recordings", rangemode="tozero")
+    along = look.axis("recordings", can_zoom=True, rangemode="tozero")
     if max(numbers) > 8 * min(numbers):
-        along = axis(theme, "recordings, logarithmic", **_log_ticks(numbers))
-    figure = draw(
+        along = look.axis("recordings, logarithmic", can_zoom=True, **_log_ticks(numbers))
+    figure = look.draw(
         traces,
-        theme,
         title="How many recordings would show it",
         subtitle=f"{plan.evidence.label}; simulated from "
         f"{count_text(plan.evidence.n, 'recording')} with "
         f"{count_text(plan.n_encounters, 'encounter')}{which_is_which(theme)}",
         height=340,
         xaxis=along,
-        yaxis=axis(theme, "power: share of studies that show it", range=[0, 1], tickformat=".0%"),
+        yaxis=look.axis(
+            "power: share of studies that show it", can_zoom=True, range=[0, 1], tickformat=".0%"
+        ),
     )
-    level = {"color": look.muted, "width": 1, "dash": "dot"}
     font = {"size": 12, "color": look.muted}
     words = {"text": percent(plan.power), "xanchor": "right", "font": font}
-    return figure.add_hline(plan.power, line=level, annotation=words)
+    return figure.add_hline(plan.power, line=look.dotted, annotation=words)
 
 
 def _log_ticks(numbers: Sequence[int]) -> dict[str, Any]:

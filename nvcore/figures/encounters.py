@@ -10,17 +10,7 @@ import plotly.graph_objects as go
 
 from nvcore.comparison import Result
 from nvcore.figures.marks import marks, still_line
-from nvcore.figures.style import (
-    LOOK,
-    axis,
-    counts_axis,
-    draw,
-    empty_figure,
-    faded,
-    plain,
-    system_label,
-    which_is_which,
-)
+from nvcore.figures.style import LOOK, faded, plain, system_label, which_is_which
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.objects import Objects
 from nvcore.palette import Theme
@@ -69,10 +59,9 @@ def fusion_plot(fusion: pd.DataFrame, *, theme: Theme) -> go.Figure:
     fusion
         `nvcore.tables.encounters.miss_classes.fusion_table`.
     """
-    n_encounters = int(fusion["encounters"].max()) if len(fusion) else 0
+    look, n_encounters = LOOK[theme], int(fusion["encounters"].max()) if len(fusion) else 0
     if not n_encounters:
-        return empty_figure("There is no encounter that counts.", theme=theme)
-    look = LOOK[theme]
+        return look.empty("There is no encounter that counts.")
     looks = {
         "x": (look.x, look.symbol("x")),
         "y": (look.y, look.symbol("y")),
@@ -110,16 +99,14 @@ def fusion_plot(fusion: pd.DataFrame, *, theme: Theme) -> go.Figure:
         )
         traces.append(trace)
     most = float(fusion["false_alert_episodes"].max())
-    ends = [-0.05 * most, 1.2 * most or 1.0]
-    return draw(
+    return look.draw(
         traces,
-        theme,
         title="What using both would gain and cost",
         subtitle=f"{n_encounters:,} encounters that count; best is top left{which_is_which(theme)}",
         hoverdistance=24,
         showlegend=False,
-        xaxis=axis(theme, "false-alert episodes", range=ends, fixedrange=True),
-        yaxis=axis(theme, "encounters detected", range=[0, 1.08 * n_encounters], fixedrange=True),
+        xaxis=look.axis("false-alert episodes", range=[-0.05 * most, 1.2 * most or 1.0]),
+        yaxis=look.axis("encounters detected", range=[0, 1.08 * n_encounters]),
     )
 
 
@@ -137,10 +124,10 @@ def miss_classes_plot(
     names
         Names of X and Y.
     """
-    near = encounters[encounters["category"] != Category.DISTANT.value]
+    look, near = LOOK[theme], encounters[encounters["category"] != Category.DISTANT.value]
     if near.empty:
-        return empty_figure(NONE_LEFT, theme=theme)
-    look, place = LOOK[theme], np.arange(len(MissClass), dtype=float)
+        return look.empty(NONE_LEFT)
+    place = np.arange(len(MissClass), dtype=float)
     kinds = [kind.value for kind in MissClass]
     traces = []
     for letter, name in zip("xy", names, strict=True):
@@ -170,23 +157,20 @@ def miss_classes_plot(
             },
         )
         traces.append(bars)
-    return draw(
+    return look.draw(
         traces,
-        theme,
         title="How encounters are missed",
         subtitle=f"{count_text(len(near), 'encounter')} that came near enough to count",
         bargap=0.3,
         bargroupgap=0.08,
-        xaxis=axis(
-            theme,
+        xaxis=look.axis(
             "miss class",
             tickvals=place,
             ticktext=[CLASS_WORDS[kind].replace(" ", "<br>") for kind in MissClass],
             tickangle=0,  # turned, the last label may find no room and is left out
             showgrid=False,
-            fixedrange=True,
         ),
-        yaxis=counts_axis(theme),
+        yaxis=look.counts_axis(),
     )
 
 
@@ -207,14 +191,14 @@ def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme, objects: Objects) 
     encounters
         `nvcore.tables.result.encounters_table`, or rows of it.
     """
-    lead_s = encounters["lead_time_s"].to_numpy(dtype=float)
+    look, lead_s = LOOK[theme], encounters["lead_time_s"].to_numpy(dtype=float)
     lead_s = lead_s[np.isfinite(lead_s)]
     if not len(lead_s):
-        return empty_figure("No encounter here was matched by both systems.", theme=theme)
+        return look.empty("No encounter here was matched by both systems.")
     centre, width = lead_bins(lead_s)
     # a multiple of the width lies in the middle of its bin, whatever the rounding
     bin_of = np.clip(np.round(lead_s / width).astype(int) + len(centre) // 2, 0, len(centre) - 1)
-    look, n_x, n_y = LOOK[theme], int((lead_s > 0).sum()), int((lead_s < 0).sum())
+    n_x, n_y = int((lead_s > 0).sum()), int((lead_s < 0).sum())
     traces = []
     # the bin around 0 also holds small leads, so the leader follows from the lead, not the bin
     for label, colour, leads in (
@@ -237,15 +221,14 @@ def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme, objects: Objects) 
     # few counts get a tick at every whole number
     ticks = {"dtick": 1} if np.bincount(bin_of).max() <= 6 else {}
     lead = "← Y first        lead time of X over Y (s)        X first →"
-    return draw(
+    return look.draw(
         traces,
-        theme,
         title=objects.say("Who sees {a_one} first"),
         subtitle=f"{count_text(len(lead_s), 'encounter')} matched by both: X first in {n_x}, Y in "
         f"{n_y}; median {np.median(lead_s) + 0.0:+.2f} s{which_is_which(theme)}",
         barmode="stack",
-        xaxis=axis(theme, lead, range=ends),
-        yaxis=counts_axis(theme, **ticks),
+        xaxis=look.axis(lead, can_zoom=True, range=ends),
+        yaxis=look.counts_axis(**ticks),
     )
 
 
@@ -259,8 +242,9 @@ def position_map(encounters: pd.DataFrame, *, theme: Theme, objects: Objects) ->
     encounters
         `nvcore.tables.result.encounters_table`, or rows of it with its index.
     """
+    look = LOOK[theme]
     if encounters.empty:
-        return empty_figure(NONE_LEFT, theme=theme)
+        return look.empty(NONE_LEFT)
     category = encounters["category"].to_numpy()
     n_misses = int(np.isin(category, [kind.value for kind, *_ in MAP_KINDS[2:]]).sum())
     room, n_detected = MAX_MARKS - n_misses, len(encounters) - n_misses
@@ -286,7 +270,7 @@ def position_map(encounters: pd.DataFrame, *, theme: Theme, objects: Objects) ->
             )
             for row in rows
         ]
-        shade = getattr(LOOK[theme], colour)
+        shade = getattr(look, colour)
         marker = {"symbol": symbol, "color": shade, "line": {"width": 1.5, "color": shade}}
         mark = marks(
             part["lateral_position"].to_numpy(),
@@ -300,24 +284,23 @@ def position_map(encounters: pd.DataFrame, *, theme: Theme, objects: Objects) ->
     extent = count_text(len(encounters), "encounter")
     if n_drawn < len(encounters):
         extent += f", {n_drawn:,} of them drawn"
-    return draw(
+    return look.draw(
         traces,
-        theme,
         title=f"Where {objects.plural} are missed",
         subtitle=f"{extent}; colour: the system that misses, size: severity{which_is_which(theme)}",
         height=430,
         showlegend=True,
         hoverdistance=24,
-        xaxis=axis(
-            theme,
+        xaxis=look.axis(
             "mean position in the picture",
             range=[-1.05, 1.05],
-            fixedrange=True,
             tickvals=[-1, -0.5, 0, 0.5, 1],
             ticktext=["left", "", "middle", "", "right"],
         ),
-        yaxis=axis(
-            theme, "largest height (px)", range=[0, 1.06 * float(encounters["peak_height"].max())]
+        yaxis=look.axis(
+            "largest height (px)",
+            can_zoom=True,
+            range=[0, 1.06 * float(encounters["peak_height"].max())],
         ),
     )
 
@@ -334,10 +317,10 @@ def weightings_plot(
     weightings
         Of it, from `nvcore.tables.encounters.weightings.compare_weightings`.
     """
-    curves, look, noun = weightings.curves, LOOK[theme], result.objects.singular
+    look, curves, noun = LOOK[theme], weightings.curves, result.objects.singular
     time_s = curves["time_s"].to_numpy()
-    level = {"width": 1, "color": look.muted}
-    traces = [still_line(time_s[[0, -1]], [RELEVANT_K] * 2, "counts", line=level)]
+    ends_s, level = time_s[[0, -1]], [RELEVANT_K] * 2
+    traces = [still_line(ends_s, level, "counts", color=look.muted, width=1)]
     for kind, (dash, width, colour) in WEIGHTINGS.items():
         k = curves[f"k_{kind}"].to_numpy()
         if np.isnan(k).all():
@@ -360,20 +343,17 @@ def weightings_plot(
         )
         traces.append(lane)
     name = plain(result.dataset.recordings["name"].iloc[result.encounters.recording[encounter]])
-    return draw(
+    return look.draw(
         traces,
-        theme,
         title=f"How near {noun} {result.encounters.track[encounter]} of {name} counts",
         subtitle=f"{count_text(len(curves), 'frame')}, which count from k = {RELEVANT_K:g} on; "
         f"below: those in which X and Y detect the {noun}{which_is_which(theme)}",
         height=370,
-        xaxis=axis(theme, "time (s)", fixedrange=True),
-        yaxis=axis(
-            theme,
+        xaxis=look.axis("time (s)"),
+        yaxis=look.axis(
             "weight k",
             range=[-0.46, 1.05],
             tickvals=[*LANES.values(), 0, 0.5, 1],
             ticktext=["X", "Y", "0", "0.5", "1"],
-            fixedrange=True,
         ),
     )

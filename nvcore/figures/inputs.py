@@ -9,15 +9,13 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.dataset import Dataset
-from nvcore.figures.marks import line_up
+from nvcore.figures.marks import marks, rule
 from nvcore.figures.style import (
     EDGE_PX,
     HEADING_PX,
     LOOK,
-    axis,
+    ChartLook,
     begins_at,
-    draw,
-    empty_figure,
     faded,
     system_label,
     write,
@@ -51,9 +49,9 @@ def score_plot(
     letter
         "x" or "y".
     """
-    if histogram.empty:
-        return empty_figure("The detections of this system have no scores.", theme=theme)
     look = LOOK[theme]
+    if histogram.empty:
+        return look.empty("The detections of this system have no scores.")
     low, high, n = (histogram[name].to_numpy() for name in ("low", "high", "n"))
     is_kept = (low + high) / 2 >= (-np.inf if threshold is None else threshold)
     bars = [
@@ -78,13 +76,13 @@ def score_plot(
     return _with_threshold(
         bars,
         threshold,
-        theme,
+        look,
         title=f"Scores of {system_label(letter, name)}",
         subtitle=count_text(int(n.sum()), "detection") + left_out,
         bargap=0,
         barmode="overlay",
-        xaxis=axis(theme, f"score{begins_at(span[0])}", range=span, showgrid=False),
-        yaxis=axis(theme, "detections", rangemode="tozero", fixedrange=True),
+        xaxis=look.axis(f"score{begins_at(span[0])}", can_zoom=True, range=span, showgrid=False),
+        yaxis=look.axis("detections", rangemode="tozero"),
     )
 
 
@@ -100,13 +98,14 @@ def false_alarm_plot(
     letter
         "x" or "y".
     """
+    look = LOOK[theme]
     if curve.empty:
-        return empty_figure("The detections of this system have no scores.", theme=theme)
+        return look.empty("The detections of this system have no scores.")
     line = go.Scatter(
         x=curve["threshold"].to_numpy(),
         y=curve["false_alarms_per_minute"].to_numpy(),
         mode="lines",
-        line={"color": LOOK[theme].of(letter), "width": 2.2},
+        line={"color": look.of(letter), "width": 2.2},
         customdata=curve["n_kept"].to_numpy(),
         name=letter.upper(),
         hovertemplate="threshold %{x:.3f}<br>%{y:.1f} false alarms per minute<br>"
@@ -116,24 +115,24 @@ def false_alarm_plot(
     return _with_threshold(
         line,
         threshold,
-        theme,
+        look,
         title=f"False alarms of {system_label(letter, name)}",
         subtitle=f"{most} at the lowest threshold",
         hovermode="x",
-        xaxis=axis(theme, f"score threshold{begins_at(curve['threshold'].min())}"),
-        yaxis=axis(theme, "false alarms per minute", rangemode="tozero", fixedrange=True),
+        xaxis=look.axis(f"score threshold{begins_at(curve['threshold'].min())}", can_zoom=True),
+        yaxis=look.axis("false alarms per minute", rangemode="tozero"),
     )
 
 
-def _with_threshold(traces: Any, threshold: float | None, theme: Theme, **settings: Any) -> Any:
+def _with_threshold(traces: Any, threshold: float | None, look: ChartLook, **settings: Any) -> Any:
     """Draw a figure over scores, and the threshold of the system in it."""
     # room for the label also without a threshold, so that the plots of X and Y stay level
     margin = {"t": HEADING_PX + LABEL_PX}
-    figure = draw(traces, theme, height=280, showlegend=False, margin=margin, **settings)
+    figure = look.draw(traces, height=280, showlegend=False, margin=margin, **settings)
     if threshold is not None:
-        line_up(figure, threshold, "threshold", theme)
+        rule(figure, "x", threshold, color=look.ink, name="threshold")
         place = {"x": threshold, "y": 1, "yref": "paper", "yanchor": "bottom"}
-        write(figure, f"threshold {threshold:g}", size=12, color=LOOK[theme].ink, **place)
+        write(figure, f"threshold {threshold:g}", size=12, color=look.ink, **place)
     return figure
 
 
@@ -143,15 +142,12 @@ def proximity_plot(dataset: Dataset, params: Params, *, theme: Theme) -> go.Figu
     Nearness is height or depth below the horizon in pixels, or distance in metres, as `params` say.
     If the recordings' sizes make several sigmoids, the first `N_CURVES` are drawn.
     """
-    objects = dataset.objects
+    look, objects = LOOK[theme], dataset.objects
     if params.proximity == "none":
-        text = f"Every {objects.singular} counts the same."
-        return empty_figure(text, theme=theme, height=SMALL_PX)
+        return look.empty(f"Every {objects.singular} counts the same.", height=SMALL_PX)
     size, curves, title = _sizes_and_curves(dataset, params)
     if not len(size):
-        text = f"The truth has no {objects.singular} to show."
-        return empty_figure(text, theme=theme, height=SMALL_PX)
-    look = LOOK[theme]
+        return look.empty(f"The truth has no {objects.singular} to show.", height=SMALL_PX)
     end = 1.02 * float(max(size.max(), *(zero + 3 * abs(spread) for zero, spread in curves)))
     n, edges = np.histogram(size, bins=N_BINS, range=(min(0.0, float(size.min())), end))
     along = np.linspace(edges[0], end, 121)
@@ -168,36 +164,22 @@ def proximity_plot(dataset: Dataset, params: Params, *, theme: Theme) -> go.Figu
         )
     ]
     for i, (zero, spread) in enumerate(curves):
-        weight = go.Scatter(
-            meta=f"nv-weight-{i}",  # the browser moves curve and midpoint with the sliders
-            x=along,
-            y=sigmoid((along - zero) / spread),
-            mode="lines",
-            name="weight k",
-            line={"color": look.ink, "width": 2},
-            showlegend=False,
-            hovertemplate="%{x:.0f}: weight %{y:.2f}<extra></extra>",
-        )
-        midpoint = go.Scatter(
-            meta=f"nv-midpoint-{i}",
-            x=[zero],
-            y=[0.5],
-            mode="markers",
-            marker={"color": look.ink, "size": 8},
-            hovertemplate="counts half at %{x:.1f}<extra></extra>",
-            name="midpoint",
-            showlegend=False,
-        )
-        traces += [weight, midpoint]
-    return draw(
+        k, hover = sigmoid((along - zero) / spread), "%{x:.0f}: weight %{y:.2f}<extra></extra>"
+        line = {"color": look.ink, "width": 2}
+        weight = marks(along, k, None, hover=hover, mode="lines", line=line, name="weight k")
+        hover, marker = "counts half at %{x:.1f}<extra></extra>", {"color": look.ink, "size": 8}
+        midpoint = marks([zero], [0.5], None, hover=hover, marker=marker, name="midpoint")
+        for trace, part in ((weight, "weight"), (midpoint, "midpoint")):
+            # the browser moves curve and midpoint with the sliders
+            traces.append(trace.update(meta=f"nv-{part}-{i}", showlegend=False))
+    return look.draw(
         traces,
-        theme,
         title="Proximity weight",
         height=SMALL_PX + HEADING_PX,
         margin={"r": EDGE_PX},
         bargap=0,
-        xaxis=axis(theme, title, range=[edges[0], end], fixedrange=True, showgrid=False),
-        yaxis=axis(theme, "weight", range=[0, 1.05], fixedrange=True, tickvals=[0, 0.5, 1]),
+        xaxis=look.axis(title, range=[edges[0], end], showgrid=False),
+        yaxis=look.axis("weight", range=[0, 1.05], tickvals=[0, 0.5, 1]),
     )
 
 

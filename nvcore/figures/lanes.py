@@ -11,25 +11,15 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
-from nvcore.figures.marks import click_markers, still_line, with_gaps
-from nvcore.figures.over_time import (
-    LEAST_TOP,
-    draw_cursor,
-    draw_recording,
-    frame_texts,
-    time_axis,
-)
+from nvcore.figures.marks import click_markers, outlines, still_line
+from nvcore.figures.over_time import LEAST_TOP, OverTime, frame_texts
 from nvcore.figures.style import (
     EDGE_PX,
     LOOK,
     ChartLook,
-    axis,
-    draw,
-    empty_figure,
     faded,
-    loss_scale,
+    hatching,
     plain,
-    rows_axis,
     system_label,
     which_is_which,
 )
@@ -77,17 +67,7 @@ MAX_STRIP_CLICKS: Final = 400
 
 @dataclass(frozen=True)
 class Strip:
-    """A strip above the lanes.
-
-    Attributes
-    ----------
-    words
-        Part of the subtitle about it.
-    traces
-        On the axis ``y2``.
-    axis
-        Settings of that axis.
-    """
+    """A strip above the lanes: its part of the subtitle, its traces on ``y2``, and that axis."""
 
     words: str
     traces: Sequence[go.Scatter]
@@ -101,18 +81,18 @@ class Lanes:
     Attributes
     ----------
     strip
-        Function of the result, the recording's row and the theme that returns the strip above the
+        Function of the result, the recording's row and the look that returns the strip above the
         lanes, or None if there is nothing to show. Only one subject has room for it.
     marks
         Function of the result, the encounters of the lanes in order, the height of a mark in px and
-        the theme that returns marks in the lanes.
+        the look that returns marks in the lanes.
     note
         Function of the result and the rows of encounters and frames that returns a hover text for
         each frame, which may be empty.
     """
 
-    strip: Callable[[Result, int, Theme], Strip | None]
-    marks: Callable[[Result, np.ndarray, float, Theme], go.Scatter]
+    strip: Callable[[Result, int, ChartLook], Strip | None]
+    marks: Callable[[Result, np.ndarray, float, ChartLook], go.Scatter]
     note: Callable[[Result, np.ndarray, np.ndarray], Sequence[str]]
 
 
@@ -137,10 +117,8 @@ def lanes_figure(
 
     Parameters
     ----------
-    recording
-        Row of ``dataset.recordings``.
-    cursor_row
-        Row in ``dataset.frames`` of the frame that is shown; None: no cursor.
+    recording, cursor_row
+        As for `nvcore.figures.over_time.similarity_plot`.
     first, most
         First lane drawn, counted from 0, and maximum number of lanes.
     only_missed
@@ -148,15 +126,13 @@ def lanes_figure(
     chosen
         Row of ``result.encounters`` whose lane is marked; None: no lane.
     """
-    runs, objects = lanes_table(result, recording), result.objects
+    look, runs, objects = LOOK[theme], lanes_table(result, recording), result.objects
     if runs.empty:
-        text = f"This recording has no annotated {objects.singular}."
-        return empty_figure(text, theme=theme)
+        return look.empty(f"This recording has no annotated {objects.singular}.")
     ordered = lane_order(result, recording, only_missed=only_missed)
     if not len(ordered):
-        text = objects.say("{Nobody} near enough to count is missed here.")
-        return empty_figure(text, theme=theme)
-    encounters, look = ordered[first : first + most], LOOK[theme]
+        return look.empty(objects.say("{Nobody} near enough to count is missed here."))
+    encounters = ordered[first : first + most]
     n_lanes = len(encounters)
     lane_of = np.full(len(result.encounters), -1)
     lane_of[encounters] = np.arange(n_lanes)
@@ -168,8 +144,8 @@ def lanes_figure(
     traces = [_bars(runs, *kind, look) for kind in KINDS]
     strip = None
     for added in contributed("lanes"):
-        strip = added.strip(result, recording, theme) or strip
-        traces.append(added.marks(result, encounters, 0.6 * lane_px, theme))
+        strip = added.strip(result, recording, look) or strip
+        traces.append(added.marks(result, encounters, 0.6 * lane_px, look))
     traces = [trace for trace in traces if len(trace.x)]
     short = objects.say("{short}")
     labels = [
@@ -188,8 +164,9 @@ def lanes_figure(
     own_name = result.dataset.recordings["name"][recording]
     codes = [of for of in result.dataset.settings.codes if of.recording == own_name]
     # above the lanes, and as wide as that of the similarity over time
-    time = time_axis(result, recording, theme, side="top", ticksuffix=" s")
-    rows = rows_axis(theme, labels, fixedrange=True, showgrid=False)
+    over_time = OverTime(result, recording, look)
+    time = over_time.axis(side="top", ticksuffix=" s")
+    rows = look.rows_axis(labels, showgrid=False)
     axes, height = {"xaxis": time, "yaxis": rows}, AROUND_PX + lanes_px
     if strip:
         whole_px = lanes_px + GAP_PX + ABOVE_PX
@@ -197,11 +174,8 @@ def lanes_figure(
         axes["yaxis2"] = strip.axis | {"domain": [1 - ABOVE_PX / whole_px, 1]}
         extent, height = extent + strip.words, height + GAP_PX + ABOVE_PX
         traces += strip.traces
-    figure = draw_recording(
+    figure = over_time.draw(
         [*traces, _lane_clicks(result, runs, n_lanes)],
-        result,
-        recording,
-        theme,
         "lanes",
         "Who is missed when",
         subtitle=extent + "; shaded: stretches with a code" * bool(codes),
@@ -214,12 +188,10 @@ def lanes_figure(
         label = {"text": plain(of.code), "textposition": "bottom left"}
         ends = {"x0": of.start_s, "x1": of.end_s, "yref": "y domain", "y0": 0, "y1": 1}
         figure.add_shape(type="rect", name="code", label=label, **shade, **ends)
-    of_recording = result.dataset.frame_columns.rows_of(recording)
-    draw_cursor(figure, result, of_recording, cursor_row, theme)
+    over_time.draw_cursor(figure, cursor_row)
     if lane >= 0:
         ends = {"y0": lane - 0.5, "y1": lane + 0.5, "xref": "paper", "x0": 0, "x1": 1}
-        line = {"color": look.ink, "width": 1.5}
-        figure.add_shape(type="rect", name="chosen", line=line, **ends)
+        figure.add_shape(type="rect", name="chosen", line={"color": look.ink, "width": 1.5}, **ends)
     return figure
 
 
@@ -227,12 +199,7 @@ def lane_order(result: Result, recording: int, *, only_missed: bool = False) -> 
     """Return rows of ``result.encounters`` in a recording, the most severe failure first.
 
     The larger severity of X and Y counts. Ties are broken by the time missed, longest first, then
-    by the first frame.
-
-    Parameters
-    ----------
-    only_missed
-        See `lanes_figure`.
+    by the first frame. `only_missed` is as in `lanes_figure`.
     """
     encounters = np.flatnonzero(result.encounters.recording == recording)
     severities = [system.failures["severity_s"].to_numpy() for _, system in result.sides]
@@ -262,31 +229,20 @@ def _bars(runs: pd.DataFrame, state: str, letters: str, label: str, look: ChartL
         distinct = np.unique(np.column_stack([lane, is_x, start, stop]), axis=0)
         lane, is_x, start, stop = distinct.T
     top = lane + np.where(is_x > 0, -BAR, 0.02)
-    low = top + BAR - 0.02
-    return still_line(
-        with_gaps(start, stop, stop, start, start),
-        with_gaps(top, top, low, low, top),
-        label,
-        showlegend=None,
-        fill="toself",
-        **_paint(state, letters, look),
-    )
+    path, looks = outlines(start, stop, top, top + BAR - 0.02), _paint(state, letters, look)
+    return still_line(*path, label, showlegend=None, fill="toself", **looks)
 
 
 def _paint(state: str, letters: str, look: ChartLook) -> dict[str, Any]:
     """Return the looks of bars: matched filled, missed hollow and hatched, others pale."""
     if state == "ignored":
-        return {"fillcolor": look.pale, "line": {"width": 1, "color": look.muted}}
+        return {"fillcolor": look.pale, "width": 1, "color": look.muted}
     if state == "not_relevant":
-        return {"fillcolor": faded(look.pale, 0.45), "line": {"width": 0}}
+        return {"fillcolor": faded(look.pale, 0.45), "width": 0}
     colour = look.of(letters)
     if state == "matched":
-        return {"fillcolor": colour, "line": {"width": 0}}
-    pattern = {"shape": "/", "fgcolor": colour, "bgcolor": faded(colour, 0.08)}
-    return {
-        "fillpattern": {**pattern, "fillmode": "replace", "size": 6, "solidity": 0.18},
-        "line": {"width": 1.2, "color": colour},
-    }
+        return {"fillcolor": colour, "width": 0}
+    return {"fillpattern": hatching(colour, 6, 0.18), "width": 1.2, "color": colour}
 
 
 def _lane_clicks(result: Result, runs: pd.DataFrame, n_lanes: int) -> go.Scatter:
@@ -343,9 +299,10 @@ def loss_strip_plot(result: Result, strip: LossStrip, *, theme: Theme) -> go.Fig
     strip
         `nvcore.tables.loss_strip.loss_strip` of the result.
     """
+    look = LOOK[theme]
     n_strips, n_bins = strip.loss.shape
     if not n_strips:
-        return empty_figure("There is no evaluated frame.", theme=theme)
+        return look.empty("There is no evaluated frame.")
     strip_px, gap_px = next(px for most, *px in STRIP_PX if n_strips <= most)
     names = result.dataset.recordings["name"].to_numpy()[strip.recording]
     extent = count_text(strip.n_recordings, "recording")
@@ -353,7 +310,8 @@ def loss_strip_plot(result: Result, strip: LossStrip, *, theme: Theme) -> go.Fig
         extent += f", the {n_strips} in which most is lost drawn"
     if n_strips > 1:
         extent += ", most lost per minute on top"
-    font = {"size": 12, "color": LOOK[theme].muted}
+    bar_px = float(np.clip(strip_px * n_strips, *BAR_PX))
+    place: dict[str, Any] = {"nticks": 4, "y": 1, "yanchor": "top"}
     heat = go.Heatmap(
         x0=0.5 * strip.bin_s,
         dx=strip.bin_s,
@@ -361,28 +319,16 @@ def loss_strip_plot(result: Result, strip: LossStrip, *, theme: Theme) -> go.Fig
         z=strip.loss.astype(np.float32),  # half the bytes
         zmin=0,
         zmax=max(LEAST_TOP, float(np.ceil(np.nanmax(strip.loss) * 5 - 1e-9) / 5)),
-        colorscale=loss_scale(theme),
-        colorbar={
-            "title": {"text": "loss", "side": "top", "font": font},
-            "tickfont": font,
-            "outlinewidth": 0,
-            "thickness": 12,
-            "nticks": 4,
-            "lenmode": "pixels",
-            "len": float(np.clip(strip_px * n_strips, *BAR_PX)),
-            "y": 1,
-            "yanchor": "top",
-        },
+        colorscale=look.loss_scale,
+        colorbar=look.colour_bar("loss", 12, side="top", lenmode="pixels", len=bar_px, **place),
         xgap=0,
         ygap=gap_px,
         hoverinfo="skip",
         hoverongaps=False,
         name="loss",
     )
-    labels = [plain(name, max_length=18) for name in names]
-    return draw(
+    return look.draw(
         [heat, _strip_clicks(result, strip, [plain(name) for name in names])],
-        theme,
         title="Where to look first",
         subtitle=f"{extent}; colour: the worse system's largest loss "
         f"in each {strip.bin_s:.3g} s{which_is_which(theme)}",
@@ -390,8 +336,8 @@ def loss_strip_plot(result: Result, strip: LossStrip, *, theme: Theme) -> go.Fig
         margin={"r": SCALE_PX},
         hoverdistance=-1,
         showlegend=False,
-        xaxis=axis(theme, "time (s)", range=[0, n_bins * strip.bin_s], showgrid=False),
-        yaxis=rows_axis(theme, labels, fixedrange=True, showgrid=False),
+        xaxis=look.axis("time (s)", can_zoom=True, range=[0, n_bins * strip.bin_s], showgrid=False),
+        yaxis=look.rows_axis([plain(name, max_length=18) for name in names], showgrid=False),
     )
 
 

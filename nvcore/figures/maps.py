@@ -13,18 +13,14 @@ import pandas as pd
 import plotly.graph_objects as go
 from scipy.ndimage import binary_dilation, binary_erosion, distance_transform_edt
 
-from nvcore.figures.marks import click_markers, still_line
+from nvcore.figures.marks import cells, click_markers, still_line
 from nvcore.figures.style import (
     CLEAR,
     HEADING_PX,
     LOOK,
     ChartLook,
-    axis,
     begins_at,
-    draw,
-    empty_figure,
     faded,
-    loss_scale,
     plain,
     system_label,
     which_is_which,
@@ -64,26 +60,25 @@ def stability_map(stability: StabilityMap, *, theme: Theme) -> go.Figure:
     curve. The dotted frame is the plausible range. A click selects a setting: `customdata` is the
     cell's flat index for `StabilityMap.settings`.
     """
+    look = LOOK[theme]
     if not np.isfinite(stability.difference).any():
-        return empty_figure(
-            f"The comparison is undefined here: {UNDEFINED[stability.criterion]}.", theme=theme
-        )
-    is_map, look = len(stability.axes) == 2, LOOK[theme]
+        return look.empty(f"The comparison is undefined here: {UNDEFINED[stability.criterion]}.")
+    is_map = len(stability.axes) == 2
     if is_map:
         traces = _heat(stability, look)
         x, y = np.meshgrid(*(setting.values for setting in stability.axes), indexing="ij")
-        xaxis, yaxis = (_map_axis(setting, theme) for setting in stability.axes)
+        xaxis, yaxis = (_map_axis(setting, look) for setting in stability.axes)
         settings: dict[str, Any] = {"height": 460, "xaxis": xaxis, "yaxis": yaxis}
     else:
         traces = _line(stability, look)
         x, y = stability.axes[0].values, stability.difference
         edge = 1.08 * (float(np.nanmax(np.abs(y))) or 1.0)
-        zero = {"zeroline": True, "zerolinecolor": look.muted, "fixedrange": True}
+        zero: dict[str, Any] = {"zeroline": True, "zerolinecolor": look.muted}
         settings = {
             "height": 320,
             "hovermode": "x",
-            "xaxis": axis(theme, _axis_title(stability.axes[0]), fixedrange=True),
-            "yaxis": axis(theme, QUANTITY[stability.criterion], range=[-edge, edge], **zero),
+            "xaxis": look.axis(_axis_title(stability.axes[0])),
+            "yaxis": look.axis(QUANTITY[stability.criterion], range=[-edge, edge], **zero),
         }
     places = product(*(setting.values.tolist() for setting in stability.axes))
     cells = zip(places, stability.winner.ravel(), stability.difference.ravel(), strict=True)
@@ -98,24 +93,21 @@ def stability_map(stability: StabilityMap, *, theme: Theme) -> go.Figure:
         share = share_text(stability.share_held)
         subtitle += f"; the present verdict holds in {share} of the plausible range (dotted)"
     clicks = click_markers(x.ravel(), y.ravel(), texts, name="settings", customdata=np.arange(n))
-    figure = draw(
+    frame: dict[str, Any] = {} if is_map else {"yref": "paper", "y0": 0, "y1": 1}
+    frame |= {"type": "rect", "name": "plausible range", "layer": "above"}
+    for letter, setting in zip("xy", stability.axes, strict=False):
+        low, high = (-0.5, len(setting) - 0.5) if setting.labels else setting.plausible
+        frame |= {f"{letter}0": low, f"{letter}1": high}
+    return look.draw(
         [*traces, clicks, *(_mark(name, points, look) for name, points in marked.items())],
-        theme,
         title=f"Who is better by {CRITERIA[stability.criterion]}",
         subtitle=subtitle + which_is_which(theme),
         hoverdistance=-1,
+        shapes=[{**frame, "line": {"color": look.ink, "width": 1.4, "dash": "dot"}}],
+        annotations=_region_names(stability, marked, look) if is_map else None,
+        uirevision=f"{stability.plane} {stability.criterion}",
         **settings,
     )
-    sides: dict[str, Any] = {} if is_map else {"yref": "paper", "y0": 0, "y1": 1}
-    for letter, setting in zip("xy", stability.axes, strict=False):
-        low, high = (-0.5, len(setting) - 0.5) if setting.labels else setting.plausible
-        sides |= {f"{letter}0": low, f"{letter}1": high}
-    dots = {"color": look.ink, "width": 1.4, "dash": "dot"}
-    figure.add_shape(type="rect", name="plausible range", layer="above", line=dots, **sides)
-    if is_map:
-        figure.update_layout(annotations=_region_names(stability, marked, look))
-    figure.update_layout(uirevision=f"{stability.plane} {stability.criterion}")
-    return figure
 
 
 def _heat(stability: StabilityMap, look: ChartLook) -> list[Any]:
@@ -123,8 +115,6 @@ def _heat(stability: StabilityMap, look: ChartLook) -> list[Any]:
     across, up = stability.axes
     values = stability.difference.T  # transposed: rows are drawn upwards
     most = float(np.nanmax(np.abs(values))) or 1.0
-    font = {"size": 12, "color": look.muted}
-    title = {"text": QUANTITY[stability.criterion], "side": "right", "font": font}
     place = {"x": across.values, "y": up.values, "hoverinfo": "skip"}
     cells = go.Heatmap(
         **place,
@@ -134,7 +124,7 @@ def _heat(stability: StabilityMap, look: ChartLook) -> list[Any]:
         colorscale=[[0.0, look.y], [0.5, look.grid], [1.0, look.x]],
         name="difference",
         zsmooth=False,
-        colorbar={"title": title, "tickfont": font, "outlinewidth": 0, "thickness": 12, "len": 1},
+        colorbar=look.colour_bar(QUANTITY[stability.criterion], 12, len=1),
     )
     traces: list[Any] = [cells]
     if not (across.labels or up.labels):
@@ -154,22 +144,21 @@ def _heat(stability: StabilityMap, look: ChartLook) -> list[Any]:
         )
         traces.append(turning)
     if len(alarms := _equal_alarms(stability)):
-        dashed = {"width": 2.2, "color": look.ink, "dash": "dash"}
+        looks = {"color": look.ink, "width": 2.2, "dash": "dash", "showlegend": None}
         x, y = alarms.T
-        name = "equal false alarms per frame"
-        traces.append(still_line(x, y, name, showlegend=None, line=dashed))
+        traces.append(still_line(x, y, "equal false alarms per frame", **looks))
     return traces
 
 
 def _line(stability: StabilityMap, look: ChartLook) -> list[Any]:
     """Return the curve over one setting, filled on the side of the better system."""
     along, values = stability.axes[0].values, stability.difference
-    filled: dict[str, Any] = {"showlegend": None, "line": {"width": 0}, "fill": "tozeroy"}
+    filled: dict[str, Any] = {"showlegend": None, "width": 0, "fill": "tozeroy"}
     x_part, y_part = np.maximum(values, 0), np.minimum(values, 0)
     return [
         still_line(along, x_part, "X better", fillcolor=faded(look.x, 0.3), **filled),
         still_line(along, y_part, "Y better", fillcolor=faded(look.y, 0.3), **filled),
-        still_line(along, values, "difference", line={"width": 2, "color": look.ink}),
+        still_line(along, values, "difference", color=look.ink, width=2),
     ]
 
 
@@ -178,11 +167,10 @@ def _axis_title(setting: Axis) -> str:
     return (in_unit if setting.unit else setting.label) + begins_at(setting.values[0])
 
 
-def _map_axis(setting: Axis, theme: Theme) -> dict[str, Any]:
+def _map_axis(setting: Axis, look: ChartLook) -> dict[str, Any]:
     before, after = ((setting.values[i + 1] - setting.values[i]) / 2 for i in (0, -2))
     more: dict[str, Any] = {
         "showgrid": False,
-        "fixedrange": True,
         # invisible ticks keep the numbers of the two axes apart in the corner
         "ticks": "outside",
         "ticklen": 8,
@@ -193,7 +181,7 @@ def _map_axis(setting: Axis, theme: Theme) -> dict[str, Any]:
     if setting.labels:
         words = [word.replace(" ", "<br>", 1) for word in setting.words]
         more |= {"tickvals": setting.values, "ticktext": words}
-    return axis(theme, _axis_title(setting), **more)
+    return look.axis(_axis_title(setting), **more)
 
 
 def _equal_alarms(stability: StabilityMap) -> np.ndarray:
@@ -225,13 +213,14 @@ def _marked(stability: StabilityMap) -> dict[str, Points]:
 def _mark(name: str, points: Points, look: ChartLook) -> go.Scatter:
     """Return markers for settings, joined if recordings have their own: the least and greatest."""
     x, y = (list(values) for values in zip(*points, strict=True))
-    return go.Scatter(
-        x=x,
-        y=y,
+    return still_line(
+        x,
+        y,
+        name,
         mode="markers+lines" if len(x) > 1 else "markers",
-        name=name,
-        hoverinfo="skip",
-        line={"width": 3, "color": look.ink},
+        color=look.ink,
+        width=3,
+        showlegend=None,
         marker={
             "symbol": "circle" if name == "as analysed" else "x",
             "size": 12,
@@ -302,7 +291,6 @@ def cost_plot(cost_map: CostMap, *, theme: Theme, objects: Objects) -> go.Figure
     Lower rows are nearer, as in the picture. Places where nobody can stand are empty.
     """
     look, feet = LOOK[theme], objects.say("{feet}")
-    font = {"size": 11, "color": look.muted}
     costs = go.Contour(
         x=cost_map.centre_px,
         y=cost_map.foot_px,
@@ -311,8 +299,8 @@ def cost_plot(cost_map: CostMap, *, theme: Theme, objects: Objects) -> go.Figure
         zmax=1,
         contours={"start": 0.1, "end": 0.9, "size": 0.1},
         line={"width": 0.6, "color": look.surface},
-        colorscale=loss_scale(theme),
-        colorbar={"tickvals": [0, 0.5, 1], "tickfont": font, "thickness": 8, "outlinewidth": 0},
+        colorscale=look.loss_scale,
+        colorbar=look.colour_bar("", 8, tickvals=[0, 0.5, 1]),
         hovertemplate=feet + " at x %{x:.0f}, row %{y:.0f}: cost %{z:.2f}<extra></extra>",
         name="cost",
     )
@@ -321,14 +309,13 @@ def cost_plot(cost_map: CostMap, *, theme: Theme, objects: Objects) -> go.Figure
         for centres in (cost_map.centre_px, cost_map.foot_px)
         for half in (0.5 * float(centres[1] - centres[0]),)
     )
-    return draw(
+    return look.draw(
         costs,
-        theme,
         title="Cost of a miss",
         height=190 + HEADING_PX,
         margin={"r": 0},
-        xaxis=axis(theme, "lateral position (px)", range=across, fixedrange=True, showgrid=False),
-        yaxis=axis(theme, f"{feet} (row)", range=down[::-1], fixedrange=True, showgrid=False),
+        xaxis=look.axis("lateral position (px)", range=across, showgrid=False),
+        yaxis=look.axis(f"{feet} (row)", range=down[::-1], showgrid=False),
     )
 
 
@@ -345,10 +332,9 @@ def classes_plot(table: pd.DataFrame, letter: str, name: str, *, theme: Theme) -
     letter, name
         "x" or "y", and the system's name.
     """
-    look = LOOK[theme]
-    rows = table[table["system"] == letter]
+    look, rows = LOOK[theme], table[table["system"] == letter]
     if rows.empty:
-        return empty_figure("No match has a class.", theme=theme)
+        return look.empty("No match has a class.")
     has_class = rows["read_class"].notna()
     classes = labels_in_order([*rows["truth_class"], *rows["read_class"][has_class]])
     columns = [*classes, *([] if has_class.all() else [NO_CLASS])]
@@ -360,33 +346,26 @@ def classes_plot(table: pd.DataFrame, letter: str, name: str, *, theme: Theme) -
     share = np.divide(count, total, out=np.full(count.shape, np.nan), where=count > 0)
     across = [plain(label) for label in columns]
     down = across[: len(classes)]
-    cells = go.Heatmap(
+    heat = cells(
+        share,
+        [[f"{n:,}" if n else "" for n in row] for row in count.tolist()],
         x=list(range(len(across))),
         y=list(range(len(down))),
-        z=share,
         zmin=0,
         zmax=1,
-        text=[[f"{n:,}" if n else "" for n in row] for row in count.tolist()],
-        texttemplate="%{text}",
         colorscale=[(0, look.grid), (1, look.of(letter))],
-        showscale=False,
-        xgap=1,
-        ygap=1,
         customdata=[[[of, to] for to in across] for of in down],
         hovertemplate="%{customdata[0]} read as %{customdata[1]}: %{text} (%{z:.0%} of its "
         "matches)<extra></extra>",
         hoverongaps=False,
     )
     right = read_share(table, letter)
-    ticks = {"tickvals": cells.x, "ticktext": across, "showgrid": False}
-    rows_down = {"tickvals": cells.y, "ticktext": down, "showgrid": False, "autorange": "reversed"}
-    return draw(
-        cells,
-        theme,
+    return look.draw(
+        heat,
         title=f"Classes read by {system_label(letter, name)}",
         subtitle=f"{right.n_right:,} of {count_text(right.n, 'match', 'matches')} right",
         height=170 + 30 * len(classes),
         showlegend=False,
-        xaxis=axis(theme, "class read", **ticks),
-        yaxis=axis(theme, "class in the truth", **rows_down),
+        xaxis=look.cells_axis("class read", across, can_zoom=True),
+        yaxis=look.cells_axis("class in the truth", down, can_zoom=True, autorange="reversed"),
     )

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
 import plotly.graph_objects as go
-
-from nvcore.figures.style import LOOK
-from nvcore.palette import Theme
 
 HOVER: Final = "%{text}<extra></extra>"
 """Template of hover texts that are given for each point."""
@@ -20,13 +18,43 @@ def with_gaps(*corners: np.ndarray) -> np.ndarray:
     return path
 
 
+def outlines(left: Any, right: Any, top: Any, bottom: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Return x and y of one path around many rectangles."""
+    return with_gaps(left, right, right, left, left), with_gaps(top, top, bottom, bottom, top)
+
+
 def still_line(
-    x: Any, y: Any, name: str | None, *, showlegend: bool | None = False, **more: Any
+    x: Any,
+    y: Any,
+    name: str | None,
+    *,
+    color: Any = None,
+    width: Any = None,
+    dash: Any = None,
+    showlegend: Any = False,
+    **more: Any,
 ) -> Any:
-    """Return a line that does not answer to the mouse, with ``line`` or ``fillcolor`` in `more`."""
-    return go.Scatter(
-        x=x, y=y, name=name, mode="lines", hoverinfo="skip", showlegend=showlegend, **more
-    )
+    """Return a line, or points of another ``mode``, that do not answer to the mouse.
+
+    Parameters
+    ----------
+    showlegend
+        None: shown in the legend of a figure that has one.
+    """
+    line = {"color": color, "width": width, "dash": dash}
+    looks = {"mode": "lines", "hoverinfo": "skip", "line": line, "showlegend": showlegend}
+    return go.Scatter(x=x, y=y, name=name, **(looks | more))
+
+
+def joined(start: Any, stop: Any, row: np.ndarray, name: str, **looks: Any) -> go.Scatter:
+    """Return a line from `start` to `stop` in each row."""
+    return still_line(with_gaps(start, stop), with_gaps(row, row), name, **looks)
+
+
+def band(x: np.ndarray, low: np.ndarray, high: np.ndarray, name: str, **more: Any) -> go.Scatter:
+    """Return the area between two lines, without an outline unless `more` has one."""
+    along, around = np.concatenate([x, x[::-1]]), np.concatenate([high, low[::-1]])
+    return still_line(along, around, name, fill="toself", **({"width": 0} | more))
 
 
 def marks(x: Any, y: Any, texts: Any, *, hover: str = HOVER, **more: Any) -> go.Scatter:
@@ -34,11 +62,10 @@ def marks(x: Any, y: Any, texts: Any, *, hover: str = HOVER, **more: Any) -> go.
     return go.Scatter(x=x, y=y, text=texts, hovertemplate=hover, **{"mode": "markers", **more})
 
 
-def system_marker(letter: str, size: float, theme: Theme, *, rim: float = 1) -> dict[str, Any]:
-    """Return a system's marker in its colour and shape, with a rim of the page's colour."""
-    look = LOOK[theme]
-    line = {"width": rim, "color": look.surface}
-    return {"color": look.of(letter), "size": size, "symbol": look.symbol(letter), "line": line}
+def cells(values: np.ndarray, texts: Sequence[Sequence[str]], **more: Any) -> go.Heatmap:
+    """Return a map whose cells say `texts`."""
+    looks = {"texttemplate": "%{text}", "showscale": False, "xgap": 1, "ygap": 1}
+    return go.Heatmap(z=values, text=texts, **looks, **more)
 
 
 def click_markers(x: Any, y: Any, texts: Any, **more: Any) -> go.Scatter:
@@ -48,11 +75,6 @@ def click_markers(x: Any, y: Any, texts: Any, **more: Any) -> go.Scatter:
     """
     looks = {"opacity": 0, "size": 8, "color": "#000", "maxdisplayed": 1}
     return marks(x, y, texts, showlegend=False, marker=looks, **more)
-
-
-def line_up(figure: go.Figure, x: float, name: str, theme: Theme) -> None:
-    """Add a line over the whole height at `x`."""
-    rule(figure, "x", x, name=name, line={"color": LOOK[theme].ink, "width": 1.5})
 
 
 def row_texts(template: str, **columns: Any) -> list[str]:
@@ -74,20 +96,19 @@ def rule(
     direction: str,
     at: float,
     *,
+    color: str,
+    width: float = 1.5,
+    dash: str | None = None,
     ref: str | None = None,
     over: str = "paper",
-    **looks: Any,
+    **more: Any,
 ) -> None:
     """Draw a line at one value of the axis `direction` ("x" or "y"), over all of `over`."""
     other = "y" if direction == "x" else "x"
     ends = {f"{direction}0": at, f"{direction}1": at, f"{direction}ref": ref}
     ends |= {f"{other}0": 0, f"{other}1": 1, f"{other}ref": over}
-    figure.add_shape(type="line", **looks, **ends)
-
-
-def system_line(letter: str, theme: Theme) -> dict[str, Any]:
-    """Return a system's line in its colour and dash."""
-    return {"width": 2.4, "color": LOOK[theme].of(letter), "dash": LOOK[theme].dash(letter)}
+    line = {"color": color, "width": width, "dash": dash}
+    figure.add_shape(type="line", line=line, **more, **ends)
 
 
 def curve_line(x: Any, y: Any, texts: Any, **looks: Any) -> go.Scatter:

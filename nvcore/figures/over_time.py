@@ -12,17 +12,16 @@ import plotly.graph_objects as go
 from tsdownsample import MinMaxLTTBDownsampler
 
 from nvcore.comparison import Result
-from nvcore.figures.marks import click_markers, row_texts, rule, still_line, system_line
+from nvcore.figures.marks import click_markers, row_texts, rule, still_line
 from nvcore.figures.style import (
     HEADING_PX,
     LEFT_PX,
     LEGEND_PX,
     LOOK,
-    axis,
+    ChartLook,
     begins_at,
-    draw,
-    empty_figure,
     faded,
+    hatching,
     plain,
     system_label,
     write,
@@ -108,51 +107,54 @@ def frame_texts(result: Result, rows: np.ndarray, template: str, **columns: Any)
     return row_texts(template, **own, **columns)
 
 
-def time_axis(result: Result, recording: int, theme: Theme, title: str = "", **more: Any) -> Any:
-    """Return the axis over a whole recording with a little room, the same in all its figures."""
-    end_s = end_of(result, recording)
-    return axis(theme, title, range=[-0.005 * end_s, end_s * 1.005 or 1.0], **more)
-
-
-def draw_recording(
-    traces: Any, result: Result, recording: int, theme: Theme, kind: str, title: str, **more: Any
-) -> go.Figure:
-    """Draw a figure over the time of a recording, with its name in the title.
-
-    While its `kind` stays the same, the browser keeps the visible range, unless it is empty.
-    """
-    title = f"{title}, {plain(result.dataset.recordings['name'][recording])}"
-    more["margin"] = {"l": LEFT_PX, **more.get("margin", {})}
-    key = f"{result.dataset.fingerprint} {recording} {kind}" if kind else None
-    return draw(traces, theme, title=title, hoverdistance=-1, uirevision=key, **more)
-
-
-def draw_cursor(
-    figure: go.Figure, result: Result, rows: slice, row: int | None, theme: Theme, **place: Any
-) -> None:
-    """Draw a line at the frame that is shown, if it is one of the recording's rows."""
-    if row is not None and rows.start <= row < rows.stop:
-        time_s = float(result.dataset.frames["time_s"].to_numpy()[row])
-        line = {"color": LOOK[theme].ink, "width": 1.5}
-        rule(figure, at=time_s, name="cursor", line=line, **({"direction": "x"} | place))
-
-
 @dataclass(frozen=True)
-class Panels:
-    """Panels of a recording that share the axis of time, each with its axis of values.
-
-    Time runs to the right, or upwards if `upright`. The rows are those of the frames table.
-    """
+class OverTime:
+    """A recording whose figures share the axis of time. `recording` is its row."""
 
     result: Result
-    rows: slice
-    axes: Mapping[str, str]
-    upright: bool = False
+    recording: int
+    look: ChartLook
+
+    @property
+    def rows(self) -> slice:
+        """Its rows in the frames table."""
+        return self.result.dataset.frame_columns.rows_of(self.recording)
 
     @property
     def time_s(self) -> np.ndarray:
         """Start of each frame, s."""
         return self.result.dataset.frames["time_s"].to_numpy()[self.rows]
+
+    def axis(self, title: str = "", **more: Any) -> dict[str, Any]:
+        """Return the axis over the whole recording with a little room."""
+        end_s = end_of(self.result, self.recording)
+        ends = [-0.005 * end_s, end_s * 1.005 or 1.0]
+        return self.look.axis(title, can_zoom=True, range=ends, **more)
+
+    def draw(self, traces: Any, kind: str, title: str, **more: Any) -> go.Figure:
+        """Draw a figure with the recording's name in the title.
+
+        While its `kind` stays the same, the browser keeps the visible range, unless it is empty.
+        """
+        dataset = self.result.dataset
+        title = f"{title}, {plain(dataset.recordings['name'][self.recording])}"
+        more["margin"] = {"l": LEFT_PX, **more.get("margin", {})}
+        key = f"{dataset.fingerprint} {self.recording} {kind}" if kind else None
+        return self.look.draw(traces, title=title, hoverdistance=-1, uirevision=key, **more)
+
+    def draw_cursor(self, figure: go.Figure, row: int | None, **place: Any) -> None:
+        """Draw a line at the frame that is shown, if it is one of the recording."""
+        if row is not None and self.rows.start <= row < self.rows.stop:
+            place, time_s = {"direction": "x"} | place, float(self.time_s[row - self.rows.start])
+            rule(figure, at=time_s, color=self.look.ink, name="cursor", **place)
+
+
+@dataclass(frozen=True)
+class Panels(OverTime):
+    """Panels of a recording, each with its axis of values. Time runs upwards if `upright`."""
+
+    axes: Mapping[str, str]
+    upright: bool = False
 
     def place(self, panel: str, time_s: Any, values: Any) -> dict[str, Any]:
         """Return `x`, `y` and the axes of a trace."""
@@ -194,21 +196,22 @@ def similarity_plot(
         and Y to the right, with 1 (perfect) in the middle (paper, figure 8). ``"side_by_side"``:
         the same, with similarity growing to the right for both systems.
     """
+    look = LOOK[theme]
     rows, upright = result.dataset.frame_columns.rows_of(recording), layout != "time"
     if rows.start == rows.stop:
-        return empty_figure(NO_FRAMES, theme=theme)
+        return look.empty(NO_FRAMES)
     axes = (
         {"x": "x", "y": "x3", "events": "x2"} if upright else {"x": "y", "y": "y", "events": "y2"}
     )
-    panels = Panels(result, rows, axes, upright)
+    panels = Panels(result, recording, look, axes, upright)
     traces: list[Any] = []
     lows, events = {}, {}
     for letter, system in result.sides:
         lows[letter] = system.intervals[system.intervals["recording"] == recording]
         events[letter] = system.events[system.events["recording"] == recording]
-        traces.append(_low_areas(panels, letter, lows[letter], theme))
-        traces += _similarity_lines(panels, letter, theme)
-        traces += _event_marks(panels, letter, events[letter], theme)
+        traces.append(_low_areas(panels, letter, lows[letter]))
+        traces += _similarity_lines(panels, letter)
+        traces += _event_marks(panels, letter, events[letter])
     low, similarity = result.params.low, [system.similarity for _, system in result.sides]
     # in steps, so that the end of the axis stays where it is while a slider moves
     least = min(low, *(of_system[rows].min() for of_system in similarity))
@@ -219,11 +222,8 @@ def similarity_plot(
     traces += [
         panels.clicks(letter, middle, template, **of_both) for letter in ("xy" if upright else "x")
     ]
-    figure = draw_recording(
+    figure = panels.draw(
         traces,
-        result,
-        recording,
-        theme,
         layout,
         "Similarity over time",
         subtitle=f"{count_text(rows.stop - rows.start, 'frame')}; moving mean over "
@@ -232,17 +232,17 @@ def similarity_plot(
         height=HEIGHT_PX[layout],
         margin={"t": HEADING_PX + LEGEND_PX},
         barmode="overlay",
-        **_similarity_axes(time_axis(result, recording, theme, "time (s)"), floor, layout, theme),
+        **_similarity_axes(panels, floor, layout),
     )
-    muted = LOOK[theme].muted
+    muted = look.muted
     along, across = ("x", "y") if upright else ("y", "x")
-    looks = {"line": {"color": muted, "width": 1, "dash": "dot"}, "layer": "below"}
+    looks = look.dotted | {"layer": "below"}
     over = f"{across} domain"
     for ref in ("x", "x3") if upright else ("y",):
         rule(figure, along, low, ref=ref, over=over, name="low limit", **looks)
     place = {along: low, across: 1, f"{across}ref": over, "xanchor": "right", "yanchor": "top"}
     write(figure, f"low limit {low:g}", size=11, color=muted, **place)
-    draw_cursor(figure, result, rows, cursor_row, theme, direction=across, ref=across)
+    panels.draw_cursor(figure, cursor_row, direction=across, ref=across)
     return figure
 
 
@@ -254,7 +254,7 @@ def _drawn(tables: Mapping[str, pd.DataFrame], most: int) -> str:
     )
 
 
-def _low_areas(panels: Panels, letter: str, lows: pd.DataFrame, theme: Theme) -> go.Scatter:
+def _low_areas(panels: Panels, letter: str, lows: pd.DataFrame) -> go.Scatter:
     """Draw polygons between the low limit and the trace, one for each interval drawn."""
     low, time_s = panels.result.params.low, panels.time_s
     values = panels.result.system(letter).similarity[panels.rows]
@@ -275,8 +275,8 @@ def _low_areas(panels: Panels, letter: str, lows: pd.DataFrame, theme: Theme) ->
     return still_line(
         **panels.place(letter, *np.concatenate(parts, axis=1)),
         fill="toself",
-        fillcolor=faded(LOOK[theme].of(letter), 0.28),
-        line={"width": 0},
+        fillcolor=faded(panels.look.of(letter), 0.28),
+        width=0,
         legendgroup=letter,
         name=f"{letter.upper()}, low similarity",
         meta=f"nv-low-{letter}",
@@ -292,7 +292,7 @@ def _crossing_s(time_s: np.ndarray, values: np.ndarray, row: int, way: int, low:
     return float(time_s[row] + share * (time_s[other] - time_s[row]))
 
 
-def _event_marks(panels: Panels, letter: str, events: pd.DataFrame, theme: Theme) -> list[Any]:
+def _event_marks(panels: Panels, letter: str, events: pd.DataFrame) -> list[Any]:
     """Draw a bar for each saliency event, the stronger the more salient, and markers to click."""
     worst = events.sort_values("saliency_s", ascending=False, kind="stable").head(MAX_EVENTS)
     start_s = panels.time_s[worst["first_row"].to_numpy() - panels.rows.start]
@@ -300,7 +300,7 @@ def _event_marks(panels: Panels, letter: str, events: pd.DataFrame, theme: Theme
     # in the strip X stands above Y, or left of it
     place = np.full(len(worst), int((letter == "x") != panels.upright), dtype=float)
     strength = saliency_s / saliency_s.max(initial=1e-9)
-    colour = LOOK[theme].of(letter)
+    colour = panels.look.of(letter)
     bars = go.Bar(
         **panels.place("events", duration_s, place),
         base=start_s,
@@ -333,9 +333,9 @@ def _event_marks(panels: Panels, letter: str, events: pd.DataFrame, theme: Theme
     return [bars, clicks]
 
 
-def _similarity_lines(panels: Panels, letter: str, theme: Theme) -> list[go.Scatter]:
+def _similarity_lines(panels: Panels, letter: str) -> list[go.Scatter]:
     """Draw similarity (thin) and its moving mean (thick). The browser moves both with sliders."""
-    system, thick = panels.result.system(letter), system_line(letter, theme)
+    system, thick = panels.result.system(letter), panels.look.line(letter)
 
     def line(values: np.ndarray, n_points: int, kind: str, name: str, **looks: Any) -> go.Scatter:
         rows = decimate(values[panels.rows], n_points=n_points)
@@ -343,41 +343,32 @@ def _similarity_lines(panels: Panels, letter: str, theme: Theme) -> list[go.Scat
         meta = f"nv-{kind}-{letter}"
         return still_line(**place, legendgroup=letter, meta=meta, name=name, **looks)
 
-    thin = {"width": 1, "color": faded(thick["color"], 0.55)}
     raw, label = f"{letter.upper()}, frame by frame", system_label(letter, system.name)
-    mean = system.similarity_window
     return [
-        line(system.similarity, MAX_POINTS, "raw", raw, line=thin),
-        line(mean, MEAN_POINTS, "mean", label, line=thick, showlegend=None),
+        line(system.similarity, MAX_POINTS, "raw", raw, color=faded(thick["color"], 0.55), width=1),
+        line(system.similarity_window, MEAN_POINTS, "mean", label, line=thick, showlegend=None),
     ]
 
 
-def _similarity_axes(
-    time: dict[str, Any], floor: float, layout: TimeLayout, theme: Theme
-) -> dict[str, Any]:
+def _similarity_axes(panels: Panels, floor: float, layout: TimeLayout) -> dict[str, Any]:
     def similarity(of: str, domain: list[float], ends: list[float]) -> dict[str, Any]:
-        form = {"range": ends, "fixedrange": True, "tickformat": ".2~f", "domain": domain}
-        return axis(theme, f"similarity{of} (1 = perfect){begins_at(floor)}", **form)
+        title = f"similarity{of} (1 = perfect){begins_at(floor)}"
+        return panels.look.axis(title, range=ends, tickformat=".2~f", domain=domain)
 
-    ends = [floor, 1.02]
-    strip: dict[str, Any] = {
-        "range": [-0.6, 1.6],
-        "tickvals": [0, 1],
-        "fixedrange": True,
-        "showgrid": False,
-    }
+    time, ends = panels.axis("time (s)"), [floor, 1.02]
+    strip: dict[str, Any] = {"range": [-0.6, 1.6], "tickvals": [0, 1], "showgrid": False}
     if layout == "time":
         strip |= {"ticktext": ["Y events", "X events"], "domain": [0.85, 1], "anchor": "x"}
         return {
             "xaxis": time | {"anchor": "y"},
             "yaxis": similarity("", [0, 0.80], ends),
-            "yaxis2": axis(theme, **strip),
+            "yaxis2": panels.look.axis(**strip),
         }
     strip |= {"ticktext": ["X", "Y"], "domain": [0.455, 0.545]}
     return {
         "yaxis": time,
         "xaxis": similarity(" of X", [0, 0.44], ends),
-        "xaxis2": axis(theme, "events", **strip),
+        "xaxis2": panels.look.axis("events", **strip),
         "xaxis3": similarity(" of Y", [0.56, 1], ends[:: -1 if layout == "upright" else 1]),
     }
 
@@ -388,23 +379,17 @@ def loss_plot(
     """Draw the loss of each frame to misses and, stacked on it, to false alarms, 0 is best.
 
     The height of both areas together is 1 - similarity. X stands above Y, on one scale. A click
-    gives the frame: `customdata` is its row in ``dataset.frames``.
-
-    Parameters
-    ----------
-    recording
-        Row of ``dataset.recordings``.
-    cursor_row
-        Row in ``dataset.frames`` of the frame that is shown; None: no cursor.
+    gives the frame: `customdata` is its row in ``dataset.frames``. `recording` and `cursor_row` are
+    those of `similarity_plot`.
 
     References
     ----------
     Paper 11-0360, equation 2; ``docs/metrics.md``, similarity.
     """
-    rows = result.dataset.frame_columns.rows_of(recording)
+    look, rows = LOOK[theme], result.dataset.frame_columns.rows_of(recording)
     if rows.start == rows.stop:
-        return empty_figure(NO_FRAMES, theme=theme)
-    panels = Panels(result, rows, {"x": "y", "y": "y2"})
+        return look.empty(NO_FRAMES)
+    panels = Panels(result, recording, look, {"x": "y", "y": "y2"})
     most = max((of.loss_miss[rows] + of.loss_false[rows]).max() for _, of in result.sides)
     top = max(LEAST_TOP, float(np.ceil((most + 0.02) * 5) / 5))
     template = (
@@ -415,28 +400,22 @@ def loss_plot(
     losses |= {f"false_{letter}": system.loss_false for letter, system in result.sides}
     step_s = result.dataset.frame_columns.step_s[rows]
     traces, lost = [], []
-    time = time_axis(result, recording, theme, "time (s)", anchor="y2")
-    axes: dict[str, Any] = {"xaxis": time}
+    axes = {"xaxis": panels.axis("time (s)", anchor="y2")}
     for letter, system in result.sides:
-        traces += _loss_areas(panels, letter, theme)
+        traces += _loss_areas(panels, letter)
         traces.append(panels.clicks(letter, 0.5 * top, template, **losses))
         per_minute = number(lost_per_minute(system.similarity[rows], step_s), ".2f")
         lost.append(f"{letter.upper()} {per_minute}")
-        axes["yaxis" if letter == "x" else "yaxis2"] = axis(
-            theme,
+        axes["yaxis" if letter == "x" else "yaxis2"] = look.axis(
             f"lost by {letter.upper()} (0 = best)",
             domain=LOSS_PANELS[letter],
             anchor="x",
             range=[0, top],
-            fixedrange=True,
             tickformat=".2~f",
             nticks=5,
         )
-    figure = draw_recording(
+    figure = panels.draw(
         traces,
-        result,
-        recording,
-        theme,
         "losses",
         "Similarity lost over time",
         subtitle=f"{count_text(rows.stop - rows.start, 'frame')}; lost similarity, seconds per "
@@ -449,32 +428,26 @@ def loss_plot(
         label = f" {letter.upper()}: {plain(system.name)}" if system.name else letter.upper()
         place = {"x": 0, "xref": "paper", "xanchor": "left", "y": LOSS_PANELS[letter][1]}
         place |= {"yref": "paper", "yanchor": "top"}
-        write(figure, label, size=12, color=LOOK[theme].of(letter), **place)
-    draw_cursor(figure, result, rows, cursor_row, theme)
+        write(figure, label, size=12, color=look.of(letter), **place)
+    panels.draw_cursor(figure, cursor_row)
     return figure
 
 
-def _loss_areas(panels: Panels, letter: str, theme: Theme) -> list[go.Scatter]:
+def _loss_areas(panels: Panels, letter: str) -> list[go.Scatter]:
     """Draw misses filled and false alarms hatched on top of them."""
-    system, colour = panels.result.system(letter), LOOK[theme].of(letter)
+    system, colour = panels.result.system(letter), panels.look.of(letter)
     losses = system.loss_miss[panels.rows], system.loss_false[panels.rows]
     shown = keep_peaks(*losses)
-    hatched = {"shape": "/", "size": 5, "solidity": 0.35, "fillmode": "replace"}
-    hatched |= {"fgcolor": colour, "bgcolor": faded(colour, 0.08)}
-    fills: Any = {"fillcolor": faded(colour, 0.55)}, {"fillpattern": hatched}
+    fills: Any = {"fillcolor": faded(colour, 0.55)}, {"fillpattern": hatching(colour, 5, 0.35)}
     return [
         still_line(
             **panels.place(letter, panels.time_s[shown], lost[shown]),
             name=f"{letter.upper()}, {kind}",
             stackgroup=letter,
-            line={"width": 1, "color": colour},
+            color=colour,
+            width=1,
             showlegend=None,
             **fill,
         )
-        for lost, kind, fill in zip(
-            losses,
-            ("misses", "false alarms"),
-            fills,
-            strict=True,
-        )
+        for lost, kind, fill in zip(losses, ("misses", "false alarms"), fills, strict=True)
     ]

@@ -9,19 +9,8 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
-from nvcore.figures.marks import marks, row_texts, still_line, system_marker, with_gaps
-from nvcore.figures.style import (
-    CLEAR,
-    LOOK,
-    axis,
-    begins_at,
-    draw,
-    empty_figure,
-    faded,
-    plain,
-    rows_axis,
-    system_label,
-)
+from nvcore.figures.marks import marks, row_texts, still_line, with_gaps
+from nvcore.figures.style import CLEAR, LOOK, begins_at, faded, plain, system_label
 from nvcore.metrics.saliency import recency_weight
 from nvcore.palette import Theme
 from nvcore.tables.result import recordings_table
@@ -73,7 +62,7 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
     recording
         Row of ``dataset.recordings``; None: all of them.
     """
-    params, look = result.params, LOOK[theme]
+    look, params = LOOK[theme], result.params
     systems = {letter: _events_in(result, letter, recording) for letter in "xy"}
     scope = "encounter" if params.saliency_scope == "encounter" else "recording"
     if params.recency_unit == "seconds":
@@ -82,14 +71,14 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
         column = "rest_s"
         reach = np.concatenate([events[column] for events in systems.values()]).max(initial=faded_s)
         quantity = f"time from the end of the event to the end of its {scope} (s)"
-        along = axis(theme, quantity, range=[1.02 * reach, -0.03 * reach], fixedrange=True)
+        along = look.axis(quantity, range=[1.02 * reach, -0.03 * reach])
     else:
         column, reach = "tau", 1.0
         quantity = f"end of the event in its {scope} (share of the duration)"
-        along = axis(theme, quantity, tickformat=".0%", range=[-0.02, 1.03], fixedrange=True)
+        along = look.axis(quantity, tickformat=".0%", range=[-0.02, 1.03])
     place = np.linspace(0, reach, CURVE_POINTS)
-    line = {"color": look.muted, "width": 1.5}
-    traces = [still_line(place, recency_weight(place, place, params), "recency", line=line)]
+    weight = recency_weight(place, place, params)
+    traces = [still_line(place, weight, "recency", color=look.muted, width=1.5)]
     counts = []
     most_s = np.concatenate([events["weight_s"] for events in systems.values()]).max(initial=1e-9)
     is_many = max(map(len, systems.values())) > MANY_EVENTS
@@ -113,15 +102,14 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
             },
         )
         traces.append(mark)
-    return draw(
+    return look.draw(
         traces,
-        theme,
         title="When misses happen, and how much they count",
         subtitle=f"{', '.join(counts)}; larger marks "
         + ("weigh more" if params.saliency_weight == "risk" else "last longer"),
         height=360,
         xaxis=along,
-        yaxis=axis(theme, "recency (weight, 0 to 1)", range=[-0.04, 1.05], fixedrange=True),
+        yaxis=look.axis("recency (weight, 0 to 1)", range=[-0.04, 1.05]),
     )
 
 
@@ -135,11 +123,11 @@ def parts_plot(
     Parameters
     ----------
     recording
-        Row of ``dataset.recordings``; None: all of them.
+        As for `recency_plot`.
     n
         Events of each system.
     """
-    params, short = result.params, result.objects.say("{short}")
+    look, params, short = LOOK[theme], result.params, result.objects.say("{short}")
     traces: list[go.Bar] = []
     labels: list[str] = []
     for letter, system in result.sides:
@@ -150,7 +138,7 @@ def parts_plot(
             + f"{short} {plain(event.track, max_length=8)}, from {event.start_s:.1f} s"
             for event in events.itertuples(index=False)
         ]
-        colour = LOOK[theme].of(letter)
+        colour = look.of(letter)
         for column, fill in (("weight_s", faded(colour, 0.22)), ("saliency_s", colour)):
             bars = go.Bar(
                 x=events[column].to_numpy(),
@@ -167,20 +155,18 @@ def parts_plot(
             )
             traces.append(bars)
     if not labels:
-        return empty_figure(result.objects.say(NO_EVENTS), theme=theme)
-    is_largest = params.saliency_aggregate == "max"
-    what = "only the largest counts" if is_largest else "their sum counts"
-    return draw(
+        return look.empty(result.objects.say(NO_EVENTS))
+    what = "only the largest counts" if params.saliency_aggregate == "max" else "their sum counts"
+    return look.draw(
         traces,
-        theme,
         title="The number taken apart",
         subtitle=f"{count_text(len(labels), 'largest event')}; pale: "
         + ("weighted distance" if params.saliency_weight == "risk" else "duration")
         + ", solid: × recency",
         height=150 + 24 * len(labels),
         barmode="overlay",
-        xaxis=axis(theme, f"seconds ({what})", rangemode="tozero"),
-        yaxis=rows_axis(theme, labels, fixedrange=True, showgrid=False),
+        xaxis=look.axis(f"seconds ({what})", can_zoom=True, rangemode="tozero"),
+        yaxis=look.rows_axis(labels, showgrid=False),
     )
 
 
@@ -190,11 +176,11 @@ def plane_plot(result: Result, *, theme: Theme) -> go.Figure:
     Large open marks are the means over recordings. `customdata` is a row in ``dataset.frames``: the
     first frame of the system's most salient event of the recording, else the recording's first.
     """
-    recordings = recordings_table(result)
+    look, recordings = LOOK[theme], recordings_table(result)
     recordings = recordings[recordings["n_frames"] > 0]
     if recordings.empty:
-        return empty_figure("There is no recording to compare.", theme=theme)
-    is_many, look = len(recordings) > MANY_RECORDINGS, LOOK[theme]
+        return look.empty("There is no recording to compare.")
+    is_many = len(recordings) > MANY_RECORDINGS
     (x_similarity, x_saliency), (y_similarity, y_saliency) = place = [
         recordings[[f"mean_similarity_{letter}", f"saliency_{letter}"]].to_numpy(dtype=float).T
         for letter in "xy"
@@ -203,7 +189,8 @@ def plane_plot(result: Result, *, theme: Theme) -> go.Figure:
         with_gaps(x_similarity, y_similarity),
         with_gaps(x_saliency, y_saliency),
         "the same recording",
-        line={"width": 0.75 if is_many else 2, "color": look.pale},
+        color=look.pale,
+        width=0.75 if is_many else 2,
     )
     of_recordings, means = [], []
     for (letter, system), points in zip(result.sides, place, strict=True):
@@ -217,7 +204,7 @@ def plane_plot(result: Result, *, theme: Theme) -> go.Figure:
             similarity=points[0],
             saliency_s=points[1],
         )
-        marker = system_marker(letter, 5 if is_many else 10, theme, rim=0 if is_many else 1)
+        marker = look.marker(letter, 5 if is_many else 10, rim=0 if is_many else 1)
         marker["opacity"] = 0.6 if is_many else 1
         mark = marks(
             points[0],
@@ -245,14 +232,12 @@ def plane_plot(result: Result, *, theme: Theme) -> go.Figure:
     n_x = np.count_nonzero((x_similarity > y_similarity) & (x_saliency < y_saliency))
     n_y = np.count_nonzero((y_similarity > x_similarity) & (y_saliency < x_saliency))
     start = min(float(x_similarity.min()) - 0.02, float(y_similarity.min()) - 0.02, 0.9)
-    title = "mean similarity (1 = perfect)" + begins_at(start)
-    return draw(
+    return look.draw(
         [joined, *of_recordings, *(means if len(recordings) > 1 else [])],
-        theme,
         title="Similarity and saliency of the recordings",
         subtitle=f"{count_text(len(recordings), 'recording')}; best is bottom right; better in "
         f"both: X in {n_x:,}, Y in {n_y:,}",
         height=420,
-        xaxis=axis(theme, title, range=[start, 1.005], fixedrange=True),
-        yaxis=axis(theme, "saliency (s, 0 = nothing to notice)", rangemode="tozero"),
+        xaxis=look.axis("mean similarity (1 = perfect)" + begins_at(start), range=[start, 1.005]),
+        yaxis=look.axis("saliency (s, 0 = nothing to notice)", can_zoom=True, rangemode="tozero"),
     )

@@ -10,16 +10,8 @@ from typing import Any, Final
 import numpy as np
 import plotly.graph_objects as go
 
-from nvcore.palette import (
-    TRUTH_COLOUR,
-    X_COLOUR,
-    Y_COLOUR,
-    Scheme,
-    Shade,
-    Theme,
-    rgb,
-    scheme_of,
-)
+from nvcore.figures.marks import marks
+from nvcore.palette import TRUTH_COLOUR, X_COLOUR, Y_COLOUR, Scheme, Shade, Theme, rgb, scheme_of
 
 FONT: Final = "Source Sans, Source Sans Pro, sans-serif"
 LEFT_PX: Final = 84
@@ -77,7 +69,7 @@ ENTITIES: Final = str.maketrans(
 
 @dataclass(frozen=True)
 class ChartLook:
-    """Colours of one theme."""
+    """Colours of one theme, and what is drawn in them."""
 
     ink: str
     muted: str
@@ -101,6 +93,139 @@ class ChartLook:
     def symbol(self, letter: str) -> str:
         """Return Plotly's mark of system "x" or "y"."""
         return self.scheme.style(letter).symbol
+
+    @property
+    def dotted(self) -> dict[str, Any]:
+        """A thin line of limits."""
+        return {"color": self.muted, "width": 1, "dash": "dot"}
+
+    def line(self, letter: str) -> dict[str, Any]:
+        """Return a system's line in its colour and dash."""
+        return {"width": 2.4, "color": self.of(letter), "dash": self.dash(letter)}
+
+    def marker(self, letter: str, size: float, *, rim: float = 1) -> dict[str, Any]:
+        """Return a system's marker in its colour and shape, with a rim of the page's colour."""
+        line = {"width": rim, "color": self.surface}
+        looks = {"color": self.of(letter), "symbol": self.symbol(letter)}
+        return {**looks, "size": size, "line": line}
+
+    def marks(
+        self, letter: str, system: str, size: float, x: Any, y: Any, texts: Any, **more: Any
+    ) -> go.Scatter:
+        """Return the markers of a system, in the legend by its label unless `more` has a name."""
+        looks = {"name": system_label(letter, system), "marker": self.marker(letter, size)}
+        return marks(x, y, texts, **(looks | more))
+
+    @property
+    def loss_scale(self) -> list[tuple[float, str]]:
+        """Plotly's colour scale of losses and costs, 0 first."""
+        colours = LOSS_COLOURS[self.scheme.shade]
+        return list(zip(np.linspace(0, 1, len(colours)).tolist(), colours, strict=True))
+
+    def axis(self, title: str = "", *, can_zoom: bool = False, **more: Any) -> dict[str, Any]:
+        """Return an axis whose `title` says quantity and unit. It is fixed unless it `can_zoom`."""
+        return {
+            "title": {"text": title, "font": {"size": 12, "color": self.muted}, "standoff": 8},
+            "automargin": True,
+            "fixedrange": None if can_zoom else True,
+            "gridcolor": self.grid,
+            "zeroline": False,
+            "showline": False,
+            "tickfont": {"size": 12, "color": self.muted},
+            "ticks": "",
+            **more,
+        }
+
+    def counts_axis(self, **more: Any) -> dict[str, Any]:
+        """Return an upright axis of a number of encounters, from 0."""
+        return self.axis("encounters", rangemode="tozero", tickformat=",d", **more)
+
+    def rows_axis(self, labels: Sequence[str], *, room: float = 0.6, **more: Any) -> dict[str, Any]:
+        """Return an upright axis of labelled rows, the first on top, with `room` at both ends."""
+        rows: dict[str, Any] = {
+            "range": [len(labels) - (1 - room), -room],
+            "tickvals": np.arange(len(labels)),
+            "ticktext": labels,
+            "ticklabelstandoff": LABEL_GAP_PX,
+        }
+        return self.axis(**(rows | more))
+
+    def cells_axis(self, title: str, labels: Sequence[str], **more: Any) -> dict[str, Any]:
+        """Return an axis of cells with a label each."""
+        ticks: dict[str, Any] = {"tickvals": list(range(len(labels))), "ticktext": labels}
+        return self.axis(title, showgrid=False, **ticks, **more)
+
+    def colour_bar(self, title: str, px: int, *, side: str = "right", **more: Any) -> Any:
+        """Return a bar of that thickness for the colours of a map, with small letters if thin."""
+        font = {"size": 11 if px < 12 else 12, "color": self.muted}
+        looks = {"tickfont": font, "outlinewidth": 0, "thickness": px}
+        name = {"title": {"text": title, "side": side, "font": font}} if title else {}
+        return looks | name | more
+
+    def layout(
+        self, *, title: str = "", subtitle: str = "", height: int = 320, **more: Any
+    ) -> dict[str, Any]:
+        """Return the layout of a figure: transparent, title and legend on the left above the plot.
+
+        Parameters
+        ----------
+        title, subtitle
+            Content of the figure, and the number of frames or encounters behind it. Names in them
+            must be escaped by `plain`.
+        more
+            Further layout settings, such as axes. They replace those given here; margin and legend
+            are merged.
+        """
+        top = EDGE_PX + (HEADING_PX if title else 0)
+        labels = more.get("yaxis", {}).get("ticktext", ())
+        left = (
+            EDGE_PX + LABEL_GAP_PX + LETTER_PX * max(map(len, labels)) if len(labels) else EDGE_PX
+        )
+        bottom = AXIS_PX if more.get("xaxis", {}).get("title", {}).get("text") else EDGE_PX
+        margin = {"l": left, "r": 2 * EDGE_PX, "t": top, "b": bottom}
+        font = {"family": FONT, "size": 13, "color": self.ink}
+        second = f'<br><span style="font-size:12.5px;color:{self.muted}">{subtitle}</span>'
+        return {
+            "height": height,
+            "autosize": True,
+            "template": "none",
+            "paper_bgcolor": CLEAR,
+            "plot_bgcolor": CLEAR,
+            "font": font,
+            "title": {
+                "text": f"{title}{second if subtitle else ''}",
+                "font": {"size": 16, "color": self.ink},
+                "x": 0,
+                "xref": "container",
+                "xanchor": "left",
+                "y": 1,
+                "yref": "container",
+                "yanchor": "top",
+                "pad": {"t": 20, "l": 4},
+            },
+            "legend": LEGEND | {"y": 1 - top / height} | more.pop("legend", {}),
+            "margin": margin | more.pop("margin", {}),
+            "hoverlabel": {
+                "bgcolor": self.surface,
+                "bordercolor": self.pale,
+                "font": font,
+                "align": "left",
+            },
+            "hovermode": "closest",
+            **more,
+        }
+
+    def draw(self, traces: Any, **settings: Any) -> go.Figure:
+        """Return a figure of traces with its `layout`."""
+        return go.Figure(traces, self.layout(**settings))
+
+    def empty(self, text: str, *, height: int = 200) -> go.Figure:
+        """Draw a figure without data: a sentence that says why and what to do, also its name."""
+        axes = {"xaxis": HIDDEN_AXIS, "yaxis": HIDDEN_AXIS}
+        figure = self.draw([], height=height, meta=("", text), **axes)
+        lines, place = "<br>".join(wrap(text, EMPTY_LINE)), {"x": 0.5, "y": 0.5}
+        write(figure, lines, size=14, color=self.muted, xref="paper", yref="paper", **place)
+        return figure
 
 
 class _Looks(dict[Theme, ChartLook]):
@@ -156,25 +281,10 @@ def faded(colour: str, opacity: float) -> str:
     return f"rgba({red},{green},{blue},{opacity:g})"
 
 
-def loss_scale(theme: Theme) -> list[tuple[float, str]]:
-    """Return Plotly's colour scale of losses and costs, 0 first."""
-    colours = LOSS_COLOURS[scheme_of(theme).shade]
-    return list(zip(np.linspace(0, 1, len(colours)).tolist(), colours, strict=True))
-
-
-def axis(theme: Theme, title: str = "", **more: Any) -> dict[str, Any]:
-    """Return an axis whose `title` says the quantity and its unit."""
-    look = LOOK[theme]
-    return {
-        "title": {"text": title, "font": {"size": 12, "color": look.muted}, "standoff": 8},
-        "automargin": True,
-        "gridcolor": look.grid,
-        "zeroline": False,
-        "showline": False,
-        "tickfont": {"size": 12, "color": look.muted},
-        "ticks": "",
-        **more,
-    }
+def hatching(colour: str, size: float, solidity: float) -> dict[str, Any]:
+    """Return Plotly's pattern of hatched areas."""
+    looks = {"shape": "/", "size": size, "solidity": solidity, "fillmode": "replace"}
+    return looks | {"fgcolor": colour, "bgcolor": faded(colour, 0.08)}
 
 
 def begins_at(low: float) -> str:
@@ -204,90 +314,6 @@ def take_heading(figure: go.Figure) -> tuple[str, str]:
         layout.update(margin_t=top, height=height)
     figure.update_layout(title_text=None)
     return title, second.partition(">")[2].removesuffix("</span>")
-
-
-def counts_axis(theme: Theme, **more: Any) -> dict[str, Any]:
-    """Return an upright axis of a number of encounters, from 0."""
-    return axis(theme, "encounters", rangemode="tozero", fixedrange=True, tickformat=",d", **more)
-
-
-def rows_axis(
-    theme: Theme, labels: Sequence[str], *, room: float = 0.6, **more: Any
-) -> dict[str, Any]:
-    """Return an upright axis of labelled rows, the first on top, with `room` above and below."""
-    rows: dict[str, Any] = {
-        "range": [len(labels) - (1 - room), -room],
-        "tickvals": np.arange(len(labels)),
-        "ticktext": labels,
-        "ticklabelstandoff": LABEL_GAP_PX,
-    }
-    return axis(theme, **(rows | more))
-
-
-def layout(
-    theme: Theme, *, title: str = "", subtitle: str = "", height: int = 320, **more: Any
-) -> dict[str, Any]:
-    """Return the layout of a figure: transparent, title and legend on the left above the plot.
-
-    Parameters
-    ----------
-    title, subtitle
-        Content of the figure, and the number of frames or encounters behind it. Names in them must
-        be escaped by `plain`.
-    more
-        Further layout settings, such as axes. They replace those given here; margin and legend are
-        merged.
-    """
-    look, top = LOOK[theme], EDGE_PX + (HEADING_PX if title else 0)
-    labels = more.get("yaxis", {}).get("ticktext", ())
-    left = EDGE_PX + LABEL_GAP_PX + LETTER_PX * max(map(len, labels)) if len(labels) else EDGE_PX
-    bottom = AXIS_PX if more.get("xaxis", {}).get("title", {}).get("text") else EDGE_PX
-    margin = {"l": left, "r": 2 * EDGE_PX, "t": top, "b": bottom}
-    font = {"family": FONT, "size": 13, "color": look.ink}
-    second = f'<br><span style="font-size:12.5px;color:{look.muted}">{subtitle}</span>'
-    return {
-        "height": height,
-        "autosize": True,
-        "template": "none",
-        "paper_bgcolor": CLEAR,
-        "plot_bgcolor": CLEAR,
-        "font": font,
-        "title": {
-            "text": f"{title}{second if subtitle else ''}",
-            "font": {"size": 16, "color": look.ink},
-            "x": 0,
-            "xref": "container",
-            "xanchor": "left",
-            "y": 1,
-            "yref": "container",
-            "yanchor": "top",
-            "pad": {"t": 20, "l": 4},
-        },
-        "legend": LEGEND | {"y": 1 - top / height} | more.pop("legend", {}),
-        "margin": margin | more.pop("margin", {}),
-        "hoverlabel": {
-            "bgcolor": look.surface,
-            "bordercolor": look.pale,
-            "font": font,
-            "align": "left",
-        },
-        "hovermode": "closest",
-        **more,
-    }
-
-
-def draw(traces: Any, theme: Theme, **settings: Any) -> go.Figure:
-    """Return a figure of traces with its `layout`."""
-    return go.Figure(traces, layout(theme, **settings))
-
-
-def empty_figure(text: str, *, theme: Theme, height: int = 200) -> go.Figure:
-    """Draw a figure without data: a sentence that says why, and what to do, also as its name."""
-    axes = {"xaxis": HIDDEN_AXIS, "yaxis": HIDDEN_AXIS}
-    figure = draw([], theme, height=height, meta=("", text), **axes)
-    lines, place = "<br>".join(wrap(text, EMPTY_LINE)), {"x": 0.5, "y": 0.5}
-    write(figure, lines, size=14, color=LOOK[theme].muted, xref="paper", yref="paper", **place)
-    return figure
 
 
 def written(text: str, *, size: float, color: str, **place: Any) -> dict[str, Any]:

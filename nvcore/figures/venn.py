@@ -18,17 +18,7 @@ import plotly.graph_objects as go
 from scipy.optimize import brentq
 
 from nvcore.figures.marks import click_markers, marks
-from nvcore.figures.style import (
-    EDGE_PX,
-    HIDDEN_AXIS,
-    LOOK,
-    ChartLook,
-    draw,
-    empty_figure,
-    faded,
-    plain,
-    written,
-)
+from nvcore.figures.style import EDGE_PX, HIDDEN_AXIS, LOOK, ChartLook, faded, plain, written
 from nvcore.metrics.venn import Venn
 from nvcore.objects import Objects
 from nvcore.palette import Theme
@@ -94,12 +84,13 @@ def venn_figure(
     ----------
     Paper 11-0360, figures 1 and 2.
     """
+    look = LOOK[theme]
     if venn.n_near == 0:
         text = f"No {objects.singular} came near enough to count."
         if venn.distant:
             text += f" {count_text(venn.distant, 'encounter')} stayed distant."
-        return empty_figure(text, theme=theme, height=HEIGHT_PX)
-    look, parts = LOOK[theme], {}
+        return look.empty(text, height=HEIGHT_PX)
+    parts = {}
     if encounters is not None:
         category = encounters["category"].to_numpy()
         parts = {kind: encounters[category == kind.value] for kind in REGIONS}
@@ -122,19 +113,18 @@ def venn_figure(
         for kind, place in plan.marks.items()
         if place.size
     ]
-    figure = draw(
+    return look.draw(
         [_clicks(venn, plan), *drawn],
-        theme,
         title="Encounters detected",
         subtitle=f"{count_text(venn.n_near, 'encounter')} near enough to count; "
         f"areas {'' if plan.is_exact else 'roughly '}to scale",
         height=HEIGHT_PX,
         hoverdistance=24,
         margin={"r": EDGE_PX, "b": 24},  # below: the number of distant encounters
+        shapes=shapes,
+        annotations=_annotations(venn, plan, look),
         **square_axes(frame[:2], frame[2:]),
     )
-    figure.update_layout(shapes=shapes, annotations=_annotations(venn, plan, look))
-    return figure
 
 
 def square_axes(across: Sequence[float], up: Sequence[float]) -> dict[str, Any]:
@@ -166,12 +156,7 @@ class Frame(NamedTuple):
 class Circles:
     """X's circle around (0, 0) and Y's around (`apart`, 0).
 
-    Attributes
-    ----------
-    radius_x, radius_y
-        ``pi * radius**2`` is the number of encounters that the system detects.
-    apart
-        Distance of the centres at which the overlap's area is the number that both detect.
+    Their areas, and that of their overlap, are the numbers of encounters detected.
     """
 
     radius_x: float
@@ -331,10 +316,7 @@ UP: Final = {"bottom": 0.0, "middle": 0.5, "top": 1.0}
 class Text(NamedTuple):
     """A label in its place, in the circles' unit.
 
-    Attributes
-    ----------
-    pointer
-        Middle of the region beside which it stands; None: it stands in its region.
+    `pointer` is the middle of the region beside which it stands; None: it stands in its region.
     """
 
     label: Label
@@ -384,14 +366,9 @@ def _texts(labels: Labels, circles: Circles, crowded: Container[str] = ()) -> di
 
 @dataclass(frozen=True)
 class VennPlan:
-    """A layout of the diagram.
+    """A layout of the diagram; `is_exact` if the areas are in proportion to the counts.
 
-    Attributes
-    ----------
-    is_exact
-        True if the areas are in proportion to the counts.
-    marks
-        x and y in the circles' unit and size in px of the marks of each region, shape (3, n).
+    Marks are x and y in the circles' unit and size in px, of each region of shape (3, n).
     """
 
     circles: Circles
@@ -450,12 +427,8 @@ def plan_marks(venn: Venn, labels: Labels, severity_s: Mapping[Category, np.ndar
 class Room(NamedTuple):
     """Places in a region where a mark may stand, px, shape (n_places,).
 
-    Attributes
-    ----------
-    free
-        Distance from the nearest edge or text.
-    apart
-        Distance from the label: nearer places are preferred.
+    `free` is the distance from the nearest edge or text, `apart` that from the label: nearer places
+    are preferred.
     """
 
     x: np.ndarray
@@ -499,10 +472,7 @@ Marks = dict[Category, np.ndarray]
 def _enlarge(placed: Marks, rooms: Mapping[Category, Room], sizes_px: Sequence[Marks]) -> Marks:
     """Place marks in the largest of `sizes_px` for which all regions have room, else the least.
 
-    Parameters
-    ----------
-    placed
-        Marks of the size `FAIR`.
+    `placed` are the marks of the size `FAIR`.
     """
     if len(placed) < len(rooms):
         for size_px in sizes_px[FAIR + 1 :]:

@@ -9,19 +9,8 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.figures.marks import marks, still_line, system_marker
-from nvcore.figures.style import (
-    LOOK,
-    axis,
-    begins_at,
-    draw,
-    empty_figure,
-    faded,
-    plain,
-    rows_axis,
-    system_label,
-    written,
-)
+from nvcore.figures.marks import band, still_line
+from nvcore.figures.style import LOOK, ChartLook, begins_at, faded, plain, written
 from nvcore.palette import Theme
 from nvcore.ratings.agreement import Agreement
 from nvcore.ratings.trend import Trend, fit_trend
@@ -57,12 +46,13 @@ def rating_plot(
     names
         Names of X and Y.
     """
+    look = LOOK[theme]
     if clips.empty:
-        return empty_figure("No clip has both a rating and a saliency.", theme=theme)
-    trend, look = fit_trend(clips), LOOK[theme]
+        return look.empty("No clip has both a rating and a saliency.")
+    trend = fit_trend(clips)
     traces, highest_s, texts = [], clips["saliency_s"].max(), []
     if trend is not None:
-        traces += _trend_traces(trend, theme)
+        traces += _trend_traces(trend, look)
         highest_s = max(highest_s, trend.most_s.max())
         texts = _outlier_names(clips, trend, names, look.ink)
     for letter, name in zip("xy", names, strict=True):
@@ -72,52 +62,38 @@ def rating_plot(
             f"of {count_text(row['n_ratings'], 'rating')}<br>saliency {row['saliency_s']:.2f} s"
             for row in mine.to_dict("records")
         ]
-        traces.append(
-            marks(
-                mine["mean_rank"],
-                mine["saliency_s"],
-                hover,
-                cliponaxis=False,
-                name=system_label(letter, name),
-                customdata=mine.index.to_numpy(),
-                marker=system_marker(letter, 10, theme),
-            )
-        )
+        places = mine["mean_rank"], mine["saliency_s"], hover
+        looks = {"cliponaxis": False, "customdata": mine.index.to_numpy()}
+        traces.append(look.marks(letter, name, 10, *places, **looks))
     told = [
         f"; {of.name} {of.value:.2f} (95 %: {of.low:.2f} to {of.high:.2f})"
         for of in correlations
         if not of.note
     ]
     ends = [np.floor(clips["mean_rank"].min() - 0.5), np.ceil(clips["mean_rank"].max() + 0.5)]
-    return draw(
+    return look.draw(
         traces,
-        theme,
         title="Saliency against the ratings",
         subtitle=f"{count_text(len(clips), 'clip')}{''.join(told[:1])}",
         height=420,
         annotations=texts,
-        xaxis=axis(theme, f"mean rank (1 = least annoying){begins_at(ends[0])}", range=ends),
+        xaxis=look.axis(
+            f"mean rank (1 = least annoying){begins_at(ends[0])}", can_zoom=True, range=ends
+        ),
         # from 0, however far down the interval reaches: there is no saliency below
-        yaxis=axis(theme, "saliency (s)", range=[0, 1.06 * highest_s or 1]),
+        yaxis=look.axis("saliency (s)", can_zoom=True, range=[0, 1.06 * highest_s or 1]),
     )
 
 
-def _trend_traces(trend: Trend, theme: Theme) -> list[go.Scatter]:
+def _trend_traces(trend: Trend, look: ChartLook) -> list[go.Scatter]:
     """Return the interval as a band, and the line on it."""
-    look = LOOK[theme]
-    band = still_line(
-        np.concatenate([trend.rank, trend.rank[::-1]]),
-        np.concatenate([trend.most_s, trend.least_s[::-1]]),
-        "interval of the trend",
-        line={"width": 0},
-        fill="toself",
-        fillcolor=faded(look.muted, 0.18),
-    )
+    name, pale = "interval of the trend", faded(look.muted, 0.18)
+    interval = band(trend.rank, trend.least_s, trend.most_s, name, fillcolor=pale)
     per_rank = (
         f"trend: {trend.slope_s:+.2f} s per rank (95 %: {trend.low_s:+.2f} to {trend.high_s:+.2f})"
     )
-    line = {"width": 2, "color": look.muted, "dash": "dot"}
-    return [band, still_line(trend.rank, trend.saliency_s, per_rank, showlegend=True, line=line)]
+    looks = {"width": 2, "color": look.muted, "dash": "dot", "showlegend": True}
+    return [interval, still_line(trend.rank, trend.saliency_s, per_rank, **looks)]
 
 
 def _outlier_names(
@@ -139,36 +115,26 @@ def _outlier_names(
 
 def participants_plot(agreement: Agreement, *, theme: Theme) -> go.Figure:
     """Plot the agreement of each participant's ranks with the mean of the others', lowest first."""
-    people = agreement.participants
+    look, people = LOOK[theme], agreement.participants
     judged = people[np.isfinite(people["agreement"])].sort_values("agreement", kind="stable")
     if judged.empty:
-        return empty_figure(
-            "No participant rated enough clips that others rated, too.", theme=theme
-        )
+        return look.empty("No participant rated enough clips that others rated, too.")
     participants = judged.head(MOST_PARTICIPANTS)
-    look = LOOK[theme]
     is_outlier = participants["is_outlier"]
     marker = {"color": np.where(is_outlier, look.ink, look.muted), "size": 10}
     marker["symbol"] = np.where(is_outlier, "x", "circle")
     labels = [plain(name, max_length=24) for name in participants["participant"]]
     n_odd = int(judged["is_outlier"].sum())
     odd = f"; {n_odd or 'none'} ranking differently (marked x)" if agreement.knows_outliers else ""
-    trace = go.Scatter(
-        x=participants["agreement"],
-        y=np.arange(len(participants)),
-        mode="markers",
-        hoverinfo="skip",
-        showlegend=False,
-        marker=marker,
-    )
+    rows = np.arange(len(participants))
+    trace = still_line(participants["agreement"], rows, None, mode="markers", marker=marker)
     ends = [min(-0.1, float(participants["agreement"].min()) - 0.05), 1.03]
-    return draw(
+    return look.draw(
         trace,
-        theme,
         title="Agreement of each participant with the others",
         subtitle=f"{count_text(len(judged), 'participant')}{odd}",
         height=130 + ROW_PX * max(len(participants), 4),
         showlegend=False,
-        xaxis=axis(theme, "correlation with the mean rank of the others", range=ends),
-        yaxis=rows_axis(theme, labels, room=0.5, showgrid=False),
+        xaxis=look.axis("correlation with the mean rank of the others", can_zoom=True, range=ends),
+        yaxis=look.rows_axis(labels, room=0.5, can_zoom=True, showgrid=False),
     )

@@ -13,29 +13,18 @@ from nvcore.comparison import Result
 from nvcore.figures.curves import mark_value
 from nvcore.figures.lanes import Lanes, Strip
 from nvcore.figures.marks import (
+    band,
     click_markers,
     curve_line,
+    joined,
     marks,
+    outlines,
     row_texts,
     rule,
     still_line,
-    system_line,
-    system_marker,
-    with_gaps,
 )
 from nvcore.figures.over_time import decimate, evenly, frame_texts
-from nvcore.figures.style import (
-    CLEAR,
-    LOOK,
-    axis,
-    draw,
-    empty_figure,
-    faded,
-    plain,
-    rows_axis,
-    system_label,
-    written,
-)
+from nvcore.figures.style import CLEAR, LOOK, ChartLook, faded, plain, system_label, written
 from nvcore.notes import phrase
 from nvcore.palette import Theme
 from nvcore.time_left.encounters import (
@@ -141,18 +130,19 @@ def approach_plot(
     first, most
         First row drawn, counted from 0, and maximum number of rows.
     """
+    look = LOOK[theme]
     if urgent.empty:
-        return empty_figure(NO_URGENT, theme=theme)
-    look, part = LOOK[theme], urgent.iloc[first : first + most]
+        return look.empty(NO_URGENT)
+    part = urgent.iloc[first : first + most]
     n, row = len(part), np.arange(len(part), dtype=float)
     longest_s = max(MOST_S, np.ceil(1.2 * urgent["ttc_s"].max()))  # holds the last chances
     reach_s = float(min(longest_s, np.ceil(urgent["first_s"].max())))  # the same for all parts
-    look_of = _last_chance(0.55 * ROW_PX, theme)
+    look_of = _last_chance(0.55 * ROW_PX, look)
     chances = _moments(result, part, part["urgent_row"].to_numpy(), "last chance") | look_of
-    lines = _approach_lines(part, row, reach_s, theme)
+    lines = _approach_lines(part, row, reach_s, look)
     traces = [*lines, marks(part["ttc_s"].to_numpy(), row, **chances)]
     for letter, shift in (("x", -APART), ("y", APART)):
-        traces += _confirmations(result, part, letter, row + shift, reach_s, theme)
+        traces += _confirmations(result, part, letter, row + shift, reach_s, look)
     has_several = len(result.dataset.recordings) > 1
     labels = row_texts(
         "{short} {track}, {recording}" if has_several else "{short} {track}",
@@ -165,59 +155,46 @@ def approach_plot(
         extent += f", {first + 1} to {first + n} drawn"
     if (urgent["first_s"] > reach_s).any():
         extent += f"; what was more than {reach_s:g} s before contact stands at the left edge"
-    zero = {"zeroline": True, "zerolinewidth": 1.5, "zerolinecolor": look.ink}
-    time: dict[str, Any] = {"range": [reach_s * 1.01, -2 * NEVER * reach_s], "fixedrange": True}
-    ends = [n - 0.4, -0.6 - HEAD_PX / ROW_PX]
-    return draw(
+    time: dict[str, Any] = {"range": [reach_s * 1.01, -2 * NEVER * reach_s]}
+    time |= {"zeroline": True, "zerolinewidth": 1.5, "zerolinecolor": look.ink}
+    return look.draw(
         [trace for trace in traces if len(trace.x)],
-        theme,
         title="From the first sight to contact",
         subtitle=extent,
         height=TOP_PX + HEAD_PX + ROW_PX * n + AXIS_PX,
         hoverdistance=-1,
         margin={"r": RIGHT_PX, "t": TOP_PX},
-        annotations=_impacts(part, theme),
-        xaxis=axis(theme, "seconds before contact", **time, **zero),
-        yaxis=rows_axis(theme, labels, range=ends, fixedrange=True, showgrid=False),
+        annotations=_impacts(part, look),
+        xaxis=look.axis("seconds before contact", **time),
+        yaxis=look.rows_axis(labels, range=[n - 0.4, -0.6 - HEAD_PX / ROW_PX], showgrid=False),
     )
 
 
 def _approach_lines(
-    part: pd.DataFrame, row: np.ndarray, reach_s: float, theme: Theme
+    part: pd.DataFrame, row: np.ndarray, reach_s: float, look: ChartLook
 ) -> list[go.Scatter]:
     """Return a line for each encounter, dotted after its last frame, and the "too late" bands."""
-    look, zero = LOOK[theme], np.zeros(len(part))
+    zero = np.zeros(len(part))
     start = np.minimum(part["first_s"].to_numpy(), reach_s)
     stop, chance = np.maximum(part["last_s"].to_numpy(), 0), part["ttc_s"].to_numpy()
-    top, low, rows = row - BAND, row + BAND, with_gaps(row, row)
     return [
         still_line(
-            with_gaps(chance, zero, zero, chance, chance),
-            with_gaps(top, top, low, low, top),
+            *outlines(chance, zero, row - BAND, row + BAND),
             "too late to stop",
             showlegend=None,
             fill="toself",
             fillcolor=faded(look.pale, 0.55),
-            line={"width": 0},
+            width=0,
         ),
-        still_line(
-            with_gaps(start, stop), rows, "annotated", line={"color": look.muted, "width": 2}
-        ),
-        still_line(
-            with_gaps(stop, zero),
-            rows,
-            "no longer annotated",
-            showlegend=None,
-            line={"color": look.muted, "width": 1, "dash": "dot"},
-        ),
+        joined(start, stop, row, "annotated", color=look.muted, width=2),
+        joined(stop, zero, row, "no longer annotated", showlegend=None, **look.dotted),
     ]
 
 
-def _last_chance(size: float, theme: Theme) -> dict[str, Any]:
+def _last_chance(size: float, look: ChartLook) -> dict[str, Any]:
     """Return name and looks of the marks of last chances."""
-    ink = LOOK[theme].ink
-    line = {"width": 3, "color": ink}
-    marker = {"symbol": "line-ns", "size": size, "color": ink, "line": line}
+    line = {"width": 3, "color": look.ink}
+    marker = {"symbol": "line-ns", "size": size, "color": look.ink, "line": line}
     return {"name": "last chance to stop", "marker": marker}
 
 
@@ -254,10 +231,15 @@ def responses_text(result: Result, encounters: np.ndarray) -> list[str]:
 
 
 def _confirmations(
-    result: Result, part: pd.DataFrame, letter: str, row: np.ndarray, reach_s: float, theme: Theme
+    result: Result,
+    part: pd.DataFrame,
+    letter: str,
+    row: np.ndarray,
+    reach_s: float,
+    look: ChartLook,
 ) -> list[go.Scatter]:
     """Return filled marks where a system confirms pedestrians, open ones where it never does."""
-    look, name = LOOK[theme], result.system(letter).name
+    name = result.system(letter).name
     at_s = part[f"confirmed_s_{letter}"].to_numpy()
     is_never = np.isnan(at_s)
     confirmed, never = part[~is_never], part[is_never]
@@ -271,7 +253,7 @@ def _confirmations(
             **_moments(result, confirmed, confirmed_row, what),
             cliponaxis=False,
             name=f"{system_label(letter, name)} confirms",
-            marker=system_marker(letter, 11, theme),
+            marker=look.marker(letter, 11),
         ),
         marks(
             np.full(len(never), -NEVER * reach_s),
@@ -285,9 +267,8 @@ def _confirmations(
     ]
 
 
-def _impacts(part: pd.DataFrame, theme: Theme) -> list[dict[str, Any]]:
+def _impacts(part: pd.DataFrame, look: ChartLook) -> list[dict[str, Any]]:
     """Return impact speeds as two columns of text right of the plot, muted if the car stops."""
-    look = LOOK[theme]
     side: dict[str, Any] = {"xref": "paper", "x": 1, "xanchor": "right", "size": 12, "yref": "y"}
     head: dict[str, Any] = {**side, "y": -0.6, "yanchor": "bottom", "color": look.muted}
     texts = [written("impact, km/h", xshift=IMPACT_PX["y"], yshift=16, **head)]
@@ -323,9 +304,9 @@ def over_speed_plot(
     measure
         ``share_in_time`` (higher is better) or ``mean_impact_kmh`` (lower is better).
     """
-    defined = curve[curve["urgent"] > 0]
+    look, defined = LOOK[theme], curve[curve["urgent"] > 0]
     if defined.empty:
-        return empty_figure("No encounter is urgent at any speed up to 130 km/h.", theme=theme)
+        return look.empty("No encounter is urgent at any speed up to 130 km/h.")
     title, better, y_title, form = OVER_SPEED[measure]
     speeds, n = defined["speed_kmh"].to_numpy(), defined["urgent"].to_numpy()
     traces = [
@@ -342,28 +323,25 @@ def over_speed_plot(
                 share=defined[f"share_in_time_{letter}"].map(percent),
                 impact=defined[f"mean_impact_kmh_{letter}"],
             ),
-            line=system_line(letter, theme),
+            line=look.line(letter),
             name=system_label(letter, name),
-            marker=system_marker(letter, 6, theme),
+            marker=look.marker(letter, 6),
         )
         for letter, name in zip("xy", names, strict=True)
     ]
     most = np.nanmax(defined[[f"{measure}_x", f"{measure}_y"]].to_numpy(dtype=float))
     whose = "all recordings, in place of their own" if speed_kmh is None else "the car"
     ticks = np.arange(10, 131, 20)
-    form = {"range": [-0.04 * most, 1.08 * most or 1.0], "fixedrange": True, **form}
-    figure = draw(
+    form = {"range": [-0.04 * most, 1.08 * most or 1.0], **form}
+    figure = look.draw(
         traces,
-        theme,
         title=title,
         subtitle=f"{count_text(n[0], 'urgent encounter')} at {speeds[0]:g} km/h, {n[-1]:,} at "
         f"{speeds[-1]:g}; {better}",
         height=340,
         hoverdistance=-1,
-        xaxis=axis(
-            theme, f"speed of {whose} (km/h)", range=[5, 135], fixedrange=True, tickvals=ticks
-        ),
-        yaxis=axis(theme, y_title, **form),
+        xaxis=look.axis(f"speed of {whose} (km/h)", range=[5, 135], tickvals=ticks),
+        yaxis=look.axis(y_title, **form),
     )
     turns = turning_speeds(defined, measure)
     marked = [] if speed_kmh is None else [("now", "speed", speed_kmh, 0.0, "ink", "solid")]
@@ -372,7 +350,7 @@ def over_speed_plot(
     for word, name, at, y, colour, dash in marked:
         place = y if measure == "share_in_time" else 1 - y  # where the lines leave room
         looks = {"colour": colour, "dash": dash, "layer": "below"}
-        mark_value(figure, at, f"{word} {at:g}", theme, name=name, left_from=100, y=place, **looks)
+        mark_value(figure, at, f"{word} {at:g}", look, name=name, left_from=100, y=place, **looks)
     return figure
 
 
@@ -388,9 +366,10 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
     urgent
         `nvcore.time_left.encounters.urgent_encounters`.
     """
+    look = LOOK[theme]
     if urgent.empty:
-        return empty_figure(NO_URGENT, theme=theme)
-    look, counts = LOOK[theme], count_in_time(urgent)
+        return look.empty(NO_URGENT)
+    counts = count_in_time(urgent)
     extent = f"{count_text(len(urgent), 'urgent encounter')}: " + ", ".join(
         f"{IN_TIME_WORDS[name]} {counts[name]:,}" for name in QUADRANTS
     )
@@ -415,8 +394,7 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
         low if is_taken["neither"] else low + 0.22 * span,
         high if is_taken["both"] else high - 0.12 * span,
     ]
-    line = {"color": look.muted, "width": 1, "dash": "dot"}
-    traces = [still_line(diagonal, diagonal, "X as early as Y", showlegend=None, line=line)]
+    traces = [still_line(diagonal, diagonal, "X as early as Y", showlegend=None, **look.dotted)]
     texts = row_texts(
         "{noun} {track}, {recording}<br>{of_both}",
         noun=result.objects.singular,
@@ -428,8 +406,8 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
     clear = {"color": CLEAR, "symbol": "circle", "size": 9}
     looks = {
         "both": clear | {"line": {"width": 1.5, "color": look.muted}},
-        "only_x": system_marker("x", 12, theme),
-        "only_y": system_marker("y", 12, theme),
+        "only_x": look.marker("x", 12),
+        "only_y": look.marker("y", 12),
         "neither": {"color": look.ink, "symbol": "x", "size": 10, "line": {"width": 0}},
     }
     for name in QUADRANTS:
@@ -450,32 +428,29 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
     ticktext = [minus(f"{tick:g}") for tick in ticks]
     if is_never.any():
         ticks, ticktext = [never, *ticks], ["never", *ticktext]
-    scale = {"range": ends, "fixedrange": True, "tickvals": ticks, "ticktext": ticktext}
+    scale = {"range": ends, "tickvals": ticks, "ticktext": ticktext}
     along, up = (
-        axis(theme, f"margin of {system_label(letter, system.name)} (s)", **scale)
+        look.axis(f"margin of {system_label(letter, system.name)} (s)", **scale)
         for letter, system in result.sides
     )
-    figure = draw(
+    figure = look.draw(
         traces,
-        theme,
         title="Margin of X against Y",
         subtitle=extent,
         height=420,
         hoverdistance=24,
         xaxis=along,
         yaxis=up,
-    )
-    for letter in "xy":  # the last chance: a margin of 0
-        line = {"color": look.ink, "width": 1.2}
-        rule(figure, letter, 0, name=f"last chance {letter}", line=line, layer="below")
-    # the legend has the word of a corner in which a mark stands
-    figure.update_layout(
+        # the legend has the word of a corner in which a mark stands
         annotations=[
             written(IN_TIME_WORDS[name], size=12, color=look.muted, **_corner(*corner, low))
             for name, corner in CORNERS.items()
             if not is_taken[name]
-        ]
+        ],
     )
+    for letter in "xy":  # the last chance: a margin of 0
+        name = f"last chance {letter}"
+        rule(figure, letter, 0, color=look.ink, width=1.2, name=name, layer="below")
     return figure
 
 
@@ -489,13 +464,13 @@ def _corner(right: int, up: int, low: float) -> dict[str, Any]:
     return {**x, **y, **anchors, "xshift": -6 if right else 6, "yshift": -4 if up else 4}
 
 
-def _contact_strip(result: Result, recording: int, theme: Theme) -> Strip | None:
+def _contact_strip(result: Result, recording: int, look: ChartLook) -> Strip | None:
     """Draw the least time to contact in each frame, filled where it is too late to stop.
 
     A click gives frame and encounter: `customdata` is the row in ``dataset.frames`` and that in
     ``result.encounters``.
     """
-    frames, look = result.dataset.frame_columns, LOOK[theme]
+    frames = result.dataset.frame_columns
     rows, nearest = frames.rows_of(recording), nearest_contact(result, recording)
     speed_kmh = speed_of_frames(frames, result.params.speed_kmh)[rows]
     needed_s = needed_time(speed_kmh, result.params)
@@ -508,15 +483,8 @@ def _contact_strip(result: Result, recording: int, theme: Theme) -> Strip | None
     drawn = decimate(np.minimum(ttc_s, reach_s), n_points=POINTS)
     x, values, needed = time_s[drawn], ttc_s[drawn], needed_s[drawn]
     values = np.where(values < reach_s, values, np.nan)
-    area = still_line(
-        np.concatenate([x, x[::-1]]),
-        np.concatenate([np.fmin(values, needed), needed[::-1]]),
-        "too late to stop",
-        yaxis="y2",
-        fill="toself",
-        fillcolor=faded(look.ink, 0.22),
-        line={"width": 0},
-    )
+    late, pale = np.fmin(values, needed), faded(look.ink, 0.22)
+    area = band(x, needed, late, "too late to stop", yaxis="y2", fillcolor=pale)
     is_same = bool(np.ptp(needed_s) == 0)
     at = np.array([0, -1]) if is_same else drawn
     limit = still_line(
@@ -525,10 +493,9 @@ def _contact_strip(result: Result, recording: int, theme: Theme) -> Strip | None
         f"{needed_s[0]:.1f} s needed to stop" if is_same else "time needed to stop",
         showlegend=None,
         yaxis="y2",
-        line={"color": look.muted, "width": 1, "dash": "dot"},
+        **look.dotted,
     )
-    thick = {"color": look.ink, "width": 1.6}
-    line = still_line(x, values, "time to contact", yaxis="y2", line=thick)
+    line = still_line(x, values, "time to contact", yaxis="y2", color=look.ink, width=1.6)
     known = known[evenly(len(known), n_points=CLICKS)]
     encounter = nearest["encounter"].to_numpy()[known]
     texts = frame_texts(
@@ -544,16 +511,15 @@ def _contact_strip(result: Result, recording: int, theme: Theme) -> Strip | None
         time_s[known], ttc_s[known], texts, customdata=places, name="contact", yaxis="y2"
     )
     ticks = np.arange(3) * np.floor(reach_s / 3)
-    form: dict[str, Any] = {"range": [0, reach_s], "fixedrange": True, "tickvals": ticks}
     return Strip(
         words=f"; above them the least time to contact, up to {reach_s:g} s",
         traces=[area, limit, line, clicks],
-        axis=axis(theme, "time to<br>contact (s)", **form),
+        axis=look.axis("time to<br>contact (s)", range=[0, reach_s], tickvals=ticks),
     )
 
 
 def _chances_in_lanes(
-    result: Result, encounters: np.ndarray, size: float, theme: Theme
+    result: Result, encounters: np.ndarray, size: float, look: ChartLook
 ) -> go.Scatter:
     """Mark the last chance in the lanes of urgent encounters, given those of all lanes in order."""
     lane = np.flatnonzero(time_left_in(result).is_urgent[encounters])
@@ -567,9 +533,9 @@ def _chances_in_lanes(
         track=result.encounters.track[urgent],
         of_both=responses_text(result, urgent),
     )
-    time_s, places = result.dataset.frames["time_s"].to_numpy()[row], np.column_stack([row, urgent])
-    looks = _last_chance(size, theme)
-    return marks(time_s, lane.astype(float), texts, customdata=places, **looks)
+    looks = _last_chance(size, look) | {"customdata": np.column_stack([row, urgent])}
+    time_s = result.dataset.frames["time_s"].to_numpy()[row]
+    return marks(time_s, lane.astype(float), texts, **looks)
 
 
 def _to_contact(result: Result, encounter: np.ndarray, row: np.ndarray) -> list[str]:

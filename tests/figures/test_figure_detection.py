@@ -74,22 +74,27 @@ def test_an_axis_without_zeros_has_no_edge_and_reaches_to_the_last_point() -> No
 
 
 @pytest.mark.parametrize(
-    ("kind", "axes", "x", "y"),
+    ("kind", "legend", "axes", "x", "y"),
     [
-        ("precision_recall", ("recall", "precision"), [0.25, 0.5, 0.75], [1, 2 / 12, 3 / 103]),
-        ("roc", ("false positives per image", "detection rate"), [0.1, 1], [0.25, 0.5, 0.75]),
-        ("roc_windows", ("false positives per window", "detection rate"), [1e-4, 1e-3],
+        ("precision_recall", "X: x, AP 0.306", ("recall", "precision"), [0.25, 0.5, 0.75],
+         [1, 2 / 12, 3 / 103]),
+        ("roc", "X: x", ("false positives per image", "detection rate"), [0.1, 1],
          [0.25, 0.5, 0.75]),
-        ("f1", ("score threshold", "F1"), [1, 1 / 2, 1 / 3], [0.4, 0.25, 6 / 107]),
+        ("roc_windows", "X: x", ("false positives per window", "detection rate"), [1e-4, 1e-3],
+         [0.25, 0.5, 0.75]),
+        ("f1", "X: x, best 0.400", ("score threshold", "F1"), [1, 1 / 2, 1 / 3],
+         [0.4, 0.25, 6 / 107]),
     ],
 )  # fmt: skip
 def test_each_kind_has_its_own_axes(
-    kind: CurveKind, axes: tuple[str, str], x: list[float], y: list[float]
+    kind: CurveKind, legend: str, axes: tuple[str, str], x: list[float], y: list[float]
 ) -> None:
-    figure = plot(X, Y, kind=kind, windows_per_image=1000, summaries=("of X", ""))
+    summaries = summarise_curve(X, None), None
+    figure = plot(X, Y, kind=kind, windows_per_image=1000, summaries=summaries, hint="")
+    assert figure.layout.title.text.endswith("large marks: thresholds in use</span>")
     titles = figure.layout.xaxis.title.text, figure.layout.yaxis.title.text
     assert tuple(title.partition(" (")[0] for title in titles) == axes
-    line = trace(figure, "X: x, of X")
+    line = trace(figure, legend)
     if kind.startswith("roc"):
         x = [edge_of(figure.layout.xaxis), *x]
     assert list(line.x) == pytest.approx(x)
@@ -122,10 +127,7 @@ def test_the_legend_says_why_a_log_average_is_0(tp: list[int], words: str) -> No
 def test_without_a_curve_the_legend_says_what_there_is_instead(
     curve: DetectionCurve, kind: CurveKind, name: str
 ) -> None:
-    drawn = trace(
-        plot(X, curve, kind=kind),
-        f"Y: x, {name}",
-    )
+    drawn = trace(plot(X, curve, kind=kind), f"Y: x, {name}")
     assert (drawn.mode, drawn.showlegend) == ("markers", True)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nvcore.figures.over_time import decimate, evenly
-from nvcore.figures.style import EDGE_PX, HEADING_PX, empty_figure, layout, plain
+from nvcore.figures.style import EDGE_PX, HEADING_PX, LOOK, plain
 from nvcore.wording import count_text
 
 
@@ -25,11 +25,12 @@ def test_a_name_from_a_file_is_shown_as_plain_text_cut_in_the_middle(name: objec
 
 
 def test_of_the_top_only_the_heading_is_fixed():
-    assert layout("light")["margin"]["t"] == EDGE_PX
-    with_title = layout("light", title="Similarity", height=200, margin={"l": 50})
+    look = LOOK["light"]
+    assert look.layout()["margin"]["t"] == EDGE_PX
+    with_title = look.layout(title="Similarity", height=200, margin={"l": 50})
     assert with_title["margin"] == {"l": 50, "r": 16, "t": EDGE_PX + HEADING_PX, "b": EDGE_PX}
     assert with_title["legend"]["y"] * 200 == pytest.approx(200 - EDGE_PX - HEADING_PX)
-    assert tuple(empty_figure("Nobody.", theme="light").layout.meta)[1] == "Nobody."
+    assert tuple(look.empty("Nobody.").layout.meta)[1] == "Nobody."
 
 
 def test_a_count_carries_its_noun():

@@ -13,7 +13,7 @@ from nvcore.detection.curves import DetectionCurve, detection_curve
 from nvcore.detection.miss_rate import explain_few
 from nvcore.detection.windows import WindowGrid, scale_steps, windows_per_image
 from nvcore.errors import ParameterError
-from nvcore.figures.curves import CurveKind, curve_plot, legend_text
+from nvcore.figures.curves import CurveKind, curve_plot
 from nvcore.protocols import Protocol
 from nvcore.stages import MATCH
 from nvcore.tables.scorecard import curve_rows
@@ -64,7 +64,7 @@ def draw(result: Result, protocol: Protocol) -> None:
         kind,
         theme=state.theme(),
         windows_per_image=windows,
-        summaries=[legend_text(summary, kind) for summary in summaries],
+        summaries=summaries,
         published=result.dataset.settings.published,
         objects=result.objects,
     )

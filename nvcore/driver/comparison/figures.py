@@ -14,28 +14,9 @@ from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.driver.illumination import LightSource
 from nvcore.driver.illumination.clock import AdaptationClock
 from nvcore.figures.curves import mark_value
-from nvcore.figures.marks import (
-    curve_line,
-    marks,
-    row_texts,
-    rule,
-    still_line,
-    system_line,
-    system_marker,
-)
+from nvcore.figures.marks import curve_line, marks, row_texts, rule, still_line
 from nvcore.figures.over_time import decimate
-from nvcore.figures.style import (
-    LOOK,
-    ChartLook,
-    axis,
-    counts_axis,
-    draw,
-    empty_figure,
-    faded,
-    plain,
-    system_label,
-    written,
-)
+from nvcore.figures.style import LOOK, ChartLook, faded, plain, system_label, written
 from nvcore.figures.venn import Frame, filled, square_axes
 from nvcore.objects import Objects
 from nvcore.palette import Shade, Theme, scheme_of
@@ -53,10 +34,7 @@ SIMULATED: Final[dict[Shade, str]] = {"light": "#8E3A8A", "dark": "#D68FD0"}
 """Colours other than those of X, Y and truth."""
 LIGHT: Final = {
     LightSource.METER: ("light (lx)", "light by the light meter"),
-    LightSource.PICTURE: (
-        "picture's mean",
-        "light by the pictures' mean luminance, a stand-in",
-    ),
+    LightSource.PICTURE: ("picture's mean", "light by the pictures' mean luminance, a stand-in"),
 }
 """Title of the axis of light, and words for the subtitle."""
 UNKNOWN: Final = "nothing is known of the light"
@@ -104,16 +82,16 @@ def detectability_course_plot(
     caution
         Origin of the estimates, if some of the answers behind them were simulated.
     """
-    known, look = course[course["detectability"].notna()], LOOK[theme]
+    look, known = LOOK[theme], course[course["detectability"].notna()]
     if known.empty:
         text = f"It is not known how detectable this {objects.singular} is, in any frame."
-        return empty_figure(text, theme=theme)
+        return look.empty(text)
     is_early = known["is_up_to_relevant"]
     traces = [
-        _band(known, theme),
+        _band(known, look),
         _dots(known[is_early], "up to the first frame that counts", look.ink, "circle"),
         _dots(known[~is_early], "later, or distant", look.ink, "circle-open"),
-        _outside(known, theme),
+        _outside(known, look),
     ]
     if simulated is not None:
         own = simulated["is_simulated"].astype(bool) & simulated["detectability"].notna()
@@ -124,19 +102,17 @@ def detectability_course_plot(
     span = [float(course["time_s"].min()) - ROOM_S, float(course["time_s"].max()) + ROOM_S]
     axes: dict[str, Any] = {}
     if clock is not None:
-        lines, axes = _light(clock, span, theme)
+        lines, axes = _light(clock, span, look)
         traces += lines
         subtitle += f"; {UNKNOWN if np.isnan(clock.level).all() else LIGHT[clock.source][1]}"
     title = f"share of drivers who see the {objects.singular}"
-    form: dict[str, Any] = {"range": [-0.09, 1.04], "fixedrange": True}
-    figure = draw(
+    figure = look.draw(
         traces,
-        theme,
         title="Detectability over time",
         subtitle=subtitle,
         height=WITH_LIGHT_PX if clock else HEIGHT_PX,
-        xaxis=axis(theme, "time (s)", range=span, anchor="y3" if clock else "y"),
-        yaxis=axis(theme, title, domain=[0.5 if clock else 0, 1], **form),
+        xaxis=look.axis("time (s)", can_zoom=True, range=span, anchor="y3" if clock else "y"),
+        yaxis=look.axis(title, domain=[0.5 if clock else 0, 1], range=[-0.09, 1.04]),
         **axes,
     )
     figure.add_hline(
@@ -146,7 +122,7 @@ def detectability_course_plot(
         annotation_position="bottom right",
     )
     if clock is not None:
-        _mark_changes(figure, clock, span, theme)
+        _mark_changes(figure, clock, span, look)
     return figure
 
 
@@ -164,7 +140,7 @@ def _dots(frames: pd.DataFrame, name: str, colour: str, symbol: str) -> go.Scatt
     )
 
 
-def _band(known: pd.DataFrame, theme: Theme) -> go.Scatter:
+def _band(known: pd.DataFrame, look: ChartLook) -> go.Scatter:
     """Draw ± 1 standard deviation, split where frames lack one."""
     frames = known[known["sd"].notna()]
     stretch = np.cumsum(frames["row"].diff().ne(1))
@@ -174,7 +150,7 @@ def _band(known: pd.DataFrame, theme: Theme) -> go.Scatter:
         low, high = ((part["detectability"] + way * part["sd"]).clip(0, 1) for way in (-1, 1))
         x += [*part["time_s"], *part["time_s"][::-1], None]
         y += [*high, *low[::-1], None]
-    pale = faded(LOOK[theme].muted, 0.2)
+    pale = faded(look.muted, 0.2)
     return still_line(
         x,
         y,
@@ -182,14 +158,14 @@ def _band(known: pd.DataFrame, theme: Theme) -> go.Scatter:
         showlegend=bool((known["sd"] > 0).any()),
         fill="toself",
         fillcolor=pale,
-        line={"color": pale, "width": 1},  # a single frame has no area
+        color=pale,
+        width=1,  # a single frame has no area
     )
 
 
-def _outside(known: pd.DataFrame, theme: Theme) -> go.Scatter:
+def _outside(known: pd.DataFrame, look: ChartLook) -> go.Scatter:
     """Mark frames whose estimates are outside the training range by strokes at the bottom."""
     times = known["time_s"][known["is_outside"].astype(bool)]
-    line = {"width": 2, "color": LOOK[theme].muted}
     return marks(
         times,
         np.full(len(times), OUTSIDE_AT),
@@ -198,12 +174,12 @@ def _outside(known: pd.DataFrame, theme: Theme) -> go.Scatter:
         hoverinfo="skip",
         name="estimated outside the range of the training",
         showlegend=len(times) > 0,
-        marker={"symbol": "line-ns", "size": 6, "line": line},
+        marker={"symbol": "line-ns", "size": 6, "line": {"width": 2, "color": look.muted}},
     )
 
 
 def _light(
-    clock: AdaptationClock, span: list[float], theme: Theme
+    clock: AdaptationClock, span: list[float], look: ChartLook
 ) -> tuple[list[go.Scatter], dict[str, Any]]:
     """Return lines of brightness and of the seconds since it became dark, and their axes."""
     is_inside = (clock.time_s >= span[0]) & (clock.time_s <= span[1])
@@ -219,18 +195,18 @@ def _light(
     ):
         shown = np.where(is_inside, values, np.nan)
         rows = decimate(np.nan_to_num(shown, nan=-1.0))
-        line = {"color": LOOK[theme].ink, "width": 1.5, "shape": "hv"}
+        line = {"color": look.ink, "width": 1.5, "shape": "hv"}
         traces.append(still_line(clock.time_s[rows], shown[rows], name, yaxis=place, line=line))
-    log: dict[str, Any] = {"type": "log", "dtick": 1, "exponentformat": "none", "fixedrange": True}
+    log: dict[str, Any] = {"type": "log", "dtick": 1, "exponentformat": "none"}
     log |= {"range": [low, max(high, low + 1)], "domain": [0.25, 0.42]}
     longest_s = float(np.nanmax(clock.period_s[is_inside], initial=0.0))
     top = [0, float(np.clip(longest_s, *ADAPTING_S))]
-    period = axis(theme, "adapting (s)", domain=[0, 0.17], fixedrange=True, range=top)
-    return traces, {"yaxis2": axis(theme, LIGHT[clock.source][0], **log), "yaxis3": period}
+    period = look.axis("adapting (s)", domain=[0, 0.17], range=top)
+    return traces, {"yaxis2": look.axis(LIGHT[clock.source][0], **log), "yaxis3": period}
 
 
 def _mark_changes(
-    figure: go.Figure, clock: AdaptationClock, span: list[float], theme: Theme
+    figure: go.Figure, clock: AdaptationClock, span: list[float], look: ChartLook
 ) -> None:
     """Draw a vertical line where it became dark, coloured if the change is simulated."""
     place = {"xanchor": "left", "y": 0.42, "yref": "paper", "yanchor": "bottom"}
@@ -238,8 +214,8 @@ def _mark_changes(
     for time_s in clock.change_s.tolist():
         if span[0] <= time_s <= span[1]:
             is_simulated = time_s == clock.simulated_s
-            colour = SIMULATED[scheme_of(theme).shade] if is_simulated else LOOK[theme].muted
-            rule(figure, "x", time_s, line={"color": colour, "width": 1.5, "dash": "dot"})
+            colour = SIMULATED[look.scheme.shade] if is_simulated else look.muted
+            rule(figure, "x", time_s, color=colour, dash="dot")
             text = "simulated: dark" if is_simulated else "dark"
             texts.append(written(text, size=12, color=colour, x=time_s, **place))
     figure.layout.annotations = (*figure.layout.annotations, *texts)
@@ -264,16 +240,16 @@ def driver_threshold_plot(
     threshold
         Marked `driver_threshold`, 0 to 1.
     """
+    look = LOOK[theme]
     if counts.empty:
         text = f"Of no encounter is it known whether the driver sees the {objects.singular}."
-        return empty_figure(text, theme=theme)
-    looks = [("seen", "the driver sees", *_own("muted", "dot", "triangle-up-open", 1, theme))]
+        return look.empty(text)
+    looks = [("seen", "the driver sees", *_own("muted", "dot", "triangle-up-open", 1, look))]
     for letter, name in zip("xy", names, strict=True):
         label = f"useful alerts of {system_label(letter, name)}"
-        marker = system_marker(letter, MARK_PX, theme)
-        looks.append((f"useful_{letter}", label, system_line(letter, theme), marker))
-    own = _own("ink", "longdash", "x-thin", 1.6, theme)
-    looks.append(("nobody", "unprotected by both", *own))
+        marker = look.marker(letter, MARK_PX)
+        looks.append((f"useful_{letter}", label, look.line(letter), marker))
+    looks.append(("nobody", "unprotected by both", *_own("ink", "longdash", "x-thin", 1.6, look)))
     thresholds = counts["driver_threshold"].tolist()
     lines = [
         curve_line(
@@ -294,25 +270,23 @@ def driver_threshold_plot(
     n = count_text(int(counts["known"].iloc[0]), "near encounter")
     words = "{n} of which it is known; the threshold decides {what} the driver sees"
     x_title = f"threshold: share of drivers who would see the {objects.singular} (driver_threshold)"
-    form: dict[str, Any] = {"range": [0, 1], "fixedrange": True, "dtick": 0.1, "tickformat": ".1f"}
-    figure = draw(
+    figure = look.draw(
         lines,
-        theme,
         title="Seen and warned of",
         subtitle=objects.say(words, n=n),
         height=360,
-        xaxis=axis(theme, x_title, **form),
-        yaxis=counts_axis(theme),
+        xaxis=look.axis(x_title, range=[0, 1], dtick=0.1, tickformat=".1f"),
+        yaxis=look.counts_axis(),
     )
-    mark_value(figure, threshold, f"now {threshold:g}", theme, name="now", left_from=0.8)
+    mark_value(figure, threshold, f"now {threshold:g}", look, name="now", left_from=0.8)
     return figure
 
 
 def _own(
-    colour: str, dash: str, symbol: str, rim: float, theme: Theme
+    colour: str, dash: str, symbol: str, rim: float, look: ChartLook
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return a line and a marker that are neither X's nor Y's."""
-    shade = getattr(LOOK[theme], colour)
+    shade = getattr(look, colour)
     marker = {"color": shade, "size": MARK_PX, "symbol": symbol}
     marker["line"] = {"width": rim, "color": shade}
     return {"width": 1.8, "color": shade, "dash": dash}, marker
@@ -332,9 +306,9 @@ def driver_venn_plot(
     names
         Names of X and Y.
     """
-    if not venn.n_known:
-        return empty_figure("It is not known of any encounter who sees it.", theme=theme)
     look = LOOK[theme]
+    if not venn.n_known:
+        return look.empty("It is not known of any encounter who sees it.")
     texts = [
         f"{count_text(venn.counts[region], 'encounter')}<br>"
         + objects.say(DRIVER_REGION_TEXT[region])
@@ -350,9 +324,8 @@ def driver_venn_plot(
     n_unknown, n_distant = (
         venn.counts[region] for region in (DriverRegion.UNKNOWN, DriverRegion.DISTANT)
     )
-    return draw(
+    return look.draw(
         points,
-        theme,
         title=f"Who sees the {objects.singular}",
         subtitle=f"{count_text(venn.n_known, 'near encounter')} of which it is known; not drawn: "
         f"{n_unknown:,} unknown, {n_distant:,} distant; circles are not to scale",

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -17,17 +15,8 @@ from nvcore.wording import count_text, minus, number, percent
 with needs("report", "figures need"):
     import plotly.graph_objects as go
 
-    from nvcore.figures.marks import HOVER, curve_line, marks, row_texts, still_line
-    from nvcore.figures.style import (
-        HEADING_PX,
-        LOOK,
-        axis,
-        draw,
-        empty_figure,
-        loss_scale,
-        plain,
-        written,
-    )
+    from nvcore.figures.marks import HOVER, cells, curve_line, marks, row_texts, still_line
+    from nvcore.figures.style import HEADING_PX, LOOK, ChartLook, plain, written
 
 PERIOD: Final = "adaptation period (s)"
 HEIGHT_PX: Final = 340
@@ -48,7 +37,6 @@ _LINES: Final = (
     ("published_single", "paper, single", "dash", "diamond-open"),
 )
 """Column, name, dash and mark of each line of errors."""
-_fixed: Final = partial(axis, fixedrange=True)
 
 
 def estimator_errors_plot(
@@ -63,10 +51,10 @@ def estimator_errors_plot(
     has_published
         True to draw the paper's errors as well, which are of other data.
     """
-    rows = errors[errors["period_s"].notna()]
+    look, rows = LOOK[theme], errors[errors["period_s"].notna()]
     if rows.empty:
-        return empty_figure("Nothing was evaluated.", theme=theme)
-    look, traces = LOOK[theme], []
+        return look.empty("Nothing was evaluated.")
+    traces = []
     for column, name, dash, symbol in _LINES:
         is_published = column.startswith("published")
         if rows[column].isna().all() or (is_published and not has_published):
@@ -77,14 +65,13 @@ def estimator_errors_plot(
         line = {"color": colour, "dash": dash, "width": 1.2 if is_published else 2.2}
         marker = {"color": colour, "symbol": symbol, "size": 8}
         traces.append(curve_line(at, error, texts, name=name, line=line, marker=marker))
-    return draw(
+    return look.draw(
         traces,
-        theme,
         title="Error on pedestrians left out",
         subtitle=f"{count_text(int(rows['n'].max()), 'pedestrian')} at each period; 0 is best",
         height=360,
-        xaxis=_period_axis(theme, rows),
-        yaxis=_fixed(theme, "mean squared error", rangemode="tozero"),
+        xaxis=_period_axis(look, rows),
+        yaxis=look.axis("mean squared error", rangemode="tozero"),
     )
 
 
@@ -98,31 +85,31 @@ def estimates_plot(estimates: pd.DataFrame, *, theme: Theme) -> go.Figure:
     estimates
         Table from `nvcore.driver.evaluation.tables.estimates_table`.
     """
+    look = LOOK[theme]
     if estimates.empty:
-        return empty_figure("Nothing was evaluated.", theme=theme)
-    look, ends = LOOK[theme], [-0.03, 1.03]
+        return look.empty("Nothing was evaluated.")
+    ends = [-0.03, 1.03]
     texts = [
         f"{plain(row['pedestrian'], max_length=40)} of {plain(row['image'], max_length=40)}, "
         f"{row['period_s']:g} s<br>estimate {row['switched']:.2f}, seen by "
         f"{row['detectability']:.2f} of {count_text(row['n_subjects'], 'subject')}"
         for row in estimates.to_dict("records")
     ]
-    dotted = {"color": look.muted, "dash": "dot", "width": 1.2}
-    same = still_line([0, 1], [0, 1], None, showlegend=None, line=dotted)
+    dotted = {"color": look.muted, "dash": "dot", "width": 1.2, "showlegend": None}
+    same = still_line([0, 1], [0, 1], None, **dotted)
     seen, estimated = estimates["detectability"], estimates["switched"]
     marker = {"color": look.ink, "size": 7, "opacity": 0.45}
     is_defined = min(np.ptp(seen), np.ptp(estimated)) > 0
     correlation = np.corrcoef(seen, estimated)[0, 1] if is_defined else np.nan
-    return draw(
+    return look.draw(
         [same, marks(estimated, seen, texts, marker=marker, cliponaxis=False)],
-        theme,
         title="Estimated and seen",
         subtitle=f"{count_text(len(estimates), 'estimate')}, each by the estimator of its period; "
         f"correlation {number(correlation, '.2f')}; on the line both are the same",
         height=420,
         showlegend=False,
-        xaxis=_fixed(theme, "estimate", range=ends),
-        yaxis=_fixed(theme, "detectability (share of the subjects)", range=ends),
+        xaxis=look.axis("estimate", range=ends),
+        yaxis=look.axis("detectability (share of the subjects)", range=ends),
     )
 
 
@@ -136,8 +123,9 @@ def feature_pairs_plot(pairs: pd.DataFrame, *, theme: Theme) -> go.Figure:
     pairs
         Table from `nvcore.driver.evaluation.tables.pairs_table`.
     """
+    look = LOOK[theme]
     if pairs.empty:
-        return empty_figure("No pair of features was evaluated.", theme=theme)
+        return look.empty("No pair of features was evaluated.")
     names = [words_of(keys) for keys in zip(pairs["feature_1"], pairs["feature_2"], strict=True)]
     named = pairs.assign(pair=names)
     error = named.pivot_table(index="pair", columns="period_s", values="error")
@@ -145,27 +133,26 @@ def feature_pairs_plot(pairs: pd.DataFrame, *, theme: Theme) -> go.Figure:
     order = rank.mean(axis=1).sort_values(kind="stable").index
     error, rank = error.loc[order], rank.loc[order]
     periods = [f"{period:g}" for period in error.columns]
-    cells = _cells(
+    heat = cells(
         error.to_numpy(),
         [[f"{value:.0f}" for value in row] for row in rank.to_numpy().tolist()],
         x=list(range(len(periods))),
         y=list(range(len(error))),
-        colorscale=loss_scale(theme),
+        colorscale=look.loss_scale,
         zmin=0,
         customdata=[[(pair, period) for period in periods] for pair in error.index],
         hovertemplate="%{customdata[0]}<br>%{customdata[1]} s: error %{z:.4f}, rank %{text}"
         "<extra></extra>",
     )
-    return draw(
-        cells,
-        theme,
+    return look.draw(
+        heat,
         title="Pairs of features",
         subtitle=f"{count_text(len(error), 'pair')} by rank at each period, 1 is best; the colour "
         "is the error",
         height=AROUND_PX + ROW_PX * len(error),
         showlegend=False,
-        xaxis=_cell_axis(theme, PERIOD, periods),
-        yaxis=_cell_axis(theme, "", error.index.tolist(), autorange="reversed"),
+        xaxis=look.cells_axis(PERIOD, periods),
+        yaxis=look.cells_axis("", error.index.tolist(), autorange="reversed"),
     )
 
 
@@ -177,14 +164,14 @@ def pair_ranks_plot(ranks: pd.DataFrame, *, theme: Theme) -> go.Figure:
     ranks
         Table from `nvcore.driver.evaluation.tables.pair_ranks_table`.
     """
-    if ranks.empty:
-        return empty_figure("One period alone has no ranking to compare with.", theme=theme)
     look = LOOK[theme]
+    if ranks.empty:
+        return look.empty("One period alone has no ranking to compare with.")
     first, second = "period_1_s", "period_2_s"
     swapped = ranks.rename(columns={first: second, second: first})
     both = pd.concat([ranks, swapped]).pivot_table("spearman", first, second, dropna=False)
     values, periods = both.to_numpy(), [f"{period:g}" for period in both.columns]
-    cells = _cells(
+    heat = cells(
         values,
         [["–" if np.isnan(v) else minus(f"{v:.2f}") for v in row] for row in values],
         zmin=-1,
@@ -192,15 +179,14 @@ def pair_ranks_plot(ranks: pd.DataFrame, *, theme: Theme) -> go.Figure:
         colorscale=[(0, look.surface), (0.5, look.grid), (1, look.muted)],
         hoverinfo="skip",
     )
-    return draw(
-        cells,
-        theme,
+    return look.draw(
+        heat,
         title="Does the ranking of the pairs stay?",
         subtitle="Spearman's rank correlation of their errors between two periods",
         height=AROUND_PX + CELL_PX * len(periods),
         showlegend=False,
-        xaxis=_cell_axis(theme, PERIOD, periods),
-        yaxis=_cell_axis(theme, PERIOD, periods, autorange="reversed"),
+        xaxis=look.cells_axis(PERIOD, periods),
+        yaxis=look.cells_axis(PERIOD, periods, autorange="reversed"),
     )
 
 
@@ -212,14 +198,15 @@ def detectability_plot(periods: pd.DataFrame, *, theme: Theme) -> go.Figure:
     periods
         Table from `nvcore.driver.evaluation.tables.periods_table`.
     """
+    look = LOOK[theme]
     if periods.empty:
-        return empty_figure("There are no trials.", theme=theme)
+        return look.empty("There are no trials.")
     texts = [
         f"{row['period_s']:g} s: {row['mean']:.2f} on average, standard deviation {row['sd']:.2f}"
         f"<br>{percent(row['share_zero'])} seen by nobody, {percent(row['share_one'])} by everybody"
         for row in periods.to_dict("records")
     ]
-    ink = LOOK[theme].ink
+    ink = look.ink
     means = curve_line(
         periods["period_s"],
         periods["mean"],
@@ -228,16 +215,15 @@ def detectability_plot(periods: pd.DataFrame, *, theme: Theme) -> go.Figure:
         line={"color": ink, "width": 2.2},
         marker={"color": ink, "size": 8},
     )
-    return draw(
+    return look.draw(
         means,
-        theme,
         title="Detectability after a change of light",
         subtitle=f"mean and standard deviation of "
         f"{count_text(int(periods['n'].max()), 'pedestrian')} at each period",
         height=HEIGHT_PX,
         showlegend=False,
-        xaxis=_period_axis(theme, periods),
-        yaxis=_fixed(theme, "detectability", range=[0, 1]),
+        xaxis=_period_axis(look, periods),
+        yaxis=look.axis("detectability", range=[0, 1]),
     )
 
 
@@ -249,9 +235,10 @@ def detectability_histograms_plot(histograms: pd.DataFrame, *, theme: Theme) -> 
     histograms
         Table from `nvcore.driver.evaluation.tables.histograms_table`.
     """
+    look = LOOK[theme]
     if histograms.empty:
-        return empty_figure("There are no trials.", theme=theme)
-    look, by_period = LOOK[theme], histograms.groupby("period_s", sort=False)
+        return look.empty("There are no trials.")
+    by_period = histograms.groupby("period_s", sort=False)
     width = (1 - GAP * (len(by_period) - 1)) / len(by_period)
     above = {"xref": "paper", "yref": "paper", "y": 1.02, "yanchor": "bottom", "xanchor": "center"}
     traces, titles, axes = [], [], {}
@@ -264,8 +251,7 @@ def detectability_histograms_plot(histograms: pd.DataFrame, *, theme: Theme) -> 
         looks = {"marker": {"color": look.muted}, "textposition": "none", "hovertemplate": HOVER}
         x, y = rows["detectability"], rows["n"]
         traces.append(go.Bar(x=x, y=y, xaxis=f"x{name}", text=texts, **looks))
-        axes[f"xaxis{name}"] = _fixed(
-            theme,
+        axes[f"xaxis{name}"] = look.axis(
             "detectability" if index == len(by_period) // 2 else "",
             domain=[start, min(start + width, 1.0)],
             range=[-0.13, 1.13],
@@ -275,9 +261,8 @@ def detectability_histograms_plot(histograms: pd.DataFrame, *, theme: Theme) -> 
         place = {"x": start + width / 2, **above}
         titles.append(written(f"{period_s:g} s", size=12, color=look.ink, **place))
     n = count_text(int(by_period["n"].sum().max()), "pedestrian")
-    return draw(
+    return look.draw(
         traces,
-        theme,
         title="Detectability at each adaptation period",
         subtitle=f"{n} at each; 0: seen by nobody, 1: by everybody",
         height=HEIGHT_PX,
@@ -285,25 +270,13 @@ def detectability_histograms_plot(histograms: pd.DataFrame, *, theme: Theme) -> 
         margin={"t": HEADING_PX + TITLES_PX},
         bargap=0.08,
         annotations=titles,
-        yaxis=_fixed(theme, "pedestrians", rangemode="tozero", tickformat=",d"),
+        yaxis=look.axis("pedestrians", rangemode="tozero", tickformat=",d"),
         **axes,
     )
 
 
-def _period_axis(theme: Theme, rows: pd.DataFrame) -> dict[str, Any]:
+def _period_axis(look: ChartLook, rows: pd.DataFrame) -> dict[str, Any]:
     """Return an axis of adaptation periods, each with its tick."""
     periods = sorted(set(rows["period_s"]))
-    ticks = {"tickvals": periods, "ticktext": [f"{period:g}" for period in periods]}
-    return _fixed(theme, PERIOD, rangemode="tozero", **ticks)
-
-
-def _cells(values: np.ndarray, texts: Sequence[Sequence[str]], **more: Any) -> go.Heatmap:
-    """Return a map whose cells say `texts`."""
-    gaps = {"xgap": 1, "ygap": 1}
-    return go.Heatmap(z=values, text=texts, texttemplate="%{text}", showscale=False, **gaps, **more)
-
-
-def _cell_axis(theme: Theme, title: str, labels: Sequence[str], **more: Any) -> dict[str, Any]:
-    """Return an axis of cells with a label each."""
-    ticks = {"tickvals": list(range(len(labels))), "ticktext": labels}
-    return _fixed(theme, title, showgrid=False, **ticks, **more)
+    labels = [f"{period:g}" for period in periods]
+    return look.axis(PERIOD, rangemode="tozero", tickvals=periods, ticktext=labels)

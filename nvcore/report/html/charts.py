@@ -16,16 +16,7 @@ import pandas as pd
 import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
-from nvcore.figures.style import (
-    LOOK,
-    axis,
-    empty_figure,
-    layout,
-    plain,
-    take_heading,
-    which_is_which,
-    write,
-)
+from nvcore.figures.style import LOOK, ChartLook, plain, take_heading, which_is_which, write
 from nvcore.measures.table import evidence_form, inference_of
 from nvcore.palette import Theme
 from nvcore.report.tiles import REACH
@@ -78,9 +69,10 @@ def interval_plot(evidence: pd.DataFrame, theme: Theme = "light") -> go.Figure:
     evidence
         `nvcore.evidence.measures.significance_table`; shares are drawn in percentage points.
     """
+    look = LOOK[theme]
     defined = evidence[np.isfinite(evidence["difference"])]
     if defined.empty:
-        return empty_figure("No measure is defined for both systems.", theme=theme)
+        return look.empty("No measure is defined for both systems.")
     has_interval = np.isfinite(defined["low"].to_numpy()) & np.isfinite(defined["high"].to_numpy())
     heights = np.where(has_interval, INTERVAL_PX, WORDS_PX)
     ends = np.cumsum(heights)
@@ -96,10 +88,10 @@ def interval_plot(evidence: pd.DataFrame, theme: Theme = "light") -> go.Figure:
         if has_ends:
             domain = [1 - (top + edge) / total for edge in STRIP_PX[::-1]]
             n_axes += 1
-            _add_axis(figure, row, theme, n_axes, domain)
+            _add_axis(figure, row, look, n_axes, domain)
         else:
             text += " (no interval can be given)"
-        y, color = 1 - (top + 4) / total, LOOK[theme].ink
+        y, color = 1 - (top + 4) / total, look.ink
         write(figure, text, size=12, color=color, y=y, align="left", **place)
     about = "every axis has its own scale; right of the line X is better, left of it Y"
     axes: dict[str, Any] = {}
@@ -107,8 +99,7 @@ def interval_plot(evidence: pd.DataFrame, theme: Theme = "light") -> go.Figure:
         about = "too few data for any interval"
         axes = {name: {"visible": False} for name in ("xaxis", "yaxis")}
     above, below = MARGIN_PX
-    looks = layout(
-        theme,
+    looks = look.layout(
         title="Differences X − Y with 95 % intervals",
         subtitle=about + which_is_which(theme),
         height=int(above + total + below),
@@ -120,10 +111,14 @@ def interval_plot(evidence: pd.DataFrame, theme: Theme = "light") -> go.Figure:
 
 
 def _add_axis(
-    figure: go.Figure, row: Mapping[Hashable, Any], theme: Theme, number: int, domain: list[float]
+    figure: go.Figure,
+    row: Mapping[Hashable, Any],
+    look: ChartLook,
+    number: int,
+    domain: list[float],
 ) -> None:
     """Add the interval and the difference of a measure, on axes of their own."""
-    look, key = LOOK[theme], str(number) if number > 1 else ""
+    key = str(number) if number > 1 else ""
     is_share = evidence_form(row["figure"]).endswith("%")
     unit, suffix = (100.0, " pp") if is_share else (1.0, "")
     low, high, middle = (unit * row[name] for name in ("low", "high", "difference"))
@@ -134,10 +129,8 @@ def _add_axis(
     better = look.x if gain > 0 else look.y if gain < 0 else look.muted
     of, line = {"xaxis": f"x{key}", "yaxis": f"y{key}"}, {"color": look.muted, "width": 3}
     marker = {"color": better, "size": 12, "symbol": "circle"}
-    x_axis = axis(
-        theme,
+    x_axis = look.axis(
         range=[-sign * reach, sign * reach],
-        fixedrange=True,
         nticks=5,
         zeroline=True,
         zerolinewidth=1.5,

@@ -13,7 +13,7 @@ import pandas as pd
 
 from nvcore.arguments.plan import PlanArguments
 from nvcore.comparison import Result
-from nvcore.detection.curve_summary import summarise_curve
+from nvcore.detection.curve_summary import CurveSummary, summarise_curve
 from nvcore.detection.curves import DetectionCurve, detection_curve
 from nvcore.detection.filtered_truth import filter_truth
 from nvcore.detection.miss_rate import explain_few
@@ -27,7 +27,7 @@ from nvcore.evidence.planning.plan import Plan, plan_recordings
 from nvcore.evidence.planning.thresholds import vary_thresholds
 from nvcore.evidence.subgroups import ALL
 from nvcore.evidence.units import WHOLE, find_units
-from nvcore.figures import CurveKind, curve_plot, legend_text, stability_map, subgroup_forest
+from nvcore.figures import CurveKind, curve_plot, stability_map, subgroup_forest
 from nvcore.figures.dots import forest_in_words
 from nvcore.measures.of_encounters import DETECTED
 from nvcore.measures.table import doubt_of, evidence_form, measure_of, repeated_by
@@ -275,8 +275,7 @@ def detection_section(result: Result, protocol: Protocol) -> Section:
     texts += [f"{capitalised(few)}."] if few else []
     rows = score_cells(curve_rows(*summaries), indent=PART)
     miss_rate, precision_recall = (
-        _curve(result, curves, thresholds, kind, [legend_text(of, kind) for of in summaries])
-        for kind in CURVES
+        _curve(result, curves, thresholds, kind, summaries) for kind in CURVES
     )
     blocks: tuple[Block, ...] = (
         Paragraphs(tuple(texts)),
@@ -292,7 +291,7 @@ def _curve(
     curves: Sequence[DetectionCurve],
     thresholds: Sequence[float | None],
     kind: CurveKind,
-    legend: Sequence[str],
+    summaries: Sequence[CurveSummary],
 ) -> Chart:
     title, best = CURVES[kind]
     draw = partial(
@@ -301,7 +300,7 @@ def _curve(
         thresholds,
         kind,
         theme=result.scheme("light"),
-        summaries=legend,
+        summaries=summaries,
         hint=best,
         published=result.dataset.settings.published,
         objects=result.objects,

@@ -8,7 +8,7 @@ from typing import Any
 import plotly.graph_objects as go
 import pytest
 
-from nvcore.figures.style import draw
+from nvcore.figures.style import LOOK
 from ui.widgets import charts
 from ui.widgets.clicks import take_click
 
@@ -27,7 +27,7 @@ def figure() -> go.Figure:
         go.Scatter(x=[1, 2], y=[3, 4]),
         {"title": "Lost & found", "subtitle": "<i>of 3</i>"},
     )
-    return draw(trace, "light", height=300, **texts)
+    return LOOK["light"].draw(trace, height=300, **texts)
 
 
 def test_a_figure_is_sent_with_its_heading_apart(told: dict[str, Any]):
