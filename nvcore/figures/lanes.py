@@ -42,7 +42,7 @@ CLICKS_OF_LANE: Final = (20, 120)
 MAX_BARS: Final = 3000
 PIXELS: Final = 4000
 """Number of pixel columns to which bars are rounded if there are more than `MAX_BARS`."""
-LANE_PX: Final = ((12, 30), (40, 20), (MAX_LANES, 13))
+LANE_PX: Final = ((12, 30), (40, 20), (1_000_000, 13))
 """Height of a lane by the largest number of lanes that it is for."""
 KINDS: Final = (
     ("not_relevant", "xy", "too far to count"),

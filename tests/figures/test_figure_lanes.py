@@ -87,6 +87,14 @@ def test_some_of_the_lanes_or_those_with_misses_alone_can_be_drawn(two: Result) 
     assert "no annotated pedestrian" in words(empty)
 
 
+def test_of_more_lanes_than_usual_it_is_said_how_many_are_drawn_and_all_can_be() -> None:
+    crowd = result_of(make_dataset([at(0, 50, track=i) for i in range(201)]))
+    assert "201 pedestrians, most severe on top, 1 to 200 drawn" in words(
+        lanes_figure(crowd, 0, theme="light")
+    )
+    assert len(lanes_figure(crowd, 0, theme="light", most=201).layout.yaxis.ticktext) == 201
+
+
 def test_a_pedestrian_who_is_far_is_pale_and_a_gap_in_a_track_is_not_annotated() -> None:
     truth = [box for box in TRUTH if box.frame != 2]
     far = result_of(make_dataset(truth), proximity="height", midpoint=80.0, spread=1.0)
