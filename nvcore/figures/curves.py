@@ -120,7 +120,8 @@ def log_scale(values: np.ndarray, ticks: Sequence[float], high: float) -> LogSca
     >>> log_scale(np.array([0.0, 0.001]), (0.1, 1.0), 1.0).axis["ticktext"]
     ['< 0.1', '0.1', '1']
     """
-    low, labels = ticks[0], [_tick_label(tick) for tick in ticks]
+    low = ticks[0]
+    labels = [f"{t:g}" if t > 0.00099 else f"{t:.0e}".replace("e-0", "e-") for t in ticks]
     edge = float(low * (low / high) ** EDGE_SHARE)
     below = values[values < low * (1 - 1e-9)]
     if len(below):
@@ -128,11 +129,6 @@ def log_scale(values: np.ndarray, ticks: Sequence[float], high: float) -> LogSca
     ends = [math.log10(ticks[0] * (low / high) ** MARGIN_SHARE), math.log10(high)]
     axis = {"type": "log", "range": ends, "tickvals": [*ticks], "ticktext": labels}
     return LogScale(low, edge, axis, len(below) > 0)
-
-
-def _tick_label(value: float) -> str:
-    text = f"{value:g}" if value > 0.00099 else f"{value:.0e}"
-    return text.replace("e-0", "e-")
 
 
 def _decades(low: float, high: float) -> tuple[float, ...]:

@@ -14,7 +14,7 @@ from nvcore.evidence.planning.notes import ASSUMPTIONS
 from nvcore.evidence.planning.plan import Plan
 from nvcore.evidence.subgroups import ALL
 from nvcore.figures.marks import click_markers, curve_line, joined, marks, row_texts
-from nvcore.figures.style import LETTER_PX, LOOK, begins_at, plain, which_is_which, written
+from nvcore.figures.style import LETTER_PX, LOOK, Names, plain, which_is_which, written
 from nvcore.measures.entry import HIGHER
 from nvcore.measures.table import difference_text, inference_of, measure_of
 from nvcore.palette import Theme
@@ -154,7 +154,7 @@ def _group_text(row: dict[Hashable, Any]) -> str:
 
 def recordings_plot(
     recordings: pd.DataFrame,
-    names: tuple[str, str],
+    names: Names,
     *,
     theme: Theme,
     measure: ByRecording = "mean_similarity",
@@ -168,8 +168,6 @@ def recordings_plot(
     ----------
     recordings
         `nvcore.tables.result.recordings_table`, or rows of it with the same index.
-    names
-        Names of X and Y.
     measure
         ``mean_similarity`` (1 is best) or ``saliency`` (0 is best).
     """
@@ -213,7 +211,7 @@ def recordings_plot(
         subtitle=extent,
         height=150 + 24 * len(largest),
         hoverdistance=-1,
-        xaxis=look.axis(axis_title + begins_at(ends[0]), can_zoom=True, range=ends),
+        xaxis=look.axis(axis_title, begins=ends[0], can_zoom=True, range=ends),
         yaxis=look.rows_axis(labels, tickvals=place),
     )
 

@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 
 from nvcore.comparison import Result
 from nvcore.figures.marks import marks, still_line
-from nvcore.figures.style import LOOK, faded, plain, system_label, which_is_which
+from nvcore.figures.style import LOOK, Names, faded, plain, system_label, which_is_which
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.objects import Objects
 from nvcore.palette import Theme
@@ -111,7 +111,7 @@ def fusion_plot(fusion: pd.DataFrame, *, theme: Theme) -> go.Figure:
 
 
 def miss_classes_plot(
-    encounters: pd.DataFrame, names: tuple[str, str], *, theme: Theme, objects: Objects
+    encounters: pd.DataFrame, names: Names, *, theme: Theme, objects: Objects
 ) -> go.Figure:
     """Plot the number of encounters of each miss class, X against Y.
 
@@ -121,8 +121,6 @@ def miss_classes_plot(
     ----------
     encounters
         `nvcore.tables.result.encounters_table`, or rows of it.
-    names
-        Names of X and Y.
     """
     look, near = LOOK[theme], encounters[encounters["category"] != Category.DISTANT.value]
     if near.empty:

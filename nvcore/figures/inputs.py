@@ -10,16 +10,7 @@ import plotly.graph_objects as go
 
 from nvcore.dataset import Dataset
 from nvcore.figures.marks import marks, rule
-from nvcore.figures.style import (
-    EDGE_PX,
-    HEADING_PX,
-    LOOK,
-    ChartLook,
-    begins_at,
-    faded,
-    system_label,
-    write,
-)
+from nvcore.figures.style import EDGE_PX, HEADING_PX, LOOK, ChartLook, faded, system_label, write
 from nvcore.metrics.proximity import in_use, sigmoid
 from nvcore.metrics.proximity.borrowing import weighing_truth
 from nvcore.palette import Theme
@@ -81,7 +72,7 @@ def score_plot(
         subtitle=count_text(int(n.sum()), "detection") + left_out,
         bargap=0,
         barmode="overlay",
-        xaxis=look.axis(f"score{begins_at(span[0])}", can_zoom=True, range=span, showgrid=False),
+        xaxis=look.axis("score", begins=span[0], can_zoom=True, range=span, showgrid=False),
         yaxis=look.axis("detections", rangemode="tozero"),
     )
 
@@ -119,7 +110,7 @@ def false_alarm_plot(
         title=f"False alarms of {system_label(letter, name)}",
         subtitle=f"{most} at the lowest threshold",
         hovermode="x",
-        xaxis=look.axis(f"score threshold{begins_at(curve['threshold'].min())}", can_zoom=True),
+        xaxis=look.axis("score threshold", begins=curve["threshold"].min(), can_zoom=True),
         yaxis=look.axis("false alarms per minute", rangemode="tozero"),
     )
 

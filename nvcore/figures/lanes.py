@@ -18,7 +18,6 @@ from nvcore.figures.style import (
     LOOK,
     ChartLook,
     faded,
-    hatching,
     plain,
     system_label,
     which_is_which,
@@ -242,7 +241,7 @@ def _paint(state: str, letters: str, look: ChartLook) -> dict[str, Any]:
     colour = look.of(letters)
     if state == "matched":
         return {"fillcolor": colour, "width": 0}
-    return {"fillpattern": hatching(colour, 6, 0.18), "width": 1.2, "color": colour}
+    return {"fillpattern": look.hatching(letters, 6, 0.18), "width": 1.2, "color": colour}
 
 
 def _lane_clicks(result: Result, runs: pd.DataFrame, n_lanes: int) -> go.Scatter:

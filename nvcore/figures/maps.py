@@ -19,7 +19,6 @@ from nvcore.figures.style import (
     HEADING_PX,
     LOOK,
     ChartLook,
-    begins_at,
     faded,
     plain,
     system_label,
@@ -77,7 +76,7 @@ def stability_map(stability: StabilityMap, *, theme: Theme) -> go.Figure:
         settings = {
             "height": 320,
             "hovermode": "x",
-            "xaxis": look.axis(_axis_title(stability.axes[0])),
+            "xaxis": _setting_axis(stability.axes[0], look),
             "yaxis": look.axis(QUANTITY[stability.criterion], range=[-edge, edge], **zero),
         }
     places = product(*(setting.values.tolist() for setting in stability.axes))
@@ -162,9 +161,10 @@ def _line(stability: StabilityMap, look: ChartLook) -> list[Any]:
     ]
 
 
-def _axis_title(setting: Axis) -> str:
+def _setting_axis(setting: Axis, look: ChartLook, **more: Any) -> dict[str, Any]:
     in_unit = f"{setting.label.removesuffix(')')}, {setting.unit})"
-    return (in_unit if setting.unit else setting.label) + begins_at(setting.values[0])
+    title = in_unit if setting.unit else setting.label
+    return look.axis(title, begins=setting.values[0], **more)
 
 
 def _map_axis(setting: Axis, look: ChartLook) -> dict[str, Any]:
@@ -181,7 +181,7 @@ def _map_axis(setting: Axis, look: ChartLook) -> dict[str, Any]:
     if setting.labels:
         words = [word.replace(" ", "<br>", 1) for word in setting.words]
         more |= {"tickvals": setting.values, "ticktext": words}
-    return look.axis(_axis_title(setting), **more)
+    return _setting_axis(setting, look, **more)
 
 
 def _equal_alarms(stability: StabilityMap) -> np.ndarray:

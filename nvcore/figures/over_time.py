@@ -13,25 +13,17 @@ from tsdownsample import MinMaxLTTBDownsampler
 
 from nvcore.comparison import Result
 from nvcore.figures.marks import click_markers, row_texts, rule, still_line
-from nvcore.figures.style import (
-    HEADING_PX,
-    LEFT_PX,
-    LEGEND_PX,
-    LOOK,
-    ChartLook,
-    begins_at,
-    faded,
-    hatching,
-    plain,
-    system_label,
-    write,
-)
+from nvcore.figures.style import HEADING_PX, LOOK, ChartLook, faded, plain, system_label, write
 from nvcore.metrics.losses import lost_per_minute
 from nvcore.palette import Theme
 from nvcore.wording import count_text, number
 
 TimeLayout = Literal["time", "upright", "side_by_side"]
 
+LEFT_PX: Final = 84
+"""Left margin of the figures over time, so that they line up below each other."""
+LEGEND_PX: Final = 52
+"""Height of a legend in one row, with the gaps around it."""
 NO_FRAMES: Final = "This recording has no frames."
 MAX_POINTS: Final = 4000
 """Maximum number of points of a line: more than a screen has columns, few enough to draw."""
@@ -352,8 +344,8 @@ def _similarity_lines(panels: Panels, letter: str) -> list[go.Scatter]:
 
 def _similarity_axes(panels: Panels, floor: float, layout: TimeLayout) -> dict[str, Any]:
     def similarity(of: str, domain: list[float], ends: list[float]) -> dict[str, Any]:
-        title = f"similarity{of} (1 = perfect){begins_at(floor)}"
-        return panels.look.axis(title, range=ends, tickformat=".2~f", domain=domain)
+        form: Any = {"range": ends, "tickformat": ".2~f", "domain": domain}
+        return panels.look.axis(f"similarity{of} (1 = perfect)", begins=floor, **form)
 
     time, ends = panels.axis("time (s)"), [floor, 1.02]
     strip: dict[str, Any] = {"range": [-0.6, 1.6], "tickvals": [0, 1], "showgrid": False}
@@ -438,7 +430,8 @@ def _loss_areas(panels: Panels, letter: str) -> list[go.Scatter]:
     system, colour = panels.result.system(letter), panels.look.of(letter)
     losses = system.loss_miss[panels.rows], system.loss_false[panels.rows]
     shown = keep_peaks(*losses)
-    fills: Any = {"fillcolor": faded(colour, 0.55)}, {"fillpattern": hatching(colour, 5, 0.35)}
+    pattern = panels.look.hatching(letter, 5, 0.35)
+    fills: Any = {"fillcolor": faded(colour, 0.55)}, {"fillpattern": pattern}
     return [
         still_line(
             **panels.place(letter, panels.time_s[shown], lost[shown]),

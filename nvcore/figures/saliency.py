@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 
 from nvcore.comparison import Result
 from nvcore.figures.marks import marks, row_texts, still_line, with_gaps
-from nvcore.figures.style import CLEAR, LOOK, begins_at, faded, plain, system_label
+from nvcore.figures.style import CLEAR, LOOK, faded, plain, system_label
 from nvcore.metrics.saliency import recency_weight
 from nvcore.palette import Theme
 from nvcore.tables.result import recordings_table
@@ -238,6 +238,6 @@ def plane_plot(result: Result, *, theme: Theme) -> go.Figure:
         subtitle=f"{count_text(len(recordings), 'recording')}; best is bottom right; better in "
         f"both: X in {n_x:,}, Y in {n_y:,}",
         height=420,
-        xaxis=look.axis("mean similarity (1 = perfect)" + begins_at(start), range=[start, 1.005]),
+        xaxis=look.axis("mean similarity (1 = perfect)", begins=start, range=[start, 1.005]),
         yaxis=look.axis("saliency (s, 0 = nothing to notice)", can_zoom=True, rangemode="tozero"),
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from textwrap import wrap
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 import plotly.graph_objects as go
@@ -13,9 +13,10 @@ import plotly.graph_objects as go
 from nvcore.figures.marks import marks
 from nvcore.palette import TRUTH_COLOUR, X_COLOUR, Y_COLOUR, Scheme, Shade, Theme, rgb, scheme_of
 
+Names: TypeAlias = tuple[str, str]
+"""Names of X and Y."""
+
 FONT: Final = "Source Sans, Source Sans Pro, sans-serif"
-LEFT_PX: Final = 84
-"""Left margin of the figures over time, so that they line up below each other."""
 MAX_NAME: Final = 32
 """Maximum number of characters that are shown of a name from a file."""
 EMPTY_LINE: Final = 42
@@ -45,8 +46,6 @@ drawing. So the known space is left free from the start.
 """
 AXIS_PX: Final = 45
 """Height of an axis's labels and title."""
-LEGEND_PX: Final = 52
-"""Height of a legend in one row, with the gaps around it."""
 LETTER_PX: Final = 7.3
 """Approximate width of a letter of a label."""
 HIDDEN_AXIS: Final = {"visible": False, "fixedrange": True}
@@ -109,6 +108,11 @@ class ChartLook:
         looks = {"color": self.of(letter), "symbol": self.symbol(letter)}
         return {**looks, "size": size, "line": line}
 
+    def hatching(self, letter: str, size: float, solidity: float) -> dict[str, Any]:
+        """Return Plotly's pattern of a system's hatched areas."""
+        looks = {"shape": "/", "size": size, "solidity": solidity, "fillmode": "replace"}
+        return looks | {"fgcolor": self.of(letter), "bgcolor": faded(self.of(letter), 0.08)}
+
     def marks(
         self, letter: str, system: str, size: float, x: Any, y: Any, texts: Any, **more: Any
     ) -> go.Scatter:
@@ -122,10 +126,16 @@ class ChartLook:
         colours = LOSS_COLOURS[self.scheme.shade]
         return list(zip(np.linspace(0, 1, len(colours)).tolist(), colours, strict=True))
 
-    def axis(self, title: str = "", *, can_zoom: bool = False, **more: Any) -> dict[str, Any]:
-        """Return an axis whose `title` says quantity and unit. It is fixed unless it `can_zoom`."""
+    def axis(
+        self, title: str = "", *, begins: float = 0, can_zoom: bool = False, **more: Any
+    ) -> dict[str, Any]:
+        """Return an axis whose `title` says the quantity and its unit, and where it `begins`.
+
+        Its range is fixed unless it `can_zoom`.
+        """
+        text = title + begins_at(begins)
         return {
-            "title": {"text": title, "font": {"size": 12, "color": self.muted}, "standoff": 8},
+            "title": {"text": text, "font": {"size": 12, "color": self.muted}, "standoff": 8},
             "automargin": True,
             "fixedrange": None if can_zoom else True,
             "gridcolor": self.grid,
@@ -279,12 +289,6 @@ def faded(colour: str, opacity: float) -> str:
     """Return a colour ``#RRGGBB`` with an opacity of 0..1."""
     red, green, blue = rgb(colour)
     return f"rgba({red},{green},{blue},{opacity:g})"
-
-
-def hatching(colour: str, size: float, solidity: float) -> dict[str, Any]:
-    """Return Plotly's pattern of hatched areas."""
-    looks = {"shape": "/", "size": size, "solidity": solidity, "fillmode": "replace"}
-    return looks | {"fgcolor": colour, "bgcolor": faded(colour, 0.08)}
 
 
 def begins_at(low: float) -> str:

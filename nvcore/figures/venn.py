@@ -18,7 +18,7 @@ import plotly.graph_objects as go
 from scipy.optimize import brentq
 
 from nvcore.figures.marks import click_markers, marks
-from nvcore.figures.style import EDGE_PX, HIDDEN_AXIS, LOOK, ChartLook, faded, plain, written
+from nvcore.figures.style import EDGE_PX, HIDDEN_AXIS, LOOK, ChartLook, Names, faded, plain, written
 from nvcore.metrics.venn import Venn
 from nvcore.objects import Objects
 from nvcore.palette import Theme
@@ -61,7 +61,7 @@ STEP: Final = 3.3
 
 def venn_figure(
     venn: Venn,
-    names: tuple[str, str],
+    names: Names,
     *,
     theme: Theme,
     objects: Objects,
@@ -74,8 +74,6 @@ def venn_figure(
 
     Parameters
     ----------
-    names
-        Names of X and Y.
     encounters
         Table of `nvcore.tables.encounters.severity.weighed_encounters`. Up to 150 encounters get a
         mark each, with an area by the larger severity. None: counts only.
@@ -269,7 +267,7 @@ def _width(label: Label) -> float:
 
 
 def _labels(
-    venn: Venn, names: tuple[str, str], parts: Mapping[Category, pd.DataFrame], look: ChartLook
+    venn: Venn, names: Names, parts: Mapping[Category, pd.DataFrame], look: ChartLook
 ) -> dict[str, tuple[Label, Label]]:
     """Return labels of the regions (count, words, severities) and of both systems."""
     labels = {}

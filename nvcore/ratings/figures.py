@@ -10,7 +10,7 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.figures.marks import band, still_line
-from nvcore.figures.style import LOOK, ChartLook, begins_at, faded, plain, written
+from nvcore.figures.style import LOOK, ChartLook, Names, faded, plain, written
 from nvcore.palette import Theme
 from nvcore.ratings.agreement import Agreement
 from nvcore.ratings.trend import Trend, fit_trend
@@ -25,11 +25,7 @@ ROW_PX: Final = 20
 
 
 def rating_plot(
-    clips: pd.DataFrame,
-    correlations: Sequence[Correlation],
-    names: tuple[str, str],
-    *,
-    theme: Theme,
+    clips: pd.DataFrame, correlations: Sequence[Correlation], names: Names, *, theme: Theme
 ) -> go.Figure:
     """Plot the saliency of every clip against its mean rank, with the line through the clips.
 
@@ -43,8 +39,6 @@ def rating_plot(
     correlations
         Correlations from `nvcore.ratings.validation.correlate`. The subtitle has the first defined
         one.
-    names
-        Names of X and Y.
     """
     look = LOOK[theme]
     if clips.empty:
@@ -78,7 +72,7 @@ def rating_plot(
         height=420,
         annotations=texts,
         xaxis=look.axis(
-            f"mean rank (1 = least annoying){begins_at(ends[0])}", can_zoom=True, range=ends
+            "mean rank (1 = least annoying)", begins=ends[0], can_zoom=True, range=ends
         ),
         # from 0, however far down the interval reaches: there is no saliency below
         yaxis=look.axis("saliency (s)", can_zoom=True, range=[0, 1.06 * highest_s or 1]),
@@ -97,7 +91,7 @@ def _trend_traces(trend: Trend, look: ChartLook) -> list[go.Scatter]:
 
 
 def _outlier_names(
-    clips: pd.DataFrame, trend: Trend, names: tuple[str, str], color: str
+    clips: pd.DataFrame, trend: Trend, names: Names, color: str
 ) -> list[dict[str, Any]]:
     """Return the names of the outliers as annotations, the farthest first."""
     order = np.argsort(-np.abs(trend.residual_s), kind="stable")

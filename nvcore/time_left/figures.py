@@ -24,7 +24,7 @@ from nvcore.figures.marks import (
     still_line,
 )
 from nvcore.figures.over_time import decimate, evenly, frame_texts
-from nvcore.figures.style import CLEAR, LOOK, ChartLook, faded, plain, system_label, written
+from nvcore.figures.style import CLEAR, LOOK, ChartLook, Names, faded, plain, system_label, written
 from nvcore.notes import phrase
 from nvcore.palette import Theme
 from nvcore.time_left.encounters import (
@@ -110,12 +110,7 @@ CLICKS: Final = 300
 
 
 def approach_plot(
-    result: Result,
-    urgent: pd.DataFrame,
-    *,
-    theme: Theme,
-    first: int = 0,
-    most: int = MOST_ROWS,
+    result: Result, urgent: pd.DataFrame, *, theme: Theme, first: int = 0, most: int = MOST_ROWS
 ) -> go.Figure:
     """Plot each urgent encounter as a line from the first annotated frame to contact.
 
@@ -231,12 +226,7 @@ def responses_text(result: Result, encounters: np.ndarray) -> list[str]:
 
 
 def _confirmations(
-    result: Result,
-    part: pd.DataFrame,
-    letter: str,
-    row: np.ndarray,
-    reach_s: float,
-    look: ChartLook,
+    result: Result, part: pd.DataFrame, letter: str, y: np.ndarray, reach_s: float, look: ChartLook
 ) -> list[go.Scatter]:
     """Return filled marks where a system confirms pedestrians, open ones where it never does."""
     name = result.system(letter).name
@@ -249,7 +239,7 @@ def _confirmations(
     return [
         marks(
             np.clip(at_s[~is_never], 0, reach_s),
-            row[~is_never],
+            y[~is_never],
             **_moments(result, confirmed, confirmed_row, what),
             cliponaxis=False,
             name=f"{system_label(letter, name)} confirms",
@@ -257,7 +247,7 @@ def _confirmations(
         ),
         marks(
             np.full(len(never), -NEVER * reach_s),
-            row[is_never],
+            y[is_never],
             **_moments(result, never, never["urgent_row"].to_numpy(), "last chance"),
             cliponaxis=False,
             name=f"{letter.upper()} never",
@@ -283,7 +273,7 @@ def _impacts(part: pd.DataFrame, look: ChartLook) -> list[dict[str, Any]]:
 
 def over_speed_plot(
     curve: pd.DataFrame,
-    names: tuple[str, str],
+    names: Names,
     *,
     speed_kmh: float | None,
     theme: Theme,
@@ -295,8 +285,6 @@ def over_speed_plot(
     ----------
     curve
         Curve from `nvcore.time_left.judging.curve_over_speed`.
-    names
-        Names of X and Y.
     speed_kmh
         Marked speed that all recordings are assumed to have
         (`nvcore.comparison.Result.assumed_speed_kmh`). None: some recordings state their own, which

@@ -16,7 +16,7 @@ from nvcore.driver.illumination.clock import AdaptationClock
 from nvcore.figures.curves import mark_value
 from nvcore.figures.marks import curve_line, marks, row_texts, rule, still_line
 from nvcore.figures.over_time import decimate
-from nvcore.figures.style import LOOK, ChartLook, faded, plain, system_label, written
+from nvcore.figures.style import LOOK, ChartLook, Names, faded, plain, system_label, written
 from nvcore.figures.venn import Frame, filled, square_axes
 from nvcore.objects import Objects
 from nvcore.palette import Shade, Theme, scheme_of
@@ -222,12 +222,7 @@ def _mark_changes(
 
 
 def driver_threshold_plot(
-    counts: pd.DataFrame,
-    names: tuple[str, str],
-    *,
-    threshold: float,
-    theme: Theme,
-    objects: Objects,
+    counts: pd.DataFrame, names: Names, *, threshold: float, theme: Theme, objects: Objects
 ) -> go.Figure:
     """Draw encounters seen by the driver, useful alerts of X and of Y, and unprotected ones.
 
@@ -235,8 +230,6 @@ def driver_threshold_plot(
     ----------
     counts
         Counts from `nvcore.driver.comparison.encounters.over_driver_threshold`.
-    names
-        Names of X and Y.
     threshold
         Marked `driver_threshold`, 0 to 1.
     """
@@ -293,18 +286,13 @@ def _own(
 
 
 def driver_venn_plot(
-    venn: DriverVenn, names: tuple[str, str], *, theme: Theme, objects: Objects
+    venn: DriverVenn, names: Names, *, theme: Theme, objects: Objects
 ) -> go.Figure:
     """Draw a Venn diagram of the near encounters that the driver, X and Y see.
 
     A click on a count gives its region (`nvcore.driver.comparison.kinds.DriverRegion`) as
     `customdata`. The circles are of one size: three counts and their overlaps cannot be areas of
     circles.
-
-    Parameters
-    ----------
-    names
-        Names of X and Y.
     """
     look = LOOK[theme]
     if not venn.n_known:
@@ -346,7 +334,7 @@ def _circle(who: str, look: ChartLook) -> dict[str, Any]:
     return filled("circle", box, line, faded(colour, 0.14))
 
 
-def _labels(names: tuple[str, str], look: ChartLook) -> list[dict[str, Any]]:
+def _labels(names: Names, look: ChartLook) -> list[dict[str, Any]]:
     x, y = (f"{letter.upper()} {plain(name)}" for letter, name in zip("xy", names, strict=True))
     return [
         written("Driver", size=14, color=look.muted, x=0, y=1.48, yanchor="bottom"),

@@ -111,14 +111,10 @@ def interval_plot(evidence: pd.DataFrame, theme: Theme = "light") -> go.Figure:
 
 
 def _add_axis(
-    figure: go.Figure,
-    row: Mapping[Hashable, Any],
-    look: ChartLook,
-    number: int,
-    domain: list[float],
+    figure: go.Figure, row: Mapping[Hashable, Any], look: ChartLook, n: int, domain: list[float]
 ) -> None:
     """Add the interval and the difference of a measure, on axes of their own."""
-    key = str(number) if number > 1 else ""
+    key = str(n) if n > 1 else ""
     is_share = evidence_form(row["figure"]).endswith("%")
     unit, suffix = (100.0, " pp") if is_share else (1.0, "")
     low, high, middle = (unit * row[name] for name in ("low", "high", "difference"))
