@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Final, Literal
 
@@ -205,16 +205,9 @@ class StudySettings:
         """Label of each field of the form. Own questions are numbered."""
         return form_of(FORM, self.questions)
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the settings as values of JSON. Unknown values are null."""
-        return asdict(self)
-
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> StudySettings:
-        """Return the settings that `to_json` gave."""
-        parts = {
-            "timing": Timing(**values["timing"]),
-            "facts": Facts(**values["facts"]),
-            "questions": tuple(values["questions"]),
-        }
-        return cls(**{**values, **parts})
+        """Return the settings whose `dataclasses.asdict` was written as JSON."""
+        timing, facts = Timing(**values["timing"]), Facts(**values["facts"])
+        questions = tuple(values["questions"])
+        return cls(**{**values, "timing": timing, "facts": facts, "questions": questions})
