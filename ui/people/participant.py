@@ -6,13 +6,12 @@ from collections.abc import Mapping
 
 import streamlit as st
 
-from nvcore.errors import InputError
 from nvcore.people.form import CHOICES, MOST_QUESTION
 from nvcore.people.participants import MOST_NAME
 from nvcore.people.store import Person, StudyStore
 from ui.people.studies import PARTICIPANT, STUDY, S, Studies, enter, leave_screen
 from ui.session import state
-from ui.shell.messages import shown_error
+from ui.shell.messages import errors_shown
 from ui.widgets.buttons import button, submit_button
 from ui.widgets.text import plain
 
@@ -81,12 +80,8 @@ def _welcome(studies: Studies[S], study: S, store: StudyStore[S]) -> None:
     if is_sent and not agrees:
         st.warning("Without your agreement nothing is kept, and there is nothing to take part in.")
     elif is_sent:
-        try:
-            _, code = store.join(study, answers, name=name)
-        except InputError as error:  # the form stays as it was filled in
-            st.error(shown_error(error))
-        else:
-            enter(study.token, code)
+        with errors_shown():  # the form stays as it was filled in
+            enter(study.token, store.join(study, answers, name=name)[1])
     with st.expander("I have a code already"):
         code = st.text_input(
             "Your code", key=f"{prefix}_known_code", max_chars=MOST_NAME, width=420
