@@ -10,7 +10,7 @@ import streamlit as st
 
 from nvcore.people.form import KEPT_DAYS, LONGEST_KEPT_DAYS, MOST_TEXT
 from nvcore.people.participants import MOST_NAME
-from ui.people.studies import S, Studies, enter, is_local
+from ui.people.studies import B, S, Studies, enter, is_local
 from ui.session import store as session
 from ui.shell.messages import errors_shown
 from ui.widgets.buttons import button
@@ -21,14 +21,15 @@ NEWS_S: Final = 5.0
 """Interval at which the progress is updated, seconds."""
 
 
-def draw(studies: Studies[S]) -> None:
+def draw(studies: Studies[S, B]) -> None:
     """Draw the study that is open, else the form that begins one."""
-    study = None
+    conducted = None
     with errors_shown():
-        study = studies.conducted()
-    if study is None:
+        conducted = studies.conducted()
+    if conducted is None:
         studies.draw_setup()
         return
+    store, study = conducted
     st.header(f"The {studies.what}")
     _draw_addresses(*studies.addresses(study))
     if study.ends_at is not None:
@@ -45,10 +46,10 @@ def draw(studies: Studies[S]) -> None:
             st.rerun()
     with st.container(horizontal=True):
         # outside the fragment, whose reruns would lose clicks
-        studies.draw_downloads(study)
-    _draw_progress(studies, study)
-    studies.draw_results(study)
-    _draw_one_participant(studies, study)
+        studies.draw_downloads(store, study)
+    _draw_progress(studies, store, study)
+    studies.draw_results(store, study)
+    _draw_one_participant(studies, store, study)
 
 
 def _draw_addresses(for_participants: str, for_conductor: str) -> None:
@@ -68,9 +69,9 @@ def _draw_addresses(for_participants: str, for_conductor: str) -> None:
 
 
 @st.fragment(run_every=NEWS_S)
-def _draw_progress(studies: Studies[S], study: S) -> None:
+def _draw_progress(studies: Studies[S, B], store: B, study: S) -> None:
     st.header("Progress")
-    progress = studies.progress(study)
+    progress = studies.progress(store, study)
     columns = st.columns(len(progress.metrics))
     for column, (label, (n, hint)) in zip(columns, progress.metrics.items(), strict=True):
         column.metric(label, f"{n:,}", help=hint)
@@ -84,9 +85,9 @@ def _draw_progress(studies: Studies[S], study: S) -> None:
         st.caption(progress.note)
 
 
-def _draw_one_participant(studies: Studies[S], study: S) -> None:
+def _draw_one_participant(studies: Studies[S, B], store: B, study: S) -> None:
     """Ask for a name or code, then offer that participant's data, a new code, and deletion."""
-    prefix, store = studies.prefix, studies.store()
+    prefix = studies.prefix
     st.header("One participant")
     st.caption(
         "On request. A participant who lost the code goes on with a new one. What is deleted is "
@@ -157,9 +158,9 @@ def ask_terms(
     return text, lines, int(keep_days)
 
 
-def offer_start(studies: Studies[S], begin: Callable[[], S]) -> None:
+def offer_start(studies: Studies[S, B], begin: Callable[[B], S]) -> None:
     """Draw the button that begins a study, which is then conducted."""
     if button(studies.start, type="primary", key=f"{studies.prefix}_start"):
         with errors_shown():
-            studies.conduct(begin())
+            studies.conduct(begin(studies.store()))
             st.rerun()

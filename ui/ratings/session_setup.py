@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Hashable
 from typing import Any
 
 import numpy as np
@@ -30,9 +30,7 @@ from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.text import docs_link, number
 
 
-def draw_setup(
-    sessions: Studies[RatingStudy], open_store: Callable[[], RatingStore], result: Result
-) -> None:
+def draw_setup(sessions: Studies[RatingStudy, RatingStore], result: Result) -> None:
     """Draw the form that begins a session."""
     names, both = state.recording_names(), [*result.names]
     st.header("Start a rating session")
@@ -72,7 +70,7 @@ def draw_setup(
         )
     offer_start(
         sessions,
-        lambda: open_store().begin(
+        lambda store: store.begin(
             result.dataset.fingerprint,
             clips,
             thresholds=shown_thresholds(),

@@ -110,15 +110,16 @@ def _file(_: Result) -> pd.DataFrame | None:
 
 
 def _session(result: Result) -> pd.DataFrame | None:
-    study = SESSIONS.conducted()
-    if study is None:
+    conducted = SESSIONS.conducted()
+    if conducted is None:
         st.info('None is open. Start one under "Rating session", or open the conductor\'s link.')
         return None
+    store, study = conducted
     if study.fingerprint != result.dataset.fingerprint:
         st.warning("These ratings are of another comparison than the one that is open.")
     elif apart := thresholds_apart(study):
         _draw_apart(result, apart)
-    return SESSIONS.store().ratings(study)
+    return store.ratings(study)
 
 
 def _draw_apart(result: Result, apart: dict[str, tuple[float | None, float | None]]) -> None:

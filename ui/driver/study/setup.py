@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
@@ -58,9 +57,7 @@ FACTS: Final = {
 }
 
 
-def draw_setup(
-    studies: Studies[DetectabilityStudy], open_store: Callable[[], DetectabilityStore]
-) -> None:
+def draw_setup(studies: Studies[DetectabilityStudy, DetectabilityStore]) -> None:
     """Draw the form that begins a study."""
     st.header("Start a study")
     folder = _choose_folder()
@@ -80,7 +77,7 @@ def draw_setup(
         st.error(shown_error(error))
         return
     st.info(LIMITS, icon=":material/info:")
-    offer_start(studies, lambda: open_store().begin(settings, pictures, folder=folder))
+    offer_start(studies, lambda store: store.begin(settings, pictures, folder=folder))
 
 
 def _choose_folder() -> str | None:

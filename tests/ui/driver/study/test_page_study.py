@@ -35,8 +35,8 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> list[dict]:
     """The runs that the browser is given; a button in place of each tells that it has ended."""
     drawn: list[dict] = []
 
-    def draw_run(run, title, trials, timing, *, whose, on_end):
-        drawn.append({"run": run, "title": title, "trials": trials})
+    def draw_run(screen, run, title, trials, *, on_end=lambda _: None):
+        drawn.append({"run": run, "title": title, "trials": [of._asdict() for of in trials]})
         st.button("End the run", key="study_screen", on_click=on_end, args=(run,))
         st.button("End another", key="study_other", on_click=on_end, args=("3 of it",))
 
