@@ -25,7 +25,6 @@ from ui.driver.study.files import folder_of, folders
 from ui.people.conduct import ask_terms, offer_start
 from ui.people.studies import Studies
 from ui.session import state
-from ui.session.store import N_PRACTICE
 from ui.shell.messages import shown_error
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import docs_link, plain
@@ -116,7 +115,27 @@ def _pictures(name: str) -> tuple[StudyPicture, ...]:
 
 def _draw_settings() -> StudySettings:
     design = choose_side_by_side("Design", DESIGNS, "study_design", default="latin")
-    times_text, parts_s = _draw_timing()
+    usual = Timing()
+    with st.expander("Times"):
+        st.caption(
+            "A run shows its first picture at one of the first half of these times, its second at "
+            f"the one half the list later ({docs_link('why', 'a-run', doc='study')})."
+        )
+        times_text = st.text_input(
+            "Seconds from dark to each picture",
+            ", ".join(f"{time_s:g}" for time_s in usual.adaptation_s),
+            key="study_adaptation_s",
+            max_chars=MOST_TIMES_TEXT,
+            width=420,
+        )
+        parts_s = {}
+        columns = st.columns(len(TIMES) // 2) * 2
+        for (name, label), column in zip(TIMES.items(), columns, strict=True):
+            limits = (0.0, LONGEST_S, float(getattr(usual, name)), 0.1)
+            parts_s[name] = float(
+                column.number_input(f"{label}, s", *limits, format="%g", key=f"study_{name}")
+            )
+        n_practice = st.number_input("Practice runs", 0, 10, 1, key="study_n_practice", width=200)
     with st.expander("Screen, distance and light, as measured"):
         st.caption(
             "They are kept with the answers; what is not known stays empty. A lux meter at the eye "
@@ -141,35 +160,9 @@ def _draw_settings() -> StudySettings:
         facts=Facts(**facts),
         consent=consent,
         questions=questions or (),
-        n_practice=int(N_PRACTICE.get()),
+        n_practice=int(n_practice),
         keep_days=keep_days,
     )
-
-
-def _draw_timing() -> tuple[str, dict[str, float]]:
-    """Ask for times after the change of light, as text, and the length of each part of a run."""
-    usual = Timing()
-    with st.expander("Times"):
-        st.caption(
-            "A run shows its first picture at one of the first half of these times, its second at "
-            f"the one half the list later ({docs_link('why', 'a-run', doc='study')})."
-        )
-        text = st.text_input(
-            "Seconds from dark to each picture",
-            ", ".join(f"{time_s:g}" for time_s in usual.adaptation_s),
-            key="study_adaptation_s",
-            max_chars=MOST_TIMES_TEXT,
-            width=420,
-        )
-        parts_s = {}
-        columns = st.columns(len(TIMES) // 2) * 2
-        for (name, label), column in zip(TIMES.items(), columns, strict=True):
-            limits = (0.0, LONGEST_S, float(getattr(usual, name)), 0.1)
-            parts_s[name] = float(
-                column.number_input(f"{label}, s", *limits, format="%g", key=f"study_{name}")
-            )
-        st.number_input("Practice runs", 0, 10, 1, key="study_n_practice", width=200)
-    return text, parts_s
 
 
 def _times(text: str) -> tuple[float, ...]:
