@@ -11,12 +11,14 @@ from nvcore.driver.inputs.trials import LEAST_PEDESTRIANS
 from nvcore.driver.study.pictures import BOXES_FILE, StudyPicture, read_pictures
 from nvcore.driver.study.plan import duration_s, plan_trials
 from nvcore.driver.study.settings import (
+    ADAPTATION_S,
     CONSENT,
     DESIGNS,
     LONGEST_S,
     Facts,
     StudySettings,
     Timing,
+    asked_of,
 )
 from nvcore.driver.study.touch_task import DetectabilityStore, DetectabilityStudy
 from nvcore.errors import InputError
@@ -38,22 +40,8 @@ LIMITS: Final = (
     "pedestrian in a picture **on this screen**; what that says about a road is for a study on a "
     "road to show."
 )
-TIMES: Final = {
-    "bright_s": "Bright screen",
-    "preview_s": "Coarse picture",
-    "cross_s": "Cross before dark",
-    "show_s": "Picture",
-    "answer_s": "Answer (0: no limit)",
-    "again_s": "Cross before the second picture",
-}
 MOST_TIMES_TEXT: Final = 200
 """Characters of the field for the times after the change of light."""
-FACTS: Final = {
-    "screen_inch": "Diagonal of the screen, inches",
-    "distance_cm": "Eyes to screen, cm",
-    "bright_lux": "Bright, lux at the eye",
-    "dark_lux": "Dark, lux at the eye",
-}
 
 
 def draw_setup(studies: Studies[DetectabilityStudy, DetectabilityStore]) -> None:
@@ -115,7 +103,6 @@ def _pictures(name: str) -> tuple[StudyPicture, ...]:
 
 def _draw_settings() -> StudySettings:
     design = choose_side_by_side("Design", DESIGNS, "study_design", default="latin")
-    usual = Timing()
     with st.expander("Times"):
         st.caption(
             "A run shows its first picture at one of the first half of these times, its second at "
@@ -123,28 +110,28 @@ def _draw_settings() -> StudySettings:
         )
         times_text = st.text_input(
             "Seconds from dark to each picture",
-            ", ".join(f"{time_s:g}" for time_s in usual.adaptation_s),
+            ", ".join(f"{time_s:g}" for time_s in ADAPTATION_S),
             key="study_adaptation_s",
             max_chars=MOST_TIMES_TEXT,
             width=420,
         )
-        parts_s = {}
-        columns = st.columns(len(TIMES) // 2) * 2
-        for (name, label), column in zip(TIMES.items(), columns, strict=True):
-            limits = (0.0, LONGEST_S, float(getattr(usual, name)), 0.1)
-            parts_s[name] = float(
-                column.number_input(f"{label}, s", *limits, format="%g", key=f"study_{name}")
+        parts_s = {
+            name: column.number_input(
+                f"{label}, s", *(0.0, LONGEST_S, usual, 0.1), format="%g", key=f"study_{name}"
             )
+            for column, (name, label, usual) in zip(
+                st.columns(3) * 2, asked_of(Timing), strict=True
+            )
+        }
         n_practice = st.number_input("Practice runs", 0, 10, 1, key="study_n_practice", width=200)
     with st.expander("Screen, distance and light, as measured"):
         st.caption(
             "They are kept with the answers; what is not known stays empty. A lux meter at the eye "
             "tells the light. Participants may state a screen and distance of their own."
         )
-        columns = st.columns(len(FACTS))
         facts = {
-            name: column.number_input(label, min_value=0.1, value=None, key=f"study_{name}")
-            for (name, label), column in zip(FACTS.items(), columns, strict=True)
+            name: column.number_input(label, min_value=0.1, value=usual, key=f"study_{name}")
+            for column, (name, label, usual) in zip(st.columns(4), asked_of(Facts), strict=True)
         }
     with st.expander("Consent, form, and how long answers are kept"):
         consent, questions, keep_days = ask_terms(
