@@ -158,9 +158,9 @@ def ask_terms(
     return text, lines, int(keep_days)
 
 
+@errors_shown()
 def offer_start(studies: Studies[S, B], begin: Callable[[B], S]) -> None:
     """Draw the button that begins a study, which is then conducted."""
     if button(studies.start, type="primary", key=f"{studies.prefix}_start"):
-        with errors_shown():
-            studies.conduct(begin(studies.store()))
-            st.rerun()
+        studies.conduct(begin(studies.store()))
+        st.rerun()

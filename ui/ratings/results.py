@@ -10,7 +10,6 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.errors import InputError
 from nvcore.ratings.agreement import Agreement, measure_agreement, rank_ratings
 from nvcore.ratings.clips import compare_clips
 from nvcore.ratings.figures import participants_plot, rating_plot
@@ -27,7 +26,7 @@ from ui.ratings import applied_fit, drivers, fit, source
 from ui.ratings.applied_fit import AppliedFit
 from ui.ratings.source import RatingSource
 from ui.session import state
-from ui.shell.messages import shown_error
+from ui.shell.messages import errors_shown
 from ui.widgets.charts import draw_chart
 from ui.widgets.choices import download_csv
 from ui.widgets.table import TableColumn, draw_table, own_headings
@@ -40,6 +39,7 @@ MOST_NAMED: Final = 8
 METHOD: Final = docs_link("how", "saliency-against-mean-rank", doc="ratings")
 
 
+@errors_shown()
 def draw(result: Result) -> None:
     """Draw ratings, agreement, saliency against the mean rank, and the fit."""
     rating_source = source.choose(result)
@@ -47,11 +47,7 @@ def draw(result: Result) -> None:
         return
     of_clips = _of_clips(result, rating_source)
     saliency = clip_saliency(of_clips)
-    try:
-        ratings, unknown = split_known(rating_source.ratings, saliency, system=rating_source.system)
-    except InputError as error:
-        st.error(shown_error(error))
-        return
+    ratings, unknown = split_known(rating_source.ratings, saliency, system=rating_source.system)
     _draw_unknown(ratings, unknown)
     digest = rating_source.digest()
     left_out = _people(ratings, digest)

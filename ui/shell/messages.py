@@ -153,7 +153,10 @@ def shown_error(error: BaseException) -> str:
 
 @contextmanager
 def errors_shown() -> Iterator[None]:
-    """Draw an error in what the user entered or opened, and go on after the block."""
+    """Draw an error in what the user entered or opened, and go on after the block.
+
+    As a decorator: after the function, which then returns None.
+    """
     try:
         yield
     except NvcoreError as error:

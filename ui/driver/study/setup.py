@@ -27,7 +27,7 @@ from ui.driver.study.files import folder_of, folders
 from ui.people.conduct import ask_terms, offer_start
 from ui.people.studies import Studies
 from ui.session import state
-from ui.shell.messages import shown_error
+from ui.shell.messages import errors_shown
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import docs_link, plain
 
@@ -44,35 +44,28 @@ MOST_TIMES_TEXT: Final = 200
 """Characters of the field for the times after the change of light."""
 
 
+@errors_shown()
 def draw_setup(studies: Studies[DetectabilityStudy, DetectabilityStore]) -> None:
     """Draw the form that begins a study."""
     st.header("Start a study")
     folder = _choose_folder()
     if folder is None:
         return
-    try:
-        settings = _draw_settings()
-        pictures = _pictures(folder)
-        _draw_length(pictures, settings)
-        if len(pictures) < LEAST_PEDESTRIANS:
-            st.warning(
-                f"Too few for an estimator, which needs {LEAST_PEDESTRIANS} pedestrians or more at "
-                "each time: good for a try.",
-                icon=":material/warning:",
-            )
-    except InputError as error:
-        st.error(shown_error(error))
-        return
+    settings = _draw_settings()
+    pictures = _pictures(folder)
+    _draw_length(pictures, settings)
+    if len(pictures) < LEAST_PEDESTRIANS:
+        st.warning(
+            f"Too few for an estimator, which needs {LEAST_PEDESTRIANS} pedestrians or more at "
+            "each time: good for a try.",
+            icon=":material/warning:",
+        )
     st.info(LIMITS, icon=":material/info:")
     offer_start(studies, lambda store: store.begin(settings, pictures, folder=folder))
 
 
 def _choose_folder() -> str | None:
-    try:
-        names = folders()
-    except InputError as error:
-        st.error(shown_error(error))
-        return None
+    names = folders()
     st.caption(
         f"A folder with pictures of one pedestrian each and a table {BOXES_FILE} "
         "(image, pedestrian, x, y, w, h in pixels). It has to stay where it is while the study "
