@@ -285,7 +285,7 @@ def test_the_interval_of_the_share_is_that_of_recordings_drawn_one_by_one():
     wanted = np.sign(np.subtract.outer(rank, rank))
     agreement = np.sign(np.subtract.outer(saliency, saliency)) * wanted
     sums, n_pairs = (module.sum_by_recording(of, recording) for of in (agreement, np.abs(wanted)))
-    (low, high), gain, reason = module._intervals(sums, sums, n_pairs)
+    found = module._intervals(sums, sums, n_pairs)
     shares = []
     for _ in range(1500):
         right = total = 0.0
@@ -297,9 +297,9 @@ def test_the_interval_of_the_share_is_that_of_recordings_drawn_one_by_one():
                 right += sums[first, second]
                 total += n_pairs[first, second]
         shares.append(0.5 + 0.5 * right / total)
-    assert reason == ""
-    assert gain == (0, 0)
-    np.testing.assert_allclose([low, high], np.percentile(shares, [2.5, 97.5]), atol=0.02)
+    assert (found["gain_low"], found["gain_high"], found["reason"]) == (0, 0, "")
+    ends = np.percentile(shares, [2.5, 97.5])
+    np.testing.assert_allclose([found["low"], found["high"]], ends, atol=0.02)
 
 
 def test_a_fit_to_few_recordings_has_no_interval_but_the_reason(result, chance):
