@@ -33,13 +33,8 @@ def hears(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> dict[str, Any]:
     return component
 
 
-def test_a_run_that_was_seen_to_its_end_has_ended(hears: dict[str, Any]):
-    hears["session"]["study_screen"] = {"ended": NAME, "stopped": None}
-    hears["on_ended_change"]()
-    assert hears["runs"] == [NAME]
-
-
-def test_a_run_that_was_stopped_has_not_ended(hears: dict[str, Any]):
-    hears["session"]["study_screen"] = {"ended": None, "stopped": NAME}
-    hears["on_stopped_change"]()
-    assert hears["runs"] == []
+@pytest.mark.parametrize(("told", "runs"), [("ended", [NAME]), ("stopped", [])])
+def test_a_run_that_was_seen_to_its_end_has_ended(hears: dict[str, Any], told: str, runs: list):
+    hears["session"]["study_screen"] = {"ended": None, "stopped": None, told: NAME}
+    hears[f"on_{told}_change"]()
+    assert hears["runs"] == runs
