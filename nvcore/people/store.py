@@ -5,7 +5,7 @@ To add a task, derive a store from `StudyStore`, as `nvcore.ratings.clip_task` d
 1. Derive a frozen dataclass from `Study`: the task's settings, and ``plan(number)``, which returns
    a participant's trials.
 2. A trial is a named tuple that has ``table`` and ``place``: where its answer is kept.
-3. Declare ``what`` the answers are, the ``trial``, a `Table` for each kind of answer, and
+3. Declare the ``content`` of the file, the ``trial``, a `Table` for each kind of answer, and
    ``study_columns``: every field of the study but its two names (composite values become JSON),
    ``ends_at`` among them. By these the file is created, exported and emptied.
 4. Give ``study_of`` (a row as a study), ``begin`` (check the settings, then ``_begin``), and a
@@ -23,13 +23,13 @@ import os
 import re
 import secrets
 import sqlite3
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from itertools import count
 from pathlib import Path
-from typing import Any, ClassVar, Final, Generic, NamedTuple, TypedDict, TypeVar
+from typing import Any, ClassVar, Final, Generic, NamedTuple, TypeVar
 
 from nvcore.errors import InputError, StoreError
 from nvcore.people.form import check_answers
@@ -53,6 +53,10 @@ OF_PARTICIPANT: Final = """study TEXT NOT NULL, participant TEXT NOT NULL, {colu
     PRIMARY KEY ({key}), FOREIGN KEY (study, participant) REFERENCES participant (study, name)"""
 
 
+def _draw_secret() -> str:
+    return secrets.token_urlsafe(16)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Study:
     """Study of any task. Tasks derive their own.
@@ -71,8 +75,8 @@ class Study:
         Labels of the fields that participants are asked to fill in.
     """
 
-    token: str
-    conductor: str
+    token: str = field(default_factory=_draw_secret)
+    conductor: str = field(default_factory=_draw_secret)
     ends_at: datetime | None = None
     consent: str = ""
     form: Mapping[str, str] = field(default_factory=dict)
@@ -125,6 +129,10 @@ class Person:
     plan: tuple[Any, ...]
     has_practised: bool = True
 
+    def filled(self, form: Iterable[str]) -> tuple[str, ...]:
+        """Return what they entered in these fields, "" where left empty."""
+        return tuple(self.form.get(of, "") for of in form)
+
 
 class StudyStore(Generic[S]):
     """Studies of one task in one SQLite file, which any thread may use.
@@ -149,8 +157,8 @@ class StudyStore(Generic[S]):
         Here and in every call: if the file cannot be used.
     """
 
-    what: ClassVar[str]
-    """Word for the answers, as in "the file of the ratings"."""
+    content: ClassVar[str]
+    """Word for what the file has, as in "the file of the ratings"."""
     study_columns: ClassVar[str]
     """SQL of the fields of a study, but for its two names."""
     tables: ClassVar[Mapping[str, Table]]
@@ -169,19 +177,14 @@ class StudyStore(Generic[S]):
 
     def __init__(self, path: Path, *, now: datetime | None = None):
         self._path = path
+        fault = f"the folder of the {self.content} cannot be made"
         try:
             path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        except OSError as error:
-            raise InputError(
-                f"the folder of the {self.what} cannot be made ({error.strerror})"
-            ) from error
-        try:
+            fault = f"the file of the {self.content} cannot be used"
             if not path.exists():  # to close a file that is in use would drop SQLite's locks on it
                 os.close(os.open(path, os.O_CREAT | os.O_WRONLY, 0o600))
         except OSError as error:
-            raise InputError(
-                f"the file of the {self.what} cannot be used ({error.strerror})"
-            ) from error
+            raise InputError(f"{fault} ({error.strerror})") from error
         with self.connect() as base:
             if self._missing(base):
                 base.execute("BEGIN IMMEDIATE")  # nobody else extends the file in between
@@ -190,8 +193,7 @@ class StudyStore(Generic[S]):
             time = (now or datetime.now(UTC)).isoformat()
             ended = base.execute("SELECT token FROM study WHERE ends_at <= ?", (time,)).fetchall()
             for (token,) in ended:
-                for name in (*self.tables, *self.entry, "participant"):
-                    base.execute(f"DELETE FROM {name} WHERE study = ?", (token,))  # noqa: S608  # our own names
+                self._delete(base, token)
                 base.execute("DELETE FROM study WHERE token = ?", (token,))
 
     def _missing(self, base: sqlite3.Connection) -> list[str]:
@@ -227,7 +229,7 @@ class StudyStore(Generic[S]):
         except sqlite3.IntegrityError:
             raise
         except sqlite3.DatabaseError as error:
-            raise StoreError(f"the file of the {self.what} cannot be used ({error})") from error
+            raise StoreError(f"the file of the {self.content} cannot be used ({error})") from error
 
     def execute(self, statement: str, *values: Any) -> list[sqlite3.Row]:
         """Execute one statement of SQL in a transaction of its own, and return its rows."""
@@ -452,26 +454,17 @@ class StudyStore(Generic[S]):
     def delete(self, study: S, person: Person) -> None:
         """Delete a participant with all that the file holds of them."""
         with self.connect() as base:
-            for table in (*self.entry, *self.tables):
-                base.execute(
-                    f"DELETE FROM {table} WHERE study = ? AND participant = ?",  # noqa: S608  # our own names
-                    (study.token, person.name),
-                )
-            base.execute(
-                "DELETE FROM participant WHERE study = ? AND name = ?", (study.token, person.name)
-            )
+            self._delete(base, study.token, person.name)
 
-
-class Names(TypedDict):
-    """Secret names of a study for participants and for its conductor."""
-
-    token: str
-    conductor: str
-
-
-def new_names() -> Names:
-    """Draw the secret names of a study."""
-    return Names(token=secrets.token_urlsafe(16), conductor=secrets.token_urlsafe(16))
+    def _delete(self, base: sqlite3.Connection, token: str, name: str | None = None) -> None:
+        """Delete all participants of a study, or only the one with this name."""
+        columns = {
+            **dict.fromkeys((*self.entry, *self.tables), "participant"),
+            "participant": "name",
+        }
+        for table, column in columns.items():
+            query = f"DELETE FROM {table} WHERE study = ?1 AND (?2 IS NULL OR {column} = ?2)"  # noqa: S608  # our own names
+            base.execute(query, (token, name))
 
 
 def _columns(sql: str) -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
@@ -14,7 +15,7 @@ import pandas as pd
 from nvcore.errors import InputError
 from nvcore.people.form import KEPT_DAYS, check_terms, form_of
 from nvcore.people.participants import counterbalanced_order
-from nvcore.people.store import Person, Study, StudyStore, Table, new_names
+from nvcore.people.store import Person, Study, StudyStore, Table
 from nvcore.ratings.clips import clip_name
 from nvcore.ratings.worth import ANSWERS, Alert
 from nvcore.wording import listed
@@ -114,7 +115,7 @@ class RatingStudy(Study):
 class RatingStore(StudyStore[RatingStudy]):
     """Store of rating sessions in one file (see `nvcore.people.store.StudyStore`)."""
 
-    what = "ratings"
+    content = "ratings"
     study_columns = """fingerprint TEXT NOT NULL, clips TEXT NOT NULL, low INTEGER NOT NULL,
         high INTEGER NOT NULL, thresholds TEXT NOT NULL, consent TEXT NOT NULL DEFAULT '',
         ends_at TEXT, alerts TEXT NOT NULL DEFAULT '[]', form TEXT NOT NULL DEFAULT '{}'"""
@@ -204,7 +205,6 @@ class RatingStore(StudyStore[RatingStudy]):
             )
         check_terms(CONSENT if consent is None else consent, keep_days, questions or ())
         study = RatingStudy(
-            **new_names(),
             fingerprint=fingerprint,
             clips=shown,
             low=low,
@@ -254,23 +254,18 @@ class RatingStore(StudyStore[RatingStudy]):
 
     def forms(self, study: RatingStudy) -> pd.DataFrame:
         """Return ``participant`` and the form's fields of everybody, "" where left empty."""
-        rows = [
-            {"participant": person.name, **dict.fromkeys(study.form, ""), **person.form}
-            for person in self.participants(study)
-        ]
+        rows = [(of.name, *of.filled(study.form)) for of in self.participants(study)]
         return pd.DataFrame(rows, columns=["participant", *study.form])
 
     def progress(self, study: RatingStudy) -> pd.DataFrame:
         """Return ``participant``, ``n_rated`` and ``n_answered`` of everybody who has joined."""
-        table = pd.DataFrame(
-            {"participant": [of.name for of in self.participants(study)]}, dtype=str
+        rated, answered = (
+            Counter(row[0] for row in self.rows(study, *of))
+            for of in (("rating", "clip"), ("worth", "alert"))
         )
-        for column, kind in (("n_rated", "rating"), ("n_answered", "worth")):
-            n = pd.Series(
-                [row[0] for row in self.rows(study, kind, self.tables[kind].key)], dtype=str
-            )
-            table[column] = table["participant"].map(n.value_counts()).fillna(0).astype(int)
-        return table
+        names = [of.name for of in self.participants(study)]
+        rows = [(name, rated[name], answered[name]) for name in names]
+        return pd.DataFrame(rows, columns=["participant", "n_rated", "n_answered"])
 
     def ratings(self, study: RatingStudy) -> pd.DataFrame:
         """Return all ratings of a session as `read_ratings` does, with more columns.

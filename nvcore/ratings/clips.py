@@ -135,21 +135,18 @@ def compare_clips(result: Result, clips: Iterable[str]) -> Result:
     if set(names) <= set(place):
         return result
     frame = dataset.frames["frame"].to_numpy()
-    frame_index = dataset.boxes["frame_index"].to_numpy()
-    wanted = np.concatenate([np.array(own, dtype=np.int64) for own in rows])
-    by_frame = np.argsort(frame_index, kind="stable")
-    starts, stops = (
-        np.searchsorted(frame_index[by_frame], wanted, side=side) for side in ("left", "right")
-    )
-    counts = stops - starts
-    shift = np.repeat(starts - np.cumsum(counts) + counts, counts)
-    boxes = dataset.boxes.iloc[by_frame[np.arange(counts.sum()) + shift]]
+    boxes = dataset.boxes.sort_values("frame_index", kind="stable")
+    box_rows, parts, n_rows = boxes["frame_index"].to_numpy(), [], 0
+    for own in rows:  # over clips
+        inside = boxes.iloc[slice(*np.searchsorted(box_rows, (own.start, own.stop)))]
+        parts.append(inside.assign(frame_index=inside["frame_index"] - own.start + n_rows))
+        n_rows += len(own)
     recordings = dataset.recordings.iloc[parents].reset_index(drop=True)
     units = recordings["unit"].where(recordings["unit"] != "", recordings["name"])
     cut = dataset_from_tables(
         recordings.assign(name=names, unit=units),
         [frame[own.start : own.stop] for own in rows],
-        boxes.assign(frame_index=np.repeat(np.arange(len(wanted)), counts)),
+        pd.concat(parts),
         dataset.systems,
         settings=dataset.settings,
         labels=dataset.labels,

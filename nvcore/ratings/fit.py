@@ -163,8 +163,6 @@ def fit_saliency(
     n_pairs = int(np.count_nonzero(order))
     held_out = _agreement_held_out(agreement)
     counts = sum_by_recording(np.abs(order), recording)
-    intervals = _intervals(held_out.astype(float), agreement[0].astype(float), counts)
-    (low, high), (gain_low, gain_high), reason = intervals
     changed = {
         name: getattr(settings[best], name)
         for name in FITTED_SETTINGS
@@ -179,12 +177,8 @@ def fit_saliency(
         n_pairs=n_pairs // 2,
         n_clips=len(clips),
         n_settings=len(settings),
-        low=low,
-        high=high,
-        gain_low=gain_low,
-        gain_high=gain_high,
         n_recordings=len(held_out),
-        reason=reason,
+        **_intervals(held_out.astype(float), agreement[0].astype(float), counts),
     )
 
 
@@ -219,18 +213,11 @@ def _back_settings(front: Params) -> Iterator[Params]:
         yield replace(front, saliency_aggregate=aggregate, **recency)
 
 
-@dataclass(frozen=True)
-class _Events:
-    """The saliency events of X and Y as arrays; `recording` counts those of Y after those of X."""
+def _events(result: Result, params: Params) -> tuple[np.ndarray, ...]:
+    """Recording, weight (s) by `params`, tau and rest (s) of the saliency events of X and of Y.
 
-    recording: np.ndarray
-    weight_s: np.ndarray
-    tau: np.ndarray
-    rest_s: np.ndarray
-
-
-def _events(result: Result, params: Params) -> _Events:
-    """The events of a result, weighing as `params` say; one weighed by risk serves both weights."""
+    Recordings of Y count after those of X. Events weighed by risk serve both weights.
+    """
     n = len(result.dataset.recordings)
     weight = "duration_s" if params.saliency_weight == "time" else "weight_s"
     tables = [system.events for _, system in result.sides]
@@ -240,10 +227,12 @@ def _events(result: Result, params: Params) -> _Events:
 
     is_of_y = np.repeat([0, 1], [len(table) for table in tables])
     recording = column("recording").astype(np.int64) + n * is_of_y
-    return _Events(recording, column(weight), column("tau"), column("rest_s"))
+    return recording, column(weight), column("tau"), column("rest_s")
 
 
-def _of_recordings(events: _Events, params: Params, delay_s: np.ndarray) -> np.ndarray:
+def _of_recordings(
+    events: tuple[np.ndarray, ...], params: Params, delay_s: np.ndarray
+) -> np.ndarray:
     """Saliency of all recordings with X, then with Y, seconds, as `params` weigh the events.
 
     Parameters
@@ -251,13 +240,9 @@ def _of_recordings(events: _Events, params: Params, delay_s: np.ndarray) -> np.n
     delay_s
         Seconds from the end of each to its rating, in the same order; float64.
     """
-    recency = recency_weight(events.tau, events.rest_s + delay_s[events.recording], params)
-    return aggregate_events(
-        events.recording,
-        events.weight_s * recency,
-        len(delay_s),
-        aggregate=params.saliency_aggregate,
-    )
+    recording, weight_s, tau, rest_s = events
+    weight_s = weight_s * recency_weight(tau, rest_s + delay_s[recording], params)
+    return aggregate_events(recording, weight_s, len(delay_s), aggregate=params.saliency_aggregate)
 
 
 def _rows_of_clips(clips: pd.DataFrame, result: Result) -> np.ndarray:
@@ -343,10 +328,8 @@ def _agreement_held_out(agreement: np.ndarray) -> np.ndarray:
     return held_out
 
 
-def _intervals(
-    fitted: np.ndarray, start: np.ndarray, counts: np.ndarray
-) -> tuple[tuple[float, float], tuple[float, float], str]:
-    """Intervals of the fit's share and of its gain, and why there are none.
+def _intervals(fitted: np.ndarray, start: np.ndarray, counts: np.ndarray) -> dict[str, Any]:
+    """Intervals of the fit's share and of its gain, and why there are none, as fields of `Fit`.
 
     Parameters
     ----------
@@ -354,9 +337,10 @@ def _intervals(
         Agreement by the fits and by the settings in use, and number, of the pairs of clips of each
         two recordings; float64, (n, n).
     """
-    n, none = len(counts), (np.nan, np.nan)
+    n, names = len(counts), ("low", "high", "gain_low", "gain_high")
     if n < MIN_UNITS:
-        return none, none, f"an interval needs {MIN_UNITS} recordings; there are {n}"
+        reason = f"an interval needs {MIN_UNITS} recordings; there are {n}"
+        return {**dict.fromkeys(names, np.nan), "reason": reason}
     rng = np.random.default_rng(SEED)
     drawn = count_units(rng.integers(0, n, (N_RESAMPLES, n)), n)
     n_drawn = resample_pairs(drawn, counts)
@@ -365,10 +349,8 @@ def _intervals(
             0.5 + 0.5 * resample_pairs(drawn, sums) / n_drawn for sums in (fitted, start)
         )
     ends = [50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE)]
-    interval, gain = (
-        tuple(np.nanpercentile(values, ends).tolist()) for values in (share, share - before)
-    )
-    return interval, gain, ""
+    found = np.nanpercentile([share, share - before], ends, axis=1).T.ravel().tolist()
+    return {**dict(zip(names, found, strict=True)), "reason": ""}
 
 
 def _share(agreement: float | np.floating, n_pairs: int) -> float:

@@ -250,16 +250,6 @@ def correlate(saliency_s: np.ndarray, mean_rank: np.ndarray) -> list[Correlation
     return [Correlation(label, np.nan, np.nan, np.nan, np.nan, note) for label, *_ in COEFFICIENTS]
 
 
-def _over_last_axis(value: Statistic) -> Callable[..., np.ndarray]:
-    """The statistic as `scipy.stats.bootstrap` calls it: always with the last axis."""
-
-    def statistic(x: np.ndarray, y: np.ndarray, *, axis: int) -> np.ndarray:
-        assert axis == -1
-        return value(x, y)
-
-    return statistic
-
-
 def _correlation(
     label: str, value: Statistic, test: Any, x: np.ndarray, y: np.ndarray
 ) -> Correlation:
@@ -268,7 +258,7 @@ def _correlation(
         warnings.simplefilter("ignore")
         interval = scipy.stats.bootstrap(
             (x, y),
-            _over_last_axis(value),
+            lambda x, y, **_: value(x, y),  # always over the last axis
             paired=True,
             vectorized=True,
             n_resamples=N_RESAMPLES,

@@ -22,7 +22,7 @@ from nvcore.driver.study.touch_task import Answer, DetectabilityStore
 from nvcore.errors import InputError, StoreError
 from nvcore.people import store as engine
 from nvcore.people.participants import counterbalanced_order
-from nvcore.people.store import Study, StudyStore, Table, new_names
+from nvcore.people.store import Study, StudyStore, Table
 from nvcore.ratings.clip_task import RatingStore
 
 NOW = datetime(2026, 3, 1, tzinfo=UTC)
@@ -50,7 +50,7 @@ class Quiz(Study):
 class QuizStore(StudyStore[Quiz]):
     """Quizzes in one file."""
 
-    what = "replies"
+    content = "replies"
     study_columns = "n INTEGER NOT NULL, ends_at TEXT, consent TEXT NOT NULL DEFAULT ''"
     tables: ClassVar = {"reply": Table("place INTEGER NOT NULL, text TEXT NOT NULL", key="place")}
     trial = Question
@@ -60,7 +60,7 @@ class QuizStore(StudyStore[Quiz]):
 
     def begin(self, n=4, *, days=10):
         ends_at = NOW + timedelta(days=days)
-        return self._begin(Quiz(**new_names(), n=n, ends_at=ends_at, consent="We keep it."))
+        return self._begin(Quiz(n=n, ends_at=ends_at, consent="We keep it."))
 
 
 @pytest.fixture

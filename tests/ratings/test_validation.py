@@ -14,6 +14,7 @@ from nvcore.comparison import Result, compare
 from nvcore.errors import InputError
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
+from nvcore.ratings import fit as module
 from nvcore.ratings.agreement import rank_ratings
 from nvcore.ratings.fit import FITTED_SETTINGS, fit_saliency
 from nvcore.ratings.validation import (
@@ -30,6 +31,11 @@ from nvcore.tables.result import recordings_table
 def result() -> Result:
     session = read_session(SAMPLE)
     return compare(load(session))
+
+
+@pytest.fixture
+def one_sigmoid(monkeypatch):
+    monkeypatch.setattr(module, "HEIGHT_SHARES", ())
 
 
 def rated(result, saliency_s):
@@ -69,15 +75,13 @@ def test_the_time_to_the_rating_counts_in_recency_in_seconds_alone():
     assert mean_delay(ratings.drop(columns="delay_s")).empty
 
 
-def test_a_fit_counts_the_time_to_the_ratings_as_the_plot_does(result):
+def test_a_fit_counts_the_time_to_the_ratings_as_the_plot_does(result, one_sigmoid):
     in_seconds = compare(result.dataset, replace(result.params, recency_unit="seconds"))
     delay_s = clip_saliency(result).set_index(["clip", "system"])["delay_s"]
     late = clip_saliency(in_seconds, delay_s + np.arange(20.0))
     clips = late.assign(mean_rank=stats.rankdata(late["saliency_s"]), n_ratings=1)
-    with pytest.MonkeyPatch.context() as patch:  # one sigmoid is tried
-        patch.setattr("nvcore.ratings.fit.HEIGHT_SHARES", ())
-        assert fit_saliency(in_seconds, clips).share_default == 1
-        assert fit_saliency(in_seconds, clips.assign(delay_s=0.0)).share_default < 1
+    assert fit_saliency(in_seconds, clips).share_default == 1
+    assert fit_saliency(in_seconds, clips.assign(delay_s=0.0)).share_default < 1
 
 
 def test_ratings_without_system_are_joined_to_the_one_that_was_shown():
@@ -93,12 +97,6 @@ def test_ratings_without_system_are_joined_to_the_one_that_was_shown():
     assert joined["n_ratings"].tolist() == [2, 2]
 
 
-def test_ratings_of_other_clips_are_refused_by_name():
-    saliency = pd.DataFrame({"clip": ["A"], "system": ["X"], "saliency_s": [1.0]})
-    with pytest.raises(InputError, match="C000"):
-        join_clips(rank_ratings(table([[1, 2]])), saliency)
-
-
 def test_ratings_of_other_clips_are_set_apart():
     ratings = table([[1, 2, 3], [2, 1, 3]])
     saliency = pd.DataFrame({"clip": ["C000", "C001"], "system": "X", "saliency_s": [1.0, 2.0]})
@@ -108,6 +106,8 @@ def test_ratings_of_other_clips_are_set_apart():
     assert unknown["clip"].tolist() == ["C002", "C002"]
     with pytest.raises(InputError, match="C000"):
         split_known(ratings, saliency, system="Y")
+    with pytest.raises(InputError, match="C000"):
+        join_clips(rank_ratings(ratings), saliency)
 
 
 def test_coefficients_are_scipys_with_intervals_around_them():
@@ -162,15 +162,13 @@ def test_a_fit_finds_the_settings_that_the_ratings_were_made_with(result):
     assert tau > 0.9
 
 
-def test_a_fit_tries_whose_events_by_what_weight_and_in_seconds(result):
+def test_a_fit_tries_whose_events_by_what_weight_and_in_seconds(result, one_sigmoid):
     made = replace(
         result.params, saliency_of="each", saliency_weight="risk", saliency_aggregate="sum",
         recency_unit="seconds", recency_midpoint_s=3.75, recency_spread_s=5.0,
     )  # fmt: skip
     truth = clip_saliency(compare(result.dataset, made))
-    with pytest.MonkeyPatch.context() as patch:  # one sigmoid is tried
-        patch.setattr("nvcore.ratings.fit.HEIGHT_SHARES", ())
-        fit = fit_saliency(result, rated(result, truth["saliency_s"]))
+    fit = fit_saliency(result, rated(result, truth["saliency_s"]))
     assert fit.share_training > 0.97
     assert fit.share_default < fit.share_fitted
     fitted = clip_saliency(compare(result.dataset, fit.params))
@@ -189,8 +187,6 @@ def chance(result):
 
     The last is the saliency of the clips at each setting, and the recordings of the clips.
     """
-    from nvcore.ratings import fit as module
-
     rng, shares, tried = np.random.default_rng(6), [], []
     real = module._agreement
 
@@ -210,8 +206,6 @@ def chance(result):
 
 
 def test_a_fit_to_chance_is_worth_chance_though_it_fits_what_it_has_seen(chance):
-    from nvcore.ratings import fit as module
-
     _, fits, _, (saliency, recording) = chance
     assert all(fit.share_fitted < fit.share_training > 0.55 for fit in fits)
     # three fits may all be lucky: the same with many ratings, without the comparisons made again
@@ -246,15 +240,13 @@ def test_the_share_of_the_settings_in_use_is_counted_by_hand(chance):
 
 def test_each_pair_is_judged_without_its_recordings(result):
     """Against the plain way: for each pair of recordings, the best setting of all other clips."""
-    from nvcore.ratings import fit as module
-
     rng = np.random.default_rng(8)
     recording = np.array([0, 1, 2, 3, 4, 5, 0, 1, 2, 3])
     saliency = rng.random((30, 10))
     wanted = np.sign(np.subtract.outer(rank := rng.random(10), rank))
     cube = np.sign(saliency[:, :, None] - saliency[:, None, :]) * wanted
     sums = module._agreement(saliency, wanted, recording)
-    assert (sums == [blocks(recording, pairs) for pairs in cube]).all()
+    assert (sums == [module.sum_by_recording(pairs, recording) for pairs in cube]).all()
     total = 0.0
     for i in range(10):
         for j in range(10):
@@ -274,36 +266,26 @@ def test_few_recordings_and_equal_ranks_are_refused(result):
 
 
 def test_many_clips_counted_by_sorting_have_the_same_intervals(monkeypatch):
-    from nvcore.ratings import validation as module
-
     rng = np.random.default_rng(9)
     saliency = np.round(rng.normal(size=20), 1)
     rank = np.round(saliency + rng.normal(size=20), 1)
     by_pairs = correlate(saliency, rank)
-    monkeypatch.setattr(module, "MOST_IN_PAIRS", 10)
+    monkeypatch.setattr("nvcore.ratings.validation.MOST_IN_PAIRS", 10)
     by_sorting = correlate(saliency, rank)
     assert by_sorting[2].low == pytest.approx(by_pairs[2].low)
     assert by_sorting[2].high == pytest.approx(by_pairs[2].high)
 
 
-def blocks(recording, pairs):
-    from nvcore.ratings import fit as module
-
-    return module.sum_by_recording(np.asarray(pairs), recording)
-
-
 def test_the_interval_of_the_share_is_that_of_recordings_drawn_one_by_one():
     """Against the plain way: the clips of the drawn recordings, without a clip and its copy."""
-    from nvcore.ratings import fit as module
-
     rng = np.random.default_rng(13)
     recording = np.repeat(np.arange(9), 2)
     rank = rng.random(18)
     saliency = rank + rng.normal(0, 0.3, 18)
     wanted = np.sign(np.subtract.outer(rank, rank))
     agreement = np.sign(np.subtract.outer(saliency, saliency)) * wanted
-    sums = blocks(recording, agreement)
-    (low, high), gain, reason = module._intervals(sums, sums, blocks(recording, np.abs(wanted)))
+    sums, n_pairs = (module.sum_by_recording(of, recording) for of in (agreement, np.abs(wanted)))
+    found = module._intervals(sums, sums, n_pairs)
     shares = []
     for _ in range(1500):
         right = total = 0.0
@@ -313,13 +295,11 @@ def test_the_interval_of_the_share_is_that_of_recordings_drawn_one_by_one():
                 if i != j and first == second:
                     continue  # a recording and its copy
                 right += sums[first, second]
-                total += np.abs(wanted)[
-                    2 * first : 2 * first + 2, 2 * second : 2 * second + 2
-                ].sum()
+                total += n_pairs[first, second]
         shares.append(0.5 + 0.5 * right / total)
-    assert reason == ""
-    assert gain == (0, 0)
-    np.testing.assert_allclose([low, high], np.percentile(shares, [2.5, 97.5]), atol=0.02)
+    assert (found["gain_low"], found["gain_high"], found["reason"]) == (0, 0, "")
+    ends = np.percentile(shares, [2.5, 97.5])
+    np.testing.assert_allclose([found["low"], found["high"]], ends, atol=0.02)
 
 
 def test_a_fit_to_few_recordings_has_no_interval_but_the_reason(result, chance):

@@ -11,10 +11,10 @@ import glob
 import os
 import re
 import unicodedata
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from itertools import takewhile
+from itertools import islice, takewhile
 from pathlib import Path, PurePosixPath
 from typing import Final
 
@@ -128,6 +128,20 @@ class LocalRoot:
                 place = f"{path.strip('/')}/{name}".lstrip("/")
                 listed.append(Entry(place, real.is_dir()))
         return sorted(listed, key=lambda entry: not entry.is_folder)
+
+    def walk(self, most: int) -> Iterator[tuple[str, list[str]]]:
+        """Yield at most so many folders, nearest first, each with the paths of its files.
+
+        Folders that may not be looked into are skipped.
+        """
+        folders = [""]
+        for folder in islice(folders, most):  # grows meanwhile
+            try:
+                entries = self.entries(folder)
+            except InputError:
+                continue
+            folders += [entry.path for entry in entries if entry.is_folder]
+            yield folder, [entry.path for entry in entries if not entry.is_folder]
 
 
 def _is_utf8(name: str) -> bool:

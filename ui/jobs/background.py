@@ -71,7 +71,7 @@ class BackgroundJob(Generic[Output]):
     share, step
         Share of the work that is done, 0..1, and in words.
     output, error
-        Return value of the work once it is done, or why it failed, in words.
+        Return value of the work once it is done, or why it failed.
     is_told
         True once its page has shown the outcome.
     outlasts
@@ -102,7 +102,8 @@ class BackgroundJob(Generic[Output]):
             Workspace whose quota the files in `folder` are counted in.
         """
         self.key, self.folder, self.title, self.outlasts = key, folder, title, outlasts
-        self.share, self.step, self.error = 0.0, "", ""
+        self.share, self.step = 0.0, ""
+        self.error: NvcoreError | None = None
         self.is_kept = self.is_told = False
         self.state = JobState.WAITING
         self._is_wanted = is_wanted
@@ -157,7 +158,7 @@ class BackgroundJob(Generic[Output]):
         except CancelledError:
             state = JobState.CANCELLED
         except NvcoreError as error:
-            self.error = str(error)
+            self.error = error
         finally:
             with self._ending:
                 if state is JobState.DONE and self._stop.is_set():

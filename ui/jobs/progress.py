@@ -10,6 +10,7 @@ import streamlit as st
 from nvcore.wording import percent
 from ui.jobs.background import BackgroundJob, JobState
 from ui.session import store
+from ui.shell.messages import shown_error
 from ui.widgets.text import plain
 
 POLL_S: Final = 0.4
@@ -44,7 +45,8 @@ def draw_job(
     elif job_state is JobState.CANCELLED:
         st.info(f"Cancelled. No {thing} was made.", icon=":material/info:")
     elif job_state is JobState.FAILED:
-        st.error(plain(job.error) or f"The {thing} could not be made.", icon=":material/error:")
+        reason = shown_error(job.error) if job.error else f"The {thing} could not be made."
+        st.error(reason, icon=":material/error:")
     return job_state
 
 

@@ -8,12 +8,11 @@ from typing import Final
 
 import streamlit as st
 
-from nvcore.errors import InputError
 from nvcore.people.form import KEPT_DAYS, LONGEST_KEPT_DAYS, MOST_TEXT
 from nvcore.people.participants import MOST_NAME
-from ui.people.studies import S, Studies, enter, is_local
+from ui.people.studies import B, S, Studies, enter, is_local
 from ui.session import store as session
-from ui.shell.messages import shown_error
+from ui.shell.messages import errors_shown
 from ui.widgets.buttons import button
 from ui.widgets.table import draw_table
 from ui.widgets.text import plain
@@ -22,18 +21,17 @@ NEWS_S: Final = 5.0
 """Interval at which the progress is updated, seconds."""
 
 
-def draw(studies: Studies[S]) -> None:
+def draw(studies: Studies[S, B]) -> None:
     """Draw the study that is open, else the form that begins one."""
-    try:
-        study = studies.conducted()
-    except InputError as error:
-        st.error(shown_error(error))
-        study = None
-    if study is None:
+    conducted = None
+    with errors_shown():
+        conducted = studies.conducted()
+    if conducted is None:
         studies.draw_setup()
         return
+    store, study = conducted
     st.header(f"The {studies.what}")
-    draw_addresses(*studies.addresses(study))
+    _draw_addresses(*studies.addresses(study))
     if study.ends_at is not None:
         st.caption(
             f"All {studies.answers} are deleted on {study.ends_at:%d %B %Y}. Save them before: "
@@ -48,13 +46,13 @@ def draw(studies: Studies[S]) -> None:
             st.rerun()
     with st.container(horizontal=True):
         # outside the fragment, whose reruns would lose clicks
-        studies.draw_downloads(study)
-    _draw_progress(studies, study)
-    studies.draw_results(study)
-    _draw_one_participant(studies, study)
+        studies.draw_downloads(store, study)
+    _draw_progress(studies, store, study)
+    studies.draw_results(store, study)
+    _draw_one_participant(studies, store, study)
 
 
-def draw_addresses(for_participants: str, for_conductor: str) -> None:
+def _draw_addresses(for_participants: str, for_conductor: str) -> None:
     """Show both addresses, with a warning where they lead nowhere from other screens."""
     st.markdown("Participants open this address on their screen:")
     st.code(for_participants, language=None, wrap_lines=True)
@@ -71,9 +69,9 @@ def draw_addresses(for_participants: str, for_conductor: str) -> None:
 
 
 @st.fragment(run_every=NEWS_S)
-def _draw_progress(studies: Studies[S], study: S) -> None:
+def _draw_progress(studies: Studies[S, B], store: B, study: S) -> None:
     st.header("Progress")
-    progress = studies.progress(study)
+    progress = studies.progress(store, study)
     columns = st.columns(len(progress.metrics))
     for column, (label, (n, hint)) in zip(columns, progress.metrics.items(), strict=True):
         column.metric(label, f"{n:,}", help=hint)
@@ -87,9 +85,9 @@ def _draw_progress(studies: Studies[S], study: S) -> None:
         st.caption(progress.note)
 
 
-def _draw_one_participant(studies: Studies[S], study: S) -> None:
+def _draw_one_participant(studies: Studies[S, B], store: B, study: S) -> None:
     """Ask for a name or code, then offer that participant's data, a new code, and deletion."""
-    prefix, store = studies.prefix, studies.store()
+    prefix = studies.prefix
     st.header("One participant")
     st.caption(
         "On request. A participant who lost the code goes on with a new one. What is deleted is "
@@ -105,13 +103,10 @@ def _draw_one_participant(studies: Studies[S], study: S) -> None:
         return
 
     def remove() -> None:
-        try:
+        with errors_shown():
             store.delete(study, person)
-        except InputError as error:
-            st.error(shown_error(error))
-            return
-        session.widget(f"{prefix}_code").set("")
-        st.toast("The data of this participant are deleted.")
+            session.widget(f"{prefix}_code").set("")
+            st.toast("The data of this participant are deleted.")
 
     with st.container(horizontal=True):
         st.download_button(
@@ -123,30 +118,28 @@ def _draw_one_participant(studies: Studies[S], study: S) -> None:
             icon=":material/download:",
             key=f"{prefix}_record",
         )
-        wants_code = button("New code", key=f"{prefix}_new_code", icon=":material/key:")
+        with st.popover("New code …", icon=":material/key:"):
+            st.markdown("The code that this participant has now will no longer work.")
+            wants_code = button("Give a new code", key=f"{prefix}_new_code", type="primary")
         with st.popover("Delete …", icon=":material/delete:"):
             st.markdown(f"Delete all data of **{plain(person.name)}**? There is no way back.")
             st.button("Delete for good", key=f"{prefix}_delete", type="primary", on_click=remove)
     if wants_code:
-        try:
+        with errors_shown():
             code = store.new_code(study, person)
-        except InputError as error:
-            st.error(shown_error(error))
-            return
-        st.markdown(
-            f"**{plain(person.name)}** goes on with the code **{code}**, or by this address. It is "
-            "shown only now, and the code before no longer works."
-        )
-        st.code(studies.addresses(study, code)[0], language=None, wrap_lines=True)
+            st.markdown(
+                f"**{plain(person.name)}** goes on with the code **{code}**, or by this address. "
+                "It is shown only now, and the code before no longer works."
+            )
+            st.code(studies.addresses(study, code)[0], language=None, wrap_lines=True)
 
 
 def ask_terms(
-    consent: str, prefix: str, days: str, *, questions: str = "", choice: str = ""
+    consent: str, prefix: str, days: str, *, questions: str, choice: str = ""
 ) -> tuple[str, tuple[str, ...] | None, int]:
     """Ask for the text of consent, own questions, and the days that answers are kept.
 
-    With a `choice`, the label of a checkbox, questions are None unless it is ticked. Without a
-    label `questions` they are not asked for.
+    With a `choice`, the label of a checkbox, questions are None unless it is ticked.
     """
     text = st.text_area(
         "What participants agree to",
@@ -156,7 +149,7 @@ def ask_terms(
         height=260,
     )
     lines: tuple[str, ...] | None = None
-    if questions and (not choice or st.checkbox(choice, key=f"{prefix}_has_form")):
+    if not choice or st.checkbox(choice, key=f"{prefix}_has_form"):
         own = st.text_area(questions, key=f"{prefix}_questions", max_chars=MOST_TEXT)
         lines = tuple(line.strip() for line in own.splitlines() if line.strip())
     keep_days = st.number_input(
@@ -165,13 +158,9 @@ def ask_terms(
     return text, lines, int(keep_days)
 
 
-def offer_start(studies: Studies[S], begin: Callable[[], S]) -> None:
+@errors_shown()
+def offer_start(studies: Studies[S, B], begin: Callable[[B], S]) -> None:
     """Draw the button that begins a study, which is then conducted."""
     if button(studies.start, type="primary", key=f"{studies.prefix}_start"):
-        try:
-            study = begin()
-        except InputError as error:
-            st.error(shown_error(error))
-            return
-        studies.conduct(study)
+        studies.conduct(begin(studies.store()))
         st.rerun()

@@ -6,21 +6,20 @@ from collections.abc import Mapping
 
 import streamlit as st
 
-from nvcore.errors import InputError
 from nvcore.people.form import CHOICES, MOST_QUESTION
 from nvcore.people.participants import MOST_NAME
-from nvcore.people.store import Person, StudyStore
-from ui.people.studies import PARTICIPANT, STUDY, S, Studies, enter, leave_screen
+from nvcore.people.store import Person
+from ui.people.studies import PARTICIPANT, STUDY, B, S, Studies, enter, leave_screen
 from ui.session import state
-from ui.shell.messages import shown_error
+from ui.shell.messages import errors_shown
 from ui.widgets.buttons import button, submit_button
 from ui.widgets.text import plain
 
 
-def draw(studies: Studies[S]) -> None:
+def draw(studies: Studies[S, B]) -> None:
     """Draw the page, without the rest of the app."""
     store = studies.store()
-    study = store.study(st.query_params[STUDY])
+    study: S | None = store.study(st.query_params[STUDY])
     if study is None:
         leave_screen(state.workspace())
         st.title(studies.title)
@@ -36,7 +35,7 @@ def draw(studies: Studies[S]) -> None:
                     "you have taken part already, ask the person who conducts it for a new code."
                 )
             _welcome(studies, study, store)
-        elif not studies.draw_trial(study, person, store.left(study, person)):
+        elif not studies.draw_trial(store, study, person, store.left(study, person)):
             _thank(studies, study, person)
 
 
@@ -48,7 +47,7 @@ def draw_code() -> None:
     )
 
 
-def _welcome(studies: Studies[S], study: S, store: StudyStore[S]) -> None:
+def _welcome(studies: Studies[S, B], study: S, store: B) -> None:
     prefix = studies.prefix
     st.title(studies.title)
     studies.introduce(study)
@@ -81,12 +80,8 @@ def _welcome(studies: Studies[S], study: S, store: StudyStore[S]) -> None:
     if is_sent and not agrees:
         st.warning("Without your agreement nothing is kept, and there is nothing to take part in.")
     elif is_sent:
-        try:
-            _, code = store.join(study, answers, name=name)
-        except InputError as error:  # the form stays as it was filled in
-            st.error(shown_error(error))
-        else:
-            enter(study.token, code)
+        with errors_shown():  # the form stays as it was filled in
+            enter(study.token, store.join(study, answers, name=name)[1])
     with st.expander("I have a code already"):
         code = st.text_input(
             "Your code", key=f"{prefix}_known_code", max_chars=MOST_NAME, width=420
@@ -99,7 +94,7 @@ def _welcome(studies: Studies[S], study: S, store: StudyStore[S]) -> None:
     _offer_back(studies, study)
 
 
-def _thank(studies: Studies[S], study: S, person: Person) -> None:
+def _thank(studies: Studies[S, B], study: S, person: Person) -> None:
     leave_screen(state.workspace())
     st.title("Thank you")
     studies.draw_end(person)
@@ -109,7 +104,7 @@ def _thank(studies: Studies[S], study: S, person: Person) -> None:
     _offer_back(studies, study)
 
 
-def _offer_back(studies: Studies[S], study: S) -> None:
+def _offer_back(studies: Studies[S, B], study: S) -> None:
     """Draw the button back to the conductor's page, if this browser session conducts the study."""
     if studies.is_own(study) and button(
         studies.back,

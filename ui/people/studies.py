@@ -30,6 +30,7 @@ ON_SCREEN: Final = "on_screen"
 LOCAL: Final = ("localhost", "127.0.0.1", "::1")
 
 S = TypeVar("S", bound=Study)
+B = TypeVar("B", bound=StudyStore[Any])
 
 
 def is_participant() -> bool:
@@ -74,12 +75,14 @@ class Progress(NamedTuple):
     note: str = ""
 
 
-class Studies(Generic[S]):
+class Studies(Generic[S, B]):
     """Studies of one task: names and labels, and hooks that draw its own parts.
 
-    A task gives all class variables without a value, `store`, `draw_trial`, `progress` and
-    `draw_setup`. The rest is optional.
+    A task gives all class variables without a value, `draw_trial`, `progress` and `draw_setup`. The
+    rest is optional.
     """
+
+    opens: type[B]  # store of the answers
 
     page: ClassVar[str]  # name of the page in addresses
     what: ClassVar[str]  # a study
@@ -109,7 +112,7 @@ class Studies(Generic[S]):
         del study
         return {}
 
-    def draw_trial(self, study: S, person: Person, left: list[Any]) -> bool:
+    def draw_trial(self, store: B, study: S, person: Person, left: list[Any]) -> bool:
         """Draw the participant's next trial, and return False if there is none.
 
         Before the first one `ui.people.participant.draw_code` says the personal code. After an
@@ -129,14 +132,14 @@ class Studies(Generic[S]):
     def draw_notes(self) -> None:
         """Draw notes for the conductor below the addresses."""
 
-    def draw_downloads(self, study: S) -> None:
+    def draw_downloads(self, store: B, study: S) -> None:
         """Draw the buttons that save tables and settings."""
 
-    def progress(self, study: S) -> Progress:
+    def progress(self, store: B, study: S) -> Progress:
         """Return how far the study has come."""
         raise NotImplementedError
 
-    def draw_results(self, study: S) -> None:
+    def draw_results(self, store: B, study: S) -> None:
         """Draw results of the answers below the progress."""
 
     @property
@@ -148,11 +151,11 @@ class Studies(Generic[S]):
         path = os.environ.get(self.variable)
         return Path(path) if path else Path(click.get_app_dir("nvcore")) / self.file_name
 
-    def store(self) -> StudyStore[S]:
+    def store(self) -> B:
         """Open the file of all answers, which deletes the studies that are over."""
-        raise NotImplementedError
+        return self.opens(self.file())
 
-    def conducted(self) -> S | None:
+    def conducted(self) -> tuple[B, S] | None:
         """Return the study that this person conducts, from the address or this session.
 
         Raises
@@ -163,12 +166,13 @@ class Studies(Generic[S]):
         secret = st.query_params.get(CONDUCT) or self._conducted.get()
         if secret is None:
             return None
-        study = self.store().study_of_conductor(secret)
+        store = self.store()
+        study: S | None = store.study_of_conductor(secret)
         if study is None:
             self.close()
             raise InputError(f"there is no {self.what} of the name in the address")
         self.conduct(study)
-        return study
+        return store, study
 
     def conduct(self, study: S) -> None:
         """Make this the study that is conducted, in the address as well."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -35,25 +35,16 @@ class AppliedFit:
 
     def is_in_use(self, params: Params) -> bool:
         """Whether all that was fitted has the fitted values, whatever else has moved."""
-        return all(_is_same(getattr(params, name), value) for name, value in self.fitted.items())
+        return all(
+            math.isclose(live, value, rel_tol=1e-9)
+            if isinstance(live := getattr(params, name), float) and isinstance(value, float)
+            else live == value
+            for name, value in self.fitted.items()
+        )
 
     def share_seen(self, rating_source: RatingSource) -> float:
         """The share of these ratings that it was fitted to, 0 to 1; whatever their values."""
         return float(np.mean(np.isin(rating_source.rows(), self.rating_keys)))
-
-    def is_of(self, fit: Fit) -> bool:
-        """Whether these are the settings of that fit."""
-        return self.fitted == fit.changed
-
-    def settings_before(self, params: Params) -> Params:
-        """The live parameters with the values before the fit."""
-        return replace(params, **self.before)
-
-
-def _is_same(live: Any, fitted: Any) -> bool:
-    if isinstance(live, float) and isinstance(fitted, float):
-        return math.isclose(live, fitted, rel_tol=1e-9)
-    return bool(live == fitted)
 
 
 def _fits_in_use(result: Result) -> list[AppliedFit]:

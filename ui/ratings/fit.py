@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -51,7 +52,7 @@ def draw(
         "clips in the order in which people put them "
         f"({docs_link('how it is judged', 'the-fit', doc='ratings')})."
     )
-    start = result.params if fit_in_use is None else fit_in_use.settings_before(result.params)
+    start = replace(result.params, **(fit_in_use.before if fit_in_use else {}))
     key = ratings_key, result.x.name, result.y.name, start
     fit: Any = state.workspace().peek("rating_fit", key)
     if fit is None:
@@ -62,14 +63,6 @@ def draw(
             _draw_settings(result, fit, start, rating_source, fit_in_use)
     elif fit_in_use is not None:
         _draw_in_use(fit_in_use)
-
-
-def _with(result: Result, settings: Params) -> Result:
-    """The comparison with these settings."""
-    if settings == result.params:
-        return result
-    x, y = result.names
-    return compare(result.dataset, settings, x=x, y=y, previous=result)
 
 
 def _keep(key: Any, fit: Fit) -> Fit:
@@ -87,8 +80,15 @@ def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | 
             return _keep(key, job.output)
     if not button("Fit saliency to these ratings", key="rating_fit", icon=":material/tune:"):
         return None
+
+    def compute(progress: Progress) -> Fit:
+        x, y = result.names
+        started = compare(result.dataset, start, x=x, y=y, previous=result)
+        return fit_saliency(started, clips, progress=progress)
+
     if len(result.dataset.frames) > AT_ONCE:
-        _begin(result, start, clips, key)
+        space = state.workspace()
+        space.put_job(JOB, BackgroundJob(compute, while_open(space), key=key))
         st.rerun()
     bar = st.progress(0.0, "Fitting")
 
@@ -96,25 +96,12 @@ def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | 
         bar.progress(share, "Fitting")
 
     try:
-        fit = fit_saliency(
-            _with(result, start),
-            clips,
-            progress=show,
-        )
+        return _keep(key, compute(show))
     except InputError as error:
         st.info(plain(str(error)))
         return None
     finally:
         bar.empty()
-    return _keep(key, fit)
-
-
-def _begin(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> None:
-    def compute(progress: Progress) -> Fit:
-        return fit_saliency(_with(result, start), clips, progress=progress)
-
-    space = state.workspace()
-    space.put_job(JOB, BackgroundJob(compute, while_open(space), key=key))
 
 
 def _draw_worth(fit: Fit, start: str) -> None:
@@ -149,17 +136,13 @@ def _gain(fit: Fit, start: str) -> str:
     gain_text = f"Against the {start}, the fit gains {100 * gain:.0f} points"
     if not np.isfinite(fit.gain_low):
         return f"{gain_text}. Whether that is more than chance cannot be told."
-    interval = (
-        f"{gain_text} (95 %: {_points(fit.gain_low)} to {_points(fit.gain_high)}, from resampling "
-        f"the {fit.n_recordings} recordings)"
+    low, high = (
+        minus(f"{100 * share:+z.0f}").replace("+0", "0") for share in (fit.gain_low, fit.gain_high)
     )
-    if fit.gain_low > 0:
-        return f"{interval}."
-    return f"{interval}: **that may be chance**."
-
-
-def _points(share: float) -> str:
-    return minus(f"{100 * share:+z.0f}").replace("+0", "0")
+    return (
+        f"{gain_text} (95 %: {low} to {high}, from resampling the {fit.n_recordings} recordings)"
+        f"{'.' if fit.gain_low > 0 else ': **that may be chance**.'}"
+    )
 
 
 def _draw_settings(
@@ -171,12 +154,17 @@ def _draw_settings(
 ) -> None:
     """What the fit changes, and the button that takes it or gives it back."""
     if fit.changed:
-        st.markdown("\n".join(f"- {line}" for line in _changes(fit, start)))
+        lines = [
+            f"- {plain(state.say(SETTINGS[name].label_with_unit))}: "
+            f"{_shown(name, getattr(start, name))} → **{_shown(name, value)}**"
+            for name, value in fit.changed.items()
+        ]
+        st.markdown("\n".join(lines))
     else:
         st.markdown("The settings in use are the best of those tried.")
     if fit_in_use is not None:
         _draw_in_use(fit_in_use)
-    if not fit.changed or (fit_in_use is not None and fit_in_use.is_of(fit)):
+    if not fit.changed or (fit_in_use is not None and fit_in_use.fitted == fit.changed):
         return
     st.button(
         "Take these settings",
@@ -203,20 +191,9 @@ def _draw_in_use(fit_in_use: AppliedFit) -> None:
         )
 
 
-def _changes(fit: Fit, start: Params) -> list[str]:
-    """The parameters that the fit changes, as the sidebar calls them."""
-    return [
-        f"{plain(state.say(SETTINGS[name].label_with_unit))}: "
-        f"{_shown(name, _value(start, name))} → **{_shown(name, value)}**"
-        for name, value in fit.changed.items()
-    ]
-
-
-def _value(settings: Params, name: str) -> Any:
-    value = getattr(settings, name)
-    return live_params.height_start_px(name) if value is None else value
-
-
 def _shown(name: str, value: Any) -> str:
+    """The value of a parameter as the sidebar says it."""
     words = SETTINGS[name].words
+    if value is None:
+        value = live_params.height_start_px(name)
     return plain(f"{value:g}" if words is None else state.say(words[value]))

@@ -9,7 +9,6 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.arguments.groups import GroupArguments, Scale
-from nvcore.errors import NvcoreError
 from nvcore.group_statistics import GroupComparison, compare_groups
 from nvcore.group_statistics.reading import LABELS, SUMMARY
 from nvcore.group_statistics.text import cells_of
@@ -18,7 +17,7 @@ from nvcore.output.csv_text import to_csv_bytes
 from nvcore.people.participants import MOST_NAME
 from nvcore.wording import minus
 from ui.session import state
-from ui.shell.messages import shown_error
+from ui.shell.messages import errors_shown
 from ui.widgets.choices import ask_for_file, choose_side_by_side, download_csv
 from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.text import docs_link, plain
@@ -50,6 +49,7 @@ HEADINGS: Final = {
 }
 
 
+@errors_shown()
 def draw() -> None:
     """The table, how it is compared, and what comes out."""
     st.header("Compare groups")
@@ -60,21 +60,17 @@ def draw() -> None:
         "ratings nor a comparison of systems."
     )
     way = choose_side_by_side("Table from", [FILE, VALUES, MEANS], "groups_source", default=FILE)
-    try:
-        text = _from_file() if way == FILE else _typed(way)
-        if text is None:
-            return
-        asked = _ask(text)
-        content = tuple((name, tuple(fields)) for name, fields in text.fields.items())
-        comparison = state.workspace().cached(
-            "groups",
-            (content, text.has_decimal_comma, repr(asked)),
-            lambda: compare_groups(asked, text),
-            most=MOST_KEPT,
-        )
-    except NvcoreError as error:
-        st.error(shown_error(error))
+    text = _from_file() if way == FILE else _typed(way)
+    if text is None:
         return
+    asked = _ask(text)
+    content = tuple((name, tuple(fields)) for name, fields in text.fields.items())
+    comparison = state.workspace().cached(
+        "groups",
+        (content, text.has_decimal_comma, repr(asked)),
+        lambda: compare_groups(asked, text),
+        most=MOST_KEPT,
+    )
     _draw(comparison)
 
 

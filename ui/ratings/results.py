@@ -10,7 +10,6 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.errors import InputError
 from nvcore.ratings.agreement import Agreement, measure_agreement, rank_ratings
 from nvcore.ratings.clips import compare_clips
 from nvcore.ratings.figures import participants_plot, rating_plot
@@ -27,7 +26,7 @@ from ui.ratings import applied_fit, drivers, fit, source
 from ui.ratings.applied_fit import AppliedFit
 from ui.ratings.source import RatingSource
 from ui.session import state
-from ui.shell.messages import shown_error
+from ui.shell.messages import errors_shown
 from ui.widgets.charts import draw_chart
 from ui.widgets.choices import download_csv
 from ui.widgets.table import TableColumn, draw_table, own_headings
@@ -40,6 +39,7 @@ MOST_NAMED: Final = 8
 METHOD: Final = docs_link("how", "saliency-against-mean-rank", doc="ratings")
 
 
+@errors_shown()
 def draw(result: Result) -> None:
     """Draw ratings, agreement, saliency against the mean rank, and the fit."""
     rating_source = source.choose(result)
@@ -47,11 +47,7 @@ def draw(result: Result) -> None:
         return
     of_clips = _of_clips(result, rating_source)
     saliency = clip_saliency(of_clips)
-    try:
-        ratings, unknown = split_known(rating_source.ratings, saliency, system=rating_source.system)
-    except InputError as error:
-        st.error(shown_error(error))
-        return
+    ratings, unknown = split_known(rating_source.ratings, saliency, system=rating_source.system)
     _draw_unknown(ratings, unknown)
     digest = rating_source.digest()
     left_out = _people(ratings, digest)
@@ -68,7 +64,10 @@ def draw(result: Result) -> None:
     _against_saliency(result, clips)
     drivers.draw(result, ranks, clips, (digest, tuple(left_out)))
     fit.draw(result, of_clips, clips, (digest, tuple(left_out)), rating_source, fit_in_use)
-    _downloads(included, ranks)
+    st.header("Files")
+    with st.container(horizontal=True):
+        download_csv("Ratings (CSV)", lambda: included, "ratings.csv", "ratings_csv")
+        download_csv("Ranks (CSV)", lambda: _long(ranks), "ranks.csv", "ranks_csv")
 
 
 def _of_clips(result: Result, rating_source: RatingSource) -> Result:
@@ -119,10 +118,9 @@ def _people(ratings: pd.DataFrame, digest: int) -> list[str]:
         help="Who took the scale the wrong way round, or did not watch. Everybody who is left out "
         "is told here and counts in nothing below.",
     )
-    agreement = everybody
+    others = ratings[~ratings["participant"].isin(left_out)]
+    agreement = _agreement(others, (digest, tuple(left_out)))
     if left_out:
-        others = ratings[~ratings["participant"].isin(left_out)]
-        agreement = _agreement(others, (digest, tuple(left_out)))
         st.warning(
             f"{count_text(len(left_out), 'participant')} left out by hand: "
             f"{plain(', '.join(left_out))}. All numbers are without them.",
@@ -133,10 +131,11 @@ def _people(ratings: pd.DataFrame, digest: int) -> list[str]:
     columns[1].metric("participants", f"{agreement.n_participants:,}")
     columns[2].metric("clips", f"{agreement.n_clips:,}")
     columns[3].metric("ratings missing", f"{agreement.n_missing:,}")
+    text = plain(_concordance(agreement))
     if np.isfinite(agreement.w) and not agreement.is_more_than_chance:
-        st.warning(plain(_concordance(agreement)), icon=":material/warning:")
+        st.warning(text, icon=":material/warning:")
     else:
-        st.markdown(plain(_concordance(agreement)))
+        st.markdown(text)
     outliers = people.loc[
         people["is_outlier"] & ~people["participant"].isin(left_out), "participant"
     ]
@@ -174,7 +173,17 @@ def _cautions(
 ) -> None:
     """Say what keeps plot and correlations from being evidence."""
     if fit_in_use is not None:
-        st.warning(_training(fit_in_use.share_seen(rating_source)), icon=":material/warning:")
+        share = fit_in_use.share_seen(rating_source)
+        percent = min(max(round(100 * share), 1), 99)
+        st.warning(
+            "These settings were **fitted to these ratings**: plot and correlations are training "
+            "numbers, no evidence."
+            if share == 1
+            else f"The fit behind these settings has **seen {percent} % of these ratings** (same "
+            "participant, clip and system): plot and correlations are partly training numbers, no "
+            "evidence.",
+            icon=":material/warning:",
+        )
     if applied_fit.of_simulated(result, rating_source):
         st.warning(
             "The settings in use were fitted to **simulated ratings**.",
@@ -186,21 +195,6 @@ def _cautions(
             "that person; intervals and p say nothing about people.",
             icon=":material/person:",
         )
-
-
-def _training(share: float) -> str:
-    """Say that the fit has seen this share of the ratings, 0 to 1."""
-    if share == 1:
-        return (
-            "These settings were **fitted to these ratings**: plot and correlations are training "
-            "numbers, no evidence."
-        )
-    percent = min(max(round(100 * share), 1), 99)
-    return (
-        f"The fit behind these settings has **seen {percent} % of these ratings** (same "
-        "participant, clip and system): plot and correlations are partly training numbers, no "
-        "evidence."
-    )
 
 
 def _against_saliency(result: Result, clips: pd.DataFrame) -> None:
@@ -265,13 +259,6 @@ def _correlations(correlations: list[Correlation]) -> pd.DataFrame:
         }
     )
     return table if any(row.note for row in correlations) else table.iloc[:, :-1]
-
-
-def _downloads(ratings: pd.DataFrame, ranks: pd.DataFrame) -> None:
-    st.header("Files")
-    with st.container(horizontal=True):
-        download_csv("Ratings (CSV)", lambda: ratings, "ratings.csv", "ratings_csv")
-        download_csv("Ranks (CSV)", lambda: _long(ranks), "ranks.csv", "ranks_csv")
 
 
 def _long(ranks: pd.DataFrame) -> pd.DataFrame:

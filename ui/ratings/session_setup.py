@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Hashable
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,6 @@ import streamlit as st
 
 from nvcore.alerts.steps import alerts_in
 from nvcore.comparison import Result
-from nvcore.errors import InputError
 from nvcore.ratings.clip_task import CONSENT, RatingStore, RatingStudy
 from nvcore.ratings.clips import LEAD_S, LENGTH_S, cut_clips
 from nvcore.ratings.worth import EXPECTED, Alert, agreement_of_kinds, read_alerts
@@ -22,7 +21,7 @@ from ui.ratings.clip_screen import ENDS
 from ui.ratings.thresholds import shown_thresholds
 from ui.session import state
 from ui.session.store import RATING_ALERTS
-from ui.shell.messages import shown_error
+from ui.shell.messages import errors_shown
 from ui.shell.navigate import open_page
 from ui.widgets.buttons import button
 from ui.widgets.choices import ask_for_file, choose_side_by_side
@@ -30,9 +29,8 @@ from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.text import docs_link, number
 
 
-def draw_setup(
-    sessions: Studies[RatingStudy], open_store: Callable[[], RatingStore], result: Result
-) -> None:
+@errors_shown()
+def draw_setup(sessions: Studies[RatingStudy, RatingStore], result: Result) -> None:
     """Draw the form that begins a session."""
     names, both = state.recording_names(), [*result.names]
     st.header("Start a rating session")
@@ -54,14 +52,10 @@ def draw_setup(
         ),
     )
     systems = both if whose == "both" else [whose]
-    try:
-        chosen = [stretch for stretch in _choose_stretches(result) if stretch[0] in recordings]
-        clips = [(of[0], system, *of[1:]) for system in systems for of in chosen]
-        st.caption(f"{count_text(len(clips), 'clip')}.")
-        alerts = _ask_alerts(result, recordings, systems)
-    except InputError as error:
-        st.error(shown_error(error))
-        return
+    chosen = [stretch for stretch in _choose_stretches(result) if stretch[0] in recordings]
+    clips = [(of[0], system, *of[1:]) for system in systems for of in chosen]
+    st.caption(f"{count_text(len(clips), 'clip')}.")
+    alerts = _ask_alerts(result, recordings, systems)
     with st.expander("Consent, form, and how long ratings are kept", key="rating_terms"):
         consent, questions, keep_days = ask_terms(
             CONSENT,
@@ -72,7 +66,7 @@ def draw_setup(
         )
     offer_start(
         sessions,
-        lambda: open_store().begin(
+        lambda store: store.begin(
             result.dataset.fingerprint,
             clips,
             thresholds=shown_thresholds(),

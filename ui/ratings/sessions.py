@@ -23,9 +23,10 @@ from ui.widgets.table import TableColumn
 PARTS: Final = {"results": "Results", "session": "Rating session", "groups": "Groups"}
 
 
-class RatingSessions(Studies[RatingStudy]):
+class RatingSessions(Studies[RatingStudy, RatingStore]):
     """Rating sessions."""
 
+    opens = RatingStore
     page = "ratings"
     what = "rating session"
     answers = "ratings"
@@ -37,10 +38,6 @@ class RatingSessions(Studies[RatingStudy]):
     begin = "Begin"
     here = "Rate on this screen"
     back = "Back to the results"
-
-    def store(self) -> RatingStore:
-        """Open the file of all ratings."""
-        return RatingStore(self.file())
 
     def is_ready(self, study: RatingStudy) -> bool:
         """Return True with the session's thresholds set, or go to the page that opens its data."""
@@ -73,11 +70,13 @@ class RatingSessions(Studies[RatingStudy]):
                 "of each whether it was worth it."
             )
 
-    def draw_trial(self, study: RatingStudy, person: Person, left: list[Any]) -> bool:
+    def draw_trial(
+        self, store: RatingStore, study: RatingStudy, person: Person, left: list[Any]
+    ) -> bool:
         """Draw a clip or an alert."""
         result = state.result()
         assert result is not None
-        return ClipScreen(result, self.store(), study, person.name).draw(person.plan, left)
+        return ClipScreen(result, store, study, person.name).draw(person.plan, left)
 
     def draw_end(self, person: Person) -> None:
         """Say what is kept, and offer to change the last rating."""
@@ -95,7 +94,7 @@ class RatingSessions(Studies[RatingStudy]):
         """Draw the form that begins a session about the open comparison."""
         result = state.result()
         assert result is not None
-        session_setup.draw_setup(self, self.store, result)
+        session_setup.draw_setup(self, result)
 
     def draw_notes(self) -> None:
         """Draw what participants' browsers need if other files than at the start are open."""
@@ -106,9 +105,8 @@ class RatingSessions(Studies[RatingStudy]):
                 "Data page first, or let them rate on this screen."
             )
 
-    def draw_downloads(self, study: RatingStudy) -> None:
+    def draw_downloads(self, store: RatingStore, study: RatingStudy) -> None:
         """Draw the buttons that save ratings, answers about alerts, and forms."""
-        store = self.store()
         download_csv("Ratings (CSV)", lambda: store.ratings(study), "ratings.csv", "rating_export")
         if study.alerts:
             download_csv(
@@ -122,9 +120,9 @@ class RatingSessions(Studies[RatingStudy]):
                 "Participants (CSV)", lambda: store.forms(study), "participants.csv", "form_export"
             )
 
-    def progress(self, study: RatingStudy) -> Progress:
+    def progress(self, store: RatingStore, study: RatingStudy) -> Progress:
         """Return how many clips and alerts everybody has answered."""
-        people, n_clips = self.store().progress(study), len(study.clips)
+        people, n_clips = store.progress(study), len(study.clips)
         n_ratings = int(people["n_rated"].sum())
         columns = {
             "participant": TableColumn("Participant", is_head=True),
@@ -140,9 +138,9 @@ class RatingSessions(Studies[RatingStudy]):
         note = 'Whether they agree is told under "Results", with ratings from "Rating session".'
         return Progress(metrics, people, columns, note if n_ratings else "")
 
-    def draw_results(self, study: RatingStudy) -> None:
+    def draw_results(self, store: RatingStore, study: RatingStudy) -> None:
         """Draw the agreement about alerts, once there are answers."""
-        if study.alerts and len(answers := self.store().worth(study)):
+        if study.alerts and len(answers := store.worth(study)):
             session_setup.draw_worth(answers)
 
 

@@ -11,14 +11,13 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.errors import InputError
 from nvcore.people.participants import fold_name
 from nvcore.ratings.reading import DELAY, RATINGS_FILE, parse_ratings, read_ratings
 from ui.ratings import typed
 from ui.ratings.sessions import SESSIONS
 from ui.ratings.thresholds import set_thresholds, thresholds_apart
 from ui.session import state
-from ui.shell.messages import shown_error
+from ui.shell.messages import errors_shown
 from ui.widgets.choices import ask_for_file, choose_side_by_side
 from ui.widgets.text import plain
 
@@ -57,6 +56,7 @@ class RatingSource:
         return hash((self.rows("rating").tobytes(), delays.tobytes()))
 
 
+@errors_shown()
 def choose(result: Result) -> RatingSource | None:
     """Return the chosen ratings, or None while there are none."""
     sources = [FILE, TYPED, SESSION]
@@ -64,14 +64,11 @@ def choose(result: Result) -> RatingSource | None:
         sources.insert(0, SIMULATED)
     key = f"ratings_source_{len(sources)}"
     source = choose_side_by_side("Ratings from", sources, key, default=sources[0])
-    try:
-        ratings = READERS[source](result)
-    except InputError as error:
-        st.error(shown_error(error))
+    ratings = READERS[source](result)
+    if ratings is None:
         return None
-    if ratings is None or ratings["rating"].notna().sum() == 0:
-        if ratings is not None:
-            st.info("There is no rating yet.")
+    if ratings["rating"].isna().all():
+        st.info("There is no rating yet.")
         return None
     if (ratings["system"] != "").all():
         return RatingSource(ratings, "", source == SIMULATED)
@@ -110,15 +107,16 @@ def _file(_: Result) -> pd.DataFrame | None:
 
 
 def _session(result: Result) -> pd.DataFrame | None:
-    study = SESSIONS.conducted()
-    if study is None:
+    conducted = SESSIONS.conducted()
+    if conducted is None:
         st.info('None is open. Start one under "Rating session", or open the conductor\'s link.')
         return None
+    store, study = conducted
     if study.fingerprint != result.dataset.fingerprint:
         st.warning("These ratings are of another comparison than the one that is open.")
     elif apart := thresholds_apart(study):
         _draw_apart(result, apart)
-    return SESSIONS.store().ratings(study)
+    return store.ratings(study)
 
 
 def _draw_apart(result: Result, apart: dict[str, tuple[float | None, float | None]]) -> None:

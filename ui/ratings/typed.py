@@ -106,18 +106,15 @@ def _ask_for_rows(result: Result) -> None:
 
 def _missing_rows(before: pd.DataFrame, person: str, result: Result) -> pd.DataFrame:
     """Rows of the participant for the clips that have none yet."""
-    clips = [(name, system) for system in result.names for name in state.recording_names()]
     mine = before[before["participant"] == person]
     has_row = set(zip(mine["clip"], mine["system"], strict=True))
-    unrated = [clip for clip in clips if clip not in has_row]
-    return pd.DataFrame(
-        {
-            "participant": person,
-            "clip": [clip for clip, _ in unrated],
-            "system": [system for _, system in unrated],
-            "rating": float("nan"),
-        }
-    )
+    unrated = [
+        (person, clip, system, float("nan"))
+        for system in result.names
+        for clip in state.recording_names()
+        if (clip, system) not in has_row
+    ]
+    return pd.DataFrame(unrated, columns=list(COLUMNS))
 
 
 def _complete(table: pd.DataFrame) -> pd.DataFrame:

@@ -315,7 +315,6 @@ DRIVER_SHOWN: Entry[tuple[tuple[int, str] | None, int | None]] = Entry("driver_s
 TUNNEL = Entry("driver_tunnel", False)
 """True if a change of light is simulated."""
 TUNNEL_S = Entry("driver_tunnel_s", 0.0)
-N_PRACTICE = Entry("study_n_practice", 1)
 PRACTISED: Family[int] = Family("study_practised", 0)
 """Practice runs that a participant has seen."""
 DETECTOR: Entry[str | None] = Entry("detector", None)

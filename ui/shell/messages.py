@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial, wraps
 from pathlib import Path
 from typing import Final
@@ -148,6 +149,18 @@ def shown_error(error: BaseException) -> str:
     This opens nothing, so it also works if the workspace could not be opened.
     """
     return plain(error_text(error))
+
+
+@contextmanager
+def errors_shown() -> Iterator[None]:
+    """Draw an error in what the user entered or opened, and go on after the block.
+
+    As a decorator: after the function, which then returns None.
+    """
+    try:
+        yield
+    except NvcoreError as error:
+        st.error(shown_error(error))
 
 
 def shown_root() -> Path | None:

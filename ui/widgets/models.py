@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import chain, islice
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -108,22 +109,8 @@ def is_sent(key: str) -> bool:
 
 def models_below(root: LocalRoot, endings: tuple[str, ...]) -> list[str]:
     """Paths of the files below the local folder that are called like models."""
-    folders = [""]
-    models: list[str] = []
-    for number, folder in enumerate(folders):  # grows meanwhile
-        if number >= MOST_FOLDERS or len(models) >= MOST_MODELS:
-            break
-        try:
-            entries = root.entries(folder)
-        except NvcoreError:  # it may not be looked into
-            continue
-        folders += [entry.path for entry in entries if entry.is_folder]
-        models += [
-            entry.path
-            for entry in entries
-            if not entry.is_folder and entry.path.lower().endswith(endings)
-        ]
-    return models[:MOST_MODELS]
+    files = chain.from_iterable(paths for _, paths in root.walk(MOST_FOLDERS))
+    return [*islice((path for path in files if path.lower().endswith(endings)), MOST_MODELS)]
 
 
 def _take(kind: ModelKind, file: UploadedFile, shown: Callable[[NvcoreError], str]) -> str:

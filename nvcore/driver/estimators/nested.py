@@ -26,14 +26,13 @@ from nvcore.driver.estimators.search import (
 )
 from nvcore.driver.features import FEATURE_KEYS
 from nvcore.driver.inputs.picture_boxes import PEDESTRIAN
+from nvcore.driver.inputs.trials import LEAST_PEDESTRIANS
 from nvcore.driver.trials.table import TrainingTable
 from nvcore.errors import InputError
 from nvcore.notes import Note
 from nvcore.progress import Progress, run_steps
 from nvcore.wording import count_text, percent
 
-LEAST_PEDESTRIANS: Final = 8
-"""Minimum number of pedestrians at each period: with fewer, models cannot be selected."""
 LEAST_TRAINED: Final = 2
 """Minimum number at each period without a fold: one for training, one for selection."""
 MOST_LACKING: Final = 0.1

@@ -20,6 +20,8 @@ LONGEST_S: Final = 3600.0
 """Longest of the times of a trial."""
 NO_ANSWER: Final = "no answer"
 """What `device` says after "marked:" of a trial without an answer in time; it has `not_seen`."""
+LEAST_PEDESTRIANS: Final = 8
+"""Minimum number of pedestrians at each period: with fewer, models cannot be selected."""
 _ROUNDING_S: Final = 1e-9
 
 

@@ -36,20 +36,9 @@ FIGURES: Final = ((300.0, 330.0, 60.0, 170.0), (890.0, 350.0, 50.0, 140.0))
 
 @dataclass(frozen=True)
 class StudyPicture:
-    """A picture of a study, and where its pedestrian is.
+    """A picture of a study by its file's name, and the box of its pedestrian, px.
 
-    Attributes
-    ----------
-    image
-        Name of the file in the folder.
-    pedestrian
-        Name of the pedestrian.
-    x, y, w, h
-        Box, pixels of the picture.
-    width, height
-        Of the picture, px.
-    sha256
-        Of the file: all participants see the same picture.
+    By the `sha256` of its file all participants see the same picture.
     """
 
     image: str

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, field, fields
 from itertools import pairwise
 from typing import Any, Final, Literal
 
@@ -37,9 +37,19 @@ FORM: Final = ("age", "vision", "licence", "screen_inch", "distance_cm")
 """Fields of the form before a study's own questions."""
 
 
+def _asked(label: str, default: Any) -> Any:
+    """Declare a field that the conductor is asked for by this label."""
+    return field(default=default, metadata={"label": label})
+
+
+def asked_of(settings: type[Timing | Facts]) -> list[tuple[str, str, Any]]:
+    """Return name, label and default of each field that the conductor is asked for by a label."""
+    return [(of.name, of.metadata["label"], of.default) for of in fields(settings) if of.metadata]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Timing:
-    """Length of each part of a run, seconds.
+    """Length of each part of a run, seconds (paper: 30 bright, and 0.5 for the picture).
 
     Attributes
     ----------
@@ -48,19 +58,9 @@ class Timing:
         24 at most.
         A run shows its first picture at one of the first half, and its second at the one that is
         half the list later (paper: 0 and 4, 1 and 5.5, 2.5 and 7; the pairs are ours).
-    bright_s
-        Bright screen (paper: 30).
-    preview_s
-        The coarse picture of each scene of the run.
-    cross_s
-        Bright screen with the cross, before the change of light.
-    show_s
-        The picture (paper: 0.5).
     answer_s
-        Longest time for an answer, from the end of the picture; 0: no limit, then the second
+        Longest time for an answer, from the end of the picture. Without a limit the second
         picture comes late after a late answer, and its trial is marked. The paper gives none.
-    again_s
-        The cross before the second picture, at least.
 
     Raises
     ------
@@ -70,12 +70,12 @@ class Timing:
     """
 
     adaptation_s: tuple[float, ...] = ADAPTATION_S
-    bright_s: float = 30.0
-    preview_s: float = 2.0
-    cross_s: float = 1.0
-    show_s: float = 0.5
-    answer_s: float = 3.0
-    again_s: float = 0.5
+    bright_s: float = _asked("Bright screen", 30.0)
+    preview_s: float = _asked("Coarse picture", 2.0)
+    cross_s: float = _asked("Cross before dark", 1.0)
+    show_s: float = _asked("Picture", 0.5)
+    answer_s: float = _asked("Answer (0: no limit)", 3.0)
+    again_s: float = _asked("Cross before the second picture", 0.5)
 
     def __post_init__(self) -> None:
         times = tuple(float(t) for t in self.adaptation_s)
@@ -120,25 +120,16 @@ class Timing:
 class Facts:
     """Facts measured or set where the study takes place. None: not known.
 
-    Attributes
-    ----------
-    screen_inch
-        Diagonal of the screen.
-    distance_cm
-        From the eye to the screen.
-    bright_lux, dark_lux
-        Light at the eye while the screen is bright, and while it is dark.
-
     Raises
     ------
     InputError
         If one is not above 0.
     """
 
-    screen_inch: float | None = None
-    distance_cm: float | None = None
-    bright_lux: float | None = None
-    dark_lux: float | None = None
+    screen_inch: float | None = _asked("Diagonal of the screen, inches", None)
+    distance_cm: float | None = _asked("Eyes to screen, cm", None)
+    bright_lux: float | None = _asked("Bright, lux at the eye", None)
+    dark_lux: float | None = _asked("Dark, lux at the eye", None)
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -205,16 +196,9 @@ class StudySettings:
         """Label of each field of the form. Own questions are numbered."""
         return form_of(FORM, self.questions)
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the settings as values of JSON. Unknown values are null."""
-        return asdict(self)
-
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> StudySettings:
-        """Return the settings that `to_json` gave."""
-        parts = {
-            "timing": Timing(**values["timing"]),
-            "facts": Facts(**values["facts"]),
-            "questions": tuple(values["questions"]),
-        }
-        return cls(**{**values, **parts})
+        """Return the settings whose `dataclasses.asdict` was written as JSON."""
+        timing, facts = Timing(**values["timing"]), Facts(**values["facts"])
+        questions = tuple(values["questions"])
+        return cls(**{**values, "timing": timing, "facts": facts, "questions": questions})

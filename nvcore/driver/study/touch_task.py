@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
 from datetime import UTC, datetime, timedelta
@@ -18,7 +19,7 @@ from nvcore.driver.study.plan import Trial, plan_trials
 from nvcore.driver.study.settings import StudySettings, Timing
 from nvcore.errors import InputError
 from nvcore.people.participants import MOST_NAME
-from nvcore.people.store import Person, Study, StudyStore, Table, new_names
+from nvcore.people.store import Person, Study, StudyStore, Table
 
 MOST_DEVICE: Final = 200
 
@@ -103,7 +104,7 @@ class Answer:
 class DetectabilityStore(StudyStore[DetectabilityStudy]):
     """Store of detectability studies in one file (see `nvcore.people.store.StudyStore`)."""
 
-    what = "study"
+    content = "study"
     study_columns = """settings TEXT NOT NULL, pictures TEXT NOT NULL, folder TEXT NOT NULL,
         begun_at TEXT NOT NULL, ends_at TEXT NOT NULL"""
     tables: ClassVar = {
@@ -145,7 +146,6 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
         """
         begun_at = now or datetime.now(UTC)
         study = DetectabilityStudy(
-            **new_names(),
             consent=settings.consent,
             form=settings.form,
             settings=settings,
@@ -199,13 +199,15 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
                 f"the touch ({x:g}, {y:g}) is outside the picture "
                 f"({picture.width} x {picture.height} px)"
             )
-        showings = dict(row[1:] for row in self.rows(study, "showing", "place, n", name))
         given = {
             of: None if isinstance(value, float) and math.isnan(value) else value
             for of, value in asdict(answer).items()
         }
-        more = {"n_shown": showings.get(place, 0), "answered_at": datetime.now(UTC).isoformat()}
-        row = {"place": place, **given, "device": answer.device[:MOST_DEVICE], **more}
+        n_shown = dict(row[1:] for row in self.rows(study, "showing", "place, n", name)).get(
+            place, 0
+        )
+        row = {"place": place, **given, "device": answer.device[:MOST_DEVICE], "n_shown": n_shown}
+        row["answered_at"] = datetime.now(UTC).isoformat()
         self.keep(study, name, "trial", row)
 
     def _trial(self, study: DetectabilityStudy, name: str, place: int) -> Trial:
@@ -305,24 +307,19 @@ def participants_table(store: DetectabilityStore, study: DetectabilityStudy) -> 
     ``subject``, ``joined`` (date), ``n_trials``, ``n_answered``, ``n_marked``, and what the form
     asked for; empty where nothing was entered.
     """
-    people = store.participants(study)
-    rows: dict[str, dict[str, Any]] = {
-        person.name: {
-            "subject": person.name,
-            "joined": person.consented_at.date().isoformat() if person.consented_at else "",
-            "n_trials": len(person.plan),
-            "n_answered": 0,
-            "n_marked": 0,
-            **dict.fromkeys(study.form, ""),
-            **person.form,
-        }
-        for person in people
-    }
+    people, n_answered, n_marked = store.participants(study), Counter[str](), Counter[str]()
     for person, _, _, marks in _answered(store, study, people):
-        rows[person.name]["n_answered"] += 1
-        rows[person.name]["n_marked"] += bool(marks)
+        n_answered[person.name] += 1
+        n_marked[person.name] += bool(marks)
+    rows = [
+        (
+            *(of.name, of.consented_at.date().isoformat() if of.consented_at else ""),
+            *(len(of.plan), n_answered[of.name], n_marked[of.name], *of.filled(study.form)),
+        )
+        for of in people
+    ]
     first = ("subject", "joined", "n_trials", "n_answered", "n_marked")
-    return pd.DataFrame([*rows.values()], columns=[*first, *study.form])
+    return pd.DataFrame(rows, columns=[*first, *study.form])
 
 
 def boxes_table(study: DetectabilityStudy) -> pd.DataFrame:
@@ -336,6 +333,6 @@ def about(study: DetectabilityStudy) -> dict[str, Any]:
     return {
         "begun_at": study.begun_at.isoformat(),
         "deleted_at": study.ends_at.isoformat(),
-        **study.settings.to_json(),
+        **asdict(study.settings),
         "pictures": [asdict(picture) for picture in study.pictures],
     }

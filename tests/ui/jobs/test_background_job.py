@@ -113,7 +113,7 @@ def test_a_job_that_fails_says_why_and_leaves_nothing(tmp_path: Path):
     job = BackgroundJob(write, always, folder=folder)
     job.join()
     assert job.state is JobState.FAILED
-    assert "there is no room" in job.error
+    assert "there is no room" in str(job.error)
     assert not folder.exists()
 
 

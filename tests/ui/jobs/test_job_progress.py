@@ -6,6 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from nvcore.errors import ParameterError
+from nvcore.findings import Remedy, Step
 from pages import checked, scripted
 from ui.jobs.background import JobState
 
@@ -37,6 +39,13 @@ def test_until_a_time_left_is_known_that_is_said(share: float, step: str, words:
     )
     (progress,) = checked(page.run()).get("progress")
     assert progress.proto.text.replace("\\", "") == words
+
+
+def test_a_job_that_fails_says_why_and_how_to_go_on():
+    page = scripted(SCRIPT)
+    error = ParameterError("no box is left", steps=(Step(Remedy.THRESHOLD, "0.2"),))
+    page.session_state["job"] = SimpleNamespace(state=JobState.FAILED, error=error)
+    assert checked(page.run()).error[0].value == "no box is left\\. Set the threshold to 0\\.2\\."
 
 
 def test_choices_of_a_job_are_set_once_so_that_later_ones_stay():

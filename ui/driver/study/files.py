@@ -7,7 +7,7 @@ from typing import Final
 
 from nvcore.driver.study.pictures import BOXES_FILE
 from nvcore.errors import InputError
-from ui.access.files import LocalRoot, local_root
+from ui.access.files import local_root
 from ui.session import state
 
 SAMPLE: Final = "sample"
@@ -37,29 +37,12 @@ def folders() -> dict[str, str]:
         names[SAMPLE] = "Sample pictures (rendered)"
     root = local_root()
     if root is not None:
-        names |= {f"{LOCAL}{path}": path or "(top folder)" for path in _with_boxes(root)}
+        for path, files in root.walk(MOST_FOLDERS):
+            if path.count("/") >= DEEPEST:  # as are all that follow
+                break
+            if f"{path}/{BOXES_FILE}".lstrip("/") in files:
+                names[f"{LOCAL}{path}"] = path or "(top folder)"
     return names
-
-
-def _with_boxes(root: LocalRoot) -> list[str]:
-    """Return folders below the root that have a table of boxes, nearest first."""
-    paths: list[str] = []
-    level, n_seen = [""], 0
-    for _ in range(DEEPEST + 1):
-        below: list[str] = []
-        for path in level:
-            n_seen += 1
-            if n_seen > MOST_FOLDERS:
-                return paths
-            try:
-                entries = root.entries(path)
-            except InputError:  # may not be read
-                continue
-            below += [entry.path for entry in entries if entry.is_folder]
-            if any(Path(entry.path).name == BOXES_FILE for entry in entries if not entry.is_folder):
-                paths.append(path)
-        level = below
-    return paths
 
 
 def folder_of(name: str) -> Path:

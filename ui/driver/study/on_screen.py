@@ -24,15 +24,7 @@ View = Literal["full", "coarse"]
 
 @dataclass(frozen=True)
 class OnScreen:
-    """Study that one of its participants has on the screen.
-
-    Attributes
-    ----------
-    name
-        Name of the participant.
-    screen
-        Size and distance of the screen, in words.
-    """
+    """Study that one of its participants has on the screen, which `screen` describes in words."""
 
     store: DetectabilityStore
     study: DetectabilityStudy

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
 import streamlit as st
 
-from nvcore.driver.estimators.nested import LEAST_PEDESTRIANS
+from nvcore.driver.inputs.trials import LEAST_PEDESTRIANS
 from nvcore.driver.study.pictures import BOXES_FILE, StudyPicture, read_pictures
 from nvcore.driver.study.plan import duration_s, plan_trials
 from nvcore.driver.study.settings import (
+    ADAPTATION_S,
     CONSENT,
     DESIGNS,
     LONGEST_S,
     Facts,
     StudySettings,
     Timing,
+    asked_of,
 )
 from nvcore.driver.study.touch_task import DetectabilityStore, DetectabilityStudy
 from nvcore.errors import InputError
@@ -26,8 +27,7 @@ from ui.driver.study.files import folder_of, folders
 from ui.people.conduct import ask_terms, offer_start
 from ui.people.studies import Studies
 from ui.session import state
-from ui.session.store import N_PRACTICE
-from ui.shell.messages import shown_error
+from ui.shell.messages import errors_shown
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import docs_link, plain
 
@@ -40,55 +40,32 @@ LIMITS: Final = (
     "pedestrian in a picture **on this screen**; what that says about a road is for a study on a "
     "road to show."
 )
-TIMES: Final = {
-    "bright_s": "Bright screen",
-    "preview_s": "Coarse picture",
-    "cross_s": "Cross before dark",
-    "show_s": "Picture",
-    "answer_s": "Answer (0: no limit)",
-    "again_s": "Cross before the second picture",
-}
 MOST_TIMES_TEXT: Final = 200
 """Characters of the field for the times after the change of light."""
-FACTS: Final = {
-    "screen_inch": "Diagonal of the screen, inches",
-    "distance_cm": "Eyes to screen, cm",
-    "bright_lux": "Bright, lux at the eye",
-    "dark_lux": "Dark, lux at the eye",
-}
 
 
-def draw_setup(
-    studies: Studies[DetectabilityStudy], open_store: Callable[[], DetectabilityStore]
-) -> None:
+@errors_shown()
+def draw_setup(studies: Studies[DetectabilityStudy, DetectabilityStore]) -> None:
     """Draw the form that begins a study."""
     st.header("Start a study")
     folder = _choose_folder()
     if folder is None:
         return
-    try:
-        settings = _draw_settings()
-        pictures = _pictures(folder)
-        _draw_length(pictures, settings)
-        if len(pictures) < LEAST_PEDESTRIANS:
-            st.warning(
-                f"Too few for an estimator, which needs {LEAST_PEDESTRIANS} pedestrians or more at "
-                "each time: good for a try.",
-                icon=":material/warning:",
-            )
-    except InputError as error:
-        st.error(shown_error(error))
-        return
+    settings = _draw_settings()
+    pictures = _pictures(folder)
+    _draw_length(pictures, settings)
+    if len(pictures) < LEAST_PEDESTRIANS:
+        st.warning(
+            f"Too few for an estimator, which needs {LEAST_PEDESTRIANS} pedestrians or more at "
+            "each time: good for a try.",
+            icon=":material/warning:",
+        )
     st.info(LIMITS, icon=":material/info:")
-    offer_start(studies, lambda: open_store().begin(settings, pictures, folder=folder))
+    offer_start(studies, lambda store: store.begin(settings, pictures, folder=folder))
 
 
 def _choose_folder() -> str | None:
-    try:
-        names = folders()
-    except InputError as error:
-        st.error(shown_error(error))
-        return None
+    names = folders()
     st.caption(
         f"A folder with pictures of one pedestrian each and a table {BOXES_FILE} "
         "(image, pedestrian, x, y, w, h in pixels). It has to stay where it is while the study "
@@ -119,16 +96,35 @@ def _pictures(name: str) -> tuple[StudyPicture, ...]:
 
 def _draw_settings() -> StudySettings:
     design = choose_side_by_side("Design", DESIGNS, "study_design", default="latin")
-    times_text, parts_s = _draw_timing()
+    with st.expander("Times"):
+        st.caption(
+            "A run shows its first picture at one of the first half of these times, its second at "
+            f"the one half the list later ({docs_link('why', 'a-run', doc='study')})."
+        )
+        times_text = st.text_input(
+            "Seconds from dark to each picture",
+            ", ".join(f"{time_s:g}" for time_s in ADAPTATION_S),
+            key="study_adaptation_s",
+            max_chars=MOST_TIMES_TEXT,
+            width=420,
+        )
+        parts_s = {
+            name: column.number_input(
+                f"{label}, s", *(0.0, LONGEST_S, usual, 0.1), format="%g", key=f"study_{name}"
+            )
+            for column, (name, label, usual) in zip(
+                st.columns(3) * 2, asked_of(Timing), strict=True
+            )
+        }
+        n_practice = st.number_input("Practice runs", 0, 10, 1, key="study_n_practice", width=200)
     with st.expander("Screen, distance and light, as measured"):
         st.caption(
             "They are kept with the answers; what is not known stays empty. A lux meter at the eye "
             "tells the light. Participants may state a screen and distance of their own."
         )
-        columns = st.columns(len(FACTS))
         facts = {
-            name: column.number_input(label, min_value=0.1, value=None, key=f"study_{name}")
-            for (name, label), column in zip(FACTS.items(), columns, strict=True)
+            name: column.number_input(label, min_value=0.1, value=usual, key=f"study_{name}")
+            for column, (name, label, usual) in zip(st.columns(4), asked_of(Facts), strict=True)
         }
     with st.expander("Consent, form, and how long answers are kept"):
         consent, questions, keep_days = ask_terms(
@@ -144,35 +140,9 @@ def _draw_settings() -> StudySettings:
         facts=Facts(**facts),
         consent=consent,
         questions=questions or (),
-        n_practice=int(N_PRACTICE.get()),
+        n_practice=int(n_practice),
         keep_days=keep_days,
     )
-
-
-def _draw_timing() -> tuple[str, dict[str, float]]:
-    """Ask for times after the change of light, as text, and the length of each part of a run."""
-    usual = Timing()
-    with st.expander("Times"):
-        st.caption(
-            "A run shows its first picture at one of the first half of these times, its second at "
-            f"the one half the list later ({docs_link('why', 'a-run', doc='study')})."
-        )
-        text = st.text_input(
-            "Seconds from dark to each picture",
-            ", ".join(f"{time_s:g}" for time_s in usual.adaptation_s),
-            key="study_adaptation_s",
-            max_chars=MOST_TIMES_TEXT,
-            width=420,
-        )
-        parts_s = {}
-        columns = st.columns(len(TIMES) // 2) * 2
-        for (name, label), column in zip(TIMES.items(), columns, strict=True):
-            limits = (0.0, LONGEST_S, float(getattr(usual, name)), 0.1)
-            parts_s[name] = float(
-                column.number_input(f"{label}, s", *limits, format="%g", key=f"study_{name}")
-            )
-        st.number_input("Practice runs", 0, 10, 1, key="study_n_practice", width=200)
-    return text, parts_s
 
 
 def _times(text: str) -> tuple[float, ...]:

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict
 from itertools import groupby
 from typing import Any, Final
 
 import streamlit as st
 
-from nvcore.driver.estimators.nested import LEAST_PEDESTRIANS
-from nvcore.driver.inputs.trials import LATE_S
-from nvcore.driver.study.pictures import FIGURES, PRACTICE_SIZE
+from nvcore.driver.inputs.trials import LATE_S, LEAST_PEDESTRIANS
+from nvcore.driver.study.pictures import PRACTICE_SIZE
 from nvcore.driver.study.plan import duration_s
 from nvcore.driver.study.touch_task import (
     DetectabilityStore,
@@ -28,7 +27,7 @@ from nvcore.wording import count_text
 from ui.driver.study import setup
 from ui.driver.study.files import folder_of
 from ui.driver.study.on_screen import PRACTICE, OnScreen
-from ui.driver.study.screen import draw_run
+from ui.driver.study.screen import ScreenTrial, draw_run
 from ui.people.participant import draw_code
 from ui.people.studies import ON_SCREEN, Progress, Studies, leave_screen
 from ui.session import state
@@ -54,9 +53,10 @@ button is not to be seen, but it works at the same place.
 """
 
 
-class TouchStudies(Studies[DetectabilityStudy]):
+class TouchStudies(Studies[DetectabilityStudy, DetectabilityStore]):
     """Detectability studies."""
 
+    opens = DetectabilityStore
     page = "study"
     what = "study"
     prefix = "study"
@@ -67,10 +67,6 @@ class TouchStudies(Studies[DetectabilityStudy]):
     begin = "Take part"
     here = "Take part on this screen"
     back = "Back to the study"
-
-    def store(self) -> DetectabilityStore:
-        """Open the file of all studies."""
-        return DetectabilityStore(self.file())
 
     def introduce(self, study: DetectabilityStudy) -> None:
         """Say how many pictures there are, and how long it takes."""
@@ -91,7 +87,13 @@ class TouchStudies(Studies[DetectabilityStudy]):
         """Return screen and distance as the conductor measured them."""
         return asdict(study.settings.facts)
 
-    def draw_trial(self, study: DetectabilityStudy, person: Person, left: list[Any]) -> bool:
+    def draw_trial(
+        self,
+        store: DetectabilityStore,
+        study: DetectabilityStudy,
+        person: Person,
+        left: list[Any],
+    ) -> bool:
         """Draw a practice run, or the next run with trials that have no answer."""
         try:
             folder = folder_of(study.folder)
@@ -102,7 +104,7 @@ class TouchStudies(Studies[DetectabilityStudy]):
         if not left:
             return False
         described = study.settings.facts.screen_text(person.form)
-        screen = OnScreen(self.store(), study, person.name, folder, described)
+        screen = OnScreen(store, study, person.name, folder, described)
         state.workspace().notes[ON_SCREEN] = screen
         n_practised = PRACTISED.of(person.name).get()
         if not person.has_practised and n_practised < study.settings.n_practice:
@@ -112,13 +114,16 @@ class TouchStudies(Studies[DetectabilityStudy]):
         number, n_runs = run[0].run, person.plan[-1].run
         st.markdown(f"# Run {number} of {n_runs}")
         st.progress((run[0].order - 1) / len(person.plan))
-        scenes = [(trial, study.pictures[trial.picture]) for trial in run]
+        draw_code()
+        if number == 1:
+            st.markdown(INSTRUCTIONS)
+        pictures = [study.pictures[trial.picture] for trial in run]
         trials = [
-            (trial.place, str(trial.picture), (of.width, of.height), trial.adaptation_s)
-            for trial, of in scenes
+            ScreenTrial(of.place, str(of.picture), picture.width, picture.height, of.adaptation_s)
+            for of, picture in zip(run, pictures, strict=True)
         ]
         name, title = f"{run[0].order} of {person.name}", f"Begin run {number} of {n_runs}"
-        _draw_run(screen, name, title, trials, is_first=number == 1)
+        draw_run(screen, name, title, trials)
         return True
 
     def draw_end(self, person: Person) -> None:
@@ -127,11 +132,10 @@ class TouchStudies(Studies[DetectabilityStudy]):
 
     def draw_setup(self) -> None:
         """Draw the form that begins a study."""
-        setup.draw_setup(self, self.store)
+        setup.draw_setup(self)
 
-    def draw_downloads(self, study: DetectabilityStudy) -> None:
+    def draw_downloads(self, store: DetectabilityStore, study: DetectabilityStudy) -> None:
         """Draw the buttons that save trials, boxes, participants and settings."""
-        store = self.store()
         tables = {
             "trials": lambda: trials_table(store, study),
             "boxes": lambda: boxes_table(study),
@@ -149,9 +153,9 @@ class TouchStudies(Studies[DetectabilityStudy]):
             key="study_about",
         )
 
-    def progress(self, study: DetectabilityStudy) -> Progress:
+    def progress(self, store: DetectabilityStore, study: DetectabilityStudy) -> Progress:
         """Return how many trials everybody has answered, and how many are marked."""
-        people = participants_table(self.store(), study)
+        people = participants_table(store, study)
         hint = (
             f"More than {1000 * LATE_S:g} ms early or late, shown for more or less than asked, "
             "shown again after a reload, never reported as shown, or without an answer in time. "
@@ -173,9 +177,9 @@ class TouchStudies(Studies[DetectabilityStudy]):
         }
         return Progress(metrics, people, columns)
 
-    def draw_results(self, study: DetectabilityStudy) -> None:
+    def draw_results(self, store: DetectabilityStore, study: DetectabilityStudy) -> None:
         """Say how the tables become an estimate."""
-        del study
+        del store, study
         with st.expander("From the answers to an estimate"):
             st.caption(
                 "Save trials and boxes. An estimator needs "
@@ -190,7 +194,9 @@ def _draw_practice(screen: OnScreen, n_practised: int) -> None:
     settings, n = screen.study.settings, screen.study.settings.n_practice
     st.title("Practice" if n == 1 else f"Practice {n_practised + 1} of {n}")
     times_s = settings.timing.pairs[n_practised % len(settings.timing.pairs)]
-    trials = [(0, f"{PRACTICE}{i}", PRACTICE_SIZE, times_s[i]) for i in range(len(FIGURES))]
+    trials = [
+        ScreenTrial(0, f"{PRACTICE}{i}", *PRACTICE_SIZE, time_s) for i, time_s in enumerate(times_s)
+    ]
     name = f"practice {n_practised + 1} of {screen.name}"
 
     def end(run: str) -> None:
@@ -200,35 +206,10 @@ def _draw_practice(screen: OnScreen, n_practised: int) -> None:
         if n_practised + 1 >= n:
             screen.store.end_practice(screen.study, screen.name)
 
-    _draw_run(screen, name, "Begin the practice", trials, is_first=True, on_end=end)
-    st.caption("Answers of the practice are not kept.")
-
-
-def _draw_run(
-    screen: OnScreen,
-    name: str,
-    title: str,
-    trials: list[tuple[int, str, tuple[int, int], float]],
-    *,
-    is_first: bool,
-    on_end: Callable[[str], None] = lambda _: None,  # what is left is asked of the file
-) -> None:
-    """Draw the code and the run, after the instructions if it is the first one.
-
-    Parameters
-    ----------
-    trials
-        Place, picture, its size (px) and time of each.
-    """
     draw_code()
-    if is_first:
-        st.markdown(INSTRUCTIONS)
-    sent = [
-        {"place": place, "picture": picture, "width": w, "height": h, "adaptation_s": time_s}
-        for place, picture, (w, h), time_s in trials
-    ]
-    timing = screen.study.settings.timing
-    draw_run(name, title, sent, timing, whose=screen.whose, on_end=on_end)
+    st.markdown(INSTRUCTIONS)
+    draw_run(screen, name, "Begin the practice", trials, on_end=end)
+    st.caption("Answers of the practice are not kept.")
 
 
 TOUCH: Final = TouchStudies()

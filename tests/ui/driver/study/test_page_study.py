@@ -35,8 +35,8 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> list[dict]:
     """The runs that the browser is given; a button in place of each tells that it has ended."""
     drawn: list[dict] = []
 
-    def draw_run(run, title, trials, timing, *, whose, on_end):
-        drawn.append({"run": run, "title": title, "trials": trials})
+    def draw_run(screen, run, title, trials, *, on_end=lambda _: None):
+        drawn.append({"run": run, "title": title, "trials": [of._asdict() for of in trials]})
         st.button("End the run", key="study_screen", on_click=on_end, args=(run,))
         st.button("End another", key="study_other", on_click=on_end, args=("3 of it",))
 
@@ -84,7 +84,7 @@ def test_how_long_it_takes_and_what_a_screen_cannot_be_is_told_before_it_begins(
     assert "learns where its pedestrian is" in texts(page)
 
 
-def test_a_study_has_what_was_set_and_an_address_for_each_side(store: DetectabilityStore):
+def test_a_study_has_what_was_set(store: DetectabilityStore):
     page = opened()
     page.number_input(key="study_bright_s").set_value(2.5)
     page.number_input(key="study_dark_lux").set_value(10.0)
@@ -101,14 +101,8 @@ def test_a_study_has_what_was_set_and_an_address_for_each_side(store: Detectabil
     assert (settings.n_practice, settings.consent) == (2, "We keep *all* of it.")
     assert (study.ends_at - study.begun_at).days == 30
     assert study.folder == "local:dusk"
-    addresses = [code.value for code in page.code]
-    assert addresses[0].endswith(f"?study={study.token}")
-    assert addresses[1].endswith(f"?conduct={study.conductor}")
-    assert opened(conduct=study.conductor).code
     form = opened(study=study.token).number_input
     assert (form(key="study_form_3").value, form(key="study_form_4").value) == (24, None)
-    press(page, "study_close")
-    assert not page.code
 
 
 def test_what_cannot_be_is_told_and_not_begun_and_leaves_all_else_that_was_entered():
@@ -260,30 +254,10 @@ def test_who_has_left_the_screen_can_no_longer_be_answered_for(
     assert ON_SCREEN not in notes
 
 
-def test_strange_links_and_codes_lead_nowhere_and_ones_own_code_goes_on(
-    store: DetectabilityStore, runs: list[dict]
-):
+def test_the_conductor_sees_progress_and_marks(store: DetectabilityStore):
     study = begun(store)
-    assert "leads to no study" in texts(opened(study="guess"))
-    assert "no study of the name in the address" in texts(opened(conduct=study.token))
-    page = opened(study=study.token, participant="GUESSED1")
-    assert "Nobody takes part" in texts(page)
-    assert runs == []
-    checked(page.text_input(key="study_known_code").set_value("x").run())
-    assert "Nobody takes part" in texts(press(page, "study_continue"))
-    person, code = store.join(study, {})
-    store.end_practice(study, person.name)
-    checked(page.text_input(key="study_known_code").set_value(code.lower()).run())
-    press(page, "study_continue")
-    assert runs[-1]["title"] == "Begin run 1 of 3"
-
-
-def test_the_conductor_sees_progress_and_marks_and_deletes_on_request(store: DetectabilityStore):
-    study = begun(store)
-    names = []
     for n in (6, 2):
         person, _ = store.join(study, {})
-        names.append(person.name)
         for trial in person.plan[:n]:
             measured = trial.adaptation_s + (0.2 if trial.order == 1 else 0.01)
             store.note_showing(study, person.name, trial.order)
@@ -292,12 +266,6 @@ def test_the_conductor_sees_progress_and_marks_and_deletes_on_request(store: Det
     assert metrics(page) == {
         "participants": "2", "have seen all pictures": "1", "trials so far": "8", "marked": "2",
     }  # fmt: skip
-    checked(page.text_input(key="study_code").set_value("nobody").run())
-    assert "Nobody with that name or code takes part" in texts(page)
-    checked(page.text_input(key="study_code").set_value(names[0].lower()).run())
-    press(page, "study_delete")
-    assert [person.name for person in store.participants(study)] == names[1:]
-    assert metrics(page)["participants"] == "1"
 
 
 def test_pictures_that_are_gone_are_told(

@@ -15,11 +15,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Final
+from typing import Final, NamedTuple
 
 import streamlit as st
 
-from nvcore.driver.study.settings import Timing
+from ui.driver.study.on_screen import OnScreen
 from ui.session import state, store
 from ui.session.routes import address
 from ui.widgets.script import read_script
@@ -34,14 +34,23 @@ _COMPONENT = st.components.v2.component(
 )
 
 
+class ScreenTrial(NamedTuple):
+    """Trial for the browser: its place (0: practice), its picture with size (px), and its time."""
+
+    place: int
+    picture: str
+    width: int
+    height: int
+    adaptation_s: float
+
+
 def draw_run(
+    on_screen: OnScreen,
     run: str,
     title: str,
-    trials: Sequence[dict[str, Any]],
-    timing: Timing,
+    trials: Sequence[ScreenTrial],
     *,
-    whose: str,
-    on_end: Callable[[str], None],
+    on_end: Callable[[str], None] = lambda _: None,
 ) -> None:
     """Draw the button that begins a run, which then takes the whole window.
 
@@ -51,11 +60,6 @@ def draw_run(
         Name of the run; another one is another run.
     title
         What the button says.
-    trials
-        ``place`` (0: practice, nothing is kept), ``picture`` (name in the route), ``width``,
-        ``height`` (px) and ``adaptation_s`` of each picture, in their order.
-    whose
-        The participant, as answers say it; see `ui.driver.study.on_screen.OnScreen.whose`.
     on_end
         Called with the name of a run that was seen to its end; after one that was stopped, or
         when answers from before were kept, the page is only drawn again.
@@ -71,10 +75,10 @@ def draw_run(
         data={
             "run": run,
             "title": title,
-            "whose": whose,
+            "whose": on_screen.whose,
             "url": f"{address(state.workspace())}/study",
-            "trials": list(trials),
-            "timing": asdict(timing),
+            "trials": [trial._asdict() for trial in trials],
+            "timing": asdict(on_screen.study.settings.timing),
         },
         on_ended_change=end,
         on_stopped_change=lambda: None,
