@@ -9,7 +9,7 @@ from pathlib import Path
 
 from nvcore.errors import MediaError
 from nvcore.file_kinds import as_stored, binary_kind
-from nvcore.pictures.base import Pictures, first_bytes
+from nvcore.pictures.base import Pictures
 from nvcore.pictures.containers import video_format
 from nvcore.pictures.header import is_image
 from nvcore.pictures.images import archive_as_pictures, files_as_pictures, folder_as_pictures
@@ -52,13 +52,17 @@ def open_pictures(path: Path | Sequence[Path], *, inside: str | None = None) -> 
         if glob.has_magic(path.name) and path.parent.is_file():
             return archive_as_pictures(path.parent, inside=inside, pattern=path.name)
         raise MediaError("there is no such file or folder of pictures", file=name)
-    content = first_bytes(path, 4096, name)
+    try:
+        with path.open("rb") as file:
+            content = file.read(4096)
+    except OSError as error:
+        raise MediaError(f"cannot be opened ({error.strerror})", file=name) from error
     if content.startswith((b"PK\3\4", b"PK\5\6")):
         return archive_as_pictures(path, inside=inside)
     if is_image(content):
         return files_as_pictures([path], name)
-    if video_format(content) is not None:
-        return Video(path)
+    if container_format := video_format(content):
+        return Video(path, container_format)
     if not content:
         raise MediaError("is empty", file=name)
     kind = (binary_kind(content) or "text").partition(":")[0]
