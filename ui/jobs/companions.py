@@ -37,7 +37,7 @@ def wait_for_companions(result: Result, evidence: pd.DataFrame) -> Companions | 
         most=MOST,
     )
     output, is_missing = computation.draw(is_quick=is_quick(result))
-    job = state.workspace().job(computation.kind)
+    job = computation.run.job
     if is_missing and (job is None or job.key != computation.key):  # not one that was cancelled
         computation.start()
         computation.draw(is_quick=False)

@@ -14,8 +14,8 @@ from nvcore.params import SETTINGS, Params
 from nvcore.progress import Progress
 from nvcore.ratings.fit import Fit, fit_saliency
 from nvcore.wording import count_text, minus, percent
-from ui.jobs.background import BackgroundJob, JobState, while_open
-from ui.jobs.progress import draw_job
+from ui.jobs.background import JobState
+from ui.jobs.page_run import PageRun
 from ui.ratings import applied_fit
 from ui.ratings.applied_fit import AppliedFit
 from ui.ratings.source import RatingSource
@@ -26,7 +26,7 @@ from ui.widgets.text import docs_link, plain
 
 AT_ONCE: Final = 20_000
 """Frames up to which a fit takes seconds: it is made while the page waits."""
-JOB: Final = "rating_fit"
+RUN: Final = PageRun[Fit]("rating_fit", "fit", "Fitting")
 MOST_FITS: Final = 4
 SIMULATED: Final = "Fitted to **simulated ratings**: nobody was asked."
 
@@ -78,9 +78,9 @@ def _keep(key: Any, fit: Fit) -> Fit:
 
 def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | None:
     """The button, or the progress of the fit; the fit where it was made at once."""
-    job: BackgroundJob[Fit] | None = state.workspace().job(JOB)
+    job = RUN.job
     if job is not None and job.key == key:
-        job_state = draw_job(job, JOB, thing="fit", doing="Fitting")
+        job_state = RUN.draw(job)
         if job_state.is_busy:
             return None
         if job_state is JobState.DONE and job.output is not None:
@@ -88,7 +88,7 @@ def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | 
     if not button("Fit saliency to these ratings", key="rating_fit", icon=":material/tune:"):
         return None
     if len(result.dataset.frames) > AT_ONCE:
-        _begin(result, start, clips, key)
+        RUN.start(lambda progress: _fit(result, start, clips, progress), key=key)
         st.rerun()
     bar = st.progress(0.0, "Fitting")
 
@@ -96,11 +96,7 @@ def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | 
         bar.progress(share, "Fitting")
 
     try:
-        fit = fit_saliency(
-            _with(result, start),
-            clips,
-            progress=show,
-        )
+        fit = _fit(result, start, clips, show)
     except InputError as error:
         st.info(plain(str(error)))
         return None
@@ -109,12 +105,8 @@ def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | 
     return _keep(key, fit)
 
 
-def _begin(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> None:
-    def compute(progress: Progress) -> Fit:
-        return fit_saliency(_with(result, start), clips, progress=progress)
-
-    space = state.workspace()
-    space.put_job(JOB, BackgroundJob(compute, while_open(space), key=key))
+def _fit(result: Result, start: Params, clips: pd.DataFrame, progress: Progress) -> Fit:
+    return fit_saliency(_with(result, start), clips, progress=progress)
 
 
 def _draw_worth(fit: Fit, start: str) -> None:

@@ -41,7 +41,7 @@ from pages import (
 )
 from ui.driver import run
 from ui.driver.run import lost_words, with_estimates
-from ui.jobs.background import BackgroundJob, while_open
+from ui.jobs.background import BackgroundJob
 from ui.session import state, uploads
 from ui.session.store import DRIVER_REGION, ENCOUNTER
 from ui.session.workspace import Workspace
@@ -542,7 +542,7 @@ def test_the_sidebar_of_other_pages_shows_an_estimate_which_waits_for_other_work
         assert is_over.wait(TIMEOUT_S)
         return "boxes"
 
-    other = BackgroundJob(work, while_open(held.space), outlasts=True)
+    other = BackgroundJob(work, held.space, outlasts=True)
     held.space.put_job("detector_run", other)
     held.ends()
     assert aside(checked(page.run())) == [
