@@ -75,9 +75,11 @@ def examples(*lines: str) -> str:
     return "\n".join(["\b", title, *(f"  {line}" for line in lines)])
 
 
-def command(short_help: str, *lines: str) -> Callable[[Callable[..., Any]], click.Command]:
+def command(
+    short_help: str, *lines: str, name: str | None = None
+) -> Callable[[Callable[..., Any]], click.Command]:
     """Declare a command by its line in the list of commands, and the examples of its help."""
-    return click.command(cls=GroupedCommand, short_help=short_help, epilog=examples(*lines))
+    return click.command(name, GroupedCommand, short_help=short_help, epilog=examples(*lines))
 
 
 def session_argument(*, required: bool = True) -> Callable[[Callable[..., Any]], Any]:

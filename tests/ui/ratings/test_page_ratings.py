@@ -111,7 +111,7 @@ def test_a_fit_in_the_background_can_be_cancelled(monkeypatch: pytest.MonkeyPatc
     assert is_started.wait(TIMEOUT_S)
     press(page, "rating_fit_cancel")
     may_go_on.set()
-    job = page.session_state["workspace"].job(fit.JOB)
+    job = page.session_state["workspace"].job(fit.RUN.name)
     job.join()
     assert job.state is JobState.CANCELLED
     assert page.run().button(key="rating_fit")
