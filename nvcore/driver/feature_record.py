@@ -10,6 +10,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any, Final
 
+from nvcore import __version__
 from nvcore.dataset.records import numbers_of, read_record, typed, value_of
 from nvcore.driver.features import FeatureSettings
 from nvcore.errors import ParameterError
@@ -28,9 +29,9 @@ def record_beside(features: Path) -> Path:
 
 
 def record_bytes(contents: Mapping[str, bytes], **entries: object) -> bytes:
-    """Serialize a record as JSON, with the hashes of the files that it describes."""
+    """Serialize a record as JSON, with the version and the hashes of the files it describes."""
     digests = {name: sha256(content).hexdigest() for name, content in contents.items()}
-    record = {**entries, "files": digests}
+    record = {"written_by": f"nvcore {__version__}", **entries, "files": digests}
     return (json.dumps(record, ensure_ascii=False, indent=1) + "\n").encode()
 
 

@@ -98,7 +98,6 @@ def write_estimates(run: EstimateRun, dataset: Dataset, folder: Path) -> Written
 def _record(run: FeatureRun, contents: dict[str, bytes], **more: Any) -> bytes:
     return record_bytes(
         contents,
-        written_by=f"nvcore {__version__}",
         **more,
         settings=run.settings.as_json(),
         recordings=[

@@ -11,7 +11,6 @@ from typing import Any, Final, TypeVar
 from nvcore.errors import InputError, MediaError
 from nvcore.pictures.base import Picture, Pictures, check_index
 from nvcore.pictures.open import open_pictures
-from nvcore.progress import Progress
 from ui.confined.process import Allowance, Process
 
 T = TypeVar("T")
@@ -40,16 +39,10 @@ class PictureProcess(Process):
         """
         return ConfinedPictures(self, path, self.call(_open, path, what=f"opening {path.name}"))
 
-    def call(
-        self,
-        function: Callable[..., T],
-        *arguments: Any,
-        what: str,
-        progress: Progress | None = None,
-    ) -> T:
+    def call(self, function: Callable[..., T], *arguments: Any, **options: Any) -> T:
         """Call a function in the process, as `Process.call`."""
         try:
-            return super().call(function, *arguments, what=what, progress=progress)
+            return super().call(function, *arguments, **options)
         except MediaError:
             raise
         except InputError as error:

@@ -15,7 +15,7 @@ from nvcore.progress import Progress
 from ui.jobs.background import BackgroundJob, JobState, Output
 from ui.jobs.progress import draw_progress
 from ui.session import state
-from ui.session.opening import live_session, relative_path
+from ui.session.opening import live_session
 from ui.session.uploads import ANNOTATION_FOLDERS, count_folder, remove_folder
 from ui.session.workspace import Workspace
 from ui.widgets.buttons import button, download
@@ -151,9 +151,10 @@ def is_uploaded(space: Workspace, session: Session) -> bool:
     return session.folder.is_relative_to(space.folder)
 
 
-def named_in(session: Session, path: Path, *, is_upload: bool) -> str:
-    """Return how a session names a file of a run: if it is an upload, from its folder."""
-    return relative_path(path, session.folder) if is_upload else str(path)
+def named_in(session: Session, path: Path) -> str:
+    """Return how a session names a file of a run: from its folder, which an upload shares."""
+    is_inside = path.is_relative_to(session.folder)
+    return path.relative_to(session.folder).as_posix() if is_inside else str(path)
 
 
 def dataset_of(names: Collection[str]) -> Dataset:

@@ -313,10 +313,8 @@ def test_files_of_an_upload_are_named_from_its_folder(tmp_path: Path):
     folder = tmp_path / "driver-1"
     names = ("session.toml", "detectability.csv", "features.csv", "driver.json")
     written = WrittenEstimates(*(folder / name for name in names), run=None)
-    session = Session(folder=tmp_path, truth=Source("truth.csv"), systems=())
-    named = [
-        with_estimates(session, written, is_upload=is_upload).driver for is_upload in (True, False)
-    ]
+    sessions = [Session(place, Source("truth.csv"), ()) for place in (tmp_path, tmp_path / "other")]
+    named = [with_estimates(session, written).driver for session in sessions]
     assert named[0].detectability == "driver-1/detectability.csv"
     assert named[1].provenance == str(folder / "driver.json")
 

@@ -198,7 +198,7 @@ def test_a_fit_goes_on_after_a_reload_and_fitted_settings_are_still_marked(gated
     fitting = reloaded(before, "ratings")
     assert "rating_fit_cancel" in keys(fitting)
     gate.is_open.set()
-    press(ended(fitting, fit.JOB), "rating_fit_take")
+    press(ended(fitting, fit.RUN.name), "rating_fit_take")
     space = fitting.session_state["workspace"]
     start = space.opened.dataset.params_of()
     query = changed_parameters(fitting.session_state["params"], start)
