@@ -6,13 +6,13 @@ recorded gaze.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeVar
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from nvcore.dataset import Dataset
@@ -23,11 +23,12 @@ from nvcore.driver.illumination import LightSettings, read_light
 from nvcore.driver.illumination.clock import AdaptationClock, adaptation_clock
 from nvcore.driver.run import run_features
 from nvcore.driver.settings import settings_from
-from nvcore.driver.simulation import simulate_change
 from nvcore.progress import Progress
 from nvcore.wording import count_text, listed
 from ui.confined.process import N_THREADS, Allowance, call
 from ui.widgets.text import plain
+
+T = TypeVar("T")
 
 RUN: Final = Allowance(memory_mb=3000, seconds=180.0)
 """For a run; its time is from one picture to the next."""
@@ -106,9 +107,13 @@ def _estimator(spec: EstimatorSpec) -> Estimator:
     return read_estimator(spec.path)
 
 
-def describe_estimator(spec: EstimatorSpec) -> str:
+def on_estimator(spec: EstimatorSpec, function: Callable[[Estimator], T]) -> T:
+    """Call a function of an estimator."""
+    return function(_estimator(spec))
+
+
+def describe_estimator(estimator: Estimator) -> str:
     """Describe an estimator as Markdown: its training, features and fingerprint."""
-    estimator = _estimator(spec)
     origin, caution = estimator.origin, caution_of(estimator)
     doubts = SIMULATED.get(origin.simulated, "")
     doubts += f" Its estimates are {caution}." if caution else ""
@@ -119,21 +124,6 @@ def describe_estimator(spec: EstimatorSpec) -> str:
         f"{count_text(origin.n_subjects, 'subject')} with "
         f"{count_text(origin.n_pedestrians, 'pedestrian')}.{doubts} Features: {labels}. "
         f"Adaptation periods: {periods} s. Fingerprint {fingerprint(estimator)[:12]}."
-    )
-
-
-def simulate(
-    spec: EstimatorSpec,
-    features: pd.DataFrame,
-    end_s: NDArray[np.float64],
-    change_s: float,
-    interpolate: bool,
-    real_s: NDArray[np.float64] | None,
-) -> pd.DataFrame:
-    """Run `nvcore.driver.simulation.simulate_change`."""
-    estimator = _estimator(spec)
-    return simulate_change(
-        features, end_s, change_s, estimator, interpolate=interpolate, real_s=real_s
     )
 
 

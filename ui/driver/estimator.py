@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -9,7 +10,7 @@ import streamlit as st
 
 from nvcore.driver.estimators.model_file import MAX_BYTES, SAMPLE_ESTIMATOR
 from nvcore.errors import NvcoreError
-from ui.driver.confined import EstimatorSpec, describe_estimator
+from ui.driver.confined import EstimatorSpec, describe_estimator, on_estimator
 from ui.session import state
 from ui.shell.messages import error_text, shown_error
 from ui.widgets.models import ModelKind, draw_field, model_files
@@ -27,13 +28,10 @@ def described(spec: EstimatorSpec) -> str:
     NvcoreError
         If the file is none that can be used.
     """
-    space = state.workspace()
-
-    def ask() -> str:
-        what = "opening the estimator"
-        return space.model_process.call(describe_estimator, spec, what=what)
-
-    return space.cached("estimator", spec, ask, most=8)
+    space, what = state.workspace(), "opening the estimator"
+    call = partial(space.model_process.call, on_estimator, spec, describe_estimator, what=what)
+    text: str = space.cached("estimator", spec, call, most=8)
+    return text
 
 
 def _check(path: Path) -> None:
