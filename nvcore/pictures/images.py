@@ -166,69 +166,44 @@ def _as_uint16(picture: NDArray[np.generic]) -> NDArray[np.uint16]:
     return scaled.astype(np.uint16)
 
 
-def files_as_pictures(paths: Sequence[Path], name: str) -> Images:
-    """Open the given picture files, in natural order of their names.
-
-    Raises
-    ------
-    MediaError
-        If there is none, they are of several series, or the first cannot be read.
-    """
-    path_of = {path.name: path for path in paths}
-    if not path_of:
-        raise MediaError("there are no pictures; expected PNG, JPEG, TIFF or BMP", file=name)
-    return Images(name, series_of([*path_of], name), lambda file: file_bytes(path_of[file]))
-
-
-def folder_as_pictures(folder: Path, *, inside: str | None = None, pattern: str = "*") -> Images:
+def folder_as_pictures(folder: Path, pattern: str = "") -> Images:
     """Open the pictures of a folder, or of its only subfolder with pictures. Skip hidden files.
 
     Parameters
     ----------
-    inside
-        One of its folders, ``.`` for itself.
     pattern
-        Pattern of the file names, as in a shell.
+        Pattern of the file names, as in a shell: of the folder itself. Empty: all.
 
     Raises
     ------
     MediaError
-        If there is none, several subfolders hold some and `inside` names none of them, or they are
-        of several series.
+        If there is none, several subfolders hold some, or they are of several series.
     """
     try:
         relative = [
             path.relative_to(folder).as_posix()
-            for path in (folder.iterdir() if inside == "." else folder.rglob("*"))
+            for path in (folder.iterdir() if pattern else folder.rglob("*"))
             if path.suffix.lower() in IMAGE_SUFFIXES and path.is_file()
         ]
     except OSError as error:
         raise MediaError(f"cannot be read ({error.strerror})", file=folder.name) from error
-    return _of_one_folder(
-        relative, folder.name, inside, pattern, lambda name: file_bytes(folder / name)
-    )
+    return _of_one_folder(relative, folder.name, pattern, lambda name: file_bytes(folder / name))
 
 
-def archive_as_pictures(path: Path, *, inside: str | None = None, pattern: str = "*") -> Images:
+def archive_as_pictures(path: Path, pattern: str = "") -> Images:
     """Open the pictures of a ZIP archive without unpacking it.
-
-    Parameters
-    ----------
-    inside, pattern
-        As in `folder_as_pictures`.
 
     Raises
     ------
     MediaError
-        If the archive is refused (`nvcore.pictures.archive`), holds no picture, several folders
-        hold some and `inside` names none of them, or they are of several series.
+        As `folder_as_pictures`, or if the archive is refused (`nvcore.pictures.archive`).
     """
     archive = Archive(path)
     try:
         pictures = [
             name for name in archive.names if PurePosixPath(name).suffix.lower() in IMAGE_SUFFIXES
         ]
-        return _of_one_folder(pictures, path.name, inside, pattern, archive.read, archive.close)
+        return _of_one_folder(pictures, path.name, pattern, archive.read, archive.close)
     except MediaError:
         archive.close()
         raise
@@ -237,32 +212,27 @@ def archive_as_pictures(path: Path, *, inside: str | None = None, pattern: str =
 def _of_one_folder(
     names: Sequence[str],
     where: str,
-    inside: str | None,
     pattern: str,
     read_bytes: Callable[[str], bytes],
     close: Callable[[], None] = lambda: None,
 ) -> Images:
-    """Open those in one folder: `inside`, else the top one, else the only one."""
+    """Open those in one folder: the top one, else the only one."""
     by_folder: dict[str, list[str]] = {}
-    wanted, strays = composed(pattern), list[str]()
+    wanted, strays = composed(pattern or "*"), list[str]()
     for name in names:
         path = PurePosixPath(name)
         is_hidden = any(part.startswith(".") for part in path.parts)
         if not is_hidden and fnmatchcase(composed(path.name), wanted):
             by_folder.setdefault(str(path.parent), []).append(name)
-    if inside is not None:
-        by_folder = {inside: by_folder[inside]} if inside in by_folder else {}
-    elif "." in by_folder:
+    if "." in by_folder:
         top = by_folder.pop(".")
         if len(by_folder) == 1 and is_stray(len(top), len(*by_folder.values())):
             strays = top  # a cover beside the folder of the pictures
         else:
             by_folder = {".": top}
     if not by_folder:
-        place_text = "" if inside in (None, ".") else f" in {one_line(inside)!r}"
-        if pattern != "*":
-            place_text += f" of the name {one_line(pattern)}"
-        raise MediaError(f"holds no PNG, JPEG, TIFF or BMP{place_text}", file=where)
+        named = f" of the name {one_line(pattern)}" if pattern not in ("", "*") else ""
+        raise MediaError(f"holds no PNG, JPEG, TIFF or BMP{named}", file=where)
     if len(by_folder) > 1:
         folders = ", ".join(one_line(name) for name in sorted(by_folder)[:_SHOWN_FOLDERS])
         more = ", ..." if len(by_folder) > _SHOWN_FOLDERS else ""
