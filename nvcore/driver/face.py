@@ -132,17 +132,7 @@ def driver_job(
 ) -> Iterator[Callable[[Progress], Any]]:
     """Check the arguments of `driver_features` or `estimate_driver`, and yield what runs it.
 
-    Parameters
-    ----------
-    inputs
-        Further input files, which must not be replaced.
-    loading
-        Progress of the reading.
-
-    Raises
-    ------
-    InputError, MissingFactError, ParameterError, MissingExtraError
-        As these calls.
+    Parameters are as of `nvcore.detectors.face.detector_job`, errors as of these calls.
     """
     estimate = arguments if isinstance(arguments, EstimateArguments) else None
     what = "estimates of what the driver sees" if estimate else "features of pictures"
