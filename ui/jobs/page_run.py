@@ -1,4 +1,4 @@
-"""Runs over the pictures of the open recordings, as background jobs with buttons and progress."""
+"""Long work of a page, as background jobs with buttons and progress."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ui.widgets.text import plain
 
 @dataclass(frozen=True)
 class PageRun(Generic[Output]):
-    """A kind of run over pictures. The workspace keeps the newest run of each kind.
+    """A kind of long work. The workspace keeps the newest run of each kind.
 
     Attributes
     ----------
