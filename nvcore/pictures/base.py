@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections import OrderedDict
 from collections.abc import Sequence
 from typing import Any, Final, Protocol, TypeAlias
@@ -34,7 +34,7 @@ class PictureReader(Protocol):
         ...
 
 
-class Pictures(ABC):
+class Pictures(PictureReader):
     """Pictures of one recording, for readers in any thread.
 
     Attributes
@@ -68,10 +68,6 @@ class Pictures(ABC):
     fps: float | None = None
     times_s: NDArray[np.floating] | None = None
     notes: tuple[PictureNote, ...] = ()
-
-    @abstractmethod
-    def read(self, index: int) -> Picture:
-        """See `PictureReader.read`."""
 
     def file_names(self, indices: Sequence[int]) -> list[str] | None:  # noqa: ARG002
         """Return the file name of each picture, without folders, or None for a video."""
