@@ -9,8 +9,7 @@ import click
 
 from nvcore.arguments import OUTPUT
 from nvcore.cli.options import (
-    GroupedCommand,
-    examples,
+    command,
     grouped_option,
     input_options,
     parameter_options,
@@ -23,14 +22,11 @@ from nvcore.wording import one_line
 # As in nvcore/cli/__init__.py, numpy is imported by the command only.
 
 
-@click.command(
-    cls=GroupedCommand,
-    short_help="Which detections reach the driver as alerts, which were worth it.",
-    epilog=examples(
-        "nvcore alerts night.toml",
-        "nvcore alerts night.toml --policy eager --out alerts",
-        "nvcore alerts night.toml --policy ours.toml --alert-pause-s 5",
-    ),
+@command(
+    "Which detections reach the driver as alerts, which were worth it.",
+    "nvcore alerts night.toml",
+    "nvcore alerts night.toml --policy eager --out alerts",
+    "nvcore alerts night.toml --policy ours.toml --alert-pause-s 5",
 )
 @input_options
 @grouped_option(

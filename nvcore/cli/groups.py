@@ -9,20 +9,17 @@ import click
 
 from nvcore.arguments import OUTPUT
 from nvcore.arguments.groups import GroupArguments
-from nvcore.cli.options import GroupedCommand, examples, grouped_option, options_of
+from nvcore.cli.options import command, grouped_option, options_of
 from nvcore.wording import one_line
 
 # As in nvcore/cli/__init__.py, numpy and pandas are imported by the command only.
 
 
-@click.command(
-    cls=GroupedCommand,
-    short_help="Compare groups of persons or drives.",
-    epilog=examples(
-        "nvcore groups reactions.csv",
-        "nvcore groups drives.csv --measure violations --rename control=",
-        "nvcore groups means.csv --correlation 0.7 --difference 300",
-    ),
+@command(
+    "Compare groups of persons or drives.",
+    "nvcore groups reactions.csv",
+    "nvcore groups drives.csv --measure violations --rename control=",
+    "nvcore groups means.csv --correlation 0.7 --difference 300",
 )
 @click.argument("table", type=click.Path(dir_okay=False, path_type=Path))
 @options_of(GroupArguments)

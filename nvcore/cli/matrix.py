@@ -9,8 +9,7 @@ import click
 
 from nvcore.arguments import OUTPUT
 from nvcore.cli.options import (
-    GroupedCommand,
-    examples,
+    command,
     grouped_option,
     input_options,
     parameter_options,
@@ -29,14 +28,11 @@ from nvcore.wording import one_line
 # As in nvcore/cli/__init__.py, numpy and pandas are imported by the command only.
 
 
-@click.command(
-    cls=GroupedCommand,
-    short_help="Compare every two systems of a session.",
-    epilog=examples(
-        "nvcore matrix three.toml",
-        "nvcore matrix three.toml --alpha 0.8 --out pairs",
-        "nvcore matrix three.toml --json",
-    ),
+@command(
+    "Compare every two systems of a session.",
+    "nvcore matrix three.toml",
+    "nvcore matrix three.toml --alpha 0.8 --out pairs",
+    "nvcore matrix three.toml --json",
 )
 @input_options
 @grouped_option(

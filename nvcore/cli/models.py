@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import click
 
 from nvcore.arguments import pairs_of
-from nvcore.cli.options import GroupedCommand, examples, grouped_option
+from nvcore.cli.options import command, grouped_option
 from nvcore.subjects import contributed
 
 
@@ -31,15 +31,12 @@ class Models:
     describe: Callable[[str, Mapping[str, str]], str]
 
 
-@click.command(
-    cls=GroupedCommand,
-    short_help="List the models, or describe one.",
-    epilog=examples(
-        "nvcore models",
-        "nvcore models hog:daimler",
-        "nvcore models yolo.onnx",
-        "nvcore models estimator.npz",
-    ),
+@command(
+    "List the models, or describe one.",
+    "nvcore models",
+    "nvcore models hog:daimler",
+    "nvcore models yolo.onnx",
+    "nvcore models estimator.npz",
 )
 @click.argument("model", required=False, metavar="[NAME|FILE]")
 @grouped_option(

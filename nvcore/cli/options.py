@@ -75,6 +75,23 @@ def examples(*lines: str) -> str:
     return "\n".join(["\b", title, *(f"  {line}" for line in lines)])
 
 
+def command(
+    short_help: str, *lines: str, name: str | None = None
+) -> Callable[[Callable[..., Any]], click.Command]:
+    """Declare a command by its line in the list of commands, and the examples of its help."""
+    return click.command(name, GroupedCommand, short_help=short_help, epilog=examples(*lines))
+
+
+def session_argument(*, required: bool = True) -> Callable[[Callable[..., Any]], Any]:
+    """Return the argument that names a session file."""
+    return click.argument(
+        "session_file",
+        required=required,
+        type=click.Path(dir_okay=False, path_type=Path),
+        metavar="SESSION_FILE" if required else "[SESSION_FILE]",
+    )
+
+
 def check_html_name(flag: str, file: Path) -> None:
     """Refuse a name that is not of an HTML file: an input named by mistake stays as it is.
 

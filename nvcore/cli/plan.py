@@ -10,9 +10,8 @@ import click
 from nvcore.arguments import OUTPUT
 from nvcore.arguments.plan import PlanArguments
 from nvcore.cli.options import (
-    GroupedCommand,
     arguments_of,
-    examples,
+    command,
     flag_of,
     grouped_option,
     input_options,
@@ -35,13 +34,10 @@ from nvcore.wording import one_line
 # As in nvcore/cli/__init__.py, numpy and pandas are imported by the command only.
 
 
-@click.command(
-    cls=GroupedCommand,
-    short_help="Say how many recordings would show a difference.",
-    epilog=examples(
-        "nvcore plan night.toml --measure encounters_detected --difference 3%",
-        "nvcore plan night.toml --measure mean_similarity --margin 0.01 --out plan.json",
-    ),
+@command(
+    "Say how many recordings would show a difference.",
+    "nvcore plan night.toml --measure encounters_detected --difference 3%",
+    "nvcore plan night.toml --measure mean_similarity --margin 0.01 --out plan.json",
 )
 @input_options
 @options_of(PlanArguments)

@@ -10,10 +10,9 @@ import click
 from nvcore.arguments import OUTPUT
 from nvcore.arguments.report import HtmlArguments, Inscription
 from nvcore.cli.options import (
-    GroupedCommand,
     arguments_of,
     check_html_name,
-    examples,
+    command,
     grouped_option,
     input_options,
     options_of,
@@ -35,11 +34,7 @@ from nvcore.extras import needs
 from nvcore.wording import one_line
 
 
-@click.command(
-    cls=GroupedCommand,
-    short_help="Write the comparison as one HTML file.",
-    epilog=examples("nvcore report night.toml --out night.html"),
-)
+@command("Write the comparison as one HTML file.", "nvcore report night.toml --out night.html")
 @input_options
 @protocol_option
 @options_of(HtmlArguments, "stability")

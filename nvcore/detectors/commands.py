@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import click
 
-from nvcore.cli.options import GroupedCommand, examples, options_of
+from nvcore.cli.options import command, options_of, session_argument
 from nvcore.cli.program import program
 from nvcore.cli.progress import ShareProgress
 from nvcore.cli.steps import job_on
@@ -19,16 +19,13 @@ from nvcore.wording import one_line
 # As in nvcore/cli/__init__.py, numpy and OpenCV are imported by the command only.
 
 
-@click.command(
-    cls=GroupedCommand,
-    short_help="Run a detector over the recordings of a session.",
-    epilog=examples(
-        "nvcore detect night.toml --detector hog --out hog",
-        "nvcore detect night.toml --detector yolo.onnx --set threshold=0.3 --out yolo",
-        "nvcore compare hog/session.toml",
-    ),
+@command(
+    "Run a detector over the recordings of a session.",
+    "nvcore detect night.toml --detector hog --out hog",
+    "nvcore detect night.toml --detector yolo.onnx --set threshold=0.3 --out yolo",
+    "nvcore compare hog/session.toml",
 )
-@click.argument("session_file", type=click.Path(dir_okay=False, path_type=Path))
+@session_argument()
 @options_of(DetectArguments)
 def detect(session_file: Path, **options: Any) -> None:
     """Run a detector over the recordings of a session, and add its boxes as a system.

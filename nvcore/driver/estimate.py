@@ -80,7 +80,7 @@ class EstimateRun:
 
     def __str__(self) -> str:
         known = self.table[self.table["detectability"].notna()]
-        notes = [
+        notes: list[Note | None] = [
             Note(
                 "driver.result",
                 n_known=len(known),
@@ -88,8 +88,8 @@ class EstimateRun:
                 mean=known["detectability"].mean() if len(known) else None,
                 missing=None if len(known) else self._missing(),
             ),
-            *self._of_heat(),
-            *(self._lacking() if len(known) else ()),
+            self._of_heat(),
+            self._lacking() if len(known) else None,
         ]
         simulated = self.estimator.origin.simulated
         if caution := caution_of(self.estimator, simulated=simulated):
@@ -107,37 +107,30 @@ class EstimateRun:
             notes.append(Note("driver.estimates_outside", n=n_outside, features=features))
         if self.steps.n_jumping:
             notes.append(Note("driver.jumps", **self.steps._asdict()))
-        texts = [phrase(note, PEDESTRIAN) for note in notes]
+        texts = [phrase(note, PEDESTRIAN) for note in notes if note is not None]
         return "\n".join([str(self.features), *texts])
 
-    def _of_heat(self) -> list[Note]:
-        """Return a note on recordings whose pictures may be far infrared, if there are any."""
+    def _of_heat(self) -> Note | None:
+        """Return a note on recordings whose pictures may be far infrared, or None."""
         names = [one_line(part.name) for part in self.features.recordings if part.may_be_of_heat]
-        return [Note("driver.of_heat", names=listed(names, most=MOST_NAMED))] if names else []
+        return Note("driver.of_heat", names=listed(names, most=MOST_NAMED)) if names else None
 
-    def _lacking(self) -> list[Note]:
-        """Return a note on boxes with a picture but no estimate, and the features they lack."""
+    def _lacking(self) -> Note | None:
+        """Return a note on boxes with a picture but no estimate, or None."""
         table, features = self.table, self.features.table
         is_seen = (features["picture"] != "").to_numpy()
-        is_lacking = (
-            is_seen & table["detectability"].isna().to_numpy() & ~_is_of_heat(self.features)
+        is_unknown = table["detectability"].isna().to_numpy()
+        is_lacking = is_seen & is_unknown & ~_is_of_heat(self.features)
+        if not is_lacking.any():
+            return None
+        lost, periods = features[is_lacking].isna().any(), table.loc[is_lacking, "period_s"]
+        return Note(
+            "driver.lacking",
+            n=len(periods),
+            n_after=int(periods.notna().sum()),
+            periods_s=(periods.min(), periods.max()),
+            features=[LABELS[key] for key in self.estimator.features if lost[key]],
         )
-        n = int(np.count_nonzero(is_lacking))
-        if not n:
-            return []
-        keys = [
-            key for key in self.estimator.features if features.loc[is_lacking, key].isna().any()
-        ]
-        periods = table.loc[is_lacking, "period_s"]
-        return [
-            Note(
-                "driver.lacking",
-                n=n,
-                n_after=int(periods.notna().sum()),
-                periods_s=(periods.min(), periods.max()),
-                features=[LABELS[key] for key in keys],
-            )
-        ]
 
     def _missing(self) -> Note | None:
         """Return a note on features that the estimator needs but no box has, or None."""
@@ -202,12 +195,11 @@ class EstimateRun:
         """Raise an InputError with the reason if there are pedestrians but no estimates."""
         if self.n_estimated or self.table.empty:
             return
-        missing = self._missing()
         note = Note(
             "driver.no_estimate",
             n=len(self.table),
             n_unseen=sum(part.n_unseen for part in self.features.recordings),
-            reasons=[*([missing] if missing else []), *self._of_heat()],
+            reasons=[*filter(None, (self._missing(), self._of_heat()))],
         )
         raise InputError(phrase(note, PEDESTRIAN))
 

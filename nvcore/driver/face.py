@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nvcore.api.inputs import keywords_named, load_part
 from nvcore.arguments import PathLike, called_with
-from nvcore.dataset import Dataset
 from nvcore.driver.arguments import EstimateArguments, FeatureArguments
 from nvcore.extras import needs
 from nvcore.inputs.pipes import pipes_kept
@@ -49,42 +48,9 @@ def driver_features(arguments: FeatureArguments) -> WrittenFeatures:
     >>> features = driver_features("night.toml", "features")  # doctest: +SKIP
     >>> print(features.run)  # doctest: +SKIP
     """
-    with keywords_named(), features_job(arguments) as job:
-        return job(arguments.progress)
-
-
-@contextmanager
-def features_job(
-    arguments: FeatureArguments, *, inputs: Sequence[Path] = (), loading: Progress = no_progress
-) -> Iterator[Callable[[Progress], WrittenFeatures]]:
-    """Check the arguments of `driver_features`, and yield a function that runs it.
-
-    Parameters
-    ----------
-    inputs
-        Further input files, which must not be replaced.
-    loading
-        Progress of the reading.
-
-    Raises
-    ------
-    InputError, MissingFactError, ParameterError, MissingExtraError
-        As `driver_features`.
-    """
-    with needs("driver", "features of pictures need"):
-        from nvcore.driver.run import run_features
-        from nvcore.driver.settings import settings_from
-        from nvcore.driver.writing import FEATURE_OUTPUTS, write_features
-
-    values = settings_from(arguments.settings or {})
-    dataset = _dataset_to_run(arguments, FEATURE_OUTPUTS, inputs, loading)
-
-    def run(progress: Progress) -> WrittenFeatures:
-        n_threads = arguments.n_threads
-        features = run_features(dataset, values, n_threads=n_threads, progress=progress)
-        return write_features(features, Path(arguments.out))
-
-    yield run
+    with keywords_named(), driver_job(arguments) as job:
+        features: WrittenFeatures = job(arguments.progress)
+        return features
 
 
 def image_features(
@@ -152,49 +118,55 @@ def estimate_driver(arguments: EstimateArguments) -> WrittenEstimates:
     MissingFactError, ParameterError, MissingExtraError
         As `driver_features`.
     """
-    with keywords_named(), estimate_job(arguments) as job:
-        return job(arguments.progress)
+    with keywords_named(), driver_job(arguments) as job:
+        estimates: WrittenEstimates = job(arguments.progress)
+        return estimates
 
 
 @contextmanager
-def estimate_job(
-    arguments: EstimateArguments, *, inputs: Sequence[Path] = (), loading: Progress = no_progress
-) -> Iterator[Callable[[Progress], WrittenEstimates]]:
-    """Check the arguments of `estimate_driver`, and yield a function that runs it.
+def driver_job(
+    arguments: FeatureArguments | EstimateArguments,
+    *,
+    inputs: Sequence[Path] = (),
+    loading: Progress = no_progress,
+) -> Iterator[Callable[[Progress], Any]]:
+    """Check the arguments of `driver_features` or `estimate_driver`, and yield what runs it.
 
-    Parameters and errors are as of `features_job`.
+    Parameters are as of `nvcore.detectors.face.detector_job`, errors as of these calls.
     """
-    with needs("driver", "estimates of what the driver sees need"):
+    estimate = arguments if isinstance(arguments, EstimateArguments) else None
+    what = "estimates of what the driver sees" if estimate else "features of pictures"
+    with needs("driver", f"{what} need"):
         from nvcore.driver.estimate import check_settings, run_estimate
         from nvcore.driver.estimators import estimator_path, read_estimator
         from nvcore.driver.run import run_features
         from nvcore.driver.settings import settings_from
-        from nvcore.driver.writing import ESTIMATE_OUTPUTS, write_estimates
+        from nvcore.driver.writing import (
+            ESTIMATE_OUTPUTS,
+            FEATURE_OUTPUTS,
+            write_estimates,
+            write_features,
+        )
 
-    path = estimator_path(arguments.model)
-    estimator = read_estimator(path)
-    values = settings_from(arguments.settings or {}, features=estimator.feature_settings)
-    check_settings(values.features, estimator)
-    dataset = _dataset_to_run(arguments, ESTIMATE_OUTPUTS, [*inputs, path], loading)
-
-    def run(progress: Progress) -> WrittenEstimates:
-        n_threads = arguments.n_threads
-        features = run_features(dataset, values, n_threads=n_threads, progress=progress)
-        estimates = run_estimate(features, estimator, interpolate=arguments.interpolate)
-        return write_estimates(estimates, dataset, Path(arguments.out))
-
-    yield run
-
-
-def _dataset_to_run(
-    arguments: FeatureArguments | EstimateArguments,
-    outputs: Iterable[str],
-    inputs: Sequence[Path],
-    loading: Progress,
-) -> Dataset:
-    """Load the recordings, and check that the output folder may be written to."""
+    own, read, outputs = None, [*inputs, arguments.source], FEATURE_OUTPUTS
+    if estimate:
+        read.append(path := estimator_path(estimate.model))
+        estimator, outputs = read_estimator(path), ESTIMATE_OUTPUTS
+        own = estimator.feature_settings
+    values = settings_from(arguments.settings or {}, features=own)
+    if estimate:
+        check_settings(values.features, estimator)
     out = Path(arguments.out)
     dataset, session = load_part(arguments.source, arguments, progress=loading)
     check_folder(out, outputs)
-    refuse_outputs(out, outputs, [*inputs, arguments.source], session)
-    return dataset
+    refuse_outputs(out, outputs, read, session)
+
+    def run(progress: Progress) -> WrittenEstimates | WrittenFeatures:
+        n_threads = arguments.n_threads
+        features = run_features(dataset, values, n_threads=n_threads, progress=progress)
+        if not estimate:
+            return write_features(features, out)
+        estimates = run_estimate(features, estimator, interpolate=estimate.interpolate)
+        return write_estimates(estimates, dataset, out)
+
+    yield run

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields
 from functools import partial
+from hashlib import sha256
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Any, Final
 
+from nvcore import __version__
 from nvcore.dataset.records import numbers_of, read_record, typed, value_of
 from nvcore.driver.features import FeatureSettings
 from nvcore.errors import ParameterError
 
-T = TypeVar("T")
 RECORD_FILE: Final = "driver.json"
 """The record of features of recordings, in their folder."""
 _LONGEST_SIDE: Final = 2**32
@@ -29,48 +29,31 @@ def record_beside(features: Path) -> Path:
 
 
 def record_bytes(contents: Mapping[str, bytes], **entries: object) -> bytes:
-    """Serialize a record as JSON, with the hashes of the files that it describes."""
-    digests = {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()}
-    record = {**entries, "files": digests}
+    """Serialize a record as JSON, with the version and the hashes of the files it describes."""
+    digests = {name: sha256(content).hexdigest() for name, content in contents.items()}
+    record = {"written_by": f"nvcore {__version__}", **entries, "files": digests}
     return (json.dumps(record, ensure_ascii=False, indent=1) + "\n").encode()
 
 
-def settings_beside(features: Path) -> FeatureSettings | None:
-    """Return the settings behind a feature file, or None if no record matches its content.
+def about_features(features: Path) -> tuple[FeatureSettings | None, tuple[int, int] | None]:
+    """Return the settings behind a feature file, and width and height of all its pictures.
+
+    None: no record beside it is about this content or, of the size, the record does not say it.
 
     Raises
     ------
     InputError
         If the file cannot be read, or a record about it is none.
     """
-    return _beside(features, _settings_in)
-
-
-def picture_px_beside(features: Path) -> tuple[int, int] | None:
-    """Return width and height of the pictures behind a feature file, or None if unknown.
-
-    None: no record beside it is about this content, or says a size that all of them have.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or a record about it is none.
-    """
-    return _beside(features, _picture_px_in)
-
-
-def _beside(features: Path, entry: Callable[[dict[str, Any]], T | None]) -> T | None:
-    """Look up an entry of the record next to a feature file. Return None if it is outdated."""
     if not features.is_file():
-        return None
-    digest = hashlib.sha256(features.read_bytes()).hexdigest()
-    parse = partial(_entry_about, name=features.name, digest=digest, entry=entry)
+        return None, None
+    parse = partial(_parse, name=features.name, digest=sha256(features.read_bytes()).hexdigest())
     for path in (record_beside(features), features.with_name(RECORD_FILE)):
         if path.is_file():
-            value = read_record(path, path.name, parse, expected=_EXPECTED)
-            if value is not None:
-                return value
-    return None
+            about = read_record(path, path.name, parse, expected=_EXPECTED)
+            if about is not None:
+                return about
+    return None, None
 
 
 def picture_px_from_json(content: object) -> tuple[int, int] | None:
@@ -106,19 +89,12 @@ def settings_from_json(content: Mapping[str, Any]) -> FeatureSettings:
         raise ValueError(str(error)) from error
 
 
-def _entry_about(
-    content: object, name: str, digest: str, entry: Callable[[dict[str, Any]], T | None]
-) -> T | None:
-    """Return an entry of a record if it lists this file name and hash, else None."""
+def _parse(
+    content: object, name: str, digest: str
+) -> tuple[FeatureSettings, tuple[int, int] | None] | None:
+    """Parse a record if it lists this file name and hash, else return None."""
     record = typed(content, dict, "the record")
     if value_of(record, "files", dict).get(name) != digest:
         return None
-    return entry(record)
-
-
-def _settings_in(record: dict[str, Any]) -> FeatureSettings:
-    return settings_from_json(value_of(value_of(record, "settings", dict), "features", dict))
-
-
-def _picture_px_in(record: dict[str, Any]) -> tuple[int, int] | None:
-    return picture_px_from_json(record.get("picture_px"))
+    settings = value_of(value_of(record, "settings", dict), "features", dict)
+    return settings_from_json(settings), picture_px_from_json(record.get("picture_px"))

@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from nvcore import __version__, objects
+from nvcore import objects
 from nvcore.driver.feature_record import record_bytes
 from nvcore.driver.features import FEATURE_KEYS, features_of
 from nvcore.driver.inputs.picture_boxes import (
@@ -90,7 +90,6 @@ class ImageFeatures:
         values = self.settings.as_json()
         return record_bytes(
             contents,
-            written_by=f"nvcore {__version__}",
             settings={name: values[name] for name in ("features", "fixation")},
             n_assumed=self.n_assumed,
             picture_px=self.picture_px,

@@ -143,12 +143,7 @@ def light_doubt(
 ) -> Note | None:
     """Return a clause that suggests another unit or clock of the light meter, or None.
 
-    Parameters
-    ----------
-    light
-        None: the light is unknown.
-    frames
-        Numbers of the recording's frames, ascending.
+    Parameters are as of `light_note`.
     """
     if light is None or light.source is LightSource.PICTURE:
         return None

@@ -22,7 +22,7 @@ from nvcore.output.files import write_run
 FEATURES_FILE: Final = "features.csv"
 DETECTABILITY_FILE: Final = "detectability.csv"
 SESSION_FILE: Final = "session.toml"
-FEATURE_OUTPUTS: Final = (FEATURES_FILE, RECORD_FILE)
+FEATURE_OUTPUTS: Final[tuple[str, ...]] = (FEATURES_FILE, RECORD_FILE)
 ESTIMATE_OUTPUTS: Final = (DETECTABILITY_FILE, FEATURES_FILE, RECORD_FILE, SESSION_FILE)
 
 
@@ -98,7 +98,6 @@ def write_estimates(run: EstimateRun, dataset: Dataset, folder: Path) -> Written
 def _record(run: FeatureRun, contents: dict[str, bytes], **more: Any) -> bytes:
     return record_bytes(
         contents,
-        written_by=f"nvcore {__version__}",
         **more,
         settings=run.settings.as_json(),
         recordings=[

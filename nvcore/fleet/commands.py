@@ -19,8 +19,7 @@ import click
 from nvcore.arguments import OUTPUT, pairs_of
 from nvcore.cli.app import serve
 from nvcore.cli.options import (
-    GroupedCommand,
-    examples,
+    command,
     grouped_option,
     input_flags,
     options_of,
@@ -44,14 +43,11 @@ if TYPE_CHECKING:
 STORE: Final = "Store"
 
 
-@click.command(
-    cls=GroupedCommand,
-    short_help="Append recordings to a store of many.",
-    epilog=examples(
-        "nvcore ingest night.toml --store fleet",
-        "nvcore ingest drives --store s3://ours/fleet --label FIR=2026-03",
-        "nvcore ingest --truth gt.csv --x fir.csv --size 640x480 --fps 20 --store fleet",
-    ),
+@command(
+    "Append recordings to a store of many.",
+    "nvcore ingest night.toml --store fleet",
+    "nvcore ingest drives --store s3://ours/fleet --label FIR=2026-03",
+    "nvcore ingest --truth gt.csv --x fir.csv --size 640x480 --fps 20 --store fleet",
 )
 @click.argument("inputs", nargs=-1, type=click.Path(path_type=Path))
 @grouped_option(
@@ -162,15 +158,12 @@ def _show_status(context: click.Context, _: click.Parameter, out: str | None) ->
         context.exit(EXIT_FINDINGS if status.n_quarantined else 0)
 
 
-@click.command(
-    cls=GroupedCommand,
-    short_help="Compare two systems on all recordings of a store.",
-    epilog=examples(
-        "nvcore scan fleet --out night --x FIR --y NIR",
-        "nvcore scan fleet --out night --x FIR --y NIR@2 --alpha 0.8 --workers 8",
-        "nvcore scan s3://drives/fleet --out s3://drives/night --x FIR --y NIR --shard 17/300",
-        "nvcore scan --status night",
-    ),
+@command(
+    "Compare two systems on all recordings of a store.",
+    "nvcore scan fleet --out night --x FIR --y NIR",
+    "nvcore scan fleet --out night --x FIR --y NIR@2 --alpha 0.8 --workers 8",
+    "nvcore scan s3://drives/fleet --out s3://drives/night --x FIR --y NIR --shard 17/300",
+    "nvcore scan --status night",
 )
 @click.argument("store", metavar="STORE")
 @options_of(ScanArguments)
@@ -209,14 +202,11 @@ def scan(**options: Any) -> None:
         raise SystemExit(EXIT_FINDINGS)
 
 
-@click.command(
-    cls=GroupedCommand,
-    short_help="The worst moments of a scan, and how to open them.",
-    epilog=examples(
-        "nvcore top night -n 5",
-        "nvcore top night --by severity_y --where \"tag.road = 'rural' and n_frames > 10\"",
-        "nvcore top night --table intervals --where tag.night --out worst.csv",
-    ),
+@command(
+    "The worst moments of a scan, and how to open them.",
+    "nvcore top night -n 5",
+    "nvcore top night --by severity_y --where \"tag.road = 'rural' and n_frames > 10\"",
+    "nvcore top night --table intervals --where tag.night --out worst.csv",
 )
 @click.argument("results", metavar="RESULTS")
 @options_of(TopArguments)
@@ -247,22 +237,19 @@ def top(out: Path | None, **options: Any) -> None:
         )
         words += [] if name.startswith("-") else place
         commands.append(f"  {program()} open {shlex.join(words)}")
-    for line, command in zip(lines, commands, strict=True):
-        click.echo(one_line(line + command))
+    for line, opening in zip(lines, commands, strict=True):
+        click.echo(one_line(line + opening))
     if out is not None:
         write_whole(out, to_csv_bytes(found.table))
         click.echo(one_line(f"written to {out}"), err=True)
 
 
-@click.command(
-    "open",
-    cls=GroupedCommand,
-    short_help="Open a recording of a store in the dashboard.",
-    epilog=examples(
-        "nvcore open night 'drive 7' --at 1234",
-        "nvcore open fleet 'drive 7' --x FIR@1 --y FIR@2",
-        "nvcore open night 'drive 7' --out seven",
-    ),
+@command(
+    "Open a recording of a store in the dashboard.",
+    "nvcore open night 'drive 7' --at 1234",
+    "nvcore open fleet 'drive 7' --x FIR@1 --y FIR@2",
+    "nvcore open night 'drive 7' --out seven",
+    name="open",
 )
 @click.argument("source", metavar="RESULTS|STORE")
 @click.argument("recording")

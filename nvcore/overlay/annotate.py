@@ -57,7 +57,7 @@ def annotate(
     pictures
         Pictures of the frame's recording. None: boxes on a dark blank.
     index
-        Index of the frame's picture (`nvcore.pictures.picture_index`), or -1.
+        Index of the frame's picture (`nvcore.pictures.map_frames`), or -1.
     row
         Row of the frames table.
     lo, hi

@@ -70,7 +70,7 @@ def write_video(
     progress
         See `nvcore.pictures.run.PictureRun`.
     indices
-        Picture of every frame of the recording, -1 none (`nvcore.pictures.picture_index`). None:
+        Picture of every frame of the recording, -1 none (`nvcore.pictures.map_frames`). None:
         no frame has a picture.
     lo, hi, labels
         See `nvcore.overlay.annotate`.

@@ -1,7 +1,7 @@
 """Pictures of the recordings: reading and stretching them, safely.
 
     pictures = open_pictures(Path("drive.mp4"))
-    index, note = picture_index(frames, pictures)     which picture shows which frame
+    index = map_frames(frames, pictures).index        which picture shows which frame
     jpeg(pictures.read(int(index[212])), lo=1, hi=99)
 
 Whatever comes from files is checked before it is decoded: sizes, archives, container formats.
@@ -13,7 +13,7 @@ from nvcore.file_kinds import IMAGE_SUFFIXES
 with needs("report", "pictures need"):
     from nvcore.pictures.archive import Archive, ArchiveLimits
     from nvcore.pictures.base import Picture, Pictures
-    from nvcore.pictures.index import picture_index, size_note
+    from nvcore.pictures.index import map_frames, size_note
     from nvcore.pictures.open import is_below, open_pictures
     from nvcore.pictures.recordings import RecordingPictures, session_pictures
     from nvcore.pictures.stretch import jpeg, picture_address, png, stretch
@@ -27,9 +27,9 @@ __all__ = [
     "RecordingPictures",
     "is_below",
     "jpeg",
+    "map_frames",
     "open_pictures",
     "picture_address",
-    "picture_index",
     "png",
     "session_pictures",
     "size_note",

@@ -108,8 +108,8 @@ class Archive:
         """Close the file."""
         self._zip.close()
 
-    def read(self, name: str, *, first_bytes: int | None = None) -> bytes:
-        """Return the content of one file, or its first bytes. Any thread may call it.
+    def read(self, name: str) -> bytes:
+        """Return the content of one file. Any thread may call it.
 
         Raises
         ------
@@ -117,10 +117,9 @@ class Archive:
             If it is damaged, or larger than the archive says.
         """
         member = self._members[name]
-        n_bytes = member.file_size + 1 if first_bytes is None else first_bytes
         with self._lock, self._reading(name), self._zip.open(member) as stream:
-            content = stream.read(n_bytes)
-        if first_bytes is None and len(content) != member.file_size:
+            content = stream.read(member.file_size + 1)
+        if len(content) != member.file_size:
             raise self._refuse("is not of the size that the archive says; pack it again", name)
         return content
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections import OrderedDict
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any, Final, Protocol, TypeAlias
 
 import numpy as np
@@ -34,7 +34,7 @@ class PictureReader(Protocol):
         ...
 
 
-class Pictures(PictureReader, Protocol):
+class Pictures(PictureReader):
     """Pictures of one recording, for readers in any thread.
 
     Attributes
@@ -64,25 +64,25 @@ class Pictures(PictureReader, Protocol):
     width: int
     height: int
     is_video: bool
-    numbers: NDArray[np.int64] | None
-    fps: float | None
-    times_s: NDArray[np.floating] | None
-    notes: tuple[PictureNote, ...]
+    numbers: NDArray[np.int64] | None = None
+    fps: float | None = None
+    times_s: NDArray[np.floating] | None = None
+    notes: tuple[PictureNote, ...] = ()
 
-    def file_names(self, indices: Sequence[int]) -> list[str] | None:
+    def file_names(self, indices: Sequence[int]) -> list[str] | None:  # noqa: ARG002
         """Return the file name of each picture, without folders, or None for a video."""
-        ...
+        return None
 
+    @abstractmethod
     def another(self) -> Pictures:
         """Return the same pictures for another reader, without listing them again.
 
         This one has to stay open as long.
         """
-        ...
 
+    @abstractmethod
     def close(self) -> None:
         """Release files and memory."""
-        ...
 
 
 class RecentPictures:
@@ -113,21 +113,6 @@ class RecentPictures:
     def clear(self) -> None:
         """Drop all pictures."""
         self._pictures.clear()
-
-
-def first_bytes(path: Path, n_bytes: int, name: str) -> bytes:
-    """Return the beginning of a file.
-
-    Raises
-    ------
-    MediaError
-        If it cannot be opened. Gives the name.
-    """
-    try:
-        with path.open("rb") as file:
-            return file.read(n_bytes)
-    except OSError as error:
-        raise MediaError(f"cannot be opened ({error.strerror})", file=name) from error
 
 
 def check_index(index: int, pictures: Pictures) -> None:

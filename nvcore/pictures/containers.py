@@ -16,7 +16,6 @@ from typing import Any, BinaryIO, Final
 import av
 
 from nvcore.errors import MediaError
-from nvcore.pictures.base import first_bytes
 from nvcore.pictures.header import MAX_PIXELS, check_size
 
 DAMAGED: Final = "is damaged or no such video; copy or convert it again (MP4 with H.264 is sure)"
@@ -54,24 +53,6 @@ def video_format(content: bytes) -> str | None:
         for start, step in ((0, 188), (4, 192))
     )
     return "mpegts" if is_transport else None
-
-
-def format_of_file(path: Path, name: str) -> str:
-    """Return the `video_format` of a file.
-
-    Raises
-    ------
-    MediaError
-        If it cannot be opened or is no video of these formats.
-    """
-    container_format = video_format(first_bytes(path, _LOOKED_AT, name))
-    if container_format is None:
-        raise MediaError(
-            "is no video that can be read, whatever its name says; expected MP4, MOV, "
-            "Matroska, WebM, AVI or MPEG",
-            file=name,
-        )
-    return container_format
 
 
 def open_container(path: Path, container_format: str, name: str, **options: str) -> tuple[Any, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from copy import copy
+from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path, PurePosixPath
 from threading import Lock
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from nvcore.errors import MediaError
 from nvcore.file_kinds import IMAGE_SUFFIXES, composed
 from nvcore.pictures.archive import Archive
-from nvcore.pictures.base import Picture, RecentPictures, check_index
+from nvcore.pictures.base import Picture, Pictures, RecentPictures, check_index
 from nvcore.pictures.header import image_size, tiff_pages, with_first_page
 from nvcore.pictures.notes import PictureNote, PictureTrait
 from nvcore.pictures.series import Series, is_stray, series_of
@@ -29,15 +30,15 @@ _FAR: Final = 25
 """Largest multiple of the quartiles' distance: the sun at night in kelvin is nearer, 0 is not."""
 
 
-class Images:
-    """Pictures that are files of their own, or the pages of one TIFF (`Pictures`)."""
+class Images(Pictures):
+    """Pictures that are files of their own, or the pages of one TIFF."""
 
     def __init__(
         self,
         name: str,
         series: Series,
         read_bytes: Callable[[str], bytes],
-        close: Callable[[], None],
+        close: Callable[[], None] = lambda: None,
     ):
         """Take over files in their order, of a single TIFF its pages.
 
@@ -56,8 +57,6 @@ class Images:
             If the first picture cannot be read.
         """
         self.name, self.numbers, self._names = name, series.numbers, series.names
-        self.fps: float | None = None
-        self.times_s: NDArray[np.floating] | None = None
         self._read_bytes, self._close = read_bytes, close
         first = PurePosixPath(series.names[0])
         is_tiff = first.suffix.lower() in (".tif", ".tiff")
@@ -66,7 +65,6 @@ class Images:
         self._pages = pages if is_single else []
         if is_single:
             self.numbers = None
-        self.notes: tuple[PictureNote, ...] = ()
         if others := series.passed_over:
             named = tuple(PurePosixPath(other).name for other in others[:MOST_NAMED])
             self.notes += (PictureNote(PictureTrait.PASSED_OVER, len(others), names=named),)
@@ -168,103 +166,73 @@ def _as_uint16(picture: NDArray[np.generic]) -> NDArray[np.uint16]:
     return scaled.astype(np.uint16)
 
 
-def files_as_pictures(paths: Sequence[Path], name: str, passed_over: Sequence[str] = ()) -> Images:
-    """Open the given picture files, in natural order of their names.
-
-    Raises
-    ------
-    MediaError
-        If there is none, they are of several series, or the first cannot be read.
-    """
-    path_of = {path.name: path for path in paths}
-    if not path_of:
-        raise MediaError("there are no pictures; expected PNG, JPEG, TIFF or BMP", file=name)
-    series = series_of([*path_of], name).beside(passed_over)
-    return Images(name, series, lambda file: file_bytes(path_of[file]), lambda: None)
-
-
-def folder_as_pictures(folder: Path, *, inside: str | None = None, pattern: str = "*") -> Images:
+def folder_as_pictures(folder: Path, pattern: str = "") -> Images:
     """Open the pictures of a folder, or of its only subfolder with pictures. Skip hidden files.
 
     Parameters
     ----------
-    inside
-        One of its folders, ``.`` for itself.
     pattern
-        Pattern of the file names, as in a shell.
+        Pattern of the file names, as in a shell: of the folder itself. Empty: all.
 
     Raises
     ------
     MediaError
-        If there is none, several subfolders hold some and `inside` names none of them, or they are
-        of several series.
+        If there is none, several subfolders hold some, or they are of several series.
     """
     try:
         relative = [
             path.relative_to(folder).as_posix()
-            for path in (folder.iterdir() if inside == "." else folder.rglob("*"))
+            for path in (folder.iterdir() if pattern else folder.rglob("*"))
             if path.suffix.lower() in IMAGE_SUFFIXES and path.is_file()
         ]
     except OSError as error:
         raise MediaError(f"cannot be read ({error.strerror})", file=folder.name) from error
-    names, others = _one_folder(relative, folder.name, inside, pattern)
-    return files_as_pictures([folder / name for name in names], folder.name, others)
+    return _of_one_folder(relative, folder.name, pattern, lambda name: file_bytes(folder / name))
 
 
-def archive_as_pictures(path: Path, *, inside: str | None = None, pattern: str = "*") -> Images:
+def archive_as_pictures(path: Path, pattern: str = "") -> Images:
     """Open the pictures of a ZIP archive without unpacking it.
-
-    Parameters
-    ----------
-    inside, pattern
-        As in `folder_as_pictures`.
 
     Raises
     ------
     MediaError
-        If the archive is refused (`nvcore.pictures.archive`), holds no picture, several folders
-        hold some and `inside` names none of them, or they are of several series.
+        As `folder_as_pictures`, or if the archive is refused (`nvcore.pictures.archive`).
     """
     archive = Archive(path)
     try:
         pictures = [
             name for name in archive.names if PurePosixPath(name).suffix.lower() in IMAGE_SUFFIXES
         ]
-        names, others = _one_folder(pictures, path.name, inside, pattern)
-        series = series_of(names, path.name).beside(others)
-        return Images(path.name, series, archive.read, archive.close)
+        return _of_one_folder(pictures, path.name, pattern, archive.read, archive.close)
     except MediaError:
         archive.close()
         raise
 
 
-def _one_folder(
-    names: Sequence[str], where: str, inside: str | None, pattern: str
-) -> tuple[list[str], list[str]]:
-    """Return the names in one folder, and stray ones above it.
-
-    The folder is `inside`, else the top one, else the only one.
-    """
+def _of_one_folder(
+    names: Sequence[str],
+    where: str,
+    pattern: str,
+    read_bytes: Callable[[str], bytes],
+    close: Callable[[], None] = lambda: None,
+) -> Images:
+    """Open those in one folder: the top one, else the only one."""
     by_folder: dict[str, list[str]] = {}
-    wanted, strays = composed(pattern), list[str]()
+    wanted, strays = composed(pattern or "*"), list[str]()
     for name in names:
         path = PurePosixPath(name)
         is_hidden = any(part.startswith(".") for part in path.parts)
         if not is_hidden and fnmatchcase(composed(path.name), wanted):
             by_folder.setdefault(str(path.parent), []).append(name)
-    if inside is not None:
-        by_folder = {inside: by_folder[inside]} if inside in by_folder else {}
-    elif "." in by_folder:
+    if "." in by_folder:
         top = by_folder.pop(".")
         if len(by_folder) == 1 and is_stray(len(top), len(*by_folder.values())):
             strays = top  # a cover beside the folder of the pictures
         else:
             by_folder = {".": top}
     if not by_folder:
-        place_text = "" if inside in (None, ".") else f" in {one_line(inside)!r}"
-        if pattern != "*":
-            place_text += f" of the name {one_line(pattern)}"
-        raise MediaError(f"holds no PNG, JPEG, TIFF or BMP{place_text}", file=where)
+        named = f" of the name {one_line(pattern)}" if pattern not in ("", "*") else ""
+        raise MediaError(f"holds no PNG, JPEG, TIFF or BMP{named}", file=where)
     if len(by_folder) > 1:
         folders = ", ".join(one_line(name) for name in sorted(by_folder)[:_SHOWN_FOLDERS])
         more = ", ..." if len(by_folder) > _SHOWN_FOLDERS else ""
@@ -273,7 +241,10 @@ def _one_folder(
             "recording",
             file=where,
         )
-    return next(iter(by_folder.values())), strays
+    (inner,) = by_folder.values()
+    series = series_of(inner, where)
+    series = replace(series, passed_over=(*strays, *series.passed_over))
+    return Images(where, series, read_bytes, close)
 
 
 def file_bytes(path: Path) -> bytes:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Final
 
@@ -48,7 +48,7 @@ class NumberingRule(Enum):
 USUAL: Final = tuple(
     f"{capitalised(rule.value)}." for rule in (NumberingRule.COUNT, NumberingRule.NUMBER)
 )
-"""Notes of `picture_index` that say only what anybody expects."""
+"""Notes of `map_frames` that say only what anybody expects."""
 
 
 @dataclass(frozen=True)
@@ -61,11 +61,14 @@ class FrameMap:
         Index of the picture of each frame, -1 none; int64, shape (n_frames,).
     is_either
         Whether the numbers in the names fit the frames as well minus one as they are.
+    note
+        The rule, and how many frames have no picture, for the user.
     """
 
     index: NDArray[np.int64]
     rule: NumberingRule
     is_either: bool = False
+    note: str = ""
 
 
 def map_frames(
@@ -110,7 +113,7 @@ def map_frames(
     if first_picture is not None:
         by_time = _by_time(frames - first_picture, pictures, fps)
         index = frames - first_picture if by_time is None else by_time
-        return FrameMap(_within(index, pictures.n), NumberingRule.GIVEN)
+        return _with_note(FrameMap(index, NumberingRule.GIVEN), frames, pictures, first_picture)
     every = np.union1d(frames, others)
     mapped = _of_names(every, pictures.numbers)
     if mapped is None:
@@ -123,36 +126,24 @@ def map_frames(
         elif not (pictures.is_video and is_whole) and _is_in_order(shown, pictures):
             is_shown = np.isin(every, shown)
             mapped = FrameMap(np.where(is_shown, np.cumsum(is_shown) - 1, -1), NumberingRule.ORDER)
-    index = mapped.index[np.searchsorted(every, frames)]
-    return FrameMap(_within(index, pictures.n), mapped.rule, mapped.is_either)
+    listed = replace(mapped, index=mapped.index[np.searchsorted(every, frames)])
+    return _with_note(listed, frames, pictures)
 
 
-def picture_index(
-    frames: NDArray[np.int64],
-    pictures: Pictures,
-    first_picture: int | None = None,
-    *,
-    others: NDArray[np.int64] = NO_FRAMES,
-    fps: float | None = None,
-) -> tuple[NDArray[np.int64], str]:
-    """Return the index of `map_frames` (-1 none, int64, shape (n,)) and a note for the user."""
-    mapped = map_frames(frames, pictures, first_picture, others=others, fps=fps)
-    return mapped.index, map_note(mapped, frames, pictures, first_picture)
-
-
-def map_note(
+def _with_note(
     mapped: FrameMap,
     frames: NDArray[np.int64],
     pictures: Pictures,
     first_picture: int | None = None,
-) -> str:
-    """Say by which rule pictures show frames, and how many frames have none."""
-    rule = mapped.rule.value.format(first_picture=first_picture)
+) -> FrameMap:
+    """Add the note, and drop what is beyond the pictures."""
+    rule, index = mapped.rule.value.format(first_picture=first_picture), mapped.index
     if mapped.is_either:
         other = "minus one" if mapped.rule is NumberingRule.NUMBER else "the number itself"
         rule += f" ({other} would do as well: if boxes lag behind, give the first frame)"
     note = f"{capitalised(rule)}."
-    n_without = int(np.count_nonzero(mapped.index < 0))
+    index = np.where((index >= 0) & (index < pictures.n), index, -1)
+    n_without = int(np.count_nonzero(index < 0))
     if mapped.rule is NumberingRule.UNCLEAR:
         note += f" {capitalised(why_unclear(frames, pictures))}."
     elif n_without:
@@ -163,7 +154,7 @@ def map_note(
     for fact in pictures.notes:
         if fact.trait in MAY_MISLEAD:
             note += f" {pictures.name}: {fact.text}."
-    return note
+    return replace(mapped, index=index, note=note)
 
 
 def why_unclear(frames: NDArray[np.int64], pictures: Pictures) -> str:
@@ -180,10 +171,6 @@ def why_unclear(frames: NDArray[np.int64], pictures: Pictures) -> str:
         f"{there}, and the numbers in the pictures' names ({numbers.min()} to {numbers.max()}) "
         f"are those of {n_hits:,} of these frames"
     )
-
-
-def _within(index: NDArray[np.int64], n: int) -> NDArray[np.int64]:
-    return np.where((index >= 0) & (index < n), index, -1)
 
 
 def _of_names(frames: NDArray[np.int64], numbers: NDArray[np.int64] | None) -> FrameMap | None:

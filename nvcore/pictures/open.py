@@ -4,40 +4,33 @@ from __future__ import annotations
 
 import glob
 import os
-from collections.abc import Sequence
 from pathlib import Path
 
 from nvcore.errors import MediaError
 from nvcore.file_kinds import as_stored, binary_kind
-from nvcore.pictures.base import Pictures, first_bytes
+from nvcore.pictures.base import Pictures
 from nvcore.pictures.containers import video_format
 from nvcore.pictures.header import is_image
-from nvcore.pictures.images import archive_as_pictures, files_as_pictures, folder_as_pictures
+from nvcore.pictures.images import Images, archive_as_pictures, file_bytes, folder_as_pictures
+from nvcore.pictures.series import series_of
 from nvcore.pictures.video import Video
 from nvcore.wording import one_line
 
 
-def open_pictures(path: Path | Sequence[Path], *, inside: str | None = None) -> Pictures:
+def open_pictures(path: Path) -> Pictures:
     """Open the pictures of one recording.
 
     Parameters
     ----------
     path
-        A video, a folder of pictures, a ZIP archive of pictures, one picture, or several. The last
-        part may be a pattern of names in a folder or archive, such as ``*.png``.
-    inside
-        Folder within the folder or archive; None: the top one, or the only one with pictures.
+        A video, a folder of pictures, a ZIP archive of pictures, or one picture. The last part may
+        be a pattern of names in a folder or archive, such as ``*.png``.
 
     Raises
     ------
     MediaError
         If it holds no pictures that can be read. Says what to do.
     """
-    if not isinstance(path, Path):
-        paths = list(path)
-        if len(paths) == 1:
-            return open_pictures(paths[0], inside=inside)
-        return files_as_pictures(paths, f"{len(paths)} pictures")
     path = as_stored(path)
     name = one_line(path.name)
     try:
@@ -45,20 +38,24 @@ def open_pictures(path: Path | Sequence[Path], *, inside: str | None = None) -> 
     except OSError as error:  # a name that is too long, a folder that may not be looked into
         raise MediaError(f"cannot be opened ({error.strerror})", file=name) from error
     if is_folder:
-        return folder_as_pictures(path, inside=inside)
+        return folder_as_pictures(path)
     if not is_file:
         if glob.has_magic(path.name) and path.parent.is_dir():
-            return folder_as_pictures(path.parent, inside=".", pattern=path.name)
+            return folder_as_pictures(path.parent, path.name)
         if glob.has_magic(path.name) and path.parent.is_file():
-            return archive_as_pictures(path.parent, inside=inside, pattern=path.name)
+            return archive_as_pictures(path.parent, path.name)
         raise MediaError("there is no such file or folder of pictures", file=name)
-    content = first_bytes(path, 4096, name)
+    try:
+        with path.open("rb") as file:
+            content = file.read(4096)
+    except OSError as error:
+        raise MediaError(f"cannot be opened ({error.strerror})", file=name) from error
     if content.startswith((b"PK\3\4", b"PK\5\6")):
-        return archive_as_pictures(path, inside=inside)
+        return archive_as_pictures(path)
     if is_image(content):
-        return files_as_pictures([path], name)
-    if video_format(content) is not None:
-        return Video(path)
+        return Images(name, series_of([path.name], name), lambda _: file_bytes(path))
+    if container_format := video_format(content):
+        return Video(path, container_format)
     if not content:
         raise MediaError("is empty", file=name)
     kind = (binary_kind(content) or "text").partition(":")[0]

@@ -16,7 +16,7 @@ from nvcore.errors import MediaError
 from nvcore.findings import Step
 from nvcore.inputs.session import Session
 from nvcore.pictures.base import Pictures
-from nvcore.pictures.index import FrameMap, NumberingRule, map_frames, map_note, size_note
+from nvcore.pictures.index import FrameMap, NumberingRule, map_frames, size_note
 from nvcore.pictures.open import open_pictures
 from nvcore.pictures.stretch import STRETCH
 from nvcore.wording import MOST_NAMED, listed, one_line
@@ -187,7 +187,7 @@ def session_pictures(
         other_size = size_note(pictures, width, height) if key == "pictures" else ""
         found.sources[number], found.frame_maps[number] = pictures, mapped
         found.indices[number] = mapped.index
-        found.notes[number] = f"{map_note(mapped, listed, pictures, first)} {other_size}".rstrip()
+        found.notes[number] = f"{mapped.note} {other_size}".rstrip()
         found.maps[number] = (entry.visible_map if key == "visible" else None) or (
             pictures.width / width,
             pictures.height / height,

@@ -55,10 +55,6 @@ class Series:
     numbers: NDArray[np.int64] | None
     passed_over: tuple[str, ...] = ()
 
-    def beside(self, others: Sequence[str]) -> Series:
-        """The series with further files of the folder that were passed over."""
-        return replace(self, passed_over=(*others, *self.passed_over)) if others else self
-
 
 @dataclass(frozen=True)
 class _Group:

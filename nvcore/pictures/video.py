@@ -7,7 +7,7 @@ Where times cannot be trusted (H.264 in AVI), pictures are counted from the star
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from copy import copy
 from pathlib import Path
 from threading import Lock
@@ -15,15 +15,13 @@ from typing import Any, Final
 
 import av
 import numpy as np
-from numpy.typing import NDArray
 
 from nvcore.errors import MediaError
-from nvcore.pictures.base import Picture, RecentPictures, check_index
+from nvcore.pictures.base import Picture, Pictures, RecentPictures, check_index
 from nvcore.pictures.containers import (
     DAMAGED,
     REORDERED,
     check_samples,
-    format_of_file,
     open_container,
 )
 from nvcore.pictures.header import check_size
@@ -36,24 +34,22 @@ _SAME_STEP: Final = 1.25
 """Multiple of the least step up to which a step is the same: containers round times."""
 
 
-class Video:
-    """Pictures of a video in the order in which they are shown (`Pictures`)."""
+class Video(Pictures):
+    """Pictures of a video in the order in which they are shown."""
 
     is_video = True
 
-    def __init__(self, path: Path):
+    def __init__(self, path: Path, container_format: str):
         """Open and list the pictures.
 
         Raises
         ------
         MediaError
-            If it is no video of a known format, holds no picture, or is too large.
+            If it is damaged, holds no picture, or is too large.
         """
         self.name = one_line(path.name)
-        self.numbers: NDArray[np.int64] | None = None
-        self._path = path
+        self._path, self._format = path, container_format
         self._start()
-        self._format = format_of_file(path, self.name)
         try:
             if self._format == "mov":
                 check_samples(path, self.name)
@@ -105,9 +101,6 @@ class Video:
                     file=self.name,
                 )
             return picture
-
-    def file_names(self, indices: Sequence[int]) -> None:
-        """See `Pictures.file_names`."""
 
     def another(self) -> Video:
         """See `Pictures.another`."""

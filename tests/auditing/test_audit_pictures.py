@@ -195,8 +195,8 @@ def test_every_fact_about_pictures_is_a_finding(
         assert none == ()
         start = Video.__init__
 
-        def noted(self: Video, path: Path) -> None:
-            start(self, path)
+        def noted(self: Video, path: Path, container_format: str) -> None:
+            start(self, path, container_format)
             self.notes = (PictureNote(trait, count, 60, (7, 9, 11)[:count], ("a.png",)),)
 
         monkeypatch.setattr(Video, "__init__", noted)

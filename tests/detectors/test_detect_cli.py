@@ -137,13 +137,6 @@ def test_bad_input_is_said_before_anything_runs(
     assert not (tmp_path / "out").exists()
 
 
-def test_no_input_is_replaced(ran: tuple[Result, Path], blobs: Path):
-    out = ran[1]
-    again = nvcore("detect", out / "session.toml", "--detector", blobs, "--out", out)
-    assert again.exit_code == 2
-    assert "is an input, and would be replaced" in again.stderr
-
-
 def test_a_session_without_pictures_says_what_to_do(folder: Path):
     (folder / "session.toml").write_text(
         '[defaults]\nsize = "640x480"\nfps = 20\n[truth]\npath = "truth.csv"\n'

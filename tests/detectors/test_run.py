@@ -142,17 +142,6 @@ def test_no_picture_at_all_is_an_error(place: Path):
             function(Numbers(), dataset, pictures)
 
 
-def test_a_cancelled_run_ends_soon(place: Path):
-    def cancel(_share: float, words: str) -> None:
-        if words.startswith("night: 1 of"):
-            raise CancelledError
-
-    detector = Numbers()
-    with pytest.raises(CancelledError):
-        run_detector(detector, *opened(place), n_threads=1, progress=cancel)
-    assert len(detector.seen) < 5
-
-
 @dataclass
 class Plain:
     """Pictures that are all alike."""

@@ -118,30 +118,11 @@ def test_a_second_run_gets_a_number_and_a_chosen_opponent(dataset: Dataset, tmp_
     assert nv.load(second.session).compared() == ("HOG", "HOG (2)")
 
 
-def test_a_run_into_the_same_folder_leaves_nothing_of_the_first(dataset: Dataset, tmp_path: Path):
-    out = tmp_path / "out"
-    write_detections(run_of(), dataset, out)
-    (out / "mine.csv").write_text("kept")
-    part = run_of().recordings[0]
-    other = DetectorRun(ABOUT, (replace(part, frames=np.arange(0)), replace(part, name="day")), 1)
-    write_detections(other, dataset, out)
-    assert sorted(path.name for path in out.glob("*.csv")) == ["day.csv", "mine.csv"]
-
-
 def test_nothing_seen_is_nothing_written(dataset: Dataset, tmp_path: Path):
     run = run_of()
     with pytest.raises(InputError, match=r"has seen no picture\. no pictures are named"):
         write_detections(replace(run, recordings=run.recordings[1:]), dataset, tmp_path / "out")
     assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize(
-    ("names", "words"),
-    [({"name": "FIR"}, "there is a system 'FIR' already"), ({"against": "NIR"}, "no system 'NIR'")],
-)
-def test_names_are_checked(names: dict, words: str, dataset: Dataset, tmp_path: Path):
-    with pytest.raises(InputError, match=words):
-        write_detections(run_of(), dataset, tmp_path / "out", **names)
 
 
 def test_without_a_system_the_new_one_is_x(dataset: Dataset, tmp_path: Path):

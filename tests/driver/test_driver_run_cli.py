@@ -18,7 +18,7 @@ from places import SAMPLE
 
 from nvcore.driver.commands.run import features
 from nvcore.driver.estimators import write_estimator
-from nvcore.driver.feature_record import settings_beside
+from nvcore.driver.feature_record import about_features
 from nvcore.driver.features import FeatureSettings
 from nvcore.driver.illumination import LightSettings
 
@@ -94,7 +94,7 @@ def test_features_of_pictures_are_written_into_a_file(tmp_path: Path):
     assert result.exit_code == 0, result.output
     assert "1 pedestrian in 1 picture" in result.stdout
     assert rows_of(out)[0]["luminance_sd"] == "0"
-    assert settings_beside(out) == FeatureSettings()
+    assert about_features(out)[0] == FeatureSettings()
 
 
 @pytest.mark.parametrize(

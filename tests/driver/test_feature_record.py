@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from nvcore.driver.feature_record import RECORD_FILE, record_beside, record_bytes, settings_beside
+from nvcore.driver.feature_record import RECORD_FILE, about_features, record_beside, record_bytes
 from nvcore.driver.features import FeatureSettings
 from nvcore.errors import FormatError
 
@@ -27,18 +27,18 @@ def record(features: Path, settings: object = WIDE) -> bytes:
 @pytest.mark.parametrize("name", ["study.csv.json", RECORD_FILE])
 def test_the_record_beside_the_file_is_found(features: Path, name: str):
     features.with_name(name).write_bytes(record(features))
-    assert settings_beside(features) == FeatureSettings(surround=3)
+    assert about_features(features)[0] == FeatureSettings(surround=3)
 
 
 def test_without_a_record_nothing_is_known(features: Path):
-    assert settings_beside(features) is None
-    assert settings_beside(features.with_name("gone.csv")) is None
+    assert about_features(features)[0] is None
+    assert about_features(features.with_name("gone.csv"))[0] is None
 
 
 def test_a_record_of_another_content_says_nothing(features: Path):
     record_beside(features).write_bytes(record(features))
     features.write_text("image,pedestrian\npark.png,1\n")
-    assert settings_beside(features) is None
+    assert about_features(features)[0] is None
 
 
 @pytest.mark.parametrize(
@@ -57,4 +57,4 @@ def test_a_record_that_is_none_is_refused_with_its_name(
 ):
     record_beside(features).write_bytes(record(features, settings))
     with pytest.raises(FormatError, match=rf"study\.csv\.json: .*{words}"):
-        settings_beside(features)
+        about_features(features)[0]

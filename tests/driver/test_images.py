@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from picture_files import write_picture
 
-from nvcore.driver.feature_record import picture_px_beside, record_beside
+from nvcore.driver.feature_record import about_features, record_beside
 from nvcore.driver.features import FEATURE_KEYS, features_of
 from nvcore.driver.images import IMAGE_FEATURE_COLUMNS, image_features
 from nvcore.errors import FormatError, InputError
@@ -55,7 +55,7 @@ def test_the_size_of_the_pictures_stands_in_the_record(folder: Path):
     out = folder / "features.csv"
     out.write_bytes(b"as written")
     record_beside(out).write_bytes(run.record({out.name: out.read_bytes()}))
-    assert run.picture_px == picture_px_beside(out) == (80, 60)
+    assert run.picture_px == about_features(out)[1] == (80, 60)
     assert "sizes" not in str(run)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import CancelledError
 from pathlib import Path
 
 import numpy as np
@@ -446,18 +445,11 @@ def test_a_wrong_gaze_or_light_file_is_refused_before_pictures_are_read(place: P
         run(place, 'pictures = "none"\nlight = "lux.csv"\n')
 
 
-def test_progress_counts_pictures_and_may_cancel(place: Path):
+def test_progress_counts_pictures(place: Path):
     shares: list[float] = []
     run(place, progress=lambda share, _: shares.append(share))
     assert shares == sorted(shares)
     assert shares[-1] == 1.0
-
-    def cancel(share: float, _: str) -> None:
-        if share > 0.5:
-            raise CancelledError
-
-    with pytest.raises(CancelledError):
-        run(place, progress=cancel)
 
 
 def test_print_says_once_what_holds_for_several_recordings(place: Path):

@@ -14,8 +14,8 @@ from builders import Place, make_dataset
 from picture_files import number_in, numbered, write_numbered_video, write_picture
 
 import nvcore as nv
-from nvcore.pictures import Pictures, open_pictures, picture_index, size_note
-from nvcore.pictures.index import NumberingRule, map_frames
+from nvcore.pictures import Pictures, map_frames, open_pictures, size_note
+from nvcore.pictures.index import NumberingRule
 from nvcore.pictures.recordings import RecordingPictures, picture_names
 
 
@@ -26,9 +26,9 @@ def folder_of(folder: Path, names: list[str]) -> Pictures:
 
 
 def index_of(frames: list[int], pictures: Pictures, first: int | None = None) -> tuple[list, str]:
-    index, note = picture_index(np.array(frames, dtype=np.int64), pictures, first)
-    assert index.dtype == np.int64
-    return index.tolist(), note
+    mapped = map_frames(np.array(frames, dtype=np.int64), pictures, first)
+    assert mapped.index.dtype == np.int64
+    return mapped.index.tolist(), mapped.note
 
 
 @pytest.mark.parametrize(
@@ -66,7 +66,8 @@ def video_with_a_gap(tmp_path: Path) -> Pictures:
 @pytest.mark.parametrize("start", [0, 1])
 def test_where_pictures_were_not_recorded_times_tell_the_frame(video_with_a_gap, start, fps):
     frames = np.arange(start, 60 + start)
-    index, note = picture_index(frames, video_with_a_gap, fps=fps)
+    mapped = map_frames(frames, video_with_a_gap, fps=fps)
+    index, note = mapped.index, mapped.note
     numbers = [number_in(video_with_a_gap.read(at)) for at in index[index >= 0]]
     assert numbers == [*range(50)]
     assert (frames[index >= 0] - start).tolist() == RECORDED
@@ -87,7 +88,7 @@ def test_where_pictures_were_not_recorded_times_tell_the_frame(video_with_a_gap,
 def test_times_count_only_where_frames_go_beyond_the_pictures(
     video_with_a_gap, frames, fps, first, right
 ):
-    index, _ = picture_index(np.array(frames), video_with_a_gap, first, fps=fps)
+    index = map_frames(np.array(frames), video_with_a_gap, first, fps=fps).index
     assert index.tolist() == right
 
 
@@ -167,9 +168,8 @@ def test_every_frame_shows_its_own_picture_or_none(
 
 
 def mapped(frames: Sequence[int], numbers: Sequence[int]) -> tuple[list[int], NumberingRule]:
-    pictures = cast(
-        Pictures, SimpleNamespace(n=len(numbers), numbers=np.array(numbers), is_video=False)
-    )
+    facts = {"n": len(numbers), "numbers": np.array(numbers), "is_video": False}
+    pictures = cast(Pictures, SimpleNamespace(**facts, name="", notes=()))
     result = map_frames(np.array(frames), pictures)
     return result.index.tolist(), result.rule
 
@@ -238,10 +238,10 @@ def test_a_selection_of_frames_changes_no_rule(tmp_path: Path, chosen: list[int]
     video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=5))
     every = np.arange(1, 6)
     listed = np.array(chosen)
-    index = picture_index(listed, video, others=np.setdiff1d(every, listed))[0]
+    index = map_frames(listed, video, others=np.setdiff1d(every, listed)).index
     assert index.tolist() == [frame - 1 for frame in chosen]
     pictures = folder_of(tmp_path / "b", ["000001", "000002", "000003"])  # of frames 0 to 2
-    index = picture_index(np.array([1, 2]), pictures, others=np.array([0]))[0]
+    index = map_frames(np.array([1, 2]), pictures, others=np.array([0])).index
     assert index.tolist() == [1, 2]
 
 

@@ -90,7 +90,8 @@ def test_times_in_names_are_one_series_in_their_order(name: Callable[[int], str]
     names = [name(number) for number in range(n)]
     series = series_of([*reversed(names), "calib.png"], "drive")
     assert (series.names, series.passed_over) == (names, ("calib.png",))
-    pictures = SimpleNamespace(n=n, numbers=series.numbers, is_video=False)
+    facts = {"n": n, "numbers": series.numbers, "is_video": False, "name": "", "notes": ()}
+    pictures = SimpleNamespace(**facts)
     frames = map_frames(np.arange(0, 2 * n, 2), cast(Pictures, pictures))
     assert (frames.rule, frames.index.tolist()) == (NumberingRule.ORDER, [*range(n)])
 

@@ -27,10 +27,9 @@ from video_files import (
 )
 
 from nvcore.errors import MediaError
-from nvcore.pictures import open_pictures
+from nvcore.pictures import Pictures, open_pictures
 from nvcore.pictures.listing import frame_rate, time_notes, usual_step
 from nvcore.pictures.notes import PictureNote, PictureTrait
-from nvcore.pictures.video import Video
 
 CODINGS = {
     "h264.mp4": {"g": "12", "bf": "2"},
@@ -52,7 +51,7 @@ EDITS: dict[str, list[tuple[int, int | None]]] = {
 }
 
 
-def numbers_of(video: Video) -> list[int]:
+def numbers_of(video: Pictures) -> list[int]:
     """As read one after another; each is the same when it is read out of order."""
     numbers = [number_in(video.read(index)) for index in range(video.n)]
     for index in random.Random(3).choices(range(video.n), k=20):
@@ -89,7 +88,7 @@ def test_pictures_before_a_cut_are_hidden_and_those_after_it_shown(
     tmp_path: Path, whole_video, name: str, first: int
 ):
     path = cut_without_reencoding(whole_video(name), tmp_path / f"cut_{name}", first)
-    video = Video(path)
+    video = open_pictures(path)
     assert numbers_of(video) == played(path) == captured(path) == [*range(first, 100)]
     assert (video.notes, video.fps) == ((), 20)
 
@@ -100,7 +99,7 @@ def test_an_edit_list_is_followed_as_players_do(
     tmp_path: Path, whole_video, name: str, edits: list[tuple[int, int | None]]
 ):
     path = edited(Path(copy(whole_video(name), tmp_path)), edits)
-    video = Video(path)
+    video = open_pictures(path)
     assert numbers_of(video) == played(path)
     assert not any(note.trait is PictureTrait.CUT for note in video.notes)
 
@@ -110,7 +109,7 @@ def test_a_cut_file_with_an_edit_list_is_still_said_to_be_cut(tmp_path: Path):
     path = cut_without_reencoding(path, tmp_path / "b.mp4", 5)
     path = remux(path, tmp_path / "c.mp4", movflags="+faststart")
     path.write_bytes(path.read_bytes()[: path.stat().st_size * 3 // 4])
-    video = Video(path)
+    video = open_pictures(path)
     assert [note.trait for note in video.notes] == [PictureTrait.CUT]
     assert numbers_of(video) == [*range(5, 5 + video.n)]
 
@@ -132,7 +131,7 @@ def test_two_fields_are_one_picture_also_among_whole_frames(
     tmp_path: Path, ending: str, packets: str, whole: Collection[int]
 ):
     path = field_pictures(tmp_path / f"a.{ending}", packets=packets, whole=whole)
-    video = Video(path)
+    video = open_pictures(path)
     assert numbers_of(video) == played(path) == [*range(24)]
     assert (video.fps, video.notes) == (25, ())
 
@@ -147,14 +146,14 @@ def test_small_packets_of_mpeg4_keep_the_rate_of_its_times(tmp_path: Path):
             frame.pts, frame.time_base = 50 * number, Fraction(1, 1000)
             output.mux(stream.encode(frame))
         output.mux(stream.encode(None))
-    assert (Video(path).n, Video(path).fps) == (20, 20)
+    assert (open_pictures(path).n, open_pictures(path).fps) == (20, 20)
 
 
 @pytest.mark.parametrize(("ending", "per_second"), [("ts", 25), ("mkv", 60)])
 def test_fields_at_other_times_than_the_stream_states_are_shown_at_its_rate(
     tmp_path: Path, ending: str, per_second: int
 ):
-    video = Video(field_pictures(tmp_path / f"a.{ending}", per_second=per_second))
+    video = open_pictures(field_pictures(tmp_path / f"a.{ending}", per_second=per_second))
     assert (video.n, video.fps) == (24, 25)
 
 
@@ -163,7 +162,7 @@ def test_a_stream_that_begins_in_the_middle_shows_what_can_be_decoded(tmp_path: 
     path = field_pictures(tmp_path / "a.ts")
     content = path.read_bytes()
     path.write_bytes(content[188 * int(len(content) * share / 188) :])
-    numbers = numbers_of(Video(path))
+    numbers = numbers_of(open_pictures(path))
     assert numbers == [*range(24 - len(numbers), 24)]
     assert abs(len(numbers) - 24 * (1 - share)) < 2
 
@@ -174,7 +173,7 @@ def test_packed_pictures_are_shown_in_their_order(tmp_path: Path, ending: str):
     path = with_packed_pictures(path)
     if ending != "avi":
         path = remux(path, tmp_path / f"b.{ending}")
-    video = Video(path)
+    video = open_pictures(path)
     assert numbers_of(video) == captured(path) == [*range(100)]
     assert video.notes == ()
 
@@ -195,7 +194,7 @@ def test_an_empty_chunk_of_an_avi_repeats_the_picture_before(
     tmp_path: Path, codec: str, options: dict[str, str], empty: set[int]
 ):
     path = write_numbered_video(tmp_path / "a.avi", codec, n=61, **options)
-    video = Video(
+    video = open_pictures(
         rewrite_chunks(
             path, lambda chunks: [b"" if n in empty else chunks.pop(0) for n in range(61)]
         )
@@ -212,7 +211,7 @@ def test_empty_chunks_that_fill_the_delay_of_an_encoder_are_no_pictures(
 ):
     path = write_numbered_video(tmp_path / "a.avi", "mpeg4", n=61, g="12", bf="1")
     path = with_packed_pictures(path) if is_packed else path
-    video = Video(rewrite_chunks(path, lambda chunks: [chunks[0], b"", b"", *chunks[1:-2]]))
+    video = open_pictures(rewrite_chunks(path, lambda chunks: [chunks[0], b"", b"", *chunks[1:-2]]))
     assert numbers_of(video) == captured(path) == played(path)
     assert video.notes == ()
 
@@ -220,7 +219,7 @@ def test_empty_chunks_that_fill_the_delay_of_an_encoder_are_no_pictures(
 def test_empty_chunks_that_fill_a_rate_of_no_pictures_are_none(tmp_path: Path):
     path = write_numbered_video(tmp_path / "a.avi", "mjpeg", n=20, pixels="yuvj420p")
     path = rewrite_chunks(path, lambda chunks: [part for c in chunks for part in (c, *[b""] * 9)])
-    video = Video(path)
+    video = open_pictures(path)
     assert numbers_of(video) == captured(path) == [*range(20)]
     assert (video.notes, video.fps) == ((), 2)
 
@@ -228,7 +227,7 @@ def test_empty_chunks_that_fill_a_rate_of_no_pictures_are_none(tmp_path: Path):
 @pytest.mark.parametrize("b", ["0", "2"])
 def test_mpeg4_that_begins_between_key_pictures_is_counted_as_decoders_do(tmp_path: Path, b: str):
     path = write_numbered_video(tmp_path / "a.avi", "mpeg4", n=60, g="12", bf=b)
-    video = Video(rewrite_chunks(path, lambda chunks: chunks[17:]))
+    video = open_pictures(rewrite_chunks(path, lambda chunks: chunks[17:]))
     numbers = played(path)
     assert numbers_of(video)[: len(numbers)] == captured(path) == numbers
 
@@ -238,7 +237,7 @@ def test_a_picture_of_mpeg4_that_is_not_coded_repeats_the_one_before(tmp_path: P
     path = write_numbered_video(tmp_path / "a.avi", "mpeg4", g="1", bf="0")
     path = with_uncoded_pictures(path, {20, 21, 40})
     path.write_bytes(path.read_bytes()[: int(path.stat().st_size * share)])
-    video = Video(path)
+    video = open_pictures(path)
     right = [{20: 19, 21: 19, 40: 39}.get(number, number) for number in range(video.n)]
     assert numbers_of(video) == right
     notes = [PictureNote(PictureTrait.REPEATED, 3, video.n, (20, 21, 40))]
@@ -253,13 +252,13 @@ def test_a_picture_that_only_helps_to_decode_others_is_not_counted(tmp_path: Pat
     path = write_numbered_video(tmp_path / f"a.{ending}", "libvpx", g="25", deadline="realtime")
     path = hiding(path, tmp_path / f"b.{ending}", 30)
     right = [number for number in range(100) if number != 30]
-    assert numbers_of(Video(path)) == played(path) == captured(path) == right
+    assert numbers_of(open_pictures(path)) == played(path) == captured(path) == right
 
 
 def test_h264_in_an_avi_with_empty_chunks_is_counted_by_decoding(tmp_path: Path):
     path = write_numbered_video(tmp_path / "a.avi", g="12", bf="2")
     path = with_empty_chunks(path, {40, 50})
-    video = Video(path)
+    video = open_pictures(path)
     assert numbers_of(video) == played(path)
     assert [note.trait for note in video.notes] == [PictureTrait.GAP]
 
@@ -268,7 +267,7 @@ def test_h264_in_an_avi_with_empty_chunks_is_counted_by_decoding(tmp_path: Path)
 def test_pictures_that_were_not_recorded_do_not_slow_the_rate_down(tmp_path: Path, ending: str):
     times = [*range(20), *range(30, 60)]
     path = write_numbered_video(tmp_path / f"a.{ending}", n=50, times=times)
-    video = Video(path)
+    video = open_pictures(path)
     assert video.fps == 20
     assert video.notes == (PictureNote(PictureTrait.GAP, 10, 60, (20,)),)
     np.testing.assert_allclose(video.times_s, np.array(times) / 20, atol=1e-3)
@@ -276,14 +275,14 @@ def test_pictures_that_were_not_recorded_do_not_slow_the_rate_down(tmp_path: Pat
 
 def test_a_gap_near_the_end_of_a_whole_file_is_no_damage(tmp_path: Path):
     times = [*range(48), 70, 71]
-    video = Video(write_numbered_video(tmp_path / "a.mp4", n=50, times=times, bf="3"))
+    video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=50, times=times, bf="3"))
     assert video.notes == (PictureNote(PictureTrait.GAP, 22, 72, (48,)),)
     assert numbers_of(video) == [*range(50)]
 
 
 def test_a_rate_that_varies_is_noted(tmp_path: Path):
     times = np.cumsum(np.random.default_rng(1).integers(2, 6, 50)).tolist()
-    [note] = Video(write_numbered_video(tmp_path / "a.mp4", n=50, times=times)).notes
+    [note] = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=50, times=times)).notes
     assert (note.trait, note.total) == (PictureTrait.UNEVEN, 49)
 
 
@@ -296,7 +295,7 @@ def test_joined_files_are_shown_one_after_the_other(tmp_path: Path, second: int)
         parts += part.read_bytes()
     path = tmp_path / "a.ts"
     path.write_bytes(parts)
-    assert numbers_of(Video(path)) == played(path) == captured(path) == [*range(50)] * 2
+    assert numbers_of(open_pictures(path)) == played(path) == captured(path) == [*range(50)] * 2
 
 
 def two_streams(path: Path, default: int) -> Path:
@@ -317,7 +316,7 @@ def two_streams(path: Path, default: int) -> Path:
 
 @pytest.mark.parametrize("default", [0, 1])
 def test_of_two_streams_the_default_is_shown_and_the_other_said(tmp_path: Path, default: int):
-    video = Video(two_streams(tmp_path / "a.mkv", default))
+    video = open_pictures(two_streams(tmp_path / "a.mkv", default))
     assert abs(int(video.read(0)[20, 20, 0]) - (100 * default + 50)) < 10
     names = ("mpeg4 64 x 48",)
     assert video.notes == (PictureNote(PictureTrait.OTHER_STREAMS, 1, names=names),)
@@ -326,9 +325,9 @@ def test_of_two_streams_the_default_is_shown_and_the_other_said(tmp_path: Path, 
 def test_a_fragmented_mp4_that_ends_early_is_said_to_be_cut(tmp_path: Path):
     whole = write_numbered_video(tmp_path / "a.mp4", n=60, g="12")
     path = remux(whole, tmp_path / "b.mp4", movflags="frag_keyframe+empty_moov")
-    assert Video(path).notes == ()
+    assert open_pictures(path).notes == ()
     path.write_bytes(path.read_bytes()[: path.stat().st_size * 2 // 3])
-    video = Video(path)
+    video = open_pictures(path)
     assert numbers_of(video) == [*range(video.n)]
     assert [note.trait for note in video.notes] == [PictureTrait.CUT]
 

@@ -8,21 +8,16 @@ from copy import copy
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from nvcore.errors import InputError, MediaError
 from nvcore.pictures.base import Picture, Pictures, check_index
-from nvcore.pictures.notes import PictureNote
 from nvcore.pictures.open import open_pictures
-from nvcore.progress import Progress
 from ui.confined.process import Allowance, Process
 
 T = TypeVar("T")
 
 ALLOWANCE: Final = Allowance(memory_mb=1500, seconds=60.0)
 """Limits for opening a video of an hour, unless all of it is decoded, or for reading a picture."""
-FACTS: Final = ("name", "n", "width", "height", "is_video", "numbers", "fps", "times_s", "notes")
+FACTS: Final = tuple(Pictures.__annotations__)
 
 
 class PictureProcess(Process):
@@ -44,34 +39,18 @@ class PictureProcess(Process):
         """
         return ConfinedPictures(self, path, self.call(_open, path, what=f"opening {path.name}"))
 
-    def call(
-        self,
-        function: Callable[..., T],
-        *arguments: Any,
-        what: str,
-        progress: Progress | None = None,
-    ) -> T:
+    def call(self, function: Callable[..., T], *arguments: Any, **options: Any) -> T:
         """Call a function in the process, as `Process.call`."""
         try:
-            return super().call(function, *arguments, what=what, progress=progress)
+            return super().call(function, *arguments, **options)
         except MediaError:
             raise
         except InputError as error:
             raise MediaError(error.message) from error
 
 
-class ConfinedPictures:
-    """Pictures (see `nvcore.pictures.base.Pictures`) that another process decodes when asked."""
-
-    name: str
-    n: int
-    width: int
-    height: int
-    is_video: bool
-    numbers: NDArray[np.int64] | None
-    fps: float | None
-    times_s: NDArray[np.floating] | None
-    notes: tuple[PictureNote, ...]
+class ConfinedPictures(Pictures):
+    """Pictures that another process decodes when asked."""
 
     def __init__(self, process: PictureProcess, path: Path, facts: dict[str, Any]) -> None:
         """Pictures that the process has opened, with their `FACTS`."""

@@ -18,7 +18,7 @@ from nvcore.errors import MediaError
 from nvcore.figures.style import plain
 from nvcore.palette import Scheme, scheme_for
 from nvcore.pictures import Picture
-from ui.detectors.confined import DetectorFacts, DetectorSpec, describe, find
+from ui.detectors.confined import DetectorFacts, DetectorSpec, describe, find, on_model
 from ui.session import state
 
 T = TypeVar("T")
@@ -27,8 +27,8 @@ MOST_QUESTIONS: Final = 2
 """Pictures of all visitors that are given to detectors at a time; others wait."""
 MOST_KEPT: Final = 16
 """Cached answers of a kind."""
-LARGE_KEPT: Final = 2
-"""Cached answers of a kind that are large."""
+VIEWS_KEPT: Final = 2
+"""Cached answers of a function of a model, which may be large."""
 
 _turns = threading.BoundedSemaphore(MOST_QUESTIONS)
 
@@ -55,6 +55,14 @@ def ask(
             return space.model_process.call(function, spec, *arguments, what="running the detector")
 
     return space.cached(f"detector_{kind}", (spec, key), make, most=most)
+
+
+def ask_model(function: Callable[..., T], spec: DetectorSpec, *arguments: Any) -> T:
+    """Return what a function says of an ICF model and the current frame, as `ask`."""
+    key = (place(), *(part for part in arguments if not isinstance(part, np.ndarray)))
+    kind = function.__name__
+    answer: T = ask(kind, on_model, spec, function, *arguments, key=key, most=VIEWS_KEPT)
+    return answer
 
 
 def described(spec: DetectorSpec) -> DetectorFacts:

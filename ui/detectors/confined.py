@@ -5,11 +5,11 @@ A model is a stranger's: its settings say how much work a picture is, and a netw
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from queue import Empty, SimpleQueue
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, Any, Final, TypeVar, cast
 
 import cv2
 import numpy as np
@@ -24,11 +24,10 @@ from ui.confined.process import MODELS, Process
 
 if TYPE_CHECKING:
     from nvcore.detectors.icf import IcfDetector, IcfModel
-    from nvcore.detectors.icf.displays import CoarseMap, Tree, WindowPath
     from nvcore.detectors.icf.settings import IcfSettings
 
-MOST_TRACES: Final = 12
-"""Objects of a frame that are followed over the trees."""
+T = TypeVar("T")
+
 SHOWN_PX: Final = 640
 """Width of the pictures that are shown of the inside of a model."""
 
@@ -118,10 +117,6 @@ def _detector(spec: DetectorSpec, *, is_loosened: bool = False) -> Detector:
     return opener(spec.text, dict(spec.settings))
 
 
-def _model(spec: DetectorSpec) -> IcfModel:
-    return cast("IcfDetector", _detector(spec)).model
-
-
 def _detect(spec: DetectorSpec, picture: Picture) -> Detections:
     one_for_a_picture()  # of a run: other cores are for other pictures, and for visitors
     cv2.setNumThreads(1)
@@ -133,10 +128,13 @@ def describe(spec: DetectorSpec) -> DetectorFacts:
     about = _detector(spec).about
     if about.kind != "icf":
         return DetectorFacts(about, None)
-    model = _model(spec)
+    return DetectorFacts(about, on_model(spec, _inside))
+
+
+def _inside(model: IcfModel) -> Inside:
     windows = model.n_objects, model.n_background
     trees = len(model.trees), model.error, model.round_ends
-    return DetectorFacts(about, Inside(model.settings, *trees, *windows))
+    return Inside(model.settings, *trees, *windows)
 
 
 def find(spec: DetectorSpec, picture: Picture) -> Detections:
@@ -144,8 +142,13 @@ def find(spec: DetectorSpec, picture: Picture) -> Detections:
     return candidates(_detector(spec, is_loosened=True), picture)
 
 
+def on_model(spec: DetectorSpec, function: Callable[..., T], *arguments: Any) -> T:
+    """Call a function of an ICF model, which is its first argument."""
+    return function(cast("IcfDetector", _detector(spec)).model, *arguments)
+
+
 def pictures_of(
-    spec: DetectorSpec, picture: Picture, scale: float
+    model: IcfModel, picture: Picture, scale: float
 ) -> tuple[float, dict[str, Picture], dict[str, Picture]]:
     """Return the picture before and after blur and equalisation, and its channels, by name.
 
@@ -153,7 +156,6 @@ def pictures_of(
     """
     from nvcore.detectors.icf.displays import channels_of, computed_scale, preparation
 
-    model = _model(spec)
     computed = computed_scale(model, picture, scale)
     steps = preparation(model, picture, computed)
     named = {"as it comes": steps.resized}
@@ -166,42 +168,6 @@ def pictures_of(
         for every in (named, channels_of(model, picture, scale))
     )
     return computed, small, small_channels
-
-
-def score_map(spec: DetectorSpec, picture: Picture, scale: float) -> CoarseMap:
-    """Return the outcome of the windows of one scale."""
-    from nvcore.detectors.icf.displays import map_at
-
-    return map_at(_model(spec), picture, scale)
-
-
-def window_in(
-    spec: DetectorSpec, picture: Picture, box: tuple[float, float, float]
-) -> tuple[float, WindowPath]:
-    """Return scale and confidence over the trees of the window of a box (left, top, width)."""
-    from nvcore.detectors.icf.displays import window_of, window_path
-
-    model = _model(spec)
-    scale, row, column = window_of(model, picture.shape[1], picture.shape[0], box)
-    return scale, window_path(model, picture, scale, row, column)
-
-
-def traces_in(
-    spec: DetectorSpec, picture: Picture, truth: NDArray[np.float64], scale: float
-) -> tuple[list[WindowPath], list[WindowPath]]:
-    """Return windows on the truth's boxes, (n, 4) px, and rejected ones beside them."""
-    from nvcore.detectors.icf.displays import rejected_paths, truth_paths
-
-    model = _model(spec)
-    objects = truth_paths(model, picture, truth[:MOST_TRACES])
-    return objects, rejected_paths(model, picture, truth, scale)
-
-
-def tree_of(spec: DetectorSpec, index: int) -> Tree:
-    """Return one tree of a model, counted from 0."""
-    from nvcore.detectors.icf.displays import tree
-
-    return tree(_model(spec), index)
 
 
 def _small(picture: Picture) -> Picture:

@@ -9,22 +9,13 @@ import streamlit as st
 
 from nvcore.detection import WindowGrid
 from nvcore.detectors import figures
-from nvcore.detectors.icf.displays import usable_scales
+from nvcore.detectors.icf import displays
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.errors import NvcoreError, ParameterError
 from nvcore.figures.style import plain
 from nvcore.pictures import Picture
 from ui.detectors import asking
-from ui.detectors.confined import (
-    MOST_TRACES,
-    DetectorSpec,
-    Inside,
-    pictures_of,
-    score_map,
-    traces_in,
-    tree_of,
-    window_in,
-)
+from ui.detectors.confined import DetectorSpec, Inside, pictures_of
 from ui.detectors.trial import chosen_box
 from ui.session import state
 from ui.shell.messages import shown_error
@@ -39,6 +30,8 @@ VIEWS: Final = {
     "training": "Training",
 }
 STRIDES: Final = range(1, 11)
+MOST_TRACES: Final = 12
+"""Objects of a frame that are followed over the trees."""
 MAPS: Final[tuple[figures.MapOf, ...]] = ("trees", "confidence")
 
 
@@ -72,7 +65,7 @@ def draw(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
 
 def _choose_scale(inside: Inside, picture: Picture) -> float:
     """Draw the choice of a scale at which the picture holds a window, and return it."""
-    scales = usable_scales(inside.settings, picture.shape[1], picture.shape[0])
+    scales = displays.usable_scales(inside.settings, picture.shape[1], picture.shape[0])
     if not scales:
         raise ParameterError("the picture is smaller than the window at every scale")
     if len(scales) == 1:
@@ -90,10 +83,7 @@ def _choose_scale(inside: Inside, picture: Picture) -> float:
 
 def _draw_pictures(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
     scale, shade = _choose_scale(inside, picture), state.theme().shade
-    key = (*asking.place(), scale)
-    computed, steps, channels = asking.ask(
-        "pictures", pictures_of, spec, picture, scale, key=key, most=asking.LARGE_KEPT
-    )
+    computed, steps, channels = asking.ask_model(pictures_of, spec, picture, scale)
     title, subtitle = "The picture, step by step", f"scale {computed:.3g}"
     figure = figures.pictures_plot(steps, theme=shade, title=title, subtitle=subtitle, columns=3)
     of = asking.on_frame(asking.described(spec).about)
@@ -117,8 +107,7 @@ def _draw_map(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
         scale = _choose_scale(inside, picture)
     with right:
         of = choose_side_by_side("Colour", MAPS, "detector_map_of", default="trees")
-    key = (*asking.place(), scale)
-    windows = asking.ask("map", score_map, spec, picture, scale, key=key, most=asking.LARGE_KEPT)
+    windows = asking.ask_model(displays.map_at, spec, picture, scale)
     figure = figures.score_map_plot(
         windows, inside.settings, picture, theme=state.theme().shade, of=of
     )
@@ -155,10 +144,8 @@ def _draw_windows_per_stride(settings: IcfSettings, picture: Picture) -> None:
 def _draw_traces(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
     scale = _choose_scale(inside, picture)
     truth = asking.truth_in(picture)
-    key = (*asking.place(), scale)
-    objects, background = asking.ask(
-        "traces", traces_in, spec, picture, truth, scale, key=key, most=asking.LARGE_KEPT
-    )
+    objects = asking.ask_model(displays.truth_paths, spec, picture, truth[:MOST_TRACES])
+    background = asking.ask_model(displays.rejected_paths, spec, picture, truth, scale)
     about = asking.described(spec).about
     draw_chart(
         figures.traces_plot(objects, background, theme=asking.theme_of(about)),
@@ -177,10 +164,11 @@ def _draw_window(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
         st.info("No window came through, so there is none to follow. Choose another frame.")
         return
     box = float(boxes.x[row]), float(boxes.y[row]), float(boxes.w[row])
-    key = (*asking.place(), row)
-    scale, path = asking.ask("window", window_in, spec, picture, box, key=key)
+    size = picture.shape[1], picture.shape[0]
+    window = asking.ask_model(displays.window_of, spec, *size, box)
+    path = asking.ask_model(displays.window_path, spec, picture, *window)
     st.caption(
-        f"The box with the score {boxes.score[row]:.3g}, at scale {scale:.3g}; a click in the "
+        f"The box with the score {boxes.score[row]:.3g}, at scale {window[0]:.3g}; a click in the "
         "picture above chooses another."
     )
     about = asking.described(spec).about
@@ -190,8 +178,8 @@ def _draw_window(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
         draw_chart(figures.confidence_plot(path, theme=theme), "detector_confidence", of=of)
     with right:
         number = st.number_input("Tree", 1, inside.n_trees, 1, 1, key="detector_tree", width=200)
-        tree = asking.ask("tree", tree_of, spec, number - 1, key=number)
+        tree = asking.ask_model(displays.tree, spec, number - 1)
         leaf = int(np.asarray(path.leaf)[number - 1])
-        window = inside.settings.window_width, inside.settings.window_height
-        figure = figures.tree_plot(tree, theme=theme, window=window, number=number, leaf=leaf)
+        size = inside.settings.window_width, inside.settings.window_height
+        figure = figures.tree_plot(tree, theme=theme, window=size, number=number, leaf=leaf)
         draw_chart(figure, "detector_tree_plot", of=of)

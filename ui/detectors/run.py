@@ -7,7 +7,6 @@ import zipfile
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import replace
-from pathlib import Path
 from typing import Final, NamedTuple
 
 import streamlit as st
@@ -29,7 +28,7 @@ from ui.detectors.asking import described, key_of, trained_recordings
 from ui.detectors.confined import ConfinedDetector, DetectorFacts, DetectorSpec
 from ui.detectors.trial import Levels, levels_of
 from ui.jobs.background import BackgroundJob, JobState
-from ui.jobs.page_run import PageRun, dataset_of, is_uploaded, named_in, open_written
+from ui.jobs.page_run import PageRun, dataset_of, named_in, open_written
 from ui.session import state, store
 from ui.session.opening import live_session
 from ui.session.uploads import ANNOTATION_FOLDERS
@@ -275,14 +274,7 @@ def _open(job: BackgroundJob[WrittenRun], written: WrittenRun) -> None:
     """Add the new system to what is open, as Y."""
     opened, space, (x, y) = state.opened(), state.workspace(), state.systems()
     live = live_session(opened.session, opened.dataset, state.params(), x=x, y=y)
-    session = with_system(
-        live,
-        opened.dataset,
-        written,
-        x=x,
-        threshold=job.key.levels.threshold,
-        is_upload=is_uploaded(space, live),
-    )
+    session = with_system(live, opened.dataset, written, x=x)
     ask_for_page("overview")
     is_moved = state.params() != state.session_params()
     before = live if is_moved else opened.session
@@ -314,32 +306,10 @@ def draw_way_back() -> None:
             st.error(shown_error(error), icon=":material/error:")
 
 
-def with_system(
-    session: Session,
-    dataset: Dataset,
-    written: WrittenRun,
-    *,
-    x: str,
-    threshold: float,
-    is_upload: bool,
-) -> Session:
-    """Return the session with the new system as its last one and as Y.
-
-    Parameters
-    ----------
-    is_upload
-        True if the session's files are uploads, beside which the files of the system lie.
-    """
-
-    def named(path: Path) -> str:
-        return named_in(session, path, is_upload=is_upload)
-
-    system = replace(
-        written.system,
-        path=tuple(map(named, written.files)),
-        threshold=threshold,
-        provenance=named(written.provenance),
-    )
+def with_system(session: Session, dataset: Dataset, written: WrittenRun, *, x: str) -> Session:
+    """Return the session with the new system as its last one and as Y."""
+    *path, provenance = (named_in(session, file) for file in (*written.files, written.provenance))
+    system = replace(written.system, path=tuple(path), provenance=provenance)
     others = [  # a new system must not change their names
         replace(source, name=own)
         for source, own in zip(session.systems, dataset.systems, strict=True)

@@ -6,32 +6,39 @@ recorded gaze.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeVar
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from nvcore.dataset import Dataset
 from nvcore.driver.estimate import EstimateRun, run_estimate
 from nvcore.driver.estimators import Estimator, fingerprint, read_estimator
-from nvcore.driver.estimators.model import Origin
-from nvcore.driver.estimators.words import caution_of
+from nvcore.driver.estimators.words import LABELS, caution_of
 from nvcore.driver.illumination import LightSettings, read_light
 from nvcore.driver.illumination.clock import AdaptationClock, adaptation_clock
 from nvcore.driver.run import run_features
 from nvcore.driver.settings import settings_from
-from nvcore.driver.simulation import simulate_change
 from nvcore.progress import Progress
+from nvcore.wording import count_text, listed
 from ui.confined.process import N_THREADS, Allowance, call
+from ui.widgets.text import plain
+
+T = TypeVar("T")
 
 RUN: Final = Allowance(memory_mb=3000, seconds=180.0)
 """For a run; its time is from one picture to the next."""
 SMALL: Final = Allowance(memory_mb=1000, seconds=20.0)
 """For the readings of a light meter."""
+SIMULATED: Final = {
+    "no": "",
+    "some": " Part of the subjects were simulated.",
+    "all": " The subjects were **simulated**, not people.",
+}
 
 
 @dataclass(frozen=True)
@@ -40,30 +47,6 @@ class EstimatorSpec:
 
     path: Path
     version: str
-
-
-@dataclass(frozen=True)
-class EstimatorFacts:
-    """Description of an estimator (see `nvcore.driver.estimators.Estimator`).
-
-    Attributes
-    ----------
-    features
-        Keys of the features that it takes.
-    periods_s
-        Adaptation periods that it has a regression for.
-    fingerprint
-        sha256, as hexadecimal digits.
-    caution
-        Why its estimates are to be doubted; empty: nothing is known.
-    """
-
-    name: str
-    origin: Origin
-    features: tuple[str, ...]
-    periods_s: tuple[float, ...]
-    fingerprint: str
-    caution: str
 
 
 def run_confined(
@@ -124,31 +107,23 @@ def _estimator(spec: EstimatorSpec) -> Estimator:
     return read_estimator(spec.path)
 
 
-def describe_estimator(spec: EstimatorSpec) -> EstimatorFacts:
-    """Describe an estimator."""
-    estimator = _estimator(spec)
-    return EstimatorFacts(
-        estimator.name,
-        estimator.origin,
-        estimator.features,
-        tuple(estimator.periods_s.tolist()),
-        fingerprint(estimator),
-        caution_of(estimator),
-    )
+def on_estimator(spec: EstimatorSpec, function: Callable[[Estimator], T]) -> T:
+    """Call a function of an estimator."""
+    return function(_estimator(spec))
 
 
-def simulate(
-    spec: EstimatorSpec,
-    features: pd.DataFrame,
-    end_s: NDArray[np.float64],
-    change_s: float,
-    interpolate: bool,
-    real_s: NDArray[np.float64] | None,
-) -> pd.DataFrame:
-    """Run `nvcore.driver.simulation.simulate_change`."""
-    estimator = _estimator(spec)
-    return simulate_change(
-        features, end_s, change_s, estimator, interpolate=interpolate, real_s=real_s
+def describe_estimator(estimator: Estimator) -> str:
+    """Describe an estimator as Markdown: its training, features and fingerprint."""
+    origin, caution = estimator.origin, caution_of(estimator)
+    doubts = SIMULATED.get(origin.simulated, "")
+    doubts += f" Its estimates are {caution}." if caution else ""
+    labels = plain(listed([LABELS[key] for key in estimator.features]))
+    periods = ", ".join(f"{period:g}" for period in estimator.periods_s)
+    return (
+        f"Trained on {count_text(origin.n_trials, 'trial')} of "
+        f"{count_text(origin.n_subjects, 'subject')} with "
+        f"{count_text(origin.n_pedestrians, 'pedestrian')}.{doubts} Features: {labels}. "
+        f"Adaptation periods: {periods} s. Fingerprint {fingerprint(estimator)[:12]}."
     )
 
 

@@ -2,46 +2,36 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Final
 
 import streamlit as st
 
 from nvcore.driver.estimators.model_file import MAX_BYTES, SAMPLE_ESTIMATOR
-from nvcore.driver.features import FEATURES
 from nvcore.errors import NvcoreError
-from nvcore.wording import count_text, listed
-from ui.driver.confined import EstimatorFacts, EstimatorSpec, describe_estimator
+from ui.driver.confined import EstimatorSpec, describe_estimator, on_estimator
 from ui.session import state
 from ui.shell.messages import error_text, shown_error
 from ui.widgets.models import ModelKind, draw_field, model_files
-from ui.widgets.text import docs_link, plain
+from ui.widgets.text import docs_link
 
 SAMPLE: Final = "sample"
 SAMPLE_WORDS: Final = "sample: trained on a simulated observer, not on people"
-SIMULATED: Final = {
-    "no": "",
-    "some": " Part of the subjects were simulated.",
-    "all": " The subjects were **simulated**, not people.",
-}
-LABELS: Final = {feature.key: feature.label for feature in FEATURES}
 
 
-def described(spec: EstimatorSpec) -> EstimatorFacts:
-    """What an estimator is.
+def described(spec: EstimatorSpec) -> str:
+    """Describe an estimator as Markdown.
 
     Raises
     ------
     NvcoreError
         If the file is none that can be used.
     """
-    space = state.workspace()
-
-    def ask() -> EstimatorFacts:
-        what = "opening the estimator"
-        return space.model_process.call(describe_estimator, spec, what=what)
-
-    return space.cached("estimator", spec, ask, most=8)
+    space, what = state.workspace(), "opening the estimator"
+    call = partial(space.model_process.call, on_estimator, spec, describe_estimator, what=what)
+    text: str = space.cached("estimator", spec, call, most=8)
+    return text
 
 
 def _check(path: Path) -> None:
@@ -67,11 +57,10 @@ def draw() -> EstimatorSpec | None:
         )
         spec = options[key][1]
         try:
-            facts = described(spec)
+            st.caption(described(spec))
         except NvcoreError as error:
             st.error(shown_error(error), icon=":material/error:")
             return None
-        _draw_facts(facts)
     return spec
 
 
@@ -91,19 +80,4 @@ def _draw_field() -> None:
     st.caption(
         "It stays on this server while the tab is open. How one is trained: by trials of the page "
         f"Study ({docs_link('how', 'estimators', doc='driver-reference')})."
-    )
-
-
-def _draw_facts(facts: EstimatorFacts) -> None:
-    """On what it was trained, what it looks at, by which digits it is known."""
-    origin = facts.origin
-    doubts = SIMULATED.get(origin.simulated, "")
-    doubts += f" Its estimates are {facts.caution}." if facts.caution else ""
-    periods = ", ".join(f"{period:g}" for period in facts.periods_s)
-    st.caption(
-        f"Trained on {count_text(origin.n_trials, 'trial')} of "
-        f"{count_text(origin.n_subjects, 'subject')} with "
-        f"{count_text(origin.n_pedestrians, 'pedestrian')}.{doubts} "
-        f"Features: {plain(listed([LABELS[key] for key in facts.features]))}. Adaptation periods: "
-        f"{periods} s. Fingerprint {facts.fingerprint[:12]}."
     )

@@ -28,7 +28,6 @@ from ui.jobs.page_run import (
     Aside,
     PageRun,
     dataset_of,
-    is_uploaded,
     named_in,
     open_written,
 )
@@ -269,7 +268,7 @@ def take_over() -> None:
     if job is None or job.output is None or not _is_ready(job):
         return
     written, space, session = job.output, state.workspace(), state.opened().session
-    session = with_estimates(session, written, is_upload=is_uploaded(space, session))
+    session = with_estimates(session, written)
     named, spec = session.driver.detectability, job.key
     assert named is not None
 
@@ -288,10 +287,9 @@ def take_over() -> None:
         st.rerun()  # the sidebar of this run is drawn
 
 
-def with_estimates(session: Session, written: WrittenEstimates, *, is_upload: bool) -> Session:
+def with_estimates(session: Session, written: WrittenEstimates) -> Session:
     """Return the session with the estimates, named as by `named_in`."""
-    paths = written.detectability, written.record
-    named = [named_in(session, path, is_upload=is_upload) for path in paths]
+    named = [named_in(session, path) for path in (written.detectability, written.record)]
     return replace(session, driver=DriverTable(*named))  # type: ignore[call-arg]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -10,9 +11,10 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.driver.comparison.notes import simulated_change
+from nvcore.driver.simulation import simulate_change
 from nvcore.errors import NvcoreError
 from nvcore.figures.over_time import end_of
-from ui.driver.confined import simulate
+from ui.driver.confined import on_estimator
 from ui.driver.known import OpenedRun, caution_of, clock_of, opened_run
 from ui.session import state, store
 from ui.shell.messages import shown_error
@@ -120,17 +122,10 @@ def _estimates(
     clock = clock_of(state.recording())
     real_s = None if clock is None else clock.change_s
 
-    def ask() -> pd.DataFrame:
-        return space.model_process.call(
-            simulate,
-            known.spec,
-            features,
-            end_s,
-            change_s,
-            known.run.is_interpolated,
-            real_s,
-            what="simulating a change of light",
-        )
-
+    simulated = partial(simulate_change, features, end_s, change_s, real_s=real_s)
+    simulated = partial(simulated, interpolate=known.run.is_interpolated)
+    what, call = "simulating a change of light", space.model_process.call
+    ask = partial(call, on_estimator, known.spec, simulated, what=what)
     key = known.named, int(course["truth_row"].iloc[0]), change_s
-    return space.cached("driver_tunnel", key, ask, most=MOST_KEPT)
+    estimates: pd.DataFrame = space.cached("driver_tunnel", key, ask, most=MOST_KEPT)
+    return estimates

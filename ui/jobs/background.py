@@ -25,23 +25,6 @@ Output = TypeVar("Output")
 _slots = threading.BoundedSemaphore(MOST_JOBS)
 
 
-def while_open(space: Workspace) -> Callable[[], bool]:
-    """Return a function that is true while the session keeps its current dataset open.
-
-    It holds no reference to the workspace, which would keep the session's files alive.
-    """
-    if space.opened is None:
-        return lambda: False
-    space_ref, dataset_ref = weakref.ref(space), weakref.ref(space.opened.dataset)
-
-    def is_wanted() -> bool:
-        space = space_ref()
-        opened = None if space is None else space.opened
-        return opened is not None and opened.dataset is dataset_ref()
-
-    return is_wanted
-
-
 class JobState(Enum):
     """State of a job."""
 
@@ -81,34 +64,34 @@ class BackgroundJob(Generic[Output]):
     def __init__(
         self,
         work: Callable[[Progress], Output],
-        is_wanted: Callable[[], bool],
+        space: Workspace,
         *,
         key: Any = None,
         title: str = "",
         folder: Path | None = None,
-        space: Workspace | None = None,
         outlasts: bool = False,
     ):
         """Start.
+
+        It ends with the session, and when the session opens something else.
 
         Parameters
         ----------
         work
             Receives the job's `Progress`, which raises `CancelledError` once the job is cancelled.
             It must not hold a reference to the session's workspace, which would then never end.
-        is_wanted
-            Returns False once the session has ended or shows something else, which cancels the job.
         space
-            Workspace whose quota the files in `folder` are counted in.
+            Workspace of the session, whose quota the files in `folder` are counted in.
         """
         self.key, self.folder, self.title, self.outlasts = key, folder, title, outlasts
         self.share, self.step = 0.0, ""
         self.error: NvcoreError | None = None
         self.is_kept = self.is_told = False
         self.state = JobState.WAITING
-        self._is_wanted = is_wanted
         self.output: Output | None = None
-        self._space: Callable[[], Workspace | None] = weakref.ref(space) if space else lambda: None
+        assert space.opened is not None
+        # the job would keep the session's files alive
+        self._space, self._dataset = weakref.ref(space), weakref.ref(space.opened.dataset)
         self._stop, self._ending = threading.Event(), threading.Lock()
         self._thread = threading.Thread(target=self._run, args=(work,), daemon=True)
         self._thread.start()
@@ -140,7 +123,9 @@ class BackgroundJob(Generic[Output]):
 
     def _progress(self, share: float, step: str) -> None:
         self.share, self.step = share, step
-        if self._stop.is_set() or not self._is_wanted():
+        space = self._space()
+        opened = None if space is None else space.opened
+        if self._stop.is_set() or opened is None or opened.dataset is not self._dataset():
             raise CancelledError
 
     def _run(self, work: Callable[[Progress], Output]) -> None:

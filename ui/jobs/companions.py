@@ -10,11 +10,11 @@ from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.units import find_units
 from ui.jobs.computed import Computation
+from ui.jobs.page_run import PageRun
 from ui.session import state
 from ui.session.results import cached_miss_rate, comparison_key
 
-KIND: Final = "companions"
-MOST: Final = 4
+RUN: Final = PageRun[Companions]("companions", "the comparison at equal false alarms", "comparing")
 QUICK_BOXES: Final = 50_000
 """Number of boxes up to which it takes a fraction of a second and is done at once."""
 
@@ -29,15 +29,12 @@ def wait_for_companions(result: Result, evidence: pd.DataFrame) -> Companions | 
     protocol = state.protocol()  # has to be read outside the background thread
     miss_rate = cached_miss_rate(state.cached, result, find_units(result), protocol)
     computation = Computation(
-        kind=KIND,
-        key=comparison_key(result),
-        compute=lambda _: find_companions(result, evidence, protocol, miss_rate=miss_rate),
-        thing="the comparison at equal false alarms",
-        doing="comparing",
-        most=MOST,
+        RUN,
+        comparison_key(result),
+        lambda _: find_companions(result, evidence, protocol, miss_rate=miss_rate),
     )
     output, is_missing = computation.draw(is_quick=is_quick(result))
-    job = state.workspace().job(computation.kind)
+    job = RUN.job
     if is_missing and (job is None or job.key != computation.key):  # not one that was cancelled
         computation.start()
         computation.draw(is_quick=False)

@@ -1,4 +1,4 @@
-"""Runs over the pictures of the open recordings, as background jobs with buttons and progress."""
+"""Long work of a page, as background jobs with buttons and progress."""
 
 from __future__ import annotations
 
@@ -12,18 +12,19 @@ import streamlit as st
 from nvcore.dataset import Dataset
 from nvcore.inputs.session import Session
 from nvcore.progress import Progress
-from ui.jobs.background import BackgroundJob, JobState, Output, while_open
-from ui.jobs.progress import draw_job
+from ui.jobs.background import BackgroundJob, JobState, Output
+from ui.jobs.progress import draw_progress
 from ui.session import state
-from ui.session.opening import live_session, relative_path
+from ui.session.opening import live_session
 from ui.session.uploads import ANNOTATION_FOLDERS, count_folder, remove_folder
 from ui.session.workspace import Workspace
+from ui.shell.messages import shown_error
 from ui.widgets.buttons import button, download
 
 
 @dataclass(frozen=True)
 class PageRun(Generic[Output]):
-    """A kind of run over pictures. The workspace keeps the newest run of each kind.
+    """A kind of long work. The workspace keeps the newest run of each kind.
 
     Attributes
     ----------
@@ -95,28 +96,25 @@ class PageRun(Generic[Output]):
         title: str = "",
         folder: Path | None = None,
     ) -> None:
-        """Start a run (see `BackgroundJob`) in place of the last one.
-
-        It ends with the session, and when the session opens something else.
-        """
+        """Start a run (see `BackgroundJob`) in place of the last one."""
         space = state.workspace()
         job = BackgroundJob(
-            work,
-            while_open(space),
-            key=key,
-            title=title,
-            folder=folder,
-            space=space,
-            outlasts=self.outlasts,
+            work, space, key=key, title=title, folder=folder, outlasts=self.outlasts
         )
         space.put_job(self.name, job)
 
     def draw(self, job: BackgroundJob[Output]) -> JobState:
         """Draw the progress of a run, or why it has no output. Return the state that was drawn."""
-        doing = self.doing.format(title=job.title)
-        return draw_job(
-            job, self.name, thing=self.thing, doing=doing, with_steps=self.has_time_left
-        )
+        job_state = job.state  # once: it may end meanwhile
+        if job_state.is_busy:
+            doing = self.doing.format(title=job.title)
+            draw_progress(job, self.name, doing, with_steps=self.has_time_left)
+        elif job_state is JobState.CANCELLED:
+            st.info(f"Cancelled. No {self.thing} was made.", icon=":material/info:")
+        elif job_state is JobState.FAILED:
+            reason = shown_error(job.error) if job.error else f"The {self.thing} could not be made."
+            st.error(reason, icon=":material/error:")
+        return job_state
 
     def draw_file(self, key: Any = None) -> None:
         """Draw the newest run, whose file has its title. Warn if it has another `key`."""
@@ -153,9 +151,10 @@ def is_uploaded(space: Workspace, session: Session) -> bool:
     return session.folder.is_relative_to(space.folder)
 
 
-def named_in(session: Session, path: Path, *, is_upload: bool) -> str:
-    """Return how a session names a file of a run: if it is an upload, from its folder."""
-    return relative_path(path, session.folder) if is_upload else str(path)
+def named_in(session: Session, path: Path) -> str:
+    """Return how a session names a file of a run: from its folder, which an upload shares."""
+    is_inside = path.is_relative_to(session.folder)
+    return path.relative_to(session.folder).as_posix() if is_inside else str(path)
 
 
 def dataset_of(names: Collection[str]) -> Dataset:

@@ -1,4 +1,4 @@
-"""Progress and outcome of a background job, the same on every page."""
+"""Progress of a background job, the same on every page."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import streamlit as st
 from nvcore.wording import percent
 from ui.jobs.background import BackgroundJob, JobState
 from ui.session import store
-from ui.shell.messages import shown_error
 from ui.widgets.text import plain
 
 POLL_S: Final = 0.4
@@ -31,27 +30,12 @@ def start_as_made(job: BackgroundJob[Any], kind: str, **choices: object) -> None
         store.set_widgets(**choices)
 
 
-def draw_job(
-    job: BackgroundJob[Any], kind: str, *, thing: str, doing: str, with_steps: bool = False
-) -> JobState:
-    """Draw progress with a button to cancel, or why there is no output. Return the drawn state.
+@st.fragment(run_every=POLL_S)
+def draw_progress(job: BackgroundJob[Any], kind: str, doing: str, *, with_steps: bool) -> None:
+    """Draw progress, and a button to cancel. Sentences begin with `doing` ("Making the report").
 
-    Sentences call the output `thing` ("report"), and begin with `doing` ("Making the report").
     With `with_steps` they end with the steps of the work, such as the time left.
     """
-    job_state = job.state  # once: it may end meanwhile
-    if job_state.is_busy:
-        _draw_progress(job, kind, doing, with_steps=with_steps)
-    elif job_state is JobState.CANCELLED:
-        st.info(f"Cancelled. No {thing} was made.", icon=":material/info:")
-    elif job_state is JobState.FAILED:
-        reason = shown_error(job.error) if job.error else f"The {thing} could not be made."
-        st.error(reason, icon=":material/error:")
-    return job_state
-
-
-@st.fragment(run_every=POLL_S)
-def _draw_progress(job: BackgroundJob[Any], kind: str, doing: str, *, with_steps: bool) -> None:
     if not job.is_busy:
         st.rerun()
     st.progress(job.share, _words(job, doing, with_steps=with_steps))

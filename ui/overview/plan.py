@@ -25,14 +25,13 @@ from nvcore.protocols import Protocol
 from nvcore.report.plan import verdict_plan
 from nvcore.wording import capitalised, count_text
 from ui.jobs.computed import Computation
+from ui.jobs.page_run import PageRun
 from ui.session import state, store
 from ui.session.results import comparison_key
 from ui.widgets.charts import draw_chart
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import docs_link, plain
 
-JOB: Final = "study_plan"
-MOST: Final = 8
 DIFFERENCE: Final = "difference"
 QUESTIONS: Final = {
     DIFFERENCE: "Is there a difference?",
@@ -44,6 +43,9 @@ QUESTIONS: Final = {
 class _Answer(NamedTuple):
     plan: Plan
     of_verdict: tuple[Note, ...]
+
+
+RUN: Final = PageRun[_Answer]("study_plan", "plan", "Simulating studies")
 
 
 def known_plan(result: Result) -> tuple[Note, ...]:
@@ -124,19 +126,13 @@ def _draw_answer(
     result: Result, evidence: pd.DataFrame, companions: Companions | None, asked: PlanArguments
 ) -> None:
     work = Computation(
-        kind=JOB,
-        key=(*comparison_key(result), asked, state.protocol()),
-        compute=partial(_answer, result, evidence, companions, asked, state.protocol()),
-        thing="plan",
-        doing="Simulating studies",
-        most=MOST,
+        RUN,
+        (*comparison_key(result), asked, state.protocol()),
+        partial(_answer, result, evidence, companions, asked, state.protocol()),
     )
-    if store.PLAN_ASKED.pop() and state.known(JOB, work.key) is None:
+    if store.PLAN_ASKED.pop() and state.known(RUN.name, work.key) is None:
         work.start()
-    answer, is_to_start = work.draw(is_quick=False)
-    if is_to_start:
-        icon = ":material/query_stats:"
-        st.button("Simulate studies", key=f"{JOB}_start", icon=icon, on_click=work.start)
+    answer = work.draw_or_offer("Simulate studies", "query_stats", is_quick=False)
     if answer is None:
         return
     space, key = state.workspace(), comparison_key(result)

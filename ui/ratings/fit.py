@@ -15,8 +15,8 @@ from nvcore.params import SETTINGS, Params
 from nvcore.progress import Progress
 from nvcore.ratings.fit import Fit, fit_saliency
 from nvcore.wording import count_text, minus, percent
-from ui.jobs.background import BackgroundJob, JobState, while_open
-from ui.jobs.progress import draw_job
+from ui.jobs.background import JobState
+from ui.jobs.page_run import PageRun
 from ui.ratings import applied_fit
 from ui.ratings.applied_fit import AppliedFit
 from ui.ratings.source import RatingSource
@@ -27,7 +27,7 @@ from ui.widgets.text import docs_link, plain
 
 AT_ONCE: Final = 20_000
 """Frames up to which a fit takes seconds: it is made while the page waits."""
-JOB: Final = "rating_fit"
+RUN: Final = PageRun[Fit]("rating_fit", "fit", "Fitting")
 MOST_FITS: Final = 4
 SIMULATED: Final = "Fitted to **simulated ratings**: nobody was asked."
 
@@ -71,9 +71,9 @@ def _keep(key: Any, fit: Fit) -> Fit:
 
 def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | None:
     """The button, or the progress of the fit; the fit where it was made at once."""
-    job: BackgroundJob[Fit] | None = state.workspace().job(JOB)
+    job = RUN.job
     if job is not None and job.key == key:
-        job_state = draw_job(job, JOB, thing="fit", doing="Fitting")
+        job_state = RUN.draw(job)
         if job_state.is_busy:
             return None
         if job_state is JobState.DONE and job.output is not None:
@@ -87,8 +87,7 @@ def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | 
         return fit_saliency(started, clips, progress=progress)
 
     if len(result.dataset.frames) > AT_ONCE:
-        space = state.workspace()
-        space.put_job(JOB, BackgroundJob(compute, while_open(space), key=key))
+        RUN.start(compute, key=key)
         st.rerun()
     bar = st.progress(0.0, "Fitting")
 

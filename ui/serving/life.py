@@ -29,6 +29,7 @@ from nvcore.inputs.session_toml import read_session
 from ui.access.files import local_root
 from ui.confined import process
 from ui.jobs import companions
+from ui.jobs.computed import MOST
 from ui.serving.connections import guard_connections
 from ui.session import lifetime
 from ui.session.results import cached_evidence, cached_findings, cached_miss_rate, comparison_key
@@ -146,7 +147,7 @@ def prepare_start() -> None:
     evidence = cached_evidence(cached, result, protocol)
     if companions.is_quick(result):
         cached(
-            companions.KIND,
+            companions.RUN.name,
             comparison_key(result, protocol),
             lambda: find_companions(
                 result,
@@ -154,7 +155,7 @@ def prepare_start() -> None:
                 protocol,
                 miss_rate=cached_miss_rate(cached, result, find_units(result), protocol),
             ),
-            most=companions.MOST,
+            most=MOST,
         )
     cached_findings(cached, dataset, settings, x, y)
 

@@ -14,14 +14,14 @@ from nvcore.progress import Progress
 from nvcore.stability.notes import CRITERIA, PLANES
 from nvcore.stability.survey import SURVEY_PLANES, SurveyRow, held_text, survey_stability
 from ui.jobs.computed import Computation
+from ui.jobs.page_run import PageRun
 from ui.session import state
 from ui.widgets.table import draw_table, own_headings
 
 AT_ONCE: Final = 5_000
 """Frames up to which the table is there within a second or so: it is drawn without asking."""
-JOB: Final = "stability_survey"
+RUN: Final = PageRun[tuple[SurveyRow, ...]]("stability_survey", "table", "Trying all settings")
 THREADS: Final = 2
-MOST: Final = 4
 HELD: Final = {
     "all": " at every setting",
     "none": " as set only",
@@ -79,20 +79,13 @@ def _cell(row: SurveyRow) -> str:
 
 
 def _survey_rows(result: Result) -> tuple[SurveyRow, ...] | None:
-    work = Computation(
-        kind=JOB,
-        key=(state.workspace().version, result.params),
-        compute=partial(_survey, result),
-        thing="table",
-        doing="Trying all settings",
-        most=MOST,
+    key = state.workspace().version, result.params
+    return Computation(RUN, key, partial(_survey, result)).draw_or_offer(
+        "Try all settings",
+        "table_chart",
+        "It computes all maps: with so many frames up to some minutes.",
+        is_quick=len(result.dataset.frames) <= AT_ONCE,
     )
-    survey, is_to_start = work.draw(is_quick=len(result.dataset.frames) <= AT_ONCE)
-    if is_to_start:
-        icon = ":material/table_chart:"
-        st.button("Try all settings", key=f"{JOB}_start", icon=icon, on_click=work.start)
-        st.caption("It computes all maps: with so many frames up to some minutes.")
-    return survey
 
 
 def _survey(result: Result, progress: Progress) -> tuple[SurveyRow, ...]:

@@ -24,8 +24,8 @@ from nvcore.stability.notes import (
 )
 from nvcore.stability.scores import Criterion
 from nvcore.stability.survey import SURVEY_PLANES
-from ui.jobs.background import BackgroundJob
 from ui.jobs.computed import Computation
+from ui.jobs.page_run import PageRun
 from ui.jobs.progress import start_as_made
 from ui.session import state, store
 from ui.session.results import measure_evidence
@@ -35,9 +35,8 @@ from ui.widgets.text import plain
 
 AT_ONCE: Final = 20_000
 """Number of frames up to which a map takes at most a second and is drawn without asking."""
-JOB: Final = "stability"
+RUN: Final = PageRun[StabilityMap]("stability", "map", "Computing the map")
 THREADS: Final = 2
-MOST_MAPS: Final = 8
 
 
 @dataclass(frozen=True)
@@ -66,11 +65,9 @@ def _choose(result: Result) -> MapKey:
     first_plane, first_criterion = SURVEY_PLANES[0], next(iter(CRITERIA))
     store.STABILITY_PLANE.setdefault(first_plane)
     store.STABILITY_CRITERION.setdefault(first_criterion)
-    job: BackgroundJob[StabilityMap] | None = state.workspace().job(JOB)
-    if job is not None:
-        start_as_made(
-            job, JOB, stability_plane=job.key.plane, stability_criterion=job.key.criterion
-        )
+    if (job := RUN.job) is not None:
+        plane, criterion = job.key.plane, job.key.criterion
+        start_as_made(job, RUN.name, stability_plane=plane, stability_criterion=criterion)
     planes = {plane: PLANES[plane] for plane in SURVEY_PLANES}
     plane = choose_side_by_side("What is varied", planes, "stability_plane")
     criterion = choose_side_by_side("Who is better by", CRITERIA, "stability_criterion")
@@ -85,18 +82,13 @@ def _stability_map(result: Result, key: MapKey) -> StabilityMap | None:
         with ThreadPoolExecutor(THREADS) as pool:
             return map_stability(result, key.plane, key.criterion, executor=pool, progress=progress)
 
-    work = Computation(JOB, key, compute, "map", "Computing the map", MOST_MAPS)
-    stability, is_to_start = work.draw(is_quick=len(result.dataset.frames) <= AT_ONCE)
-    if is_to_start:
-        st.button(
-            "Compute the map",
-            key="stability_start",
-            type="primary",
-            icon=":material/grid_on:",
-            on_click=work.start,
-        )
-        st.caption("With so many frames it takes some seconds to a minute; the page stays usable.")
-    return stability
+    return Computation(RUN, key, compute).draw_or_offer(
+        "Compute the map",
+        "grid_on",
+        "With so many frames it takes some seconds to a minute; the page stays usable.",
+        is_quick=len(result.dataset.frames) <= AT_ONCE,
+        type="primary",
+    )
 
 
 def _draw_map(result: Result, stability: StabilityMap) -> None:

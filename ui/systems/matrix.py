@@ -9,7 +9,6 @@ from math import comb
 from typing import Final
 
 import pandas as pd
-import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
@@ -17,12 +16,12 @@ from nvcore.evidence.pairwise import pairwise_table, thresholds_in_use
 from nvcore.params import Params
 from nvcore.progress import Progress
 from ui.jobs.computed import Computation
+from ui.jobs.page_run import PageRun
 from ui.session import state
 
-JOB: Final = "matrix"
+RUN: Final = PageRun[pd.DataFrame]("matrix", "table", "Comparing every pair of systems")
 AT_ONCE: Final = 20_000
 """Frames times pairs up to which the table is there within a second: it is drawn without asking."""
-MOST: Final = 4
 COLUMNS: Final = ["name", "horizon", "context"]
 """Of the recordings: what a visitor may change on the Data page without reading a file again."""
 
@@ -36,27 +35,21 @@ def draw(result: Result) -> pd.DataFrame | None:
     key = (dataset.fingerprint, recordings, dataset.systems, params, tuple(thresholds.items()))
     # outlasts another choice of X and Y, which forgets all that was computed of them
     notes = state.workspace().notes
-    known_key, known = notes.get(JOB, (None, None))
+    known_key, known = notes.get(RUN.name, (None, None))
     if known_key == key:
         table: pd.DataFrame = known
         return table
-    work = Computation(
-        kind=JOB,
-        key=key,
-        compute=partial(_compute, dataset, params, thresholds),
-        thing="table",
-        doing="Comparing every pair of systems",
-        most=MOST,
-    )
     n_pairs = comb(len(dataset.systems), 2)
-    computed, is_to_start = work.draw(is_quick=n_pairs * len(dataset.frames) <= AT_ONCE)
-    if is_to_start:
-        icon = ":material/table_chart:"
-        label = f"Compare all {n_pairs:,} pairs"
-        st.button(label, key=f"{JOB}_start", icon=icon, type="primary", on_click=work.start)
-        st.caption("With so many frames it takes a while; the other pages work meanwhile.")
+    work = Computation(RUN, key, partial(_compute, dataset, params, thresholds))
+    computed = work.draw_or_offer(
+        f"Compare all {n_pairs:,} pairs",
+        "table_chart",
+        "With so many frames it takes a while; the other pages work meanwhile.",
+        is_quick=n_pairs * len(dataset.frames) <= AT_ONCE,
+        type="primary",
+    )
     if computed is not None:
-        notes[JOB] = key, computed
+        notes[RUN.name] = key, computed
     return computed
 
 

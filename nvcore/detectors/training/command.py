@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import click
 
-from nvcore.cli.options import GroupedCommand, examples, options_of, refuse_without_session
+from nvcore.cli.options import command, options_of, refuse_without_session, session_argument
 from nvcore.cli.program import program
 from nvcore.cli.progress import ShareProgress
 from nvcore.cli.steps import job_on
@@ -23,21 +23,13 @@ _SUGGESTED: Final = 8
 """Recordings that the command for a first run names."""
 
 
-@click.command(
-    cls=GroupedCommand,
-    short_help="Train a detector on recordings, or on folders of pictures.",
-    epilog=examples(
-        "nvcore train night.toml --only urban_01 --only urban_02 --out night.npz",
-        "nvcore train night.toml --frames :399 --set stride=6 --out night.npz",
-        "nvcore train --preset signs --crops signs --background roads --out signs.npz",
-    ),
+@command(
+    "Train a detector on recordings, or on folders of pictures.",
+    "nvcore train night.toml --only urban_01 --only urban_02 --out night.npz",
+    "nvcore train night.toml --frames :399 --set stride=6 --out night.npz",
+    "nvcore train --preset signs --crops signs --background roads --out signs.npz",
 )
-@click.argument(
-    "session_file",
-    required=False,
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="[SESSION_FILE]",
-)
+@session_argument(required=False)
 @options_of(TrainArguments)
 def train(session_file: Path | None, **options: Any) -> None:
     """Train a detector (Integral Channel Features) on recordings, or on folders of pictures.

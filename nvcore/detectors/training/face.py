@@ -113,19 +113,9 @@ class TrainingJob:
 def training_job(
     arguments: TrainArguments, *, inputs: Sequence[Path] = (), loading: Progress = no_progress
 ) -> Iterator[TrainingJob]:
-    """All that a training needs; what cannot be done is refused before anything is trained.
+    """Gather all that a training needs, and refuse what cannot be done before anything is trained.
 
-    Parameters
-    ----------
-    inputs
-        Further files that are read, and must not be replaced.
-    loading
-        Progress of the reading.
-
-    Raises
-    ------
-    InputError, MissingFactError, ParameterError, MissingExtraError
-        As `train`.
+    Parameters are as of `nvcore.detectors.face.detector_job`, errors as of `train`.
     """
     with needs("detectors", "training a detector needs"):
         from nvcore.detectors.training.gathering import gather

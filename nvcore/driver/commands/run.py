@@ -9,12 +9,12 @@ import click
 
 from nvcore.arguments import INPUTS
 from nvcore.cli.options import (
-    GroupedCommand,
     PairOf,
-    examples,
+    command,
     grouped_option,
     options_of,
     refuse_without_session,
+    session_argument,
     with_options,
 )
 from nvcore.cli.progress import ShareProgress
@@ -52,9 +52,11 @@ def _gather(context: click.Context, option: click.Parameter, value: Any) -> None
         context.params.setdefault("settings", {})[option.name] = value
 
 
-def _run(session_file: Path, kind: Any, job_of: Any, options: dict[str, Any]) -> Any:
-    """Return what a job of `job_on` writes, and show its progress."""
-    with job_on(session_file, kind, job_of, options) as job, ShareProgress() as progress:
+def _run(session_file: Path, kind: Any, options: dict[str, Any]) -> Any:
+    """Return what `driver_job` writes, and show its progress."""
+    from nvcore.driver.face import driver_job
+
+    with job_on(session_file, kind, driver_job, options) as job, ShareProgress() as progress:
         return job(progress)
 
 
@@ -74,20 +76,12 @@ _setting_options = with_options(
 )
 
 
-@click.command(
-    cls=GroupedCommand,
-    short_help="How well each pedestrian can be seen in the pictures.",
-    epilog=examples(
-        "nvcore driver features night.toml --out features",
-        "nvcore driver features --images study --boxes study/boxes.csv --out features.csv",
-    ),
+@command(
+    "How well each pedestrian can be seen in the pictures.",
+    "nvcore driver features night.toml --out features",
+    "nvcore driver features --images study --boxes study/boxes.csv --out features.csv",
 )
-@click.argument(
-    "session_file",
-    required=False,
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="[SESSION_FILE]",
-)
+@session_argument(required=False)
 @grouped_option(
     INPUTS,
     "--images",
@@ -134,22 +128,17 @@ def features(
         click.echo(one_line(f"written to {options['out']}"), err=True)
         return
     assert session_file is not None
-    from nvcore.driver.face import features_job
-
-    written = _run(session_file, FeatureArguments, features_job, options)
+    written = _run(session_file, FeatureArguments, options)
     click.echo(str(written.run))
     click.echo(one_line(f"written to {written.features} and {written.record}"), err=True)
 
 
-@click.command(
-    cls=GroupedCommand,
-    short_help="Estimate how likely the driver sees each pedestrian.",
-    epilog=examples(
-        "nvcore driver estimate night.toml --model driver.npz --out seen",
-        "nvcore compare seen/session.toml",
-    ),
+@command(
+    "Estimate how likely the driver sees each pedestrian.",
+    "nvcore driver estimate night.toml --model driver.npz --out seen",
+    "nvcore compare seen/session.toml",
 )
-@click.argument("session_file", type=click.Path(dir_okay=False, path_type=Path))
+@session_argument()
 @options_of(EstimateArguments)
 @_setting_options
 def estimate(session_file: Path, **options: Any) -> None:
@@ -159,9 +148,7 @@ def estimate(session_file: Path, **options: Any) -> None:
     session with the estimates, which nvcore compare takes. Features are computed with the settings
     of those that the model was trained on; others are refused. Exit code 0: fine, 2: bad input.
     """
-    from nvcore.driver.face import estimate_job
-
-    written = _run(session_file, EstimateArguments, estimate_job, options)
+    written = _run(session_file, EstimateArguments, options)
     click.echo(str(written.run))
     click.echo(one_line(f"written to {options['out']}"), err=True)
     click.echo(one_line(f"compare: nvcore compare {written.session}"), err=True)

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from nvcore.cli.options import (
-    GroupedCommand,
     check_html_name,
-    examples,
+    command,
     flag_of,
     grouped_option,
     options_of,
@@ -27,61 +26,37 @@ if TYPE_CHECKING:
 
 # As in nvcore/cli/__init__.py, numpy and scikit-learn are imported by the commands only.
 
-JUDGING: Final = "Which responses are right"
 _ANGLE: Final = ("distance_mm", "shown_width_mm", "picture_width_px")
 _File = click.Path(dir_okay=False, path_type=Path)
 _LENGTH = click.FloatRange(0, min_open=True)
 
+_JUDGING: Final = (
+    ("--square-px", _LENGTH, None, "PX", "Side of the square around the touch that has to overlap "
+     "the middle of the pedestrian, in pixels of the picture. Default: 200."),
+    ("--square-degrees", click.FloatRange(0, 90, min_open=True), None, "DEG", "The same as a "
+     "visual angle, 5 in the paper; it needs the three lengths below."),
+    ("--distance-mm", _LENGTH, None, "MM", "From the eye to the screen."),
+    ("--shown-width-mm", _LENGTH, None, "MM", "Width of the picture on the screen."),
+    ("--picture-width-px", _LENGTH, None, "PX", "Width of the picture in its own pixels."),
+    ("--centre-share", click.FloatRange(0, 1), 0.5, None, "Size of that middle, as a share of the "
+     "pedestrian's width and height."),
+    ("--display-s", click.FloatRange(0, 60), 0.5, "S", "How long a picture is shown; the "
+     "adaptation period ends with it."),
+)  # fmt: skip
+"""Flag, type, default, placeholder of its value and help text."""
 _judging_options = with_options(
-    grouped_option(
-        JUDGING,
-        "--square-px",
-        type=_LENGTH,
-        metavar="PX",
-        help="Side of the square around the touch that has to overlap the middle of the "
-        "pedestrian, in pixels of the picture. Default: 200.",
-    ),
-    grouped_option(
-        JUDGING,
-        "--square-degrees",
-        type=click.FloatRange(0, 90, min_open=True),
-        metavar="DEG",
-        help="The same as a visual angle, 5 in the paper; it needs the three lengths below.",
-    ),
-    grouped_option(
-        JUDGING, "--distance-mm", type=_LENGTH, metavar="MM", help="From the eye to the screen."
-    ),
-    grouped_option(
-        JUDGING,
-        "--shown-width-mm",
-        type=_LENGTH,
-        metavar="MM",
-        help="Width of the picture on the screen.",
-    ),
-    grouped_option(
-        JUDGING,
-        "--picture-width-px",
-        type=_LENGTH,
-        metavar="PX",
-        help="Width of the picture in its own pixels.",
-    ),
-    grouped_option(
-        JUDGING,
-        "--centre-share",
-        type=click.FloatRange(0, 1),
-        default=0.5,
-        show_default=True,
-        help="Size of that middle, as a share of the pedestrian's width and height.",
-    ),
-    grouped_option(
-        JUDGING,
-        "--display-s",
-        type=click.FloatRange(0, 60),
-        default=0.5,
-        show_default=True,
-        metavar="S",
-        help="How long a picture is shown; the adaptation period ends with it.",
-    ),
+    *(
+        grouped_option(
+            "Which responses are right",
+            flag,
+            type=kind,
+            default=default,
+            show_default=default is not None,
+            metavar=metavar,
+            help=text,
+        )
+        for flag, kind, default, metavar, text in _JUDGING
+    )
 )
 
 
@@ -93,12 +68,9 @@ def say_how_to_leave_out(table: TrainingTable) -> None:
         click.echo(one_line(f"without odd subjects: {flags}"))
 
 
-@click.command(
-    cls=GroupedCommand,
-    short_help="Train an estimator on trials with people.",
-    epilog=examples(
-        "nvcore driver train trials.csv --features features.csv --boxes boxes.csv --out driver.npz"
-    ),
+@command(
+    "Train an estimator on trials with people.",
+    "nvcore driver train trials.csv --features features.csv --boxes boxes.csv --out driver.npz",
 )
 @click.argument("trials", type=_File)
 @_judging_options
@@ -124,13 +96,10 @@ def train(trials: Path, out: Path, **options: Any) -> None:
     click.echo(one_line(f"run it: {command} --out DIR"), err=True)
 
 
-@click.command(
-    cls=GroupedCommand,
-    short_help="Say how well estimators do on unseen pedestrians.",
-    epilog=examples(
-        "nvcore driver evaluate trials.csv --features features.csv --boxes boxes.csv --out tables",
-        "nvcore driver evaluate trials.csv --features features.csv --html evaluation.html",
-    ),
+@command(
+    "Say how well estimators do on unseen pedestrians.",
+    "nvcore driver evaluate trials.csv --features features.csv --boxes boxes.csv --out tables",
+    "nvcore driver evaluate trials.csv --features features.csv --html evaluation.html",
 )
 @click.argument("trials", type=_File)
 @_judging_options

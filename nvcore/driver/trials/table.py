@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from nvcore.driver.feature_record import picture_px_beside, settings_beside
+from nvcore.driver.feature_record import about_features
 from nvcore.driver.features import FeatureSettings
 from nvcore.driver.inputs.picture_boxes import PEDESTRIAN
 from nvcore.driver.inputs.trials import LATE_S, NO_ANSWER, is_same_time
@@ -159,7 +159,7 @@ def training_table(
     rows = detectability_table(used).merge(table, how="left", on=[*PEDESTRIAN], indicator=True)
     _refuse_without_features(rows, used, trials, features)
     is_simulated = used["device"].str.casefold() == SIMULATED
-    picture_px = picture_px_beside(features)
+    feature_settings, picture_px = about_features(features)
     return TrainingTable(
         rows=rows.drop(columns="_merge"),
         subjects=subjects,
@@ -168,7 +168,7 @@ def training_table(
         n_off_time=int(used["is_off_time"].sum()),
         simulated="all" if is_simulated.all() else "some" if is_simulated.any() else "no",
         judging=judging,
-        feature_settings=settings_beside(features),
+        feature_settings=feature_settings,
         trials_file=trials,
         features_file=features,
         picture_px=picture_px,

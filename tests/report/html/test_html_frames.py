@@ -15,8 +15,7 @@ from inputs import drive, session_of
 from nvcore.comparison import Result
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry
-from nvcore.pictures import RecordingPictures, session_pictures
-from nvcore.pictures.images import files_as_pictures
+from nvcore.pictures import RecordingPictures, open_pictures, session_pictures
 from nvcore.report.decisive_moments import EXCLUSIVE, MOST, Moment, decisive_moments
 from nvcore.report.html.frames import MOST_BYTES, photo
 from nvcore.report.sections.evidence import frames_section
@@ -84,11 +83,9 @@ def test_there_are_a_dozen_at_most_and_no_frame_twice():
 @pytest.fixture
 def pictures(tmp_path: Path) -> RecordingPictures:
     """Six grey pictures, the brightness tells which."""
-    paths = [tmp_path / f"{i}.png" for i in range(6)]
-    for i, path in enumerate(paths):
-        cv2.imwrite(str(path), np.full((100, 100), 30 * i, np.uint8))
-    source = files_as_pictures(paths, "six")
-    return RecordingPictures({0: source}, {0: np.arange(5, 0, -1)}, (0.0, 100.0))
+    for i in range(6):
+        cv2.imwrite(str(tmp_path / f"{i}.png"), np.full((100, 100), 30 * i, np.uint8))
+    return RecordingPictures({0: open_pictures(tmp_path)}, {0: np.arange(5, 0, -1)}, (0.0, 100.0))
 
 
 def test_the_picture_is_that_of_the_frame(pictures):
@@ -219,7 +216,7 @@ def test_a_false_alarm_that_hangs_out_of_the_picture_can_be_the_one_meant():
 def test_a_noisy_picture_takes_no_more_room_than_it_may(tmp_path: Path):
     noise = np.random.default_rng(1).integers(0, 255, (1080, 1920, 3), dtype=np.uint8)
     cv2.imwrite(str(tmp_path / "0.png"), noise)
-    source = files_as_pictures([tmp_path / "0.png"], "noise")
+    source = open_pictures(tmp_path / "0.png")
     result = missed_by_one("x", [50])
     many = RecordingPictures({0: source}, {0: np.zeros(1, int)}, (0.0, 100.0))
     drawn = photo(result, decisive_moments(result)[0], many)

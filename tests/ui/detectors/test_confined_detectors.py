@@ -11,18 +11,11 @@ import pytest
 import small_icf
 
 from nvcore.detectors.base import DetectorError
-from nvcore.detectors.icf.displays import MOST_CELLS
+from nvcore.detectors.icf.displays import MOST_CELLS, map_at, window_of, window_path
 from nvcore.detectors.registry import open_detector
 from nvcore.errors import InputError, ParameterError
 from ui.confined.process import MODELS, Allowance, Process
-from ui.detectors.confined import (
-    ConfinedDetector,
-    DetectorSpec,
-    describe,
-    find,
-    score_map,
-    window_in,
-)
+from ui.detectors.confined import ConfinedDetector, DetectorSpec, describe, find, on_model
 
 
 @pytest.fixture(scope="module")
@@ -65,8 +58,10 @@ def test_a_box_is_followed_over_the_trees(model: Path):
     spec, picture = DetectorSpec(str(model)), small_icf.scene(3).picture
     boxes = find(spec, picture)
     assert len(boxes) > 0
-    scale, path = window_in(spec, picture, (boxes.x[0], boxes.y[0], boxes.w[0]))
-    assert scale in small_icf.SETTINGS.scales
+    box, size = (boxes.x[0], boxes.y[0], boxes.w[0]), picture.shape[1::-1]
+    window = on_model(spec, window_of, *size, box)
+    path = on_model(spec, window_path, picture, *window)
+    assert window[0] in small_icf.SETTINGS.scales
     assert path.confidence[-1] == pytest.approx(boxes.score[0])
     assert path.rejected_after is None
 
@@ -75,9 +70,9 @@ def test_a_map_in_the_other_process_is_small_and_a_scale_without_a_window_is_sai
     spec = DetectorSpec(str(model), "1", (("stride", 1),))
     process = Process(MODELS)
     picture = np.tile(small_icf.scene(0).picture, (4, 4))
-    windows = process.call(score_map, spec, picture, 1.5, what="looking")
+    windows = process.call(on_model, spec, map_at, picture, 1.5, what="looking")
     assert windows.n_windows == (426 - 16 + 1) * (320 - 32 + 1)
     assert max(windows.score.shape) <= MOST_CELLS
     with pytest.raises(ParameterError, match="smaller than the window there"):
-        process.call(score_map, spec, picture[:40, :30], 2.75, what="looking")
+        process.call(on_model, spec, map_at, picture[:40, :30], 2.75, what="looking")
     process.close()

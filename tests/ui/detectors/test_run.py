@@ -33,9 +33,9 @@ def test_the_system_of_an_upload_lies_beside_its_files(tmp_path: Path):
     run = DetectorRun(ABOUT, (RecordingRun(name, boxes, frames, len(frames)),), 1.0)
     target = folder / "detector-3" / ANNOTATION_FOLDERS
     target.mkdir(parents=True)
-    written = write_detections(run, dataset, target)
+    written = write_detections(run, dataset, target, threshold=0.4)
     x, y = dataset.systems
-    extended = with_system(dataset.settings, dataset, written, x=x, threshold=0.4, is_upload=True)
+    extended = with_system(dataset.settings, dataset, written, x=x)
     assert (extended.x, extended.y) == (x, "HOG")
     assert extended.only == (name,)  # the other recording was not run
     assert [system.name for system in extended.systems] == [x, y, "HOG"]

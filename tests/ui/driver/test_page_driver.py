@@ -41,7 +41,7 @@ from pages import (
 )
 from ui.driver import run
 from ui.driver.run import lost_words, with_estimates
-from ui.jobs.background import BackgroundJob, while_open
+from ui.jobs.background import BackgroundJob
 from ui.session import state, uploads
 from ui.session.store import DRIVER_REGION, ENCOUNTER
 from ui.session.workspace import Workspace
@@ -313,10 +313,8 @@ def test_files_of_an_upload_are_named_from_its_folder(tmp_path: Path):
     folder = tmp_path / "driver-1"
     names = ("session.toml", "detectability.csv", "features.csv", "driver.json")
     written = WrittenEstimates(*(folder / name for name in names), run=None)
-    session = Session(folder=tmp_path, truth=Source("truth.csv"), systems=())
-    named = [
-        with_estimates(session, written, is_upload=is_upload).driver for is_upload in (True, False)
-    ]
+    sessions = [Session(place, Source("truth.csv"), ()) for place in (tmp_path, tmp_path / "other")]
+    named = [with_estimates(session, written).driver for session in sessions]
     assert named[0].detectability == "driver-1/detectability.csv"
     assert named[1].provenance == str(folder / "driver.json")
 
@@ -542,7 +540,7 @@ def test_the_sidebar_of_other_pages_shows_an_estimate_which_waits_for_other_work
         assert is_over.wait(TIMEOUT_S)
         return "boxes"
 
-    other = BackgroundJob(work, while_open(held.space), outlasts=True)
+    other = BackgroundJob(work, held.space, outlasts=True)
     held.space.put_job("detector_run", other)
     held.ends()
     assert aside(checked(page.run())) == [

@@ -295,8 +295,9 @@ def test_while_it_is_cancelled_the_video_says_so():
         progress(1.0, "frames")
 
     page = opened("video")
-    job = BackgroundJob(write, lambda: True, title="night.mp4")
-    page.session_state["workspace"].put_job("video", job)
+    space = page.session_state["workspace"]
+    job = BackgroundJob(write, space, title="night.mp4")
+    space.put_job("video", job)
     assert is_halfway.wait(TIMEOUT_S)
     assert progress_of(checked(page.run())) == [r"Making night\.mp4: 50 % (frames)"]
     assert page.button(key="make_video").disabled

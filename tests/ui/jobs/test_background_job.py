@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import threading
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -15,12 +14,8 @@ from nvcore.inputs.session import Session, Source
 from nvcore.progress import Progress, no_progress
 from pages import TIMEOUT_S
 from ui.jobs import background
-from ui.jobs.background import BackgroundJob, JobState, while_open
+from ui.jobs.background import BackgroundJob, JobState
 from ui.session.workspace import Opened, Workspace
-
-
-def always() -> bool:
-    return True
 
 
 class Writer:
@@ -38,11 +33,11 @@ class Writer:
         progress(1.0, "the end")
         return self.path.write_bytes(b"video")
 
-    def start(self, is_wanted: Callable[[], bool] = always) -> BackgroundJob[int]:
-        return BackgroundJob(self, is_wanted, folder=self.path.parent, key="its key")
+    def start(self, space: Workspace) -> BackgroundJob[int]:
+        return BackgroundJob(self, space, folder=self.path.parent, key="its key")
 
-    def halfway(self, is_wanted: Callable[[], bool] = always) -> BackgroundJob[int]:
-        job = self.start(is_wanted)
+    def halfway(self, space: Workspace) -> BackgroundJob[int]:
+        job = self.start(space)
         assert self.is_halfway.wait(TIMEOUT_S)
         return job
 
@@ -52,13 +47,27 @@ class Writer:
         return job.state
 
 
+def opened(folder: Path) -> Opened:
+    session = Session(folder, Source(("t.csv",)), ())
+    return Opened.of(session, make_dataset(truth=[at(0, 50)]), "mine")
+
+
 @pytest.fixture
 def writer(tmp_path: Path) -> Writer:
     return Writer(tmp_path / "run")
 
 
-def test_a_job_says_how_far_it_is_and_its_file_goes_only_when_it_is_discarded(writer: Writer):
-    job = writer.halfway()
+@pytest.fixture
+def space() -> Workspace:
+    space = Workspace()
+    space.opened = opened(space.folder)
+    return space
+
+
+def test_a_job_says_how_far_it_is_and_its_file_goes_only_when_it_is_discarded(
+    writer: Writer, space: Workspace
+):
+    job = writer.halfway(space)
     assert (job.state, job.share, job.step) == (JobState.RUNNING, 0.5, "frames")
     assert job.output is None
     writer.finish(job)
@@ -69,32 +78,24 @@ def test_a_job_says_how_far_it_is_and_its_file_goes_only_when_it_is_discarded(wr
     assert not writer.path.exists()
 
 
-def test_a_file_that_the_session_has_opened_is_not_removed(writer: Writer):
-    job = writer.halfway()
+def test_a_file_that_the_session_has_opened_is_not_removed(writer: Writer, space: Workspace):
+    job = writer.halfway(space)
     writer.finish(job)
     job.is_kept = True
     job.discard()
     assert writer.path.exists()
 
 
-def test_a_cancelled_job_stops_at_the_next_frame(writer: Writer):
-    job = writer.halfway()
+def test_a_cancelled_job_stops_at_the_next_frame(writer: Writer, space: Workspace):
+    job = writer.halfway(space)
     job.cancel()
     assert writer.finish(job) is JobState.CANCELLED
     assert job.output is None
     assert not writer.path.exists()
 
 
-def test_a_job_whose_session_has_ended_stops(writer: Writer):
-    session = threading.Event()
-    session.set()
-    job = writer.halfway(session.is_set)
-    session.clear()
-    assert writer.finish(job) is JobState.CANCELLED
-
-
-def test_a_file_that_is_discarded_while_it_is_written_is_not_left(writer: Writer):
-    job = BackgroundJob(lambda _: writer(no_progress), always, folder=writer.path.parent)
+def test_a_file_that_is_discarded_while_it_is_written_is_not_left(writer: Writer, space: Workspace):
+    job = BackgroundJob(lambda _: writer(no_progress), space, folder=writer.path.parent)
     assert writer.is_halfway.wait(TIMEOUT_S)
     job.discard()  # does not wait for it
     assert job.is_stopping
@@ -102,7 +103,7 @@ def test_a_file_that_is_discarded_while_it_is_written_is_not_left(writer: Writer
     assert not writer.path.exists()
 
 
-def test_a_job_that_fails_says_why_and_leaves_nothing(tmp_path: Path):
+def test_a_job_that_fails_says_why_and_leaves_nothing(tmp_path: Path, space: Workspace):
     folder = tmp_path / "run"
     folder.mkdir()
 
@@ -110,39 +111,30 @@ def test_a_job_that_fails_says_why_and_leaves_nothing(tmp_path: Path):
         (folder / "a.html").write_text("half a report")
         raise MediaError("there is no room", file="a.html")
 
-    job = BackgroundJob(write, always, folder=folder)
+    job = BackgroundJob(write, space, folder=folder)
     job.join()
     assert job.state is JobState.FAILED
     assert "there is no room" in str(job.error)
     assert not folder.exists()
 
 
-def opened_workspace() -> Workspace:
-    space = Workspace()
-    session = Session(space.folder, Source(("t.csv",)), ())
-    space.opened = Opened.of(session, make_dataset(truth=[at(0, 50)]), "mine")
-    return space
-
-
 @pytest.mark.parametrize("ending", ["close", "forget"])
-def test_a_job_ends_with_what_its_workspace_has_open(ending: str, writer: Writer):
-    space = opened_workspace()
+def test_a_job_ends_with_what_its_workspace_has_open(ending: str, space: Workspace):
     writers = [Writer(space.folder / f"{i}") for i in range(background.MOST_JOBS)]
-    jobs = [each.halfway(while_open(space)) for each in writers]
+    jobs = [each.halfway(space) for each in writers]
     for number, job in enumerate(jobs):
         space.put_job(f"kind {number}", job)
     getattr(space, ending)()
     for each, job in zip(writers, jobs, strict=True):
         assert each.finish(job) is JobState.CANCELLED
     assert space.job("kind 0") is None
-    assert writer.finish(writer.start()) is JobState.DONE  # the slots are free
 
 
-def test_a_newer_job_of_its_kind_takes_the_place_of_one():
-    space, jobs = opened_workspace(), []
+def test_a_newer_job_of_its_kind_takes_the_place_of_one(space: Workspace):
+    jobs = []
     for number in range(2):
         writer = Writer(space.folder / f"{number}")
-        jobs.append(writer.start(while_open(space)))
+        jobs.append(writer.start(space))
         writer.finish(jobs[-1])
         space.put_job("video", jobs[-1])
     assert space.job("video") is jobs[1]
@@ -151,9 +143,10 @@ def test_a_newer_job_of_its_kind_takes_the_place_of_one():
 
 
 def test_a_job_does_not_keep_its_workspace():
-    space = opened_workspace()
+    space = Workspace()
+    space.opened = opened(space.folder)
     writer = Writer(space.folder / "run")
-    job = BackgroundJob(writer, while_open(space), folder=writer.path.parent, space=space)
+    job = writer.start(space)
     space.put_job("video", job)
     assert writer.is_halfway.wait(TIMEOUT_S)
     folder = space.folder
@@ -163,16 +156,18 @@ def test_a_job_does_not_keep_its_workspace():
     assert writer.finish(job) is JobState.CANCELLED
 
 
-def test_a_further_job_waits_until_another_has_ended_and_can_be_cancelled(tmp_path: Path):
+def test_a_further_job_waits_until_another_has_ended_and_can_be_cancelled(
+    tmp_path: Path, space: Workspace
+):
     writers = [Writer(tmp_path / f"{number}") for number in range(background.MOST_JOBS + 2)]
     *running, cancelled, waiting = writers
-    jobs = [each.halfway() for each in running]
+    jobs = [each.halfway(space) for each in running]
     cancelled.path.write_bytes(b"copied before")
-    job = cancelled.start()
+    job = cancelled.start(space)
     job.cancel()
     job.join()
     assert (job.state, cancelled.path.exists()) == (JobState.CANCELLED, False)
-    job = waiting.start()
+    job = waiting.start(space)
     assert job.state is JobState.WAITING
     running[0].may_go_on.set()
     assert waiting.is_halfway.wait(TIMEOUT_S)

@@ -13,9 +13,8 @@ from ui.jobs.background import JobState
 
 SCRIPT = """
 import streamlit as st
-from ui.jobs.progress import draw_job
-job = st.session_state["job"]
-draw_job(job, "run", thing="run", doing="Looking", with_steps=True)
+from ui.jobs.page_run import PageRun
+PageRun("run", "run", "Looking", has_time_left=True).draw(st.session_state["job"])
 """
 
 
@@ -36,6 +35,7 @@ def test_until_a_time_left_is_known_that_is_said(share: float, step: str, words:
         share=share,
         step=step,
         cancel=None,
+        title="",
     )
     (progress,) = checked(page.run()).get("progress")
     assert progress.proto.text.replace("\\", "") == words

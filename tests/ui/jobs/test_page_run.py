@@ -7,6 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from builders import at, make_dataset
 
 from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source
@@ -14,7 +15,7 @@ from ui.jobs.background import BackgroundJob
 from ui.jobs.page_run import PageRun, open_written
 from ui.session import state, uploads
 from ui.session.uploads import count_folder
-from ui.session.workspace import Workspace
+from ui.session.workspace import Opened, Workspace
 
 RUN = PageRun[int]("run", "run", "Running", folder="detector")
 
@@ -28,6 +29,7 @@ def session(tmp_path: Path, space: Workspace, monkeypatch: pytest.MonkeyPatch) -
 
 
 def opens(session: Session, space: Workspace, monkeypatch: pytest.MonkeyPatch) -> None:
+    space.opened = Opened.of(session, make_dataset(truth=[at(0, 50)]), "mine")
     monkeypatch.setattr(state, "workspace", lambda: space)
     monkeypatch.setattr(state, "opened", lambda: SimpleNamespace(session=session))
 
@@ -56,17 +58,16 @@ def test_a_run_whose_files_are_open_keeps_them_beside_those_of_an_upload(
     assert first.exists()
 
 
-def written(space: Workspace) -> BackgroundJob[int]:
+def written() -> BackgroundJob[int]:
     folder = RUN.new_folder()
     work = lambda _: (folder / "features.csv").write_bytes(bytes(7))  # noqa: E731
-    job = BackgroundJob(work, lambda: True, folder=folder, space=space)
-    space.put_job(RUN.name, job)
-    job.join()
-    return job
+    RUN.start(work, folder=folder)
+    RUN.job.join()
+    return RUN.job
 
 
 def test_files_count_as_long_as_they_are_there(space: Workspace, session):
-    job = written(space)
+    job = written()
     for _ in range(2):
         count_folder(space, job.folder)
         assert space.used_bytes == 7
@@ -79,7 +80,7 @@ def test_files_count_as_long_as_they_are_there(space: Workspace, session):
 def test_files_that_could_not_be_opened_go_with_the_job(
     space: Workspace, session, monkeypatch: pytest.MonkeyPatch, trouble: str
 ):
-    job = written(space)
+    job = written()
 
     def refuse() -> None:
         assert job.is_kept

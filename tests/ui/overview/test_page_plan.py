@@ -26,7 +26,7 @@ def verdict(app: AppTest) -> str:
 
 
 def computed(app: AppTest) -> AppTest:
-    job = app.session_state["workspace"].job(plan.JOB)
+    job = app.session_state["workspace"].job(plan.RUN.name)
     job.join()
     assert job.state is JobState.DONE
     return checked(app.run())
@@ -45,7 +45,7 @@ def test_unfolding_the_question_asks_it_and_the_verdict_then_says_how_many():
     assert any("How many recordings would show it" in str(plot) for plot in figures(app))
     checked(app.slider(key="alpha").set_value(0.5).run())  # another comparison: asked for anew
     assert "would show" not in texts(app)
-    assert app.button(key=f"{plan.JOB}_start")
+    assert app.button(key=f"{plan.RUN.name}_start")
 
 
 def test_a_margin_asks_whether_a_system_is_at_most_so_much_worse():
@@ -54,7 +54,7 @@ def test_a_margin_asks_whether_a_system_is_at_most_so_much_worse():
     assert "Give the margin" in texts(app)
     checked(app.selectbox(key="plan_measure").set_value("encounters_detected").run())
     checked(app.number_input(key="plan_y_encounters_detected").set_value(30.0).run())
-    checked(app.button(key=f"{plan.JOB}_start").click().run())
+    checked(app.button(key=f"{plan.RUN.name}_start").click().run())
     words = texts(computed(app)).replace("\\", "")
     assert "Y is shown to be at most 30.0 pp worse than X" in words
     assert "If X and Y are equal, about" in words
@@ -70,4 +70,4 @@ def test_few_recordings_are_no_pilot(tmp_path, monkeypatch: pytest.MonkeyPatch):
     begin_with(two, monkeypatch)
     app = alone()
     assert "A plan needs a pilot of 6 recordings or more" in texts(app)
-    assert not [button for button in app.button if button.key == f"{plan.JOB}_start"]
+    assert not [button for button in app.button if button.key == f"{plan.RUN.name}_start"]

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import threading
 from io import BytesIO
 
 import pandas as pd
-import pytest
 from ratings_page import SIMULATED, from_file, metrics, opened, table, words
 
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.ratings.agreement import rank_ratings
 from nvcore.ratings.drivers import DRIVERS, RatingDrivers
 from nvcore.ratings.reading import read_ratings
-from pages import TIMEOUT_S, checked, press
-from ui.jobs.background import JobState
-from ui.ratings import drivers, fit, results
+from pages import checked, press
+from ui.ratings import drivers, results
 
 CONTRARY = "P12"
 
@@ -93,29 +90,6 @@ def test_too_few_clips_give_no_figure_but_the_reason():
     assert metrics(page)["Kendall's W"] == "–"
     assert "two participants and three clips at least" in words(page)
     assert "needs 5 rated recordings; there are 2" in words(press(page, "rating_fit"))
-
-
-def test_a_fit_in_the_background_can_be_cancelled(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(fit, "AT_ONCE", 0)
-    is_started, may_go_on = threading.Event(), threading.Event()
-    real = fit.fit_saliency
-
-    def waits(*of, progress, **more):
-        is_started.set()
-        assert may_go_on.wait(TIMEOUT_S)
-        progress(0.5, "fitting")  # as the real one does: this is where it is cancelled
-        return real(*of, progress=progress, **more)
-
-    monkeypatch.setattr(fit, "fit_saliency", waits)
-    page = press(opened(), "rating_fit")
-    assert is_started.wait(TIMEOUT_S)
-    press(page, "rating_fit_cancel")
-    may_go_on.set()
-    job = page.session_state["workspace"].job(fit.JOB)
-    job.join()
-    assert job.state is JobState.CANCELLED
-    assert page.run().button(key="rating_fit")
-    assert "Cancelled. No fit was made." in [text.value for text in page.info]
 
 
 def test_ranks_are_one_row_for_each_participant_and_clip():

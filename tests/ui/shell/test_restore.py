@@ -170,13 +170,13 @@ def test_a_map_goes_on_after_a_reload_of_its_page(gated):
     before.button_group(key="stability_criterion").set_value("encounters").run()
     press(before, "stability_start")
     assert gate.is_reached.wait(TIMEOUT_S)
-    job = before.session_state["workspace"].job(verdict_map.JOB)
+    job = before.session_state["workspace"].job(verdict_map.RUN.name)
     after = reloaded(before, "map")
-    assert after.session_state["workspace"].job(verdict_map.JOB) is job
+    assert after.session_state["workspace"].job(verdict_map.RUN.name) is job
     assert after.button_group(key="stability_criterion").value == "encounters"
     assert "stability_cancel" in keys(after)
     gate.is_open.set()
-    assert "As analysed, X detects 3 encounters more" in texts(ended(after, verdict_map.JOB))
+    assert "As analysed, X detects 3 encounters more" in texts(ended(after, verdict_map.RUN.name))
 
 
 def test_after_a_reload_a_map_can_be_cancelled(gated):
@@ -185,7 +185,7 @@ def test_after_a_reload_a_map_can_be_cancelled(gated):
     assert gate.is_reached.wait(TIMEOUT_S)
     after = press(reloaded(before, "map"), "stability_cancel")
     gate.is_open.set()
-    ended(after, verdict_map.JOB)
+    ended(after, verdict_map.RUN.name)
     assert [text.value for text in after.info] == ["Cancelled. No map was made."]
     assert "stability_start" in keys(after)
 
@@ -198,7 +198,7 @@ def test_a_fit_goes_on_after_a_reload_and_fitted_settings_are_still_marked(gated
     fitting = reloaded(before, "ratings")
     assert "rating_fit_cancel" in keys(fitting)
     gate.is_open.set()
-    press(ended(fitting, fit.JOB), "rating_fit_take")
+    press(ended(fitting, fit.RUN.name), "rating_fit_take")
     space = fitting.session_state["workspace"]
     start = space.opened.dataset.params_of()
     query = changed_parameters(fitting.session_state["params"], start)
@@ -287,7 +287,7 @@ def test_a_workspace_that_nobody_comes_back_to_ends_its_jobs(gated):
     gate = gated(verdict_map, "map_stability")
     space = press(page("map"), "stability_start").session_state["workspace"]
     assert gate.is_reached.wait(TIMEOUT_S)
-    job = space.job(verdict_map.JOB)
+    job = space.job(verdict_map.RUN.name)
     space.close()  # as `ui.session.lifetime` does it
     gate.is_open.set()
     job.join()

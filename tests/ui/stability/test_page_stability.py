@@ -17,7 +17,7 @@ def no_survey(monkeypatch: pytest.MonkeyPatch) -> None:
     """The table of all maps is not made where it is not asked for, nor known from other tests."""
     monkeypatch.setattr(survey, "AT_ONCE", 0)
     for shared in sample._samples.values():
-        for kind in [kind for kind in shared._caches if kind.startswith(survey.JOB)]:
+        for kind in [kind for kind in shared._caches if kind.startswith(survey.RUN.name)]:
             del shared._caches[kind]
 
 
@@ -102,7 +102,7 @@ def test_the_table_of_many_frames_is_made_on_a_wish():
     page = opened("ui.stability.survey.draw(RESULT)")
     assert not tables(page)
     checked(page.button(key="stability_survey_start").click().run())
-    job = page.session_state["workspace"].job(survey.JOB)
+    job = page.session_state["workspace"].job(survey.RUN.name)
     job.join()
     assert job.state is JobState.DONE
     table = tables(checked(page.run()))[0].set_index("What is varied")
@@ -116,7 +116,7 @@ def test_a_large_map_is_made_on_a_wish_and_then_known(monkeypatch: pytest.Monkey
     page = opened()
     assert "As analysed" not in words(page)
     checked(page.button(key="stability_start").click().run())
-    job = page.session_state["workspace"].job(verdict_map.JOB)
+    job = page.session_state["workspace"].job(verdict_map.RUN.name)
     job.join()
     assert job.state is JobState.DONE
     assert "As analysed, X has the higher" in words(checked(page.run()))
