@@ -5,14 +5,12 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import fields
 from functools import partial
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Any, Final, TypedDict, TypeVar
 
-from nvcore.dataset.records import numbers_of, read_record, typed, value_of
 from nvcore.driver.features import FeatureSettings
-from nvcore.errors import ParameterError
+from nvcore.records import convert, decode, read_record, values_of
 
 T = TypeVar("T")
 RECORD_FILE: Final = "driver.json"
@@ -81,16 +79,13 @@ def picture_px_from_json(content: object) -> tuple[int, int] | None:
     ValueError
         If it is something else.
     """
-    if content is None:
-        return None
-    values = content if isinstance(content, list) else []
-    sides = [value for value in values if type(value) is int and 1 <= value <= _LONGEST_SIDE]
-    if len(sides) != 2 or len(values) != 2:
+    sides: tuple[int, int] | None = convert(tuple[int, int] | None, content, "picture_px")
+    if sides is not None and not all(1 <= side <= _LONGEST_SIDE for side in sides):
         raise ValueError("picture_px: expected width and height, two whole numbers above 0")
-    return sides[0], sides[1]
+    return sides
 
 
-def settings_from_json(content: Mapping[str, Any]) -> FeatureSettings:
+def settings_from_json(content: object) -> FeatureSettings:
     """Parse feature settings from values as `dataclasses.asdict` gives them.
 
     Raises
@@ -98,26 +93,29 @@ def settings_from_json(content: Mapping[str, Any]) -> FeatureSettings:
     ValueError
         If one is missing, unknown, no number or outside its range.
     """
-    names = [spec.name for spec in fields(FeatureSettings)]
-    values = numbers_of(content, names, "settings of the features")
-    try:
-        return FeatureSettings(**values)
-    except ParameterError as error:
-        raise ValueError(str(error)) from error
+    return decode(FeatureSettings, content, "settings of the features", complete=True)
+
+
+class _Settings(TypedDict):
+    features: Mapping[str, object]
+
+
+class _Record(TypedDict):
+    files: Mapping[str, object]
+    settings: _Settings
+    picture_px: object
 
 
 def _entry_about(
     content: object, name: str, digest: str, entry: Callable[[dict[str, Any]], T | None]
 ) -> T | None:
     """Return an entry of a record if it lists this file name and hash, else None."""
-    record = typed(content, dict, "the record")
-    if value_of(record, "files", dict).get(name) != digest:
-        return None
-    return entry(record)
+    record = values_of(_Record, content, "", known_only=False)
+    return entry(record) if record.get("files", {}).get(name) == digest else None
 
 
 def _settings_in(record: dict[str, Any]) -> FeatureSettings:
-    return settings_from_json(value_of(value_of(record, "settings", dict), "features", dict))
+    return settings_from_json(record.get("settings", {}).get("features", {}))
 
 
 def _picture_px_in(record: dict[str, Any]) -> tuple[int, int] | None:

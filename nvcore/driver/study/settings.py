@@ -10,6 +10,7 @@ from typing import Any, Final, Literal
 from nvcore.driver.inputs.trials import LATE_S, is_same_time
 from nvcore.errors import InputError
 from nvcore.people.form import KEPT_DAYS, check_terms, form_of
+from nvcore.records import decode
 from nvcore.wording import listed
 
 Design = Literal["all", "latin"]
@@ -212,9 +213,4 @@ class StudySettings:
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> StudySettings:
         """Return the settings that `to_json` gave."""
-        parts = {
-            "timing": Timing(**values["timing"]),
-            "facts": Facts(**values["facts"]),
-            "questions": tuple(values["questions"]),
-        }
-        return cls(**{**values, **parts})
+        return decode(cls, values, "settings of the study")
