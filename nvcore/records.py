@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import reprlib
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import MISSING, fields, is_dataclass
 from functools import cache
@@ -20,7 +20,6 @@ from typing import (
     get_args,
     get_origin,
     get_type_hints,
-    is_typeddict,
 )
 
 from nvcore.errors import FormatError, InputError, ParameterError
@@ -106,53 +105,42 @@ def decode(
     ValueError
         If a key is unknown or missing, a value has the wrong type, or the dataclass refuses one.
     """
-    values = values_of(kind, table, where, known_only=known_only)
+    path = f"{where}: " if where else ""
+    values = values_of(types_of(kind), table, where, known_only=known_only)  # type: ignore[arg-type]
     for spec in fields(kind):  # type: ignore[arg-type]
         is_needed = complete or spec.default is spec.default_factory is MISSING
         if is_needed and spec.name not in values:
-            raise ValueError(f"{_prefix(where)}expected a {spec.name}")
+            raise ValueError(f"{path}expected a {spec.name}")
     try:
         return kind(**values)
     except (ValueError, ParameterError, InputError) as error:
-        raise ValueError(f"{_prefix(where)}{error}") from error
+        raise ValueError(f"{path}{error}") from error
 
 
-def values_of(kind: type, table: object, where: str, *, known_only: bool = True) -> dict[str, Any]:
-    """Return the values of a table by key, as the fields of a dataclass or TypedDict hold them.
+def values_of(
+    types: Mapping[str, Any], table: object, where: str, *, known_only: bool = True
+) -> dict[str, Any]:
+    """Return the values of a table by key, converted to the type of each key.
 
     Raises
     ------
     ValueError
         As `decode`.
     """
-    if not isinstance(table, Mapping):
-        raise ValueError(f"{where or 'the record'}: expected a table, found {reprlib.repr(table)}")
-    types = types_of(kind)
-    if known_only:
-        check_keys(table, types, where)
-    return {
-        key: convert(types[key], value, f"{_prefix(where)}{key}")
-        for key, value in table.items()
-        if key in types
-    }
-
-
-def _prefix(where: str) -> str:
-    return f"{where}: " if where else ""
-
-
-def check_keys(table: Mapping[str, Any], known: Collection[str], where: str) -> None:
-    """Refuse a table with a key that is not known.
-
-    Raises
-    ------
-    ValueError
-        With the key and a similar one.
-    """
-    for key in table:
-        if key not in known:
-            hint = did_you_mean(key, known, f"its keys are {', '.join(sorted(known))}")
+    values: dict[str, Any] = {}
+    for key, value in convert(Mapping[str, object], table, where or "the record").items():
+        if key in types:
+            values[key] = convert(types[key], value, f"{where}: {key}" if where else key)
+        elif known_only:
+            hint = did_you_mean(key, types, f"its keys are {', '.join(sorted(types))}")
             raise ValueError(f"{where or 'the record'} has no key {key!r}; {hint}")
+    return values
+
+
+@cache
+def types_of(kind: Any) -> dict[str, Any]:
+    """Return the declared type of each field of a dataclass."""
+    return get_type_hints(kind)
 
 
 def convert(declared: Any, value: object, where: str) -> Any:
@@ -161,9 +149,8 @@ def convert(declared: Any, value: object, where: str) -> Any:
     Parameters
     ----------
     declared
-        bool, int, float, str, object, a Literal of texts, a dataclass, a TypedDict (whose keys may
-        all be missing), a tuple or a mapping of these, or a union of them. A float may be a whole
-        number, and only a bool is a bool.
+        bool, int, float, str, object, a Literal of texts, a dataclass, a tuple or a mapping of
+        these, or a union of them. A float may be a whole number, and only a bool is a bool.
     where
         Path of the value, for errors.
 
@@ -199,8 +186,6 @@ def _convert(declared: Any, value: Any, where: str) -> Any:
             with suppress(TypeError):
                 return _convert(kind, value, where)
         raise TypeError
-    if is_typeddict(declared):
-        return values_of(declared, value, where, known_only=False)
     if is_dataclass(declared):
         return decode(declared, value, where, known_only=False)  # type: ignore[arg-type]
     if origin is tuple and isinstance(value, list | tuple):
@@ -235,9 +220,3 @@ def _in_words(declared: Any) -> str:
         return f"a list of {several}" if parts[-1] is ... else f"{_COUNTS[len(parts)]} {several}"
     of = f" of {_WORDS[parts[1]][1]}" if origin is Mapping and parts[1] in _WORDS else ""
     return _WORDS[declared][0] if declared in _WORDS else f"a table{of}"
-
-
-@cache
-def types_of(kind: type) -> dict[str, Any]:
-    """Return the declared type of each field of a dataclass or TypedDict."""
-    return get_type_hints(kind)

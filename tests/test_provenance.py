@@ -62,15 +62,15 @@ def test_a_record_by_hand_needs_the_training_alone(tmp_path: Path):
         ('{"detector": []}', "detector: expected a table, found []"),
         (
             '{"detector": {"trained_on": [{}]}}',
-            "trained_on 1: expected a recording or a fingerprint",
+            "detector: trained_on 1: expected a recording or a fingerprint",
         ),
         (
             '{"detector": {"trained_on": ["night"]}}',
-            "trained_on 1: expected a table, found 'night'",
+            "detector: trained_on 1: expected a table, found 'night'",
         ),
         (
             '{"detector": {"trained_on": [{"recording": "a", "first_frame": 0.5}]}}',
-            "trained_on 1: first_frame: expected a whole number, found 0.5",
+            "detector: trained_on 1: first_frame: expected a whole number, found 0.5",
         ),
         (
             '{"detector": {"trained_on": [{"recording": "a", "first_frame": 9007199254740993}]}}',

@@ -17,12 +17,12 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Final, TypeAlias, TypedDict
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.records import convert, read_record, values_of
+from nvcore.records import convert, decode, read_record
 from nvcore.wording import one_line, shortened
 
 Setting: TypeAlias = bool | int | float | str | None
@@ -31,9 +31,9 @@ Ranges: TypeAlias = tuple[tuple[int, int], ...]
 """Frame numbers as first and last of each run of them, ascending."""
 
 _MAX_FRAME: Final = 2**53
-_MOST_PARTS: Final = 100_000
+MOST_PARTS: Final = 100_000
 _LONGEST_TEXT: Final = 4096
-"""Of the parts of a training: entries, and characters of a name or fingerprint."""
+"""Parts of a training, and characters of a name or fingerprint."""
 _SHOWN_NAME: Final = 40
 _SHOWN_DIGITS: Final = 12
 """Of a name, and of a fingerprint."""
@@ -102,12 +102,12 @@ class About:
         Score from which on a box counts unless the user says otherwise; None: all do.
     """
 
-    kind: str
-    name: str
-    labels: tuple[str, ...]
-    settings: Mapping[str, Setting]
-    fingerprint: str
-    trained_on: Sequence[TrainedOn] = field(default=())
+    kind: str = ""
+    name: str = ""
+    labels: tuple[str, ...] = ()
+    settings: Mapping[str, Setting] = field(default_factory=dict)
+    fingerprint: str = ""
+    trained_on: tuple[TrainedOn, ...] = ()
     threshold: float | None = None
 
 
@@ -221,54 +221,24 @@ def read_provenance(path: Path, name: str) -> Provenance:
     return read_record(path, name, _provenance, expected=_EXPECTED)
 
 
-class _Detector(TypedDict):
-    kind: str
-    name: str
-    labels: tuple[str, ...]
-    settings: Mapping[str, Setting]
-    fingerprint: str
-    trained_on: tuple[object, ...]
-
-
-class _Recording(TypedDict):
-    name: str
-    frames: tuple[str, ...]
-
-
-class _Record(TypedDict):
-    detector: _Detector
-    files: Mapping[str, str]
-    recordings: tuple[_Recording, ...]
-    written_by: str
-
-
 def _provenance(content: object) -> Provenance:
-    record = values_of(_Record, content, "", known_only=False)
-    nothing = {"kind": "", "name": "", "labels": (), "settings": {}, "fingerprint": ""}
-    detector = {**nothing, **record.pop("detector", {})}
-    detector["trained_on"] = trained_on_from(detector.get("trained_on", ()))
-    recordings = record.pop("recordings", ())
-    frames = {of.get("name", ""): _ranges(of.get("frames", ())) for of in recordings}
-    return Provenance(About(**detector), frames=frames, **record)
+    record = convert(Mapping[str, object], content, "the record")
+    about = decode(About, record.get("detector", {}), "detector", known_only=False)
+    if len(about.trained_on) > MOST_PARTS:
+        raise ValueError(f"trained_on: expected at most {MOST_PARTS:,} entries")
+    recordings = convert(tuple[_Recording, ...], record.get("recordings", ()), "recordings")
+    return Provenance(
+        about=about,
+        files=convert(Mapping[str, str], record.get("files", {}), "files"),
+        frames={of.name: _ranges(of.frames) for of in recordings},
+        written_by=convert(str, record.get("written_by", ""), "written_by"),
+    )
 
 
-def trained_on_from(content: Sequence[object]) -> tuple[TrainedOn, ...]:
-    """Return the parts of a training that a record or a model names.
-
-    Parameters
-    ----------
-    content
-        A table for each part.
-
-    Raises
-    ------
-    ValueError
-        If a part is invalid, or there are too many.
-    """
-    if len(content) > _MOST_PARTS:
-        raise ValueError(f"trained_on: expected at most {_MOST_PARTS:,} entries")
-    parts: tuple[TrainedOn, ...] = convert(tuple[TrainedOn, ...], content, "trained_on")
-    return parts
+@dataclass(frozen=True)
+class _Recording:
+    name: str = ""
+    frames: tuple[str, ...] = ()
 
 
 def _ranges(texts: Sequence[str]) -> Ranges:

@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any, Final, TypedDict, TypeVar
+from typing import Any, Final, TypeVar
 
 from nvcore.driver.features import FeatureSettings
 from nvcore.records import convert, decode, read_record, values_of
@@ -15,6 +15,11 @@ from nvcore.records import convert, decode, read_record, values_of
 T = TypeVar("T")
 RECORD_FILE: Final = "driver.json"
 """The record of features of recordings, in their folder."""
+_ENTRIES: Final = {
+    "files": Mapping[str, object],
+    "settings": Mapping[str, object],
+    "picture_px": object,
+}
 _LONGEST_SIDE: Final = 2**32
 _EXPECTED: Final = (
     "expected the record that nvcore driver features writes (docs/driver-reference.md)"
@@ -96,21 +101,11 @@ def settings_from_json(content: object) -> FeatureSettings:
     return decode(FeatureSettings, content, "settings of the features", complete=True)
 
 
-class _Settings(TypedDict):
-    features: Mapping[str, object]
-
-
-class _Record(TypedDict):
-    files: Mapping[str, object]
-    settings: _Settings
-    picture_px: object
-
-
 def _entry_about(
     content: object, name: str, digest: str, entry: Callable[[dict[str, Any]], T | None]
 ) -> T | None:
     """Return an entry of a record if it lists this file name and hash, else None."""
-    record = values_of(_Record, content, "", known_only=False)
+    record = values_of(_ENTRIES, content, "", known_only=False)
     return entry(record) if record.get("files", {}).get(name) == digest else None
 
 

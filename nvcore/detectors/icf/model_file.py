@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.dataset.provenance import trained_on_from
+from nvcore.dataset.provenance import MOST_PARTS, TrainedOn
 from nvcore.detectors.base import DetectorError
 from nvcore.detectors.classifier import MAX_CLASSES, N_VALUES, Classifier
 from nvcore.detectors.icf.boosting import Trees
@@ -38,7 +38,7 @@ class _About:
     n_objects: int
     n_background: int
     seed: int
-    trained_on: tuple[object, ...]
+    trained_on: tuple[TrainedOn, ...]
     classes: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
@@ -47,6 +47,8 @@ class _About:
         for name in ("n_objects", "n_background", "seed"):
             if not abs(getattr(self, name)) < _GREATEST:
                 raise ValueError(f"{name}: expected a number of fewer digits")
+        if len(self.trained_on) > MOST_PARTS:
+            raise ValueError(f"trained_on: expected at most {MOST_PARTS:,} entries")
 
 
 FORMAT: Final = ModelFormat(
@@ -132,7 +134,7 @@ def _parts(model: IcfModel) -> tuple[_About, dict[str, Any]]:
         n_objects=model.n_objects,
         n_background=model.n_background,
         seed=model.seed,
-        trained_on=tuple(asdict(part) for part in model.trained_on),
+        trained_on=tuple(model.trained_on),
         classes=None if classifier is None else classifier.classes,
     )
     values = {
@@ -173,7 +175,7 @@ def _model(about: _About, arrays: dict[str, NDArray[Any]]) -> IcfModel:
         n_background=about.n_background,
         seed=about.seed,
         band=Band(*arrays["band"].tolist()) if len(arrays["band"]) else EVERYWHERE,
-        trained_on=trained_on_from(about.trained_on),
+        trained_on=about.trained_on,
         classifier=_classifier(about.classes, arrays.get("class_weights")),
     )
     _check_indices(model)

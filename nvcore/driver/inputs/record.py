@@ -16,11 +16,11 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final, TypedDict
+from typing import Final
 
 from nvcore.notes import Note, phrase
 from nvcore.objects import PEDESTRIAN
-from nvcore.records import read_record, values_of
+from nvcore.records import convert, decode, read_record
 from nvcore.wording import MOST_NAMED, listed, one_line, shortened
 
 SIMULATED: Final = ("no", "some", "all", "")
@@ -197,41 +197,9 @@ def read_estimate_record(path: Path, name: str) -> EstimateRecord:
     return read_record(path, name, _record, expected=_EXPECTED)
 
 
-class _Estimator(TypedDict):
-    name: str
-    fingerprint: str
-    simulated: str
-    n_subjects: int
-    no_better_at_s: tuple[float, ...]
-    of_no_use: bool
-    search: str
-
-
-class _Estimates(TypedDict):
-    n: int
-    n_light_unknown: int
-    outside: Mapping[str, int]
-    other_width: Mapping[str, int]
-    light_doubts: Mapping[str, str]
-    picture_doubts: Mapping[str, str]
-
-
-class _Settings(TypedDict):
-    light: Mapping[str, object]
-
-
-class _Record(TypedDict):
-    written_by: str
-    estimator: _Estimator
-    estimates: _Estimates
-    settings: _Settings
-    files: Mapping[str, str]
-
-
 def _record(content: object) -> EstimateRecord:
-    record = values_of(_Record, content, "", known_only=False)
-    estimates = record.pop("estimates", {})
-    n = estimates.pop("n", 0)
-    for part in ("estimator", "settings"):
-        record |= record.pop(part, {})
-    return EstimateRecord(n_estimates=n, **estimates, **record)
+    record = {**convert(Mapping[str, object], content, "the record")}
+    for part in ("estimator", "estimates", "settings"):
+        record |= convert(Mapping[str, object], record.get(part, {}), part)
+    record["n_estimates"] = record.get("n", 0)
+    return decode(EstimateRecord, record, "", known_only=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Final, TypedDict, TypeVar
+from typing import Any, Final, TypeVar
 
 from nvcore.codes import CodedInterval
 from nvcore.errors import ParameterError, SessionError
@@ -25,7 +25,7 @@ from nvcore.params.traffic import parse_context
 from nvcore.primary import primary_from
 from nvcore.protocols import protocol_from
 from nvcore.published import PublishedPoint
-from nvcore.records import check_keys, decode, values_of
+from nvcore.records import decode, values_of
 from nvcore.settings import operating_point
 
 _T = TypeVar("_T")
@@ -51,40 +51,19 @@ _TABLES: Final = frozenset(
         *TABLES_OF_SUBJECTS,
     }
 )
-
-
-class _Defaults(TypedDict):
-    size: str
-    fps: float
-    frames: str
-
-
-class _Compare(TypedDict):
-    x: str
-    y: str
-    tags: tuple[str, ...]
-    recordings: tuple[str, ...]
-    objects: tuple[str, ...]
-    accept: tuple[str, ...]
-    operating_point: str
-
-
-class _Primary(TypedDict):
-    measure: str
-    fixed_at: str
-    fingerprint: str
-    changed: bool
-
-
-class _Written(TypedDict):
-    version: str
-    fingerprint: str
-    sha256: Mapping[str, str]
-    pipes: tuple[str, ...]
-
-
-class _TableFile(TypedDict):
-    path: str
+_DEFAULTS: Final = {"size": str, "fps": float, "frames": str}
+_COMPARE: Final = {
+    "x": str,
+    "y": str,
+    "tags": tuple[str, ...],
+    "recordings": tuple[str, ...],
+    "objects": tuple[str, ...],
+    "accept": tuple[str, ...],
+    "operating_point": str,
+}
+_PRIMARY: Final = {"measure": str, "fixed_at": str, "fingerprint": str, "changed": bool}
+_WRITTEN: Final = {"sha256": Mapping[str, str], "pipes": tuple[str, ...]}
+_TABLE_FILE: Final = {"path": str}
 
 
 def read_session(path: str | Path, *, needs_system: bool = True) -> Session:
@@ -115,7 +94,7 @@ def read_session(path: str | Path, *, needs_system: bool = True) -> Session:
 
 
 def _session(content: dict[str, Any], folder: Path, needs_system: bool) -> Session:
-    check_keys(content, _TABLES, "the session")
+    values_of(dict.fromkeys(_TABLES, object), content, "the session")
     of_systems = _tables(content, "system")
     if len(of_systems) > MOST_SYSTEMS:
         raise ValueError(f"system: expected at most {MOST_SYSTEMS:,}")
@@ -124,12 +103,12 @@ def _session(content: dict[str, Any], folder: Path, needs_system: bool) -> Sessi
     truth = _source(Source, _table(content, "truth"), "[truth]")
     systems = [_source(SystemSource, table, "[[system]]") for table in of_systems]
     recordings = [_recording(table) for table in _tables(content, "recording")]
-    defaults = _values(_Defaults, content, "defaults")
+    defaults = _values(_DEFAULTS, content, "defaults")
     with _errors_in("[defaults]"):
         defaults |= {"size": parse_size(defaults["size"])} if "size" in defaults else {}
     table = _table_file(content, "recordings")
     compare = _compare(content)
-    primary = _values(_Primary, content, "primary")
+    primary = _values(_PRIMARY, content, "primary")
     settings, filters = _table(content, "parameters"), _table(content, "protocol")
     with _errors_in("[parameters]"):
         params = params_from(settings)
@@ -137,7 +116,7 @@ def _session(content: dict[str, Any], folder: Path, needs_system: bool) -> Sessi
         protocol = protocol_from(filters)
     published = _tables(content, "published")
     codes = _tables(content, "code")
-    written = _values(_Written, content, "written", known_only=False)
+    written = _values(_WRITTEN, content, "written", known_only=False)
     added: dict[str, Any] = {
         name: decode(kind, _table(content, name), f"[{name}]")
         for name, kind in TABLES_OF_SUBJECTS.items()
@@ -173,10 +152,10 @@ def _errors_in(where: str) -> Iterator[None]:
 
 
 def _values(
-    kind: type, content: dict[str, Any], key: str, *, known_only: bool = True
+    types: Mapping[str, Any], content: dict[str, Any], key: str, *, known_only: bool = True
 ) -> dict[str, Any]:
     table = _table(content, key)
-    return values_of(kind, table, f"[{key}]", known_only=known_only)
+    return values_of(types, table, f"[{key}]", known_only=known_only)
 
 
 def _compare(content: dict[str, Any]) -> dict[str, Any]:
@@ -184,7 +163,7 @@ def _compare(content: dict[str, Any]) -> dict[str, Any]:
     table = _table(content, "compare")
     if isinstance(table.get("objects"), str):
         content = {"compare": {**table, "objects": [table["objects"]]}}
-    values = _values(_Compare, content, "compare")
+    values = _values(_COMPARE, content, "compare")
     with _errors_in("[compare]: objects"):
         objects = objects_from(values.pop("objects", PEDESTRIAN.singular))
     with _errors_in("[compare]"):
@@ -205,7 +184,7 @@ def _table_file(content: dict[str, Any], key: str) -> str | None:
     """Return the CSV file that the session names for a table of it, if any."""
     if key not in content:
         return None
-    path = _values(_TableFile, content, key).get("path")
+    path = _values(_TABLE_FILE, content, key).get("path")
     with _errors_in(f"[{key}]"):
         if path is None:
             raise ValueError("expected a path")
