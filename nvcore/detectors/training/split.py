@@ -70,8 +70,8 @@ def split_frames(
     has_tracks = bool((track != NO_TRACK).all())
     by, is_left_out = arguments.split, np.zeros(len(dataset.frames), np.bool_)
     if by == "auto":
-        whole = "recording" if len(set(recording)) >= _LEAST_RECORDINGS else "time"
-        by = "object" if has_tracks else whole
+        by = "recording" if len(set(recording)) >= _LEAST_RECORDINGS else "time"
+        by = "object" if has_tracks else by
     if arguments.hold_out:
         names = _recordings_named(arguments, dataset, list(dict.fromkeys(recording.tolist())))
         is_out, words = np.isin(recording, names), one_line(listed(names))
