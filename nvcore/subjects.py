@@ -89,7 +89,7 @@ class Subject:
     models
         Entries of ``nvcore models`` (`nvcore.cli.models.Models`).
     formats
-        Kinds of its model files, by the format named in them (`nvcore.output.arrays`).
+        Kinds of its model files, by the format named in them (`nvcore.output.model_files`).
     names
         Public names of ``nvcore``, by reference.
     extras

@@ -58,24 +58,39 @@ def test_a_record_by_hand_needs_the_training_alone(tmp_path: Path):
     [
         ("{", "is not JSON"),
         ("[" * 100_000, "is not JSON"),
-        ("[]", "the record: expected an object, found '[]'"),
-        ('{"detector": []}', "detector: expected an object"),
-        ('{"detector": {"trained_on": [{}]}}', "expected a recording or a fingerprint"),
-        ('{"detector": {"trained_on": ["night"]}}', "trained_on: expected an object"),
+        ("[]", "the record: expected a table, found []"),
+        ('{"detector": []}', "detector: expected a table, found []"),
+        (
+            '{"detector": {"trained_on": [{}]}}',
+            "detector: trained_on 1: expected a recording or a fingerprint",
+        ),
+        (
+            '{"detector": {"trained_on": ["night"]}}',
+            "detector: trained_on 1: expected a table, found 'night'",
+        ),
         (
             '{"detector": {"trained_on": [{"recording": "a", "first_frame": 0.5}]}}',
-            "expected a frame number, found '0.5'",
+            "detector: trained_on 1: first_frame: expected a whole number, found 0.5",
         ),
         (
-            '{"detector": {"trained_on": [{"recording": "a", "first_frame": 1e300}]}}',
+            '{"detector": {"trained_on": [{"recording": "a", "first_frame": 9007199254740993}]}}',
             "expected a frame number",
         ),
-        ('{"detector": {"settings": {"a": []}}}', "settings: expected texts and numbers"),
+        (
+            '{"detector": {"settings": {"a": []}}}',
+            "detector: settings: a: expected true or false or a whole number or a",
+        ),
         ('{"recordings": [{"name": "a", "frames": ["5:2"]}]}', "in ascending order"),
         ('{"recordings": [{"name": "a", "frames": ["0:5", "3:9"]}]}', "in ascending order"),
-        ('{"recordings": [{"name": "a", "frames": [[0, 5]]}]}', "frames: expected a text"),
-        ('{"recordings": [{"name": 7, "frames": []}]}', "name: expected a text, found '7'"),
-        ('{"files": {"a.csv": null}}', "files: expected a text"),
+        (
+            '{"recordings": [{"name": "a", "frames": [[0, 5]]}]}',
+            "recordings 1: frames: expected a list of texts, found [[0, 5]]",
+        ),
+        (
+            '{"recordings": [{"name": 7, "frames": []}]}',
+            "recordings 1: name: expected a text, found 7",
+        ),
+        ('{"files": {"a.csv": null}}', "files: a.csv: expected a text, found None"),
     ],
 )
 def test_anything_else_is_refused(content: str, words: str, tmp_path: Path):
@@ -92,7 +107,7 @@ def test_a_record_that_is_not_there_is_an_input_error(tmp_path: Path):
 
 
 def test_a_record_of_another_size_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("nvcore.dataset.records.MAX_BYTES", 10)
+    monkeypatch.setattr("nvcore.records.MAX_BYTES", 10)
     with pytest.raises(FormatError, match="is larger than"):
         read(json.dumps({"written_by": "somebody"}), tmp_path)
 

@@ -22,7 +22,7 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.dataset.records import read_record, typed, value_of
+from nvcore.records import convert, decode, read_record
 from nvcore.wording import one_line, shortened
 
 Setting: TypeAlias = bool | int | float | str | None
@@ -31,9 +31,9 @@ Ranges: TypeAlias = tuple[tuple[int, int], ...]
 """Frame numbers as first and last of each run of them, ascending."""
 
 _MAX_FRAME: Final = 2**53
-_MOST_PARTS: Final = 100_000
+MOST_PARTS: Final = 100_000
 _LONGEST_TEXT: Final = 4096
-"""Of the parts of a training: entries, and characters of a name or fingerprint."""
+"""Parts of a training, and characters of a name or fingerprint."""
 _SHOWN_NAME: Final = 40
 _SHOWN_DIGITS: Final = 12
 """Of a name, and of a fingerprint."""
@@ -60,6 +60,15 @@ class TrainedOn:
     recording: str = ""
     first_frame: int | None = None
     last_frame: int | None = None
+
+    def __post_init__(self) -> None:
+        if not self.recording and not self.fingerprint:
+            raise ValueError("expected a recording or a fingerprint")
+        if max(len(self.recording), len(self.fingerprint)) > _LONGEST_TEXT:
+            raise ValueError(f"expected texts of at most {_LONGEST_TEXT:,} characters")
+        for frame in (self.first_frame, self.last_frame):
+            if frame is not None and abs(frame) > _MAX_FRAME:
+                raise ValueError(f"expected a frame number, found {frame:.3g}")
 
     def __str__(self) -> str:
         if not self.recording:
@@ -93,12 +102,12 @@ class About:
         Score from which on a box counts unless the user says otherwise; None: all do.
     """
 
-    kind: str
-    name: str
-    labels: tuple[str, ...]
-    settings: Mapping[str, Setting]
-    fingerprint: str
-    trained_on: Sequence[TrainedOn] = field(default=())
+    kind: str = ""
+    name: str = ""
+    labels: tuple[str, ...] = ()
+    settings: Mapping[str, Setting] = field(default_factory=dict)
+    fingerprint: str = ""
+    trained_on: tuple[TrainedOn, ...] = ()
     threshold: float | None = None
 
 
@@ -213,77 +222,29 @@ def read_provenance(path: Path, name: str) -> Provenance:
 
 
 def _provenance(content: object) -> Provenance:
-    record = typed(content, dict, "the record")
-    detector = value_of(record, "detector", dict)
-    settings = value_of(detector, "settings", dict)
-    if not all(isinstance(value, Setting) for value in settings.values()):
-        raise ValueError("settings: expected texts and numbers")
-    labels = [typed(label, str, "labels") for label in value_of(detector, "labels", list)]
-    about = About(
-        kind=value_of(detector, "kind", str),
-        name=value_of(detector, "name", str),
-        labels=tuple(labels),
-        settings=settings,
-        fingerprint=value_of(detector, "fingerprint", str),
-        trained_on=trained_on_from(value_of(detector, "trained_on", list)),
-    )
-    files = value_of(record, "files", dict)
-    recordings = [
-        typed(entry, dict, "recordings") for entry in value_of(record, "recordings", list)
-    ]
+    record = convert(Mapping[str, object], content, "the record")
+    about = decode(About, record.get("detector", {}), "detector", known_only=False)
+    if len(about.trained_on) > MOST_PARTS:
+        raise ValueError(f"trained_on: expected at most {MOST_PARTS:,} entries")
+    recordings = convert(tuple[_Recording, ...], record.get("recordings", ()), "recordings")
     return Provenance(
         about=about,
-        files={name: typed(digest, str, "files") for name, digest in files.items()},
-        frames={
-            value_of(entry, "name", str): _ranges(value_of(entry, "frames", list))
-            for entry in recordings
-        },
-        written_by=value_of(record, "written_by", str),
+        files=convert(Mapping[str, str], record.get("files", {}), "files"),
+        frames={of.name: _ranges(of.frames) for of in recordings},
+        written_by=convert(str, record.get("written_by", ""), "written_by"),
     )
 
 
-def trained_on_from(content: Sequence[object]) -> tuple[TrainedOn, ...]:
-    """What a record or a model says of a training, checked.
-
-    Parameters
-    ----------
-    content
-        As JSON has it: an object for each part.
-
-    Raises
-    ------
-    ValueError
-        If an entry is not as it must be, or there are too many.
-    """
-    if len(content) > _MOST_PARTS:
-        raise ValueError(f"trained_on: expected at most {_MOST_PARTS:,} entries")
-    return tuple(_trained_on(part) for part in content)
+@dataclass(frozen=True)
+class _Recording:
+    name: str = ""
+    frames: tuple[str, ...] = ()
 
 
-def _trained_on(content: object) -> TrainedOn:
-    table = typed(content, dict, "trained_on")
-    ends = [
-        None if table.get(key) is None else _frame(table[key])
-        for key in ("first_frame", "last_frame")
-    ]
-    part = TrainedOn(value_of(table, "fingerprint", str), value_of(table, "recording", str), *ends)
-    if not part.recording and not part.fingerprint:
-        raise ValueError("trained_on: expected a recording or a fingerprint in each entry")
-    if max(len(part.recording), len(part.fingerprint)) > _LONGEST_TEXT:
-        raise ValueError(f"trained_on: expected texts of at most {_LONGEST_TEXT:,} characters")
-    return part
-
-
-def _ranges(content: Sequence[object]) -> Ranges:
-    matches = [_RANGE.fullmatch(typed(text, str, "frames")) for text in content]
+def _ranges(texts: Sequence[str]) -> Ranges:
+    matches = [_RANGE.fullmatch(text) for text in texts]
     ranges = tuple((int(match[1]), int(match[2])) for match in matches if match is not None)
     ends = [number for pair in ranges for number in pair]
-    if len(ranges) < len(content) or ends != sorted(ends):
+    if len(ranges) < len(texts) or ends != sorted(ends):
         raise ValueError('frames: expected texts such as "0:299", in ascending order')
     return ranges
-
-
-def _frame(number: object) -> int:
-    if not isinstance(number, int) or isinstance(number, bool) or abs(number) > _MAX_FRAME:
-        raise ValueError(f"expected a frame number, found {str(number)[:30]!r}")
-    return number

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import fields
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from nvcore import __version__
-from nvcore.dataset.records import numbers_of, read_record, typed, value_of
 from nvcore.driver.features import FeatureSettings
-from nvcore.errors import ParameterError
+from nvcore.records import convert, decode, read_record, values_of
 
 RECORD_FILE: Final = "driver.json"
 """The record of features of recordings, in their folder."""
+_ENTRIES: Final = {
+    "files": Mapping[str, object],
+    "settings": Mapping[str, object],
+    "picture_px": object,
+}
 _LONGEST_SIDE: Final = 2**32
 _EXPECTED: Final = (
     "expected the record that nvcore driver features writes (docs/driver-reference.md)"
@@ -64,16 +67,13 @@ def picture_px_from_json(content: object) -> tuple[int, int] | None:
     ValueError
         If it is something else.
     """
-    if content is None:
-        return None
-    values = content if isinstance(content, list) else []
-    sides = [value for value in values if type(value) is int and 1 <= value <= _LONGEST_SIDE]
-    if len(sides) != 2 or len(values) != 2:
+    sides: tuple[int, int] | None = convert(tuple[int, int] | None, content, "picture_px")
+    if sides is not None and not all(1 <= side <= _LONGEST_SIDE for side in sides):
         raise ValueError("picture_px: expected width and height, two whole numbers above 0")
-    return sides[0], sides[1]
+    return sides
 
 
-def settings_from_json(content: Mapping[str, Any]) -> FeatureSettings:
+def settings_from_json(content: object) -> FeatureSettings:
     """Parse feature settings from values as `dataclasses.asdict` gives them.
 
     Raises
@@ -81,20 +81,15 @@ def settings_from_json(content: Mapping[str, Any]) -> FeatureSettings:
     ValueError
         If one is missing, unknown, no number or outside its range.
     """
-    names = [spec.name for spec in fields(FeatureSettings)]
-    values = numbers_of(content, names, "settings of the features")
-    try:
-        return FeatureSettings(**values)
-    except ParameterError as error:
-        raise ValueError(str(error)) from error
+    return decode(FeatureSettings, content, "settings of the features", complete=True)
 
 
 def _parse(
     content: object, name: str, digest: str
 ) -> tuple[FeatureSettings, tuple[int, int] | None] | None:
     """Parse a record if it lists this file name and hash, else return None."""
-    record = typed(content, dict, "the record")
-    if value_of(record, "files", dict).get(name) != digest:
+    record = values_of(_ENTRIES, content, "", known_only=False)
+    if record.get("files", {}).get(name) != digest:
         return None
-    settings = value_of(value_of(record, "settings", dict), "features", dict)
-    return settings_from_json(settings), picture_px_from_json(record.get("picture_px"))
+    settings = settings_from_json(record.get("settings", {}).get("features", {}))
+    return settings, picture_px_from_json(record.get("picture_px"))

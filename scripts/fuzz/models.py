@@ -25,7 +25,7 @@ from nvcore.detectors.icf import IcfDetector
 from nvcore.detectors.icf.model_file import from_bytes, to_bytes
 from nvcore.driver.estimator_report import render_estimator
 from nvcore.driver.estimators import model_file as driver_file
-from nvcore.output.arrays import pack
+from nvcore.output.model_files import pack
 from scripts.fuzz.target import mutated_text, target
 
 _OF_JSON: Final = re.compile(rb"(/\S+) (.*)", re.DOTALL)

@@ -44,12 +44,12 @@ def test_a_record_of_another_content_says_nothing(features: Path):
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        ({"surround": 3.0}, "settings of the features: its keys are others"),
-        ({**WIDE, "more": 1}, "its keys are others"),
+        ({"surround": 3.0}, "settings of the features: expected a bin_distance"),
+        ({**WIDE, "more": 1}, "settings of the features has no key 'more'"),
         ({**WIDE, "surround": "3"}, "surround: expected a number, found '3'"),
-        ({**WIDE, "surround": 10**400}, "surround: expected a number, found '1000"),
+        ({**WIDE, "surround": 10**400}, "surround: expected a number, found 1000"),
         ({**WIDE, "surround": 1.0}, "surround: expected 1.1 to 10, found 1"),
-        ([], "features: expected an object"),
+        ([], "features: expected a table"),
     ],
 )
 def test_a_record_that_is_none_is_refused_with_its_name(

@@ -209,7 +209,7 @@ RECORDING = '[[recording]]\nname = "a"\n'
         ("protocol = 1  # [protocol]", "expected [protocol] to be a table"),
         ("[primary]\nkey = 'saliency'", "[primary] has no key 'key'; its keys are changed"),
         ("[primary]\nchanged = 1", "[primary]: changed: expected true or false, found 1"),
-        ("[written]\nsha256 = {a = 1}", "[written]: sha256: expected a table of texts"),
+        ("[written]\nsha256 = {a = 1}", "[written]: sha256: a: expected a text, found 1"),
         ("[[recording]]\nwidth = 1", "[[recording]]: expected a name"),
         (RECORDING + "wide = 1", "[[recording]] has no key 'wide'; did you mean 'width'?"),
         (RECORDING + "fps = true", "[[recording]]: fps: expected a number, found True"),

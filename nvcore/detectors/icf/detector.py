@@ -80,7 +80,7 @@ class IcfDetector:
             labels=model.labels,
             settings=model.settings.in_words() | {"channels": " ".join(channels)},
             fingerprint=fingerprint(model),
-            trained_on=model.trained_on,
+            trained_on=tuple(model.trained_on),
         )
         self._buffers: SimpleQueue[NDArray[np.int32]] = SimpleQueue()
 

@@ -1,16 +1,16 @@
-"""Models as files: `.npz` of plain arrays and a block of JSON, never pickle."""
+"""Model files of the detector: arrays and JSON, checked before anything is computed."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.dataset.provenance import trained_on_from
+from nvcore.dataset.provenance import MOST_PARTS, TrainedOn
 from nvcore.detectors.base import DetectorError
 from nvcore.detectors.classifier import MAX_CLASSES, N_VALUES, Classifier
 from nvcore.detectors.icf.boosting import Trees
@@ -20,85 +20,95 @@ from nvcore.detectors.icf.model import IcfModel
 from nvcore.detectors.icf.regions import EVERYWHERE, Band
 from nvcore.detectors.icf.settings import MAX_FEATURES, MAX_TREES, IcfSettings
 from nvcore.errors import ParameterError
-from nvcore.output import arrays as archives
-from nvcore.output.arrays import BadArchiveError
+from nvcore.output.model_files import Array, ModelFormat, check_name
 
-FORMAT: Final = "nvcore-icf"
-VERSION: Final = 1
 MAX_BYTES: Final = 1 << 26
-"""Size of a model file, and of all that is in it."""
-_WHAT: Final = "a detector that nvcore train wrote"
-_MOST: Final = {
-    "n": MAX_TREES,
-    "features": MAX_FEATURES,
-    "stages": 64,
-    "channels": 64,
-    "rounds": 20,
-    "classes": MAX_CLASSES,
-}
-_ARRAYS: Final[dict[str, tuple[str, tuple[str | int, ...]]]] = {
-    "features": ("<i4", ("features", N_COLUMNS)),
-    "node_feature": ("<i4", ("n", 3)),
-    "node_threshold": ("<i4", ("n", 3)),
-    "leaves": ("<f8", ("n", 4)),
-    "trace": ("<f8", ("n",)),
-    "stage_ends": ("<i4", ("stages",)),
-    "stage_floors": ("<f8", ("stages",)),
-    "powers": ("<f8", ("channels",)),
-    "error": ("<f8", ("errors",)),
-    "round_ends": ("<i4", ("rounds",)),
-    "band": ("<f8", ("band",)),
-    "class_weights": ("<f8", (N_VALUES + 1, "classes")),
-}
-"""Type and shape of each array; equal words are equal lengths."""
-_OF_CLASSES: Final = "class_weights"
-"""Only in models with a classifier."""
-_MOST_WEIGHT: Final = 1e6
-_FACTS: Final[dict[str, type]] = {
-    "format": str,
-    "version": int,
-    "name": str,
-    "label": str,
-    "settings": dict,
-    "is_colour": bool,
-    "n_objects": int,
-    "n_background": int,
-    "seed": int,
-    "trained_on": list,
-}
-_GREATEST: Final = 1 << 63
 LONGEST_NAME: Final = 200
 """Of a model, and of what it detects."""
+_GREATEST: Final = 1 << 63
+_MOST_WEIGHT: Final = 1e6
+
+
+@dataclass(frozen=True, kw_only=True)
+class _About:
+    name: str
+    label: str
+    settings: Mapping[str, object]
+    is_colour: bool
+    n_objects: int
+    n_background: int
+    seed: int
+    trained_on: tuple[TrainedOn, ...]
+    classes: tuple[str, ...] | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("name", "label"):
+            check_name(name, getattr(self, name), LONGEST_NAME)
+        for name in ("n_objects", "n_background", "seed"):
+            if not abs(getattr(self, name)) < _GREATEST:
+                raise ValueError(f"{name}: expected a number of fewer digits")
+        if len(self.trained_on) > MOST_PARTS:
+            raise ValueError(f"trained_on: expected at most {MOST_PARTS:,} entries")
+
+
+FORMAT: Final = ModelFormat(
+    name="nvcore-icf",
+    version=1,
+    what="a detector that nvcore train wrote",
+    error=DetectorError,
+    about=_About,
+    arrays={
+        "features": Array("<i4", ("features", N_COLUMNS)),
+        "node_feature": Array("<i4", ("n", 3)),
+        "node_threshold": Array("<i4", ("n", 3)),
+        "leaves": Array("<f8", ("n", 4)),
+        "trace": Array("<f8", ("n",)),
+        "stage_ends": Array("<i4", ("stages",)),
+        "stage_floors": Array("<f8", ("stages",)),
+        "powers": Array("<f8", ("channels",), -4, 4),
+        "error": Array("<f8", ("errors",)),
+        "round_ends": Array("<i4", ("rounds",)),
+        "band": Array("<f8", ("band",)),
+        "class_weights": Array(
+            "<f8", (N_VALUES + 1, "classes"), -_MOST_WEIGHT, _MOST_WEIGHT, is_optional=True
+        ),
+    },
+    longest={
+        "n": MAX_TREES,
+        "features": MAX_FEATURES,
+        "stages": 64,
+        "channels": 64,
+        "rounds": 20,
+        "classes": MAX_CLASSES,
+    },
+    may_be_empty=frozenset({"band"}),
+    max_bytes=MAX_BYTES,
+)
 
 
 def to_bytes(model: IcfModel) -> bytes:
-    """The model as the content of a file; equal models give equal bytes."""
-    return archives.pack(_members(model))
+    """Return the model as the content of a file. Equal models give equal bytes."""
+    return FORMAT.to_bytes(*_parts(model))
 
 
 def fingerprint(model: IcfModel) -> str:
-    """sha256 over the model and its settings, as hexadecimal digits."""
-    return archives.fingerprint_of(_members(model))
+    """Return the sha256 of the model and its settings as hexadecimal digits."""
+    return FORMAT.fingerprint(*_parts(model))
 
 
 def read_file(path: Path) -> IcfModel:
-    """The model in a file.
+    """Read the model in a file.
 
     Raises
     ------
     DetectorError
         If the file cannot be read, or is no such model.
     """
-    try:
-        with path.open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise DetectorError(f"cannot be opened ({error.strerror})", file=path.name) from error
-    return from_bytes(content, path.name)
+    return from_bytes(FORMAT.read(path), path.name)
 
 
 def from_bytes(content: bytes, name: str) -> IcfModel:
-    """The model that `to_bytes` wrote.
+    """Return the model that `to_bytes` wrote.
 
     Parameters
     ----------
@@ -110,22 +120,23 @@ def from_bytes(content: bytes, name: str) -> IcfModel:
     DetectorError
         If it is damaged, or anything in it is not as it must be.
     """
-    try:
-        with archives.damage_of(_WHAT):
-            about, arrays = archives.unpack(
-                content, _ARRAYS, what=_WHAT, most_bytes=MAX_BYTES, optional=(_OF_CLASSES,)
-            )
-            return _checked(about, arrays)
-    except (BadArchiveError, DetectorError) as error:
-        text = error.message if isinstance(error, DetectorError) else str(error)
-        raise DetectorError(text, file=name) from error
-    except ParameterError as error:
-        raise DetectorError(f"{error}; train the model again", file=name) from error
+    return FORMAT.parse(content, name, _model)
 
 
-def _members(model: IcfModel) -> dict[str, NDArray[Any]]:
-    """Everything of a model, as arrays by name."""
-    band = [] if model.band == EVERYWHERE else list(asdict(model.band).values())
+def _parts(model: IcfModel) -> tuple[_About, dict[str, Any]]:
+    """Return the facts and the arrays of a model."""
+    classifier = model.classifier
+    about = _About(
+        name=model.name,
+        label=model.label,
+        settings=model.settings.as_json(),
+        is_colour=model.is_colour,
+        n_objects=model.n_objects,
+        n_background=model.n_background,
+        seed=model.seed,
+        trained_on=tuple(model.trained_on),
+        classes=None if classifier is None else classifier.classes,
+    )
     values = {
         "features": model.features,
         "node_feature": model.trees.feature,
@@ -137,57 +148,35 @@ def _members(model: IcfModel) -> dict[str, NDArray[Any]]:
         "powers": model.powers,
         "error": model.error,
         "round_ends": model.round_ends,
-        "band": np.array(band),
+        "band": [] if model.band == EVERYWHERE else list(asdict(model.band).values()),
     }
-    if model.classifier is not None:
-        values[_OF_CLASSES] = model.classifier.weights
-    about = {
-        "format": FORMAT,
-        "version": VERSION,
-        "name": model.name,
-        "label": model.label,
-        "settings": model.settings.as_json(),
-        "is_colour": model.is_colour,
-        "n_objects": model.n_objects,
-        "n_background": model.n_background,
-        "seed": model.seed,
-        "trained_on": [asdict(part) for part in model.trained_on],
-    }
-    if model.classifier is not None:
-        about["classes"] = list(model.classifier.classes)
-    return archives.members_of(about, values, _ARRAYS)
+    return about, values if classifier is None else {**values, "class_weights": classifier.weights}
 
 
-def _checked(about: Mapping[str, Any], arrays: dict[str, NDArray[Any]]) -> IcfModel:
-    archives.check_version(about, FORMAT, VERSION, what=_WHAT)
-    archives.check_facts(about, _FACTS)
-    for name, kind in _FACTS.items():
-        if kind is int and not abs(about[name]) < _GREATEST:
-            raise DetectorError(f"{name}: expected a number of fewer digits")
-    for name in ("name", "label"):
-        archives.check_name(about, name, LONGEST_NAME)
-    settings = IcfSettings.from_json(about["settings"])
-    archives.check_lengths(arrays, _ARRAYS, _MOST, may_be_empty=("band",))
+def _model(about: _About, arrays: dict[str, NDArray[Any]]) -> IcfModel:
+    try:
+        settings = IcfSettings.from_json(about.settings)
+    except ParameterError as error:
+        raise DetectorError(f"{error}; train the model again") from error
     if len(arrays["band"]) not in (0, 4):
         raise DetectorError("band: expected 4 numbers or none")
-    band = Band(*arrays["band"].tolist()) if len(arrays["band"]) else EVERYWHERE
     model = IcfModel(
-        name=about["name"],
-        label=about["label"],
+        name=about.name,
+        label=about.label,
         settings=settings,
-        is_colour=about["is_colour"],
+        is_colour=about.is_colour,
         features=arrays["features"],
         trees=Trees(arrays["node_feature"], arrays["node_threshold"], arrays["leaves"]),
         calibration=Calibration(arrays["trace"], arrays["stage_ends"], arrays["stage_floors"]),
         powers=arrays["powers"],
         error=arrays["error"],
         round_ends=arrays["round_ends"],
-        n_objects=about["n_objects"],
-        n_background=about["n_background"],
-        seed=about["seed"],
-        band=band,
-        trained_on=trained_on_from(about["trained_on"]),
-        classifier=_classifier(about.get("classes"), arrays.get(_OF_CLASSES)),
+        n_objects=about.n_objects,
+        n_background=about.n_background,
+        seed=about.seed,
+        band=Band(*arrays["band"].tolist()) if len(arrays["band"]) else EVERYWHERE,
+        trained_on=about.trained_on,
+        classifier=_classifier(about.classes, arrays.get("class_weights")),
     )
     _check_indices(model)
     return model
@@ -197,8 +186,8 @@ def _check_indices(model: IcfModel) -> None:
     """Refuse what would make a loop read outside its arrays."""
     n_channels = len(model.channels)
     settings = model.settings
-    if len(model.powers) != n_channels or np.abs(model.powers).max() > 4:
-        raise DetectorError(f"powers: expected {n_channels} numbers from -4 to 4")
+    if len(model.powers) != n_channels:
+        raise DetectorError(f"powers: expected {n_channels} numbers")
     feature = model.trees.feature
     if feature.min() < 0 or feature.max() >= len(model.features):
         raise DetectorError("node_feature names a feature that is not there")
@@ -219,18 +208,16 @@ def _check_indices(model: IcfModel) -> None:
             raise DetectorError(f"{name}: expected ascending numbers up to {last}")
 
 
-def _classifier(classes: object, weights: NDArray[np.float64] | None) -> Classifier | None:
-    """The classifier, if there is one: its classes and their weights belong together."""
+def _classifier(
+    classes: tuple[str, ...] | None, weights: NDArray[np.float64] | None
+) -> Classifier | None:
+    """Return the classifier, if there is one, whose classes and weights belong together."""
     if classes is None and weights is None:
         return None
-    if weights is None or not isinstance(classes, list) or len(classes) != weights.shape[1]:
+    if classes is None or weights is None or len(classes) != weights.shape[1]:
         raise DetectorError("classes: expected a name for each column of class_weights")
-    are_names = all(
-        isinstance(name, str) and 0 < len(name) <= LONGEST_NAME and name.isprintable()
-        for name in classes
-    )
-    if not are_names or len(set(classes)) != len(classes) or len(classes) < 2:
+    for name in classes:
+        check_name("classes", name, LONGEST_NAME)
+    if len(set(classes)) != len(classes) or len(classes) < 2:
         raise DetectorError("classes: expected two names or more, each once")
-    if np.abs(weights).max() > _MOST_WEIGHT:
-        raise DetectorError(f"class_weights: expected numbers up to {_MOST_WEIGHT:g}")
-    return Classifier(tuple(classes), weights)
+    return Classifier(classes, weights)

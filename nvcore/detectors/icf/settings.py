@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import Field, asdict, dataclass, fields
-from functools import cache
-from typing import Any, Final, Literal, get_args, get_type_hints
+from typing import Any, Final, Literal, get_args
 
-from nvcore.dataset.records import expected_instead
 from nvcore.detection import scale_steps
 from nvcore.detectors.base import Setting
 from nvcore.detectors.settings import facts_of, setting, value_text
 from nvcore.detectors.suppression import OverlapOf
 from nvcore.errors import ParameterError
+from nvcore.records import convert, types_of
 from nvcore.wording import shortened
 
 ChannelSet = Literal["grey", "rgb", "hsv", "luv", "magnitude", "orientations"]
@@ -205,10 +204,8 @@ class IcfSettings:
     red_share: float = setting(0.02, "Least share of red pixels of a proposal.", low=0, high=1)
 
     def __post_init__(self) -> None:
-        kinds = _kinds()
         for spec in fields(self):
-            value = getattr(self, spec.name)
-            _check(spec, value, expected_instead(value, kinds[spec.name]))
+            _check(spec, getattr(self, spec.name))
         _check_together(self)
 
     @property
@@ -232,15 +229,10 @@ class IcfSettings:
         ParameterError
             If one is missing, unknown or impossible.
         """
-        names = {field.name for field in fields(IcfSettings)}
-        if set(values) != names:
-            odd = ", ".join(sorted(set(map(str, values)) ^ names))
-            raise ParameterError(f"settings: missing or unknown are {odd}")
-        known: dict[str, Any] = {
-            name: tuple(value) if isinstance(value, list) else value
-            for name, value in values.items()
-        }
-        return IcfSettings(**known)
+        if odd := sorted(set(map(str, values)) ^ types_of(IcfSettings).keys()):
+            raise ParameterError(f"settings: missing or unknown are {', '.join(odd)}")
+        lists = {name: tuple(value) for name, value in values.items() if isinstance(value, list)}
+        return IcfSettings(**{**values, **lists})
 
     def in_words(self) -> dict[str, Setting]:
         """All settings by name, several values as one text, to be written beside results."""
@@ -252,24 +244,19 @@ class IcfSettings:
         }
 
 
-@cache
-def _kinds() -> dict[str, Any]:
-    """The declared type of each setting."""
-    return get_type_hints(IcfSettings)
-
-
-def _check(spec: Field[Any], value: Any, expected: str | None) -> None:
+def _check(spec: Field[Any], value: Any) -> None:
     """Refuse a value that a setting cannot have by itself."""
     facts = facts_of(spec)
-    if expected is None and facts.low is not None and facts.high is not None and value is not None:
-        numbers = value if isinstance(value, tuple) else (value,)
-        if not all(facts.low <= number <= facts.high for number in numbers):
-            expected = f"{facts.low:g} to {facts.high:g}"
-    if expected is not None:
+    try:
+        convert(types_of(IcfSettings)[spec.name], value, spec.name)
+    except ValueError as error:
+        raise ParameterError(str(error)) from error
+    if facts.low is None or facts.high is None or value is None:
+        return
+    numbers = value if isinstance(value, tuple) else (value,)
+    if not all(facts.low <= number <= facts.high for number in numbers):
         text = shortened(value_text(value), 80)
-        if isinstance(value, tuple | list) and not isinstance(spec.default, tuple):
-            text = f"a list ({text})"
-        raise ParameterError(f"{spec.name}: expected {expected}, got {text}")
+        raise ParameterError(f"{spec.name}: expected {facts.low:g} to {facts.high:g}, got {text}")
 
 
 def _check_together(settings: IcfSettings) -> None:

@@ -20,8 +20,8 @@ from nvcore.wording import one_line
 
 if TYPE_CHECKING:
     from nvcore.detectors.icf import IcfSettings
-    from nvcore.detectors.training.gathering import TrainingData
     from nvcore.detectors.training.run import Training
+    from nvcore.detectors.training.shots import TrainingData
 
 
 @called_with(TrainArguments)
@@ -118,8 +118,8 @@ def training_job(
     Parameters are as of `nvcore.detectors.face.detector_job`, errors as of `train`.
     """
     with needs("detectors", "training a detector needs"):
-        from nvcore.detectors.training.gathering import gather
         from nvcore.detectors.training.presets import objects_of, preset_for, preset_settings
+        from nvcore.detectors.training.run import gather
         from nvcore.pictures import session_pictures
 
     preset, settings = arguments.preset, arguments.settings or {}

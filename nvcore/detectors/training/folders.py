@@ -6,7 +6,6 @@ import csv
 import hashlib
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Final
@@ -17,8 +16,8 @@ from numpy.typing import NDArray
 from nvcore.dataset.provenance import TrainedOn
 from nvcore.detectors.icf import IcfSettings
 from nvcore.detectors.icf.windows import NO_BOXES
-from nvcore.detectors.training.groups import by_group
-from nvcore.detectors.training.shots import Shot
+from nvcore.detectors.training.shots import Shot, TrainingData
+from nvcore.detectors.training.split import by_group
 from nvcore.errors import FormatError, InputError, MediaError, ParameterError
 from nvcore.file_kinds import IMAGE_SUFFIXES
 from nvcore.pictures.header import image_size
@@ -32,25 +31,6 @@ _CLASS: Final = "class"
 _MOST_BYTES: Final = 1 << 28
 
 
-@dataclass(frozen=True, eq=False)
-class FolderShots:
-    """What folders give to a training.
-
-    Attributes
-    ----------
-    shots
-        Crops in the order of their paths, then background.
-    trained_on
-        A fingerprint of the crops' files, and one of the background's.
-    split
-        What was held out, in words; empty: there are no crops.
-    """
-
-    shots: Sequence[Shot] = ()
-    trained_on: tuple[TrainedOn, ...] = ()
-    split: str = ""
-
-
 def folder_shots(
     crops: Path | None,
     background: Path | None,
@@ -59,7 +39,7 @@ def folder_shots(
     crop_share: float | None = None,
     share: float = 0.1,
     seed: int = 0,
-) -> FolderShots:
+) -> TrainingData:
     """Pictures of folders, those of their subfolders included; hidden ones are left out.
 
     Parameters
@@ -89,7 +69,7 @@ def folder_shots(
         raise ParameterError(f"crop_share: expected more than 0 and at most 1, got {crop_share:g}")
     shots: list[Shot] = []
     trained_on = []
-    split = ""
+    held_out = ""
     if crops is not None:
         paths = _pictures_in(crops)
         groups = _physical_objects(crops, paths)
@@ -107,13 +87,13 @@ def folder_shots(
                 )
             )
         n_out = len({group for group, out in zip(groups, is_out, strict=True) if out})
-        split = f"{n_out} of {count_text(len(set(groups)), 'physical object')} in crops"
+        held_out = f"{n_out} of {count_text(len(set(groups)), 'physical object')} in crops"
         trained_on.append(_fingerprint(paths, boxes, labels))
     if background is not None:
         paths = _pictures_in(background)
         shots += [Shot(partial(_read, path), f"background {background}") for path in paths]
         trained_on.append(_fingerprint(paths, []))
-    return FolderShots(shots, tuple(trained_on), split)
+    return TrainingData(shots, tuple(trained_on), held_out=held_out)
 
 
 def _pictures_in(folder: Path) -> list[Path]:

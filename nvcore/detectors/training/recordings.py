@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Final
@@ -17,9 +16,9 @@ from nvcore.detection.filtered_truth import filter_truth
 from nvcore.detectors.arguments import TrainArguments
 from nvcore.detectors.icf import IcfSettings
 from nvcore.detectors.run import no_pictures
-from nvcore.detectors.training.parts import trained_part
-from nvcore.detectors.training.shots import Shot
-from nvcore.detectors.training.split import HeldOut
+from nvcore.detectors.training.overlap import trained_part
+from nvcore.detectors.training.shots import Shot, TrainingData
+from nvcore.detectors.training.split import Split, split_frames
 from nvcore.errors import InputError
 from nvcore.inputs.evaluated_frames import frames_there, parse_frames
 from nvcore.inputs.facts import frames_from
@@ -33,34 +32,9 @@ MOST_OBJECTS: Final = 5000
 _HEAVY: Final = 2
 
 
-@dataclass(frozen=True, eq=False)
-class SessionShots:
-    """What a session gives to a training.
-
-    Attributes
-    ----------
-    shots
-        In the order of recordings and frames.
-    trained_on
-        Recordings and frames, those held out included.
-    every
-        Of so many evaluated frames one is taken.
-    split
-        What was held out, in words.
-    notes
-        Recordings and frames that have no picture, and how many boxes are left out.
-    """
-
-    shots: Sequence[Shot]
-    trained_on: tuple[TrainedOn, ...]
-    every: int
-    split: str
-    notes: tuple[str, ...]
-
-
 def session_shots(
     dataset: Dataset, pictures: RecordingPictures, settings: IcfSettings, arguments: TrainArguments
-) -> SessionShots:
+) -> TrainingData:
     """The frames of a session to learn from.
 
     Boxes that the session's protocol leaves out, that are mostly hidden, cut off by the picture's
@@ -87,12 +61,12 @@ def session_shots(
             "no box of the truth can be learned: all are ignored, mostly hidden, cut off by the "
             "picture's edge or too low; choose other recordings or frames, or lower boxes"
         )
-    split = HeldOut(dataset, rows, objects, arguments)
+    split = split_frames(dataset, rows, objects, arguments)
     shots = [
         _shot(dataset, pictures, int(row), counts, split) for row in rows[~split.is_left_out[rows]]
     ]
     notes += _left_out(dataset, is_here, counts, _least_height(settings, arguments))
-    return SessionShots(shots, trained_on, every, split.words, tuple(notes))
+    return TrainingData(shots, trained_on, every, split.words, tuple(notes))
 
 
 def _left_out(
@@ -202,7 +176,7 @@ def _shot(
     pictures: RecordingPictures,
     row: int,
     counts: NDArray[np.bool_],
-    split: HeldOut,
+    split: Split,
 ) -> Shot:
     frames, truth = dataset.frame_columns, dataset.truth
     number = int(frames.recording[row])

@@ -1,15 +1,18 @@
-"""A training from beginning to end: pictures are read, a model is trained, and what it kept."""
+"""Train a detector: gather pictures, read them, train, and check the held-out objects."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from nvcore.dataset import Dataset
+from nvcore.detectors.arguments import TrainArguments
 from nvcore.detectors.base import DetectorError
 from nvcore.detectors.classifier import MAX_CLASSES
 from nvcore.detectors.icf import IcfModel, IcfSettings, Scene, train
@@ -17,10 +20,12 @@ from nvcore.detectors.icf.cascade import passes
 from nvcore.detectors.icf.channels import check_picture
 from nvcore.detectors.icf.model_file import LONGEST_NAME
 from nvcore.detectors.icf.windows import object_windows, window_values
-from nvcore.detectors.training.gathering import TrainingData
-from nvcore.detectors.training.shots import PictureStore, Shot, scenes_of
+from nvcore.detectors.training.folders import folder_shots
+from nvcore.detectors.training.recordings import session_shots
+from nvcore.detectors.training.shots import PictureStore, Shot, TrainingData, scenes_of
 from nvcore.errors import InputError, ParameterError
 from nvcore.memory import free_bytes
+from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress, no_progress, part_of, with_time_left
 from nvcore.wording import count_text, duration_text, one_line
 
@@ -28,6 +33,70 @@ _READING: Final = 0.05
 """Share of the time for reading pictures, about."""
 _BYTES_OF_VALUE: Final = 13
 """Memory for each feature of each window: joined from parts, binned, in the search of splits."""
+
+
+def gather(
+    dataset: Dataset | None,
+    pictures: RecordingPictures | None,
+    settings: IcfSettings,
+    arguments: TrainArguments,
+) -> TrainingData:
+    """Gather pictures and boxes of a training. No picture of a recording is read.
+
+    Parameters
+    ----------
+    dataset, pictures
+        Of a session; None: there are folders alone.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to learn from.
+    ParameterError
+        If the split is not possible.
+    """
+    crops, background = (
+        None if folder is None else Path(folder)
+        for folder in (arguments.crops, arguments.background)
+    )
+    from_folders = folder_shots(
+        crops,
+        background,
+        settings,
+        crop_share=arguments.crop_share,
+        share=arguments.share,
+        seed=arguments.seed,
+    )
+    if dataset is None or pictures is None:
+        if not from_folders.shots:
+            raise InputError("there is nothing to learn from; name a session, or folders")
+        gathered = from_folders
+    else:
+        of_session = session_shots(dataset, pictures, settings, arguments)
+        gathered = replace(
+            of_session,
+            shots=[*of_session.shots, *from_folders.shots],
+            trained_on=of_session.trained_on + from_folders.trained_on,
+            held_out="; ".join(filter(None, (of_session.held_out, from_folders.held_out))),
+        )
+    _check_held_out(gathered.shots, gathered.held_out)
+    return gathered
+
+
+def _check_held_out(shots: Sequence[Shot], held_out: str) -> None:
+    """Refuse a training of which all objects would be on one side."""
+    n_learned, n_out = (
+        sum(len(boxes) for boxes in side)
+        for side in zip(*((shot.learned, shot.held_out) for shot in shots), strict=True)
+    )
+    if n_learned + n_out and not (n_learned and n_out):
+        every = "all are" if n_out else "none is"
+        raise InputError(
+            f"of {count_text(n_learned + n_out, 'box', 'boxes')} {every} held out "
+            f"({one_line(held_out)}); a training needs some to learn, and at least one, of another "
+            "physical object, to calibrate the rejection on: choose more recordings or frames, or "
+            "another split or share"
+        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from nvcore.dataset.provenance import TrainedOn
 from nvcore.detectors.icf.channels import has_colour
 from nvcore.detectors.icf.windows import NO_BOXES, LazyScenes, Scene
 from nvcore.errors import MediaError
@@ -54,6 +55,31 @@ class Shot:
     def is_learned(self) -> bool:
         """Whether anything of it is trained on."""
         return self.has_background or len(self.learned) > 0
+
+
+@dataclass(frozen=True, eq=False)
+class TrainingData:
+    """Pictures and boxes of a training, of a session, of folders, or of both.
+
+    Attributes
+    ----------
+    shots
+        Pictures in the order of recordings and frames, then of the paths of crops and background.
+    trained_on
+        Recordings and frames, those held out included, and fingerprints of folders.
+    every
+        One in so many evaluated frames is taken.
+    held_out
+        Description of what is held out, empty if there is nothing to hold out.
+    notes
+        Recordings and frames that have no picture, and how many boxes are left out.
+    """
+
+    shots: Sequence[Shot] = ()
+    trained_on: tuple[TrainedOn, ...] = ()
+    every: int = 1
+    held_out: str = ""
+    notes: tuple[str, ...] = ()
 
 
 class PictureStore:

@@ -1,9 +1,9 @@
-"""Estimators as files: ``.npz`` of plain arrays and a block of JSON, never pickle."""
+"""Model files of estimators: arrays and JSON, checked before anything is computed."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, fields
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any, Final
@@ -21,82 +21,82 @@ from nvcore.driver.estimators.model import (
     SvrSettings,
 )
 from nvcore.driver.feature_record import picture_px_from_json, settings_from_json
-from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
+from nvcore.driver.features import FEATURE_KEYS
 from nvcore.driver.inputs.picture_boxes import LARGEST
 from nvcore.driver.inputs.record import SEARCHES
 from nvcore.errors import EstimatorError
-from nvcore.output import arrays as archives
-from nvcore.output.arrays import BadArchiveError, Kinds
 from nvcore.output.files import write_whole
+from nvcore.output.model_files import Array, BadModelError, ModelFormat, check_name, format_of
+from nvcore.records import decode
 
-FORMAT: Final = "nvcore-driver"
-VERSION: Final = 1
-MAX_BYTES: Final = 1 << 24
-"""Size of a model file, and of all that is in it."""
 LONGEST_NAME: Final = 200
 SAMPLE_ESTIMATOR: Final = Path(__file__).parents[1] / "models" / "sample.npz"
 """Of the sample's simulated observer; written by scripts/train_sample_driver.py."""
 SAMPLE_NAME: Final = "sample"
-"""What that one is called where a file is asked for."""
-_WHAT: Final = "an estimator that nvcore driver train wrote"
-_MOST: Final = {"periods": 1000, "regressions": 1001, "vectors": 200_000}
-_RANGES: Final = {
-    "periods_s": (0.0, 3660.0),  # of trials and the display of a picture
-    "centre": (-LARGEST, LARGEST),
-    "low": (-LARGEST, LARGEST),
-    "high": (-LARGEST, LARGEST),
-    "cost": (0.0, 1000.0),
-    "epsilon": (0.0, 1.0),
-    "gamma": (0.0, 1000.0),
-    "offset": (-LARGEST, LARGEST),
-    "vectors": (-1000.0, 1000.0),  # standard deviations: the root of a million rows
-    "n_rows": (1, 1_000_000),
-    "error": (0.0, 1.0),
-    "constant": (0.0, 1.0),
-    "constant_error": (0.0, 1.0),
-}
-"""What training can write, or more: within them nothing that is computed is infinite."""
-_SCALE: Final = (1e-12, LARGEST)
+"""Its name where a file is asked for."""
+MAX_BYTES: Final = 1 << 24
+_SCALE: Final = Array("<f8", ("regressions", N_FEATURES), 1e-12, LARGEST)
 _ROUNDING: Final = 1e-9
-_ARRAYS: Final[Kinds] = {
-    "periods_s": ("<f8", ("periods",)),
-    "is_used": ("|u1", ("regressions", N_FEATURES)),
-    "centre": ("<f8", ("regressions", N_FEATURES)),
-    "scale": ("<f8", ("regressions", N_FEATURES)),
-    "low": ("<f8", ("regressions", N_FEATURES)),
-    "high": ("<f8", ("regressions", N_FEATURES)),
-    "kernel": ("|u1", ("regressions",)),
-    "cost": ("<f8", ("regressions",)),
-    "epsilon": ("<f8", ("regressions",)),
-    "gamma": ("<f8", ("regressions",)),
-    "offset": ("<f8", ("regressions",)),
-    "vector_ends": ("<i4", ("regressions",)),
-    "vectors": ("<f8", ("vectors", N_FEATURES)),
-    "weights": ("<f8", ("vectors",)),
-    "n_rows": ("<i4", ("regressions",)),
-    "error": ("<f8", ("regressions",)),
-    "constant": ("<f8", ("regressions",)),
-    "constant_error": ("<f8", ("regressions",)),
-}
-"""The single regression is the last; columns of features that one does not take are 0."""
 _OF_REGRESSIONS: Final = ("centre", "scale", "low", "high")
 _OF_SETTINGS: Final = ("cost", "epsilon", "gamma")
 _OF_QUALITIES: Final = ("n_rows", "error", "constant", "constant_error")
-_FACTS: Final[dict[str, type]] = {"name": str, "features": list, "origin": dict}
 _GREATEST: Final = 2**32
-"""Of the numbers that say what it was trained on."""
-_ORIGIN: Final[dict[str, type]] = {
-    "n_pedestrians": int,
-    "n_subjects": int,
-    "n_trials": int,
-    "simulated": str,
-    "square_px": float,
-    "centre_share": float,
-    "display_s": float,
-    "seed": int,
-    "fingerprint": str,
-    "search": str,
-}
+"""Of the numbers about the training."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _About:
+    name: str
+    features: tuple[str, ...]
+    origin: Mapping[str, object]
+    feature_settings: Mapping[str, object] | None = None
+
+    def __post_init__(self) -> None:
+        check_name("name", self.name, LONGEST_NAME)
+        if self.features != FEATURE_KEYS:
+            raise ValueError("features: expected those of this program; train the model again")
+
+
+def _per_regression(low: float, high: float, dtype: str = "<f8") -> Array:
+    return Array(dtype, ("regressions",), low, high)
+
+
+def _per_feature(high: float = LARGEST, dtype: str = "<f8") -> Array:
+    return Array(dtype, ("regressions", N_FEATURES), -high, high)
+
+
+FORMAT: Final = ModelFormat(
+    name="nvcore-driver",
+    version=1,
+    what="an estimator that nvcore driver train wrote",
+    error=EstimatorError,
+    about=_About,
+    # ranges: what training can write, or more; within them nothing that is computed is infinite
+    arrays={
+        "periods_s": Array("<f8", ("periods",), 0, 3660),  # of trials and the display of a picture
+        "is_used": _per_feature(dtype="|u1"),
+        "centre": _per_feature(),
+        "scale": _per_feature(np.inf),  # of features in use within _SCALE
+        "low": _per_feature(),
+        "high": _per_feature(),
+        "kernel": _per_regression(0, 255, "|u1"),
+        "cost": _per_regression(0, 1000),
+        "epsilon": _per_regression(0, 1),
+        "gamma": _per_regression(0, 1000),
+        "offset": _per_regression(-LARGEST, LARGEST),
+        "vector_ends": _per_regression(-(2**31), 2**31 - 1, "<i4"),
+        "vectors": Array("<f8", ("vectors", N_FEATURES), -1000, 1000),  # standard deviations
+        "weights": Array("<f8", ("vectors",)),
+        "n_rows": _per_regression(1, 1_000_000, "<i4"),
+        "error": _per_regression(0, 1),
+        "constant": _per_regression(0, 1),
+        "constant_error": _per_regression(0, 1),
+    },
+    longest={"periods": 1000, "regressions": 1001, "vectors": 200_000},
+    may_be_empty=frozenset({"vectors"}),
+    max_bytes=MAX_BYTES,
+)
+"""The single regression is the last. Columns of features that one does not take are 0."""
 
 
 def write_estimator(estimator: Estimator, path: Path) -> None:
@@ -111,53 +111,47 @@ def write_estimator(estimator: Estimator, path: Path) -> None:
 
 
 def estimator_path(model: str | PathLike[str]) -> Path:
-    """Where an estimator lies: at its path, or with the package if it is called ``sample``."""
+    """Return the path of an estimator. ``sample`` is the one of the package."""
     return SAMPLE_ESTIMATOR if fspath(model) == SAMPLE_NAME else Path(model)
 
 
 def is_estimator_file(path: str | PathLike[str]) -> bool:
-    """Whether a file calls itself an estimator; not whether it can be used."""
+    """Return True if a file calls itself an estimator, even one that cannot be used."""
     try:
-        with Path(path).open("rb") as file:
-            return archives.format_of(file.read(MAX_BYTES + 1)) == FORMAT
-    except (OSError, ValueError):  # none, a folder; a NUL in the name
+        return format_of(FORMAT.read(Path(path))) == FORMAT.name
+    except (EstimatorError, ValueError):  # none, a folder; a NUL in the name
         return False
 
 
 def read_estimator(path: Path) -> Estimator:
-    """The estimator in a file.
+    """Read the estimator in a file.
 
     Raises
     ------
     EstimatorError
         If the file cannot be read, or is no such model.
     """
-    try:
-        with path.open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
-    except FileNotFoundError as error:
+    if not path.exists():
         raise EstimatorError(
-            f"there is no such file; expected {_WHAT}, or {SAMPLE_NAME}: that of the sample's "
-            "simulated observer",
+            f"there is no such file; expected {FORMAT.what}, or {SAMPLE_NAME}: that of the "
+            "sample's simulated observer",
             file=path.name,
-        ) from error
-    except OSError as error:
-        raise EstimatorError(f"cannot be opened ({error.strerror})", file=path.name) from error
-    return from_bytes(content, path.name)
+        )
+    return from_bytes(FORMAT.read(path), path.name)
 
 
 def to_bytes(estimator: Estimator) -> bytes:
-    """The estimator as the content of a file; equal ones give equal bytes."""
-    return archives.pack(_members(estimator))
+    """Return the estimator as the content of a file. Equal ones give equal bytes."""
+    return FORMAT.to_bytes(*_parts(estimator))
 
 
 def fingerprint(estimator: Estimator) -> str:
-    """sha256 over the estimator, as hexadecimal digits."""
-    return archives.fingerprint_of(_members(estimator))
+    """Return the sha256 of the estimator as hexadecimal digits."""
+    return FORMAT.fingerprint(*_parts(estimator))
 
 
 def from_bytes(content: bytes, name: str) -> Estimator:
-    """The estimator that `to_bytes` wrote.
+    """Return the estimator that `to_bytes` wrote.
 
     Parameters
     ----------
@@ -170,16 +164,15 @@ def from_bytes(content: bytes, name: str) -> Estimator:
         If it is damaged, or anything in it is not as it must be.
     """
     try:
-        with archives.damage_of(_WHAT):
-            about, arrays = archives.unpack(content, _ARRAYS, what=_WHAT, most_bytes=MAX_BYTES)
-            return _checked(about, arrays)
-    except BadArchiveError as error:
+        return FORMAT.parse(content, name, _estimator)
+    except EstimatorError as error:
         is_network = name.lower().endswith(".onnx")
         hint = "; networks (.onnx) are for nvcore detect" if is_network else ""
-        raise EstimatorError(f"{error}{hint}", file=name) from error
+        raise EstimatorError(f"{error.message}{hint}", file=name) from error
 
 
-def _members(estimator: Estimator) -> dict[str, NDArray[Any]]:
+def _parts(estimator: Estimator) -> tuple[_About, dict[str, Any]]:
+    """Return the facts and the arrays of an estimator."""
     regressions = estimator.regressions
     values: dict[str, Any] = {
         "periods_s": estimator.periods_s,
@@ -201,38 +194,32 @@ def _members(estimator: Estimator) -> dict[str, NDArray[Any]]:
         values["vectors"][end - len(part.weights) : end, part.columns] = part.vectors
         for name in _OF_REGRESSIONS:
             values[name][row, part.columns] = getattr(part, name)
-    about: dict[str, Any] = {
-        "format": FORMAT,
-        "version": VERSION,
-        "name": estimator.name,
-        "features": list(FEATURE_KEYS),
-        "origin": estimator.origin.as_json(),
-    }
-    if estimator.feature_settings is not None:
-        settings = asdict(estimator.feature_settings)
-        about["feature_settings"] = {name: float(value) for name, value in settings.items()}
-    return archives.members_of(about, values, _ARRAYS)
+    features = estimator.feature_settings
+    about = _About(
+        name=estimator.name,
+        features=FEATURE_KEYS,
+        origin=estimator.origin.as_json(),
+        feature_settings=None
+        if features is None
+        else {name: float(value) for name, value in asdict(features).items()},
+    )
+    return about, values
 
 
-def _checked(about: Mapping[str, Any], arrays: dict[str, NDArray[Any]]) -> Estimator:
-    archives.check_version(about, FORMAT, VERSION, what=_WHAT)
-    archives.check_facts(about, _FACTS)
-    archives.check_name(about, "name", LONGEST_NAME)
-    if tuple(about["features"]) != FEATURE_KEYS:
-        raise BadArchiveError("features: expected those of this program; train the model again")
-    archives.check_lengths(arrays, _ARRAYS, _MOST, may_be_empty=("vectors",))
+def _estimator(about: _About, arrays: dict[str, NDArray[Any]]) -> Estimator:
     _check_values(arrays)
+    features = about.feature_settings
     n_regressions = len(arrays["offset"])
     return Estimator(
-        name=about["name"],
+        name=about.name,
         periods_s=arrays["periods_s"],
         regressions=tuple(_regression(arrays, row) for row in range(n_regressions)),
         qualities=tuple(
             Quality(**{name: arrays[name][row].item() for name in _OF_QUALITIES})
             for row in range(n_regressions)
         ),
-        origin=_origin(about["origin"]),
-        feature_settings=_feature_settings(about),
+        origin=_origin(about.origin),
+        feature_settings=None if features is None else settings_from_json(features),
     )
 
 
@@ -240,39 +227,23 @@ def _check_values(arrays: Mapping[str, NDArray[Any]]) -> None:
     """Refuse numbers with which nothing can be estimated."""
     periods, is_used, ends = arrays["periods_s"], arrays["is_used"], arrays["vector_ends"]
     if len(is_used) != len(periods) + 1:
-        raise BadArchiveError("expected a regression for each period, and one for all")
+        raise BadModelError("expected a regression for each period, and one for all")
     if periods[0] < 0 or (np.diff(periods) <= 0).any():
-        raise BadArchiveError("periods_s: expected ascending numbers of 0 or more")
+        raise BadModelError("periods_s: expected ascending numbers of 0 or more")
     if is_used.max() > 1 or not is_used.any(axis=1).all():
-        raise BadArchiveError("is_used: expected 0 and 1, and a feature for each regression")
+        raise BadModelError("is_used: expected 0 and 1, and a feature for each regression")
     if (np.diff(ends, prepend=0) < 0).any() or ends[-1] != len(arrays["weights"]):
-        raise BadArchiveError("vector_ends: expected ascending numbers up to those of vectors")
-    if (arrays["scale"][is_used == 1] <= 0).any():
-        raise BadArchiveError("scale: expected numbers above 0")
+        raise BadModelError("vector_ends: expected ascending numbers up to those of vectors")
     if arrays["kernel"].max() >= len(KERNELS):
-        raise BadArchiveError("kernel: expected 0 or 1")
-    for name, limits in _RANGES.items():
-        _check_range(name, arrays[name].ravel(), *limits)
-    _check_range("scale", arrays["scale"][is_used == 1], *_SCALE)
-    _check_relations(arrays)
-
-
-def _check_range(name: str, values: NDArray[Any], low: float, high: float) -> None:
-    is_wrong = (values < low) | (values > high)
-    if is_wrong.any():
-        value = values[is_wrong.argmax()]
-        raise BadArchiveError(f"{name}: expected {low:g} to {high:g}, found {value:g}")
-
-
-def _check_relations(arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Refuse numbers that no training gives beside each other."""
+        raise BadModelError("kernel: expected 0 or 1")
+    _SCALE.check_values("scale", arrays["scale"][is_used == 1])
     centre = arrays["centre"]
     slack = _ROUNDING * np.maximum(np.abs(centre), 1.0)
     if (arrays["low"] > centre + slack).any() or (arrays["high"] < centre - slack).any():
-        raise BadArchiveError("low, centre, high: expected them in this order")
+        raise BadModelError("low, centre, high: expected them in this order")
     most = np.repeat(arrays["cost"], np.diff(arrays["vector_ends"], prepend=0))
     if (np.abs(arrays["weights"]) > most * (1 + _ROUNDING)).any():
-        raise BadArchiveError("weights: expected no more than the cost, without the sign")
+        raise BadModelError("weights: expected no more than the cost, without the sign")
 
 
 def _regression(arrays: Mapping[str, NDArray[Any]], row: int) -> Regression:
@@ -290,31 +261,15 @@ def _regression(arrays: Mapping[str, NDArray[Any]], row: int) -> Regression:
     )
 
 
-def _feature_settings(about: Mapping[str, Any]) -> FeatureSettings | None:
-    """None: models of earlier versions do not say them."""
-    if "feature_settings" not in about:
-        return None
-    archives.check_facts(about, {"feature_settings": dict})
-    try:
-        return settings_from_json(about["feature_settings"])
-    except ValueError as error:
-        raise BadArchiveError(str(error)) from error
-
-
-def _origin(content: Mapping[str, Any]) -> Origin:
-    content = {"search": "", **content}
-    picture_px = content.pop("picture_px", None)
-    if set(content) != set(_ORIGIN):
-        raise BadArchiveError("origin: its keys are others")
-    archives.check_facts(content, _ORIGIN)
-    if content["simulated"] not in ("no", "all", "some"):
-        raise BadArchiveError("simulated: expected no, all or some")
-    if content["search"] not in SEARCHES:
-        raise BadArchiveError("search: expected quick, or none")
-    for name, kind in _ORIGIN.items():
-        if kind is not str and not 0 <= content[name] <= _GREATEST:
-            raise BadArchiveError(f"{name}: expected 0 to {_GREATEST}, got {content[name]!r:.80}")
-    try:
-        return Origin(**content, picture_px=picture_px_from_json(picture_px))
-    except ValueError as error:
-        raise BadArchiveError(str(error)) from error
+def _origin(content: Mapping[str, object]) -> Origin:
+    origin = decode(Origin, content, "origin")
+    if origin.simulated not in ("no", "all", "some"):
+        raise BadModelError("simulated: expected no, all or some")
+    if origin.search not in SEARCHES:
+        raise BadModelError("search: expected quick, or none")
+    for spec in fields(Origin):
+        value = getattr(origin, spec.name)
+        if isinstance(value, int | float) and not 0 <= value <= _GREATEST:
+            raise BadModelError(f"{spec.name}: expected 0 to {_GREATEST}, got {value!r:.80}")
+    picture_px_from_json(origin.picture_px)
+    return origin

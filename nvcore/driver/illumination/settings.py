@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from nvcore.dataset.records import numbers_of
 from nvcore.errors import ParameterError
+from nvcore.records import decode
 
 _RANGES: Final = {
     "drop_factor": (1.1, 1e6),
@@ -59,7 +59,7 @@ class LightSettings:
 
 
 def light_settings(content: Mapping[str, object]) -> LightSettings:
-    """Settings from a record, where they stand as `dataclasses.asdict` gives them.
+    """Parse settings from a record, where they stand as `dataclasses.asdict` gives them.
 
     Raises
     ------
@@ -67,7 +67,6 @@ def light_settings(content: Mapping[str, object]) -> LightSettings:
         If one is missing, unknown, no number or outside its range.
     """
     try:
-        values = numbers_of(content, list(_RANGES), "settings of the light")
+        return decode(LightSettings, content, "settings of the light", complete=True)
     except ValueError as error:
         raise ParameterError(str(error)) from error
-    return LightSettings(**values)

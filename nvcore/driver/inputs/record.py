@@ -16,11 +16,11 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
-from nvcore.dataset.records import numbers_of, read_record, typed, value_of
 from nvcore.notes import Note, phrase
 from nvcore.objects import PEDESTRIAN
+from nvcore.records import convert, decode, read_record
 from nvcore.wording import MOST_NAMED, listed, one_line, shortened
 
 SIMULATED: Final = ("no", "some", "all", "")
@@ -105,8 +105,11 @@ class EstimateRecord:
             raise ValueError(f"simulated: expected no, some or all, found {self.simulated!r}")
         if self.search not in SEARCHES:
             raise ValueError(f"search: expected quick, or none, found {self.search!r}")
-        if self.n_subjects < 0:
-            raise ValueError(f"n_subjects: expected 0 or more, found {self.n_subjects}")
+        _check_counts("n_subjects", [self.n_subjects])
+        _check_counts("n", [self.n_estimates])
+        _check_counts("n_light_unknown", [self.n_light_unknown], most=self.n_estimates)
+        _check_counts("outside", self.outside.values(), most=self.n_estimates)
+        _check_counts("other_width", self.other_width.values())
 
     @property
     def made_by(self) -> str:
@@ -137,6 +140,11 @@ class EstimateRecord:
         if self.picture_doubts:
             notes.append(Note("driver.in_doubtful_pictures", names=_named(self.picture_doubts)))
         return listed([phrase(note, PEDESTRIAN) for note in notes])
+
+
+def _check_counts(name: str, counts: Iterable[int], most: int = _MOST) -> None:
+    if not all(0 <= n <= most for n in counts):
+        raise ValueError(f"{name}: expected 0 to {most}")
 
 
 def _named(names: Iterable[str]) -> str:
@@ -190,44 +198,8 @@ def read_estimate_record(path: Path, name: str) -> EstimateRecord:
 
 
 def _record(content: object) -> EstimateRecord:
-    record = typed(content, dict, "the record")
-    estimator = value_of(record, "estimator", dict)
-    estimates = value_of(record, "estimates", dict)
-    outside = value_of(estimates, "outside", dict)
-    files = value_of(record, "files", dict)
-    return EstimateRecord(
-        **{key: value_of(estimator, key, kind) for key, kind in _OF_ESTIMATOR.items()},
-        files={name: typed(digest, str, "files") for name, digest in files.items()},
-        written_by=value_of(record, "written_by", str),
-        light=value_of(value_of(record, "settings", dict), "light", dict),
-        n_estimates=(n := _count(value_of(estimates, "n", int), "n", _MOST)),
-        n_light_unknown=_count(value_of(estimates, "n_light_unknown", int), "n_light_unknown", n),
-        outside={
-            name: _count(typed(m, int, "outside"), "outside", n) for name, m in outside.items()
-        },
-        no_better_at_s=_periods(value_of(estimator, "no_better_at_s", list)),
-        of_no_use=value_of(estimator, "of_no_use", bool),
-        search=value_of(estimator, "search", str),
-        other_width={
-            name: _count(typed(px, int, "other_width"), "other_width", _MOST)
-            for name, px in value_of(estimates, "other_width", dict).items()
-        },
-        light_doubts=_texts(estimates, "light_doubts"),
-        picture_doubts=_texts(estimates, "picture_doubts"),
-    )
-
-
-def _count(n: int, name: str, most: int) -> int:
-    if not 0 <= n <= most:
-        raise ValueError(f"{name}: expected 0 to {most}")
-    return n
-
-
-def _texts(estimates: dict[str, Any], key: str) -> dict[str, str]:
-    return {name: typed(why, str, key) for name, why in value_of(estimates, key, dict).items()}
-
-
-def _periods(values: list[object]) -> tuple[float, ...]:
-    where = "no_better_at_s"
-    named = {f"{where} {number}": value for number, value in enumerate(values, start=1)}
-    return tuple(numbers_of(named, named, where).values())
+    record = {**convert(Mapping[str, object], content, "the record")}
+    for part in ("estimator", "estimates", "settings"):
+        record |= convert(Mapping[str, object], record.get(part, {}), part)
+    record["n_estimates"] = record.get("n", 0)
+    return decode(EstimateRecord, record, "", known_only=False)

@@ -10,6 +10,7 @@ from typing import Any, Final, Literal
 from nvcore.driver.inputs.trials import LATE_S, is_same_time
 from nvcore.errors import InputError
 from nvcore.people.form import KEPT_DAYS, check_terms, form_of
+from nvcore.records import decode
 from nvcore.wording import listed
 
 Design = Literal["all", "latin"]
@@ -199,6 +200,4 @@ class StudySettings:
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> StudySettings:
         """Return the settings whose `dataclasses.asdict` was written as JSON."""
-        timing, facts = Timing(**values["timing"]), Facts(**values["facts"])
-        questions = tuple(values["questions"])
-        return cls(**{**values, "timing": timing, "facts": facts, "questions": questions})
+        return decode(cls, values, "settings of the study")

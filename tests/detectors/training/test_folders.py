@@ -55,7 +55,7 @@ def test_an_object_fills_the_stated_share_of_its_crop(crops: Path):
 
 def test_a_track_of_crops_is_on_one_side(crops: Path):
     given = folder_shots(crops, None, SIGNS, share=0.25)
-    assert given.split == "1 of 4 physical objects in crops"
+    assert given.held_out == "1 of 4 physical objects in crops"
     out = [len(shot.held_out) for shot in given.shots]
     assert sum(out) == 3
     assert {sum(out[i : i + 3]) for i in range(0, 12, 3)} == {0, 3}
@@ -71,7 +71,7 @@ def test_crops_that_are_all_named_as_of_one_object_are_refused_before_they_are_r
     with pytest.raises(InputError, match="all 3 pictures are named as of one physical object"):
         folder_shots(folder, None, SIGNS)
     (folder / "other.jpg").write_bytes(b"")
-    assert folder_shots(folder, None, SIGNS).split == "1 of 2 physical objects in crops"
+    assert folder_shots(folder, None, SIGNS).held_out == "1 of 2 physical objects in crops"
 
 
 def test_boxes_are_those_of_the_table(crops: Path):

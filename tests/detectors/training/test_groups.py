@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nvcore.detectors.training.groups import by_group, by_time
+from nvcore.detectors.training.split import by_group, by_time
 from nvcore.errors import ParameterError
 
 

@@ -14,8 +14,9 @@ import nvcore as nv
 from nvcore.dataset import Dataset
 from nvcore.detectors.arguments import TrainArguments
 from nvcore.detectors.icf import PEDESTRIANS
-from nvcore.detectors.training.parts import trained_part
-from nvcore.detectors.training.recordings import MOST_OBJECTS, SessionShots, session_shots
+from nvcore.detectors.training.overlap import trained_part
+from nvcore.detectors.training.recordings import MOST_OBJECTS, session_shots
+from nvcore.detectors.training.shots import TrainingData
 from nvcore.errors import InputError, ParameterError
 from nvcore.pictures import RecordingPictures, session_pictures
 
@@ -42,7 +43,7 @@ def learned(**changes: Any) -> TrainArguments:
     return TrainArguments(None, "model.npz", **changes)
 
 
-def shots_of(dataset: Dataset, **choice: Any) -> SessionShots:
+def shots_of(dataset: Dataset, **choice: Any) -> TrainingData:
     n = len(dataset.recordings)
     pictures = RecordingPictures(
         {number: Still() for number in range(n)},  # type: ignore[misc]
@@ -109,7 +110,7 @@ def test_frames_without_a_box_are_background():
 
 def test_an_object_is_learned_or_held_out_as_a_whole():
     given = shots_of(walkers("a", "b", tracks=4), share=0.25, seed=3)
-    assert given.split == "2 of 8 physical objects"
+    assert given.held_out == "2 of 8 physical objects"
     for name in "ab":
         own = [shot for shot in given.shots if shot.source == name]
         learned = {tuple(box) for shot in own for box in shot.learned}
@@ -122,7 +123,7 @@ def test_whole_recordings_are_held_out():
     for choice in ({"hold_out": ("b",)}, {"split": "recording", "share": 0.5, "seed": 0}):
         given = shots_of(walkers("a", "b"), **choice)
         (out,) = {shot.source for shot in given.shots if len(shot.held_out)}
-        assert given.split == out
+        assert given.held_out == out
         own = [shot for shot in given.shots if shot.source == out]
         assert not any(len(shot.learned) or shot.has_background for shot in own)
         others = [shot for shot in given.shots if shot.source != out]
@@ -142,8 +143,8 @@ def test_without_tracks_recordings_or_time_are_split():
     def untracked(dataset: Dataset) -> Dataset:
         return replace(dataset, boxes=dataset.boxes.assign(track=np.int64(-1)))
 
-    assert "last 10 %" in shots_of(untracked(walkers("a"))).split
-    assert shots_of(untracked(walkers(*"abcd"))).split in "abcd"
+    assert "last 10 %" in shots_of(untracked(walkers("a"))).held_out
+    assert shots_of(untracked(walkers(*"abcd"))).held_out in "abcd"
     with pytest.raises(ParameterError, match="boxes without a track"):
         shots_of(untracked(walkers("a")), split="object")
 

@@ -11,7 +11,7 @@ from places import SAMPLE
 import nvcore as nv
 from nvcore.detectors.icf import PEDESTRIANS, read_model
 from nvcore.detectors.registry import SAMPLE_MODEL, open_detector
-from nvcore.detectors.training.parts import trained_part
+from nvcore.detectors.training.overlap import trained_part
 from nvcore.detectors.training.presets import preset_settings
 from scripts.detectors.train_sample import SEED, SETTINGS, TESTED, TRAINED
 

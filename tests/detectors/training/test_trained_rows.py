@@ -13,8 +13,7 @@ from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About, TrainedOn
 from nvcore.detectors.findings import trained_findings
 from nvcore.detectors.training import overlap as overlap_module
-from nvcore.detectors.training.overlap import training_overlap
-from nvcore.detectors.training.parts import trained_part
+from nvcore.detectors.training.overlap import trained_part, training_overlap
 from nvcore.findings import Severity
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session

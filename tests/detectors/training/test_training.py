@@ -15,7 +15,7 @@ from nvcore.auditing import audit
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About, Provenance, TrainedOn
 from nvcore.detectors.findings import audit_provenance
-from nvcore.detectors.training.parts import trained_part, truth_fingerprint
+from nvcore.detectors.training.overlap import trained_part, truth_fingerprint
 from nvcore.errors import InputError
 from nvcore.findings import Finding, Severity
 

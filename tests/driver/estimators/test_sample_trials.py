@@ -1,7 +1,7 @@
 """Estimators on the sample's simulated trials: what they have to reach on unseen pedestrians.
 
-To be done within seconds they are searched for in few settings (`QUICK`) and trained without every
-fifth of the pedestrians (`OUTER_FOLDS`). The sample's own estimator is searched for in all settings
+To be done within seconds they are searched for in few settings and trained without every fifth of
+the pedestrians (`OUTER_FOLDS`). The sample's own estimator is searched for in all settings
 and trained on all pedestrians: here only what it says that it was trained on is compared.
 """
 
@@ -14,7 +14,7 @@ import pandas as pd
 import pytest
 from places import SAMPLE
 
-from nvcore.driver.estimators import QUICK, Search, read_estimator
+from nvcore.driver.estimators import Search, read_estimator
 from nvcore.driver.estimators.model_file import SAMPLE_ESTIMATOR
 from nvcore.driver.estimators.nested import OutOfFold, Samples, out_of_fold, samples_of
 from nvcore.driver.estimators.search import folds_of
@@ -26,6 +26,7 @@ from nvcore.output.csv_text import to_csv_bytes
 from nvcore.progress import no_progress
 
 FOLDER = SAMPLE.parent
+SEARCH = Search(n_settings=4, n_folds=2)
 
 
 @dataclass(frozen=True)
@@ -48,8 +49,8 @@ def left_out(tmp_path_factory: pytest.TempPathFactory) -> LeftOut:
     record_beside(features).write_bytes(run.record({features.name: content}))
     table = training_table(FOLDER / "trials_simulated.csv", features)
     samples = samples_of(table)
-    fold = folds_of(samples.group, OUTER_FOLDS, QUICK.seed + 1)
-    estimates = out_of_fold(samples, fold, QUICK, n_threads=2, progress=no_progress)
+    fold = folds_of(samples.group, OUTER_FOLDS, SEARCH.seed + 1)
+    estimates = out_of_fold(samples, fold, SEARCH, n_threads=2, progress=no_progress)
     return LeftOut(table, samples, estimates, truth_of(table.rows))
 
 

@@ -180,7 +180,7 @@ def test_a_record_with_other_settings_is_refused(value: object):
     content = {**asdict(LightSettings()), "drop_factor": value}
     with pytest.raises(ParameterError, match="drop_factor: expected"):
         light_settings(content)
-    with pytest.raises(ParameterError, match="others than there are"):
+    with pytest.raises(ParameterError, match="light: expected a picture_drop_factor"):
         light_settings({"drop_factor": 10.0})
 
 
