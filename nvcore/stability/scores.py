@@ -29,7 +29,7 @@ LETTERS: Final[tuple[Letter, Letter]] = ("x", "y")
 
 MEASURE_OF: Final[dict[Criterion, str]] = {
     "similarity": "mean_similarity",
-    "encounters": "encounters_detected_by_unit",
+    "encounters": "encounters_detected",
     "saliency": "saliency",
 }
 """Key of the measure in which each criterion compares X and Y."""
