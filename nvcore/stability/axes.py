@@ -141,10 +141,6 @@ class Axis:
     def __len__(self) -> int:
         return len(self.values)
 
-    def setting(self, i: int) -> float | str:
-        """Value of the parameter at point i."""
-        return self.labels[i] if self.labels else float(self.values[i])
-
     def setting_at(self, value: float) -> float | str:
         """Value of the parameter at a value of the axis."""
         return self.labels[round(value)] if self.labels else float(value)
@@ -154,11 +150,6 @@ class Axis:
         low, high = self.plausible
         room = ON_GRID * (high - low)  # 22.2 px is not below 0.06 * 370
         return (np.asarray(values) >= low - room) & (np.asarray(values) <= high + room)
-
-    @property
-    def is_present_plausible(self) -> bool:
-        """Whether the analysed setting, or each recording's own, lies in the plausible range."""
-        return bool(self.is_plausible(np.array(self.present)).all())
 
     @property
     def present_index(self) -> int | None:
@@ -337,19 +328,15 @@ def _numeric(
     # 0.6, not 0.6000000000000001, which a score of 0.6 would not pass
     values[1:-1] = values[1:-1].round(DIGITS - int(np.floor(np.log10(high - low))))
     near = ON_GRID * (high - low) / (n_points - 1)
-    for end in plausible:
-        nearest = int(np.argmin(np.abs(values - end)))
-        is_free = 0 < nearest < len(values) - 1 and values[nearest] != plausible[0]
-        if is_free or abs(values[nearest] - end) <= near:
-            values[nearest] = end
+    shown = plausible if place[0] < place[1] else (*plausible, place[0])
+    for number, value in enumerate(shown):
+        nearest = int(np.argmin(np.abs(values - value)))
+        is_free = number < len(plausible) and 0 < nearest < len(values) - 1
+        is_free &= values[nearest] != plausible[0]
+        if is_free or abs(values[nearest] - value) <= near:
+            values[nearest] = value
         else:
-            values = np.sort(np.append(values, end))
-    if place[0] == place[1]:
-        nearest = int(np.argmin(np.abs(values - place[0])))
-        if abs(values[nearest] - place[0]) <= near:
-            values[nearest] = place[0]
-        else:
-            values = np.sort(np.append(values, place[0]))
+            values = np.sort(np.append(values, value))
     values.flags.writeable = False
     setting = SETTINGS[name]
     label = f"{setting.label} ({usual.parameter})" if usual.parameter else setting.label

@@ -186,10 +186,7 @@ def _by_distance(stability: StabilityMap, is_candidate: np.ndarray) -> Iterator[
         yield Flip(
             cell=int(cell[i]),
             place=place,
-            settings={
-                axis.name: axis.setting_at(value)
-                for axis, value in zip(stability.axes, place, strict=True)
-            },
+            settings=stability.settings_at(place),
             difference=float(difference[i]),
             winner=stability.winner.ravel()[cell[i]],
             distance=float(distance[i]),

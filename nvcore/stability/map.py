@@ -26,7 +26,6 @@ from nvcore.stability.equal_alarms import (
     EqualAlarms,
     alarms_per_frame,
     equal_alarm_thresholds,
-    keys_along,
 )
 from nvcore.stability.flips import (
     Flip,
@@ -97,15 +96,7 @@ class StabilityMap:
         return str(winners(np.array([self.present_difference]))[0])  # type: ignore[return-value]
 
     @property
-    def present_cell(self) -> int | None:
-        """Flat index of the analysed setting; None if the recordings' own values differ."""
-        indices = self._present_indices
-        if indices is None:
-            return None
-        return int(np.ravel_multi_index(indices, self.difference.shape))
-
-    @property
-    def _present_indices(self) -> list[int] | None:
+    def present_indices(self) -> list[int] | None:
         """Index of the analysed setting on each axis; None if the recordings' own values differ."""
         indices = [i for axis in self.axes if (i := axis.present_index) is not None]
         return indices if len(indices) == len(self.axes) else None
@@ -113,7 +104,13 @@ class StabilityMap:
     def settings(self, cell: int) -> dict[str, float | str]:
         """Parameters of a cell, by flat index, for ``dataclasses.replace(params, **settings)``."""
         indices = np.unravel_index(cell, self.difference.shape)
-        return {axis.name: axis.setting(int(i)) for axis, i in zip(self.axes, indices, strict=True)}
+        places = [axis.values[i] for axis, i in zip(self.axes, indices, strict=True)]
+        return self.settings_at(places)
+
+    def settings_at(self, place: Sequence[float]) -> dict[str, float | str]:
+        """Parameters at a value on each axis."""
+        axes = zip(self.axes, place, strict=True)
+        return {axis.name: axis.setting_at(value) for axis, value in axes}
 
     @cached_property
     def share_held(self) -> float:
@@ -177,7 +174,7 @@ class StabilityMap:
 
         Empty if the verdict is undefined or the analysed setting is not a single point of the map.
         """
-        present = self._present_indices
+        present = self.present_indices
         if self.verdict == "undefined" or present is None:
             return ()
         return tuple(
@@ -240,7 +237,11 @@ def map_stability(
     along: dict[Letter, np.ndarray] = {}
     if plane == "thresholds" and len(axes) == len(LETTERS):
         pairs = equal_alarm_thresholds(result)
-        along = keys_along(pairs)
+        for letter in LETTERS:
+            name = f"threshold_{letter}"
+            along[letter] = np.fromiter(
+                (((name, value),) for value in pairs[name].tolist()), object
+            )
     letters_of: dict[Key, list[Letter]] = {}
     for letter in LETTERS:
         for key in dict.fromkeys([*keys[letter].ravel(), *along.get(letter, ())]):

@@ -222,7 +222,7 @@ def _present(stability: StabilityMap) -> list[Note]:
     outside = [
         f"{axis.title} {axis.range_text(*axis.present)}"
         for axis in axes
-        if not axis.is_present_plausible
+        if not axis.is_plausible(np.array(axis.present)).all()
     ]
     return [*notes, Note("stability.outside", settings=outside)] if outside else notes
 
@@ -246,10 +246,9 @@ def _interval(stability: StabilityMap, interval: FlipInterval) -> Note:
 
 def _choices(stability: StabilityMap) -> list[Note]:
     """Return notes on who is better if one choice has another value and all else is unchanged."""
-    present = [axis.present_index for axis in stability.axes]
-    if stability.present_cell is None:
+    present, notes = stability.present_indices, []
+    if present is None:
         return []
-    notes = []
     for i, axis in enumerate(stability.axes):
         others = [label for label in range(len(axis)) if label != present[i]]
         for label in others if axis.labels and stability.is_moved_by[i] else ():
