@@ -158,7 +158,7 @@ def compare_groups(asked: GroupArguments, text: TextTable | None = None) -> Grou
         notes.append(why)
         sizes = _sizes(asked, data)
         if asked.correlation is not None:
-            if read.summaries is None:
+            if "value" in read.rows:
                 raise ParameterError(
                     "correlation: values hold it; it is asked of means and SD alone"
                 )
@@ -198,8 +198,8 @@ def _data_of(read: GroupTable) -> _Data:
     """Return the values of each condition, and whether the same persons are in all of them."""
     names, rows, none = read.conditions, read.rows, np.empty((0, 0))
     has_several, notes = len(names) > 1, []
-    if read.summaries is not None:
-        groups = Groups(*read.summaries[["n", "mean", "sd"]].to_numpy(dtype=float).T)
+    if "value" not in rows:
+        groups = Groups(*rows[["n", "mean", "sd"]].to_numpy(dtype=float).T)
         notes = [Note("groups.unknown_persons_of_summaries")] if has_several else []
         return _Data("unknown", groups, [], none, False, notes)
     if not (rows["participant"] != "").any():
