@@ -1,8 +1,8 @@
 """How often do tests of small groups find a difference between equal means?
 
-    python -m bench.group_tests [--sets 2000]
+    python -m bench.group_tests [--sets 2000] [--shape normal]
 
-Draws groups of normal values with equal means, and prints the share of them with p at 0.05 or less
+Draws groups of values with equal means, and prints the share of them with p at 0.05 or less
 as a table: permuting F, permuting Welch's F, the larger p of that and of Welch's F distribution, a
 parametric bootstrap (Krishnamoorthy, Lu and Mathew 2007, A parametric bootstrap approach for ANOVA
 with unequal variances), and Welch's F distribution, which is what `nvcore groups` takes. The last
@@ -29,16 +29,22 @@ CASES: Final = (
     *(((3, 3, 3, 3), sds) for sds in ((1, 1, 1, 1), (1, 1, 1, 3), (1, 1, 3, 3))),
 )
 """Sizes and SD of the groups."""
+SHAPES: Final = {
+    "normal": np.random.Generator.standard_normal,
+    "exponential": lambda rng, size: rng.exponential(size=size) - 1,
+    "uniform": lambda rng, size: rng.uniform(-np.sqrt(3), np.sqrt(3), size),
+}
+"""Values of mean 0 and SD 1."""
 SEED: Final = 54
 MORE: Final = 50
 N_BOOTSTRAP: Final = 1_000
 
 
 def draw(
-    rng: np.random.Generator, n: np.ndarray, sds: tuple[int, ...], n_sets: int
+    rng: np.random.Generator, shape: str, n: np.ndarray, sds: tuple[int, ...], n_sets: int
 ) -> tuple[list[np.ndarray], np.ndarray, np.ndarray]:
     """Values of each group, shape (n_sets, n), and their means and variances, (n_sets, k)."""
-    groups = [rng.normal(0, sd, (n_sets, size)) for size, sd in zip(n, sds, strict=True)]
+    groups = [sd * SHAPES[shape](rng, (n_sets, size)) for size, sd in zip(n, sds, strict=True)]
     mean = np.stack([own.mean(axis=1) for own in groups], axis=1)
     return groups, mean, np.stack([own.var(axis=1, ddof=1) for own in groups], axis=1)
 
@@ -61,14 +67,16 @@ def by_bootstrap(
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--sets", type=int, default=2_000, help="of groups in each row")
-    n_sets = parser.parse_args().sets
+    parser.add_argument("--shape", choices=SHAPES, default="normal", help="of the values")
+    asked = parser.parse_args()
+    n_sets, shape = asked.sets, asked.shape
     print(
         "| sizes | SD | permuted F | permuted Welch | larger p | bootstrap | Welch | Welch, more |"
     )
     print("|---|---|---|---|---|---|---|---|")
     for sizes, sds in CASES:
         rng, n = np.random.default_rng(SEED), np.array(sizes)
-        groups, *moments = draw(rng, n, sds, n_sets)
+        groups, *moments = draw(rng, shape, n, sds, n_sets)
         of_f, of_welch = (
             np.array(
                 [permute_between(own, has_welch=has_welch).p for own in zip(*groups, strict=True)]
@@ -77,7 +85,7 @@ def main() -> None:
         )
         welch = by_welch(n, *moments)
         bootstrap = np.array([by_bootstrap(rng, n, *own) for own in zip(*moments, strict=True)])
-        more = by_welch(n, *draw(rng, n, sds, MORE * n_sets)[1:])
+        more = by_welch(n, *draw(rng, shape, n, sds, MORE * n_sets)[1:])
         each = (of_f, of_welch, np.maximum(of_welch, welch), bootstrap, welch, more)
         shares = [f"{np.mean(p <= SIGNIFICANT):.1%}".replace("%", " %") for p in each]
         cells = [", ".join(map(str, sizes)), ", ".join(map(str, sds)), *shares]
