@@ -2,8 +2,8 @@
 
 `reading`: values, or means, SD and n typed in. `summaries`: ANOVA, Welch, Tukey, Games–Howell, all
 from n, mean and SD. `permutation`: exact tests. `repeated`: the same persons in all conditions.
-`sample_size`: how many a further study needs. `comparison`: all of it, and which test fits. `said`:
-what it comes to. `text`: for the terminal, as JSON, as files.
+`sample_size`: how many a further study needs. `comparison`: all of it, which test fits, and the
+conclusions. `text`: for the terminal, as JSON, as files.
 """
 
 from nvcore.group_statistics.comparison import GroupComparison, compare_groups

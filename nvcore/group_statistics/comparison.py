@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations
 from typing import Final, Literal, NamedTuple, get_args
 
@@ -13,8 +14,7 @@ import scipy
 from nvcore.arguments.groups import GroupArguments, Scale
 from nvcore.errors import ParameterError
 from nvcore.evidence.paired_tests import SIGNIFICANT, holm
-from nvcore.group_statistics.notes import SMALL, cautions, results
-from nvcore.group_statistics.permutation import Permuted, permute_between, permute_within
+from nvcore.group_statistics.permutation import permute_between, permute_within
 from nvcore.group_statistics.reading import GroupTable, read_groups
 from nvcore.group_statistics.repeated import (
     friedman,
@@ -25,25 +25,26 @@ from nvcore.group_statistics.repeated import (
 )
 from nvcore.group_statistics.sample_size import persons_for, power_of_anova, power_of_t
 from nvcore.group_statistics.summaries import (
-    PAIR_COLUMNS,
     Groups,
     Test,
     anova,
     assumed_pairs,
     cohens_d,
     games_howell,
-    mean_interval,
     pair_table,
     pairs_of,
+    t_interval,
     tukey,
     welch,
 )
-from nvcore.group_statistics.text import render_groups
+from nvcore.group_statistics.text import PAIR_TESTS, TESTS, amount_form, render_groups
 from nvcore.inputs.readers.parse.table import TextTable
 from nvcore.notes import Note, say
 from nvcore.objects import PEDESTRIAN
 
 Design = Literal["same", "different", "mixed", "unknown"]
+SMALL: Final = 6
+"""In groups with fewer values or persons than this, assumptions are not checked."""
 LARGE_RATIO: Final = 3.0
 """Ratio of the largest to the smallest variance above which variances count as unequal (Dean and
 Voss 1999, Design and analysis of experiments, section 5.6)."""
@@ -113,26 +114,20 @@ class GroupComparison:
 class _Data(NamedTuple):
     """Values to compare in each condition, one per person or drive.
 
-    `of_groups` is None if only summaries are known.
-
-    Values of the same persons have one order. `wide` has them as persons by conditions, times as
-    logarithms, and is empty otherwise.
+    `of_groups` is empty if only summaries are known. `wide` has the values of the same persons as
+    persons by conditions, times as logarithms, and is empty otherwise.
     """
 
     design: Design
     groups: Groups
-    of_groups: list[np.ndarray] | None
+    of_groups: list[np.ndarray]
     wide: np.ndarray
-    are_logs: bool = False
-    notes: tuple[Note, ...] = ()
+    are_logs: bool
+    notes: list[Note]
 
 
-class _Analysis(NamedTuple):
-    """Results of all applicable tests. A mixed design has none."""
-
-    tests: list[Test]
-    pairs: pd.DataFrame
-    assumptions: pd.DataFrame
+_Analysis = tuple[list[Test], list[pd.DataFrame], list[tuple[str, float, float, float]]]
+"""Tests of all conditions, comparisons of pairs, and checks of assumptions."""
 
 
 def compare_groups(asked: GroupArguments, text: TextTable | None = None) -> GroupComparison:
@@ -152,39 +147,40 @@ def compare_groups(asked: GroupArguments, text: TextTable | None = None) -> Grou
     """
     _check(asked)
     read = read_groups(asked, text)
-    names, data = read.conditions, _data_of(read)
-    is_comparable = len(names) > 1 and data.design != "mixed"
-    analysis = _Analysis([], pd.DataFrame(columns=[*PAIR_COLUMNS]), pd.DataFrame(columns=CHECKED))
-    why = None
+    data = _data_of(read)
+    analysis: _Analysis = [], [pair_table("", 0)], []
+    sizes: list[tuple[str, float, float, float]] = []
+    notes = [*read.notes, *data.notes]
     fits = fits_pairs = ""
-    if is_comparable:
+    if len(read.conditions) > 1 and data.design != "mixed":
         analysis = _of_same(data) if data.design == "same" else _of_independent(data)
-        fits, fits_pairs, why = _fitting(read.scale, data, analysis.assumptions)
-    if is_comparable and asked.correlation is not None:
-        if read.summaries is None:
-            raise ParameterError("correlation: values hold it; it is asked of means and SD alone")
-        if len({*data.groups.n}) > 1:
-            raise ParameterError("correlation: the same persons in all conditions have one n")
-        pairs = [analysis.pairs, assumed_pairs(data.groups, asked.correlation)]
-        analysis = analysis._replace(pairs=pd.concat(pairs, ignore_index=True))
-    tests = pd.DataFrame(analysis.tests, columns=[*Test._fields])
-    pairs_named = analysis.pairs.assign(
-        first=[names[place] for place in analysis.pairs["first"]],
-        second=[names[place] for place in analysis.pairs["second"]],
-        fits=analysis.pairs["test"] == fits_pairs,
-    )
+        fits, fits_pairs, why = _fitting(read.scale, data, analysis[2])
+        notes.append(why)
+        sizes = _sizes(asked, data)
+        if asked.correlation is not None:
+            if "value" in read.rows:
+                raise ParameterError(
+                    "correlation: values hold it; it is asked of means and SD alone"
+                )
+            if len({*data.groups.n}) > 1:
+                raise ParameterError("correlation: the same persons in all conditions have one n")
+            analysis[1].append(assumed_pairs(data.groups, asked.correlation))
+    tests = pd.DataFrame(analysis[0], columns=[*Test._fields])
+    pairs = pd.concat(analysis[1], ignore_index=True)
+    named = {
+        name: pairs[name].map(dict(enumerate(read.conditions))) for name in ("first", "second")
+    }
     comparison = GroupComparison(
         *(read.measure, read.scale, data.design, fits, fits_pairs),
         groups=_groups_table(read, data),
         tests=tests.assign(fits=tests["test"] == fits),
-        pairs=pairs_named,
-        assumptions=analysis.assumptions,
-        sizes=_sizes(asked, data) if is_comparable else pd.DataFrame(columns=SIZED),
-        notes=(*read.notes, *data.notes),
+        pairs=pairs.assign(**named, fits=pairs["test"] == fits_pairs),
+        assumptions=pd.DataFrame(analysis[2], columns=CHECKED),
+        sizes=pd.DataFrame(sizes, columns=SIZED),
+        notes=(),
     )
-    reasons = [why] if why is not None else []
-    notes = (*comparison.notes, *reasons, *results(comparison), *cautions(comparison, asked))
-    return replace(comparison, notes=notes)
+    notes += [*_results(comparison), *_cautions(comparison, asked)]
+    return replace(comparison, notes=tuple(notes))
 
 
 def _check(asked: GroupArguments) -> None:
@@ -200,17 +196,16 @@ def _check(asked: GroupArguments) -> None:
 
 def _data_of(read: GroupTable) -> _Data:
     """Return the values of each condition, and whether the same persons are in all of them."""
-    names, none = read.conditions, np.empty((0, 0))
-    has_several = len(names) > 1
-    if read.summaries is not None:
-        groups = Groups(*read.summaries[["n", "mean", "sd"]].to_numpy(dtype=float).T)
+    names, rows, none = read.conditions, read.rows, np.empty((0, 0))
+    has_several, notes = len(names) > 1, []
+    if "value" not in rows:
+        groups = Groups(*rows[["n", "mean", "sd"]].to_numpy(dtype=float).T)
         notes = [Note("groups.unknown_persons_of_summaries")] if has_several else []
-        return _Data("unknown", groups, None, none, notes=tuple(notes))
-    rows = read.rows
+        return _Data("unknown", groups, [], none, False, notes)
     if not (rows["participant"] != "").any():
-        of_groups = [own.to_numpy() for _, own in rows.groupby("condition", sort=False)["value"]]
+        own = _by_condition(rows)
         notes = [Note("groups.unknown_persons")] if has_several else []
-        return _Data("unknown", _summarised(of_groups), of_groups, none, notes=tuple(notes))
+        return _Data("unknown", _summarised(own), own, none, False, notes)
     key = ["participant", "condition"]
     persons = rows.groupby("participant", sort=False)["condition"].nunique()
     n_several, n_all = int((persons > 1).sum()), int((persons == len(names)).sum())
@@ -220,7 +215,6 @@ def _data_of(read: GroupTable) -> _Data:
     elif n_all >= 2 and 2 * n_all >= len(persons):
         design = "same"
     are_logs = design == "same" and read.scale == "times"
-    notes = []
     if rows.duplicated(key).any():
         notes.append(Note("groups.averaged", are_logs=are_logs))
     if design == "same" and n_all < len(persons):
@@ -234,32 +228,36 @@ def _data_of(read: GroupTable) -> _Data:
             "mixed": Note("groups.mixed_persons", n=len(persons), n_several=n_several, n_all=n_all),
         }
         notes.append(of_design[design])
-    rows = rows.assign(value=np.log(rows["value"])) if are_logs else rows
-    means = rows.groupby(key, sort=False)["value"].mean().reset_index()
-    wide = none
+    if are_logs:
+        rows = rows.assign(value=np.log(rows["value"]))
+    rows = rows.groupby(key, sort=False)["value"].mean().reset_index()
+    own, wide = _by_condition(rows), none
     if design == "same":
-        table = means.pivot_table(index="participant", columns="condition", values="value")
-        wide = table[names].to_numpy(dtype=float)
-        of_groups = [np.exp(own) if are_logs else own for own in wide.T]
-    else:
-        of_groups = [own.to_numpy() for _, own in means.groupby("condition", sort=False)["value"]]
-    return _Data(design, _summarised(of_groups), of_groups, wide, are_logs, tuple(notes))
+        table = rows.pivot_table(index="participant", columns="condition", values="value")
+        wide = table[names].to_numpy()
+        own = [*np.exp(wide).T] if are_logs else [*wide.T]
+    return _Data(design, _summarised(own), own, wide, are_logs, notes)
+
+
+def _by_condition(rows: pd.DataFrame) -> list[np.ndarray]:
+    return [own.to_numpy() for _, own in rows.groupby("condition", sort=False)["value"]]
 
 
 def _summarised(of_groups: list[np.ndarray]) -> Groups:
-    n = np.array([len(own) for own in of_groups], dtype=float)
-    sd = [own.std(ddof=1) if len(own) > 1 else np.nan for own in of_groups]
-    return Groups(n, np.array([own.mean() for own in of_groups]), np.array(sd, dtype=float))
+    parts = [
+        (len(own), own.mean(), own.std(ddof=1) if len(own) > 1 else np.nan) for own in of_groups
+    ]
+    return Groups(*np.array(parts, dtype=float).reshape(-1, 3).T)
 
 
 def _of_same(data: _Data) -> _Analysis:
     """Run all tests for a design with the same persons in all conditions."""
     wide, k = data.wide, data.wide.shape[1]
-    of_ranks = scipy.stats.rankdata(wide, axis=1)
     repeated, by_rank = repeated_measures(wide), friedman(wide)
+    of_ranks = permute_within(scipy.stats.rankdata(wide, axis=1))
     tests = [
         *(*repeated, by_rank, _by_permutation("within", repeated[0], permute_within(wide))),
-        _by_permutation("within_ranks", by_rank, permute_within(of_ranks)),
+        _by_permutation("within_ranks", by_rank, of_ranks),
     ]
     p = np.array([permute_within(wide[:, [*pair]]).p for pair in combinations(range(k), 2)])
     first, second = pairs_of(k)
@@ -268,8 +266,7 @@ def _of_same(data: _Data) -> _Analysis:
     exchanged = pair_table("exchanged", k, **effect, p=p, p_corrected=holm(p))
     epsilon = sphericity(wide) if k > 2 else np.nan
     checks = [("sphericity", epsilon, np.nan, np.nan), _normal(residuals(wide).ravel())]
-    pairs = pd.concat([paired(wide, are_logs=data.are_logs), exchanged], ignore_index=True)
-    return _Analysis(tests, pairs, pd.DataFrame(checks, columns=CHECKED))
+    return tests, [paired(wide, are_logs=data.are_logs), exchanged], checks
 
 
 def _of_independent(data: _Data) -> _Analysis:
@@ -281,38 +278,35 @@ def _of_independent(data: _Data) -> _Analysis:
     if len(variances) > 1 and variances.min() > 0:
         ratio = float(variances.max() / variances.min())
     checks = [("variance_ratio", ratio, np.nan, _truth(ratio <= LARGE_RATIO, ratio))]
-    if own is not None:
-        every = np.concatenate(own)
-        h = Test("kruskal", reason="all values are equal")
-        if np.ptp(every) > 0:
-            value, p = map(float, scipy.stats.kruskal(*own))
-            h = Test("kruskal", "H", value, len(own) - 1.0, p=p)
-        of_ranks = np.split(scipy.stats.rankdata(every), np.cumsum(groups.n[:-1]).astype(int))
-        tests += [
-            *(h, _by_permutation("permutation", tests[0], permute_between(own))),
-            _by_permutation("permutation_ranks", h, permute_between(of_ranks)),
-        ]
-        first, second = pairs_of(len(own))
-        of_pairs = np.array([permute_between(pair).p for pair in combinations(own, 2)])
-        difference = groups.mean[first] - groups.mean[second]
-        more = {"p": of_pairs, "p_corrected": holm(of_pairs), "d": cohens_d(groups)}
-        pairs.append(pair_table("permutation", len(own), difference=difference, **more))
-        value = p = np.nan
-        apart = [np.abs(values - np.median(values)) for values in own]
-        if (groups.n > 2).all() and _summarised(apart).within[0]:
-            value, p = map(float, scipy.stats.levene(*own, center="median"))
-        checks.append(("levene", value, p, _truth(p >= SIGNIFICANT, p)))
-        left = np.concatenate([values - values.mean() for values in own])
-        checks.append(_normal(left if groups.within[0] else np.zeros(0)))
-    pairs_table = pd.concat(pairs, ignore_index=True)
-    return _Analysis(tests, pairs_table, pd.DataFrame(checks, columns=CHECKED))
+    if not own:
+        return tests, pairs, checks
+    every = np.concatenate(own)
+    h = Test("kruskal", reason="all values are equal")
+    if np.ptp(every) > 0:
+        value, p = map(float, scipy.stats.kruskal(*own))
+        h = Test("kruskal", "H", value, len(own) - 1.0, p=p)
+    ranks = np.split(scipy.stats.rankdata(every), np.cumsum(groups.n[:-1]).astype(int))
+    tests += [
+        *(h, _by_permutation("permutation", tests[1], permute_between(own))),
+        _by_permutation("permutation_ranks", h, permute_between(ranks, has_welch=False)),
+    ]
+    of_pairs = np.array([permute_between(pair).p for pair in combinations(own, 2)])
+    more = {"p": of_pairs, "p_corrected": holm(of_pairs), "d": cohens_d(groups)}
+    pairs.append(pair_table("permutation", len(own), difference=groups.differences, **more))
+    value = p = np.nan
+    apart = [np.abs(values - np.median(values)) for values in own]
+    if (groups.n > 2).all() and not np.isnan(_summarised(apart).within[0]):
+        value, p = map(float, scipy.stats.levene(*own, center="median"))
+    checks.append(("levene", value, p, _truth(p >= SIGNIFICANT, p)))
+    left = np.concatenate([values - values.mean() for values in own])
+    checks.append(_normal(np.zeros(0) if np.isnan(groups.within[0]) else left))
+    return tests, pairs, checks
 
 
-def _by_permutation(key: str, by_formula: Test, test: Permuted) -> Test:
-    """Return a test with the same statistic, but with p by permutation."""
-    reason = "" if test.n_ways else "there is nothing to exchange"
-    known = by_formula._replace(test=key, df_between=np.nan, df_within=np.nan, reason=reason)
-    return known._replace(**test._asdict())
+def _by_permutation(key: str, by_formula: Test, test: Test) -> Test:
+    """Return a permutation test with the statistic and effects of the test by formula."""
+    shared = ("statistic", "value", "eta2", "omega2", "f")
+    return test._replace(test=key, **{name: getattr(by_formula, name) for name in shared})
 
 
 def _normal(left: np.ndarray) -> tuple[str, float, float, float]:
@@ -327,24 +321,31 @@ def _truth(holds: bool, value: float) -> float:
     return np.nan if np.isnan(value) else float(holds)
 
 
-def _fitting(scale: Scale, data: _Data, assumptions: pd.DataFrame) -> tuple[str, str, Note]:
-    """Choose the test of all conditions and that of pairs, and give the reason."""
-    n = int(data.groups.n.min())
+def _fitting(
+    scale: Scale, data: _Data, checks: list[tuple[str, float, float, float]]
+) -> tuple[str, str, Note]:
+    """Choose the test of all conditions and that of pairs, and give the reason.
+
+    Where few values cannot show whether variances are equal, Welch's tests keep their level better
+    than permutations do (docs/decisions/089-small-groups-by-welch.md).
+    """
+    n, ratio = int(data.groups.n.min()), checks[0][1]
+    are_counts, is_small = scale == "counts", n < SMALL
     if data.design == "same":
-        if scale == "counts" or n < SMALL:
-            fitting = Note("groups.exchange_fits", are_counts=scale == "counts", n=n)
+        if are_counts or is_small:
+            fitting = Note("groups.exchange_fits", are_counts=are_counts, n=n)
             return "within", "exchanged", fitting
         return "repeated_gg", "paired", Note("groups.repeated_fits", are_logs=data.are_logs)
-    if data.of_groups is not None and (scale == "counts" or n < SMALL):
-        fitting = Note("groups.permutation_fits", are_counts=scale == "counts", n=n)
-        return "permutation", "permutation", fitting
-    ratio = float(assumptions["value"].iloc[0])
-    if assumptions.loc[assumptions["check"] != "shapiro", "holds"].eq(0).any():
+    if data.of_groups and (are_counts or (data.groups.variances == 0).any()):
+        return "permutation", "permutation", Note("groups.permutation_fits", are_counts=are_counts)
+    if is_small:
+        return "welch", "games_howell", Note("groups.welch_fits", n=n)
+    if any(holds == 0 for check, _, _, holds in checks if check != "shapiro"):
         return "welch", "games_howell", Note("groups.welch_fits", ratio=ratio)
     return "anova", "tukey", Note("groups.anova_fits", ratio=ratio if ratio > 0 else None)
 
 
-def _sizes(asked: GroupArguments, data: _Data) -> pd.DataFrame:
+def _sizes(asked: GroupArguments, data: _Data) -> list[tuple[str, float, float, float]]:
     """Return study sizes that show the smallest relevant difference, else the largest found.
 
     f assumes that all groups but the two that differ are in the middle, which is the hardest case
@@ -353,39 +354,97 @@ def _sizes(asked: GroupArguments, data: _Data) -> pd.DataFrame:
     """
     k, (first, second) = len(data.groups.n), pairs_of(len(data.groups.n))
     level, is_paired = SIGNIFICANT / len(first), data.design == "same"
+    variance, difference = data.groups.within[0], np.ptp(data.groups.mean)
     if is_paired:
         apart = data.wide[:, first] - data.wide[:, second]
-        variance, found = float(apart.var(axis=0, ddof=1).mean()), np.abs(apart.mean(axis=0)).max()
-    else:
-        within, df = data.groups.within
-        variance, found = within / df if df else np.nan, np.ptp(data.groups.mean)
-    difference = found
+        variance = float(apart.var(axis=0, ddof=1).mean())
+        difference = np.abs(apart.mean(axis=0)).max()
     if asked.difference is not None:
-        middle = float(np.exp(data.wide.mean())) if data.are_logs else 1.0
-        wanted = asked.difference
-        difference = np.log1p(wanted / middle) if data.are_logs else wanted
+        middle = np.exp(data.wide.mean()) if data.are_logs else np.nan
+        difference = np.log1p(asked.difference / middle) if data.are_logs else asked.difference
     d = float(difference / np.sqrt(variance)) if variance > 0 else np.nan
     f = d / np.sqrt(2 * k)
-
-    def by_anova(n: int) -> float:
-        return power_of_anova(f, n, k, SIGNIFICANT)
-
-    def by_t(n: int) -> float:
-        return power_of_t(d, n, level, is_paired=is_paired)
-
-    rows = [("t", d, level, persons_for(asked.power, d, by_t))]
+    of_pairs = partial(power_of_t, d, level=level, is_paired=is_paired)
+    sizes = [("t", d, level, persons_for(asked.power, d, of_pairs))]
     if not is_paired and k > 2:
-        rows.insert(0, ("anova", f, SIGNIFICANT, persons_for(asked.power, f, by_anova)))
-    return pd.DataFrame(rows, columns=SIZED)
+        of_all = partial(power_of_anova, f, k=k, level=SIGNIFICANT)
+        sizes.insert(0, ("anova", f, SIGNIFICANT, persons_for(asked.power, f, of_all)))
+    return sizes
 
 
 def _groups_table(read: GroupTable, data: _Data) -> pd.DataFrame:
     n, mean, sd = data.groups
-    low, high = mean_interval(data.groups)
+    low, high = t_interval(mean, sd / np.sqrt(n), n)
     columns = {"n": n.astype(np.int64), "mean": mean, "sd": sd, "low": low, "high": high}
-    own = data.of_groups or []
-    median = [np.median(values) for values in own] or np.nan
+    own = data.of_groups
     has_times = read.scale == "times" and own
     geometric = [np.exp(np.log(values).mean()) for values in own] if has_times else np.nan
     table = pd.DataFrame({"condition": pd.Series(read.conditions, dtype=str), **columns})
+    median = [np.median(values) for values in own] or np.nan
     return table.assign(median=median, geometric_mean=geometric)
+
+
+def _results(comparison: GroupComparison) -> list[Note]:
+    """Return notes on the results of the suitable tests."""
+    names = comparison.groups["condition"]
+    if len(names) < 2:
+        reason = "there is one condition alone" if len(names) else "there is no value"
+        return [Note("groups.untested", reason=reason)]
+    if not comparison.fits:
+        return []
+    test = comparison.tests[comparison.tests["fits"]].iloc[0]
+    p = float(test["p"])
+    if np.isnan(p):
+        return [Note("groups.untested", reason=test["reason"])]
+    label = TESTS[comparison.fits]
+    notes = [Note("groups.differ", is_shown=p <= SIGNIFICANT, test=label, p=p)]
+    if len(names) > 2:
+        form = amount_form(comparison.groups["mean"].to_numpy())
+        shown = comparison.pairs[comparison.pairs["fits"]]
+        shown = shown[shown["p_corrected"] <= SIGNIFICANT]
+        apart = [_pair(row, form) for _, row in shown.iterrows()]
+        notes.append(Note("groups.pairs", test=PAIR_TESTS[comparison.fits_pairs], pairs=apart))
+    return notes
+
+
+def _pair(pair: pd.Series, form: str) -> Note:
+    """Return a note on two conditions that differ, the larger first."""
+    is_ratio = not np.isnan(pair["ratio"])
+    size = float(np.log(pair["ratio"]) if is_ratio else pair["difference"])
+    first, second = ("first", "second") if size >= 0 else ("second", "first")
+    return Note(
+        "groups.pair",
+        first=pair[first],
+        second=pair[second],
+        ratio=float(np.exp(abs(size))) if is_ratio else None,
+        amount=None if is_ratio else abs(size),
+        form=form,
+        p=pair["p_corrected"],
+    )
+
+
+def _cautions(comparison: GroupComparison, asked: GroupArguments) -> list[Note]:
+    """Return notes with cautions about the results, and on the size of a further study."""
+    notes = []
+    fitting = comparison.tests[comparison.tests["fits"]]
+    for n_ways in fitting.loc[
+        fitting["is_exact"] & (fitting["n_ways"] < 1 / SIGNIFICANT), "n_ways"
+    ]:
+        notes.append(Note("groups.least_p", p=1 / n_ways))
+    checks = comparison.assumptions
+    for p in checks.loc[(checks["check"] == "shapiro") & (checks["holds"] == 0), "p"]:
+        if not fitting["n_ways"].any():
+            notes.append(Note("groups.skewed", p=p))
+    if not comparison.measure and comparison.fits:
+        notes.append(Note("groups.summaries_alone"))
+        if asked.correlation is not None:
+            notes.append(Note("groups.assumed_correlation"))
+    known = comparison.sizes.dropna(subset="effect")
+    for n_needed in known.loc[known["test"] == "t", "n"]:
+        n_persons = None if np.isnan(n_needed) else int(n_needed)
+        if asked.difference is not None:
+            study = {"power": asked.power, "n": n_persons, "is_within": comparison.design == "same"}
+            notes.append(Note("groups.further_study", difference=asked.difference, **study))
+        elif n_persons is not None:
+            notes.append(Note("groups.optimistic"))
+    return notes

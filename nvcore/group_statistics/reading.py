@@ -38,18 +38,15 @@ class GroupTable(NamedTuple):
 
     Attributes
     ----------
-    summaries
-        ``condition``, ``n``, ``mean``, ``sd`` (NaN for n = 1) as typed in. None: a table of values.
     rows
-        ``participant`` ("" if missing), ``condition`` and ``value``, in file order; empty with
-        summaries.
+        ``participant`` ("" if missing), ``condition`` and ``value``, in file order; or of summaries
+        ``condition``, ``n``, ``mean`` and ``sd`` (NaN for n = 1) as typed in.
     measure, scale
         The compared column (empty: summaries), and the kind of its numbers.
     notes
         Notes on the input and its conversion.
     """
 
-    summaries: pd.DataFrame | None
     rows: pd.DataFrame
     measure: str
     scale: Scale
@@ -58,7 +55,7 @@ class GroupTable(NamedTuple):
     @property
     def conditions(self) -> list[str]:
         """Conditions in the order of the file."""
-        return [*(self.rows if self.summaries is None else self.summaries)["condition"].unique()]
+        return [*self.rows["condition"].unique()]
 
 
 def read_groups(asked: GroupArguments, text: TextTable | None = None) -> GroupTable:
@@ -122,9 +119,7 @@ def _summaries(text: TextTable, asked: GroupArguments) -> GroupTable:
     table = table.assign(
         mean=text.numbers("mean", low=-LARGEST, high=LARGEST), sd=np.where(is_alone, np.nan, sd)
     )
-    empty = pd.DataFrame({"participant": [], "condition": [], "value": []})
-    first = Note("groups.summaries", n_conditions=len(table))
-    return GroupTable(table, empty, "", "numbers", (first,))
+    return GroupTable(table, "", "numbers", (Note("groups.summaries", n_conditions=len(table)),))
 
 
 def _values(text: TextTable, asked: GroupArguments) -> GroupTable:
@@ -164,7 +159,7 @@ def _values(text: TextTable, asked: GroupArguments) -> GroupTable:
         n_conditions=rows["condition"].nunique(),
         scale=scale,
     )
-    return GroupTable(None, rows, measure, scale, (first, *notes, *done))
+    return GroupTable(rows, measure, scale, (first, *notes, *done))
 
 
 def _measure(text: TextTable, wanted: str | None) -> tuple[str, tuple[str, ...]]:

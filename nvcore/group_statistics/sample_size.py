@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable
 from typing import Final
 
@@ -37,7 +38,8 @@ def power_of_t(d: float, n: int, level: float, *, is_paired: bool) -> float:
     df = n - 1 if is_paired else 2 * (n - 1)
     shift = abs(d) * np.sqrt(n if is_paired else n / 2)
     limit = scipy.stats.t.isf(level / 2, df)
-    return float(scipy.stats.nct.sf(limit, df, shift) + scipy.stats.nct.cdf(-limit, df, shift))
+    # the lower tail by the upper one of the other sign: SciPy's nct.cdf is NaN where it is tiny
+    return float(scipy.stats.nct.sf(limit, df, [shift, -shift]).sum())
 
 
 def power_of_anova(f: float, n: int, k: int, level: float) -> float:
@@ -83,8 +85,4 @@ def persons_for(power: float, effect: float, power_of: Callable[[int], float]) -
         if high >= MOST_PERSONS:
             return np.nan
         high = min(2 * high, MOST_PERSONS)
-    low = high // 2
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (low, middle) if power_of(middle) >= power else (middle, high)
-    return float(high)
+    return float(bisect_left(range(high), power, lo=high // 2 + 1, key=power_of))

@@ -6,7 +6,6 @@ with SciPy's functions, which take values only.
 
 from __future__ import annotations
 
-from itertools import combinations
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -18,7 +17,6 @@ from nvcore.evidence.paired_tests import holm
 
 SMALLEST_SD: Final = 1e-60
 """Smallest SD. Fourth powers of smaller ones underflow."""
-TAIL: Final = (1 + CONFIDENCE) / 2
 PAIR_COLUMNS: Final = (
     *("test", "first", "second", "difference", "low", "high", "ratio", "ratio_low", "ratio_high"),
     *("value", "df", "p", "p_corrected", "d"),
@@ -28,7 +26,7 @@ PAIR_COLUMNS: Final = (
 class Groups(NamedTuple):
     """n, mean and SD of k groups, each float64, shape (k,).
 
-    The SD divides by n - 1 and is NaN for n = 1.
+    The SD divides by n - 1 and is NaN for n = 1. Pairs are in the order of `pairs_of`.
     """
 
     n: np.ndarray
@@ -43,8 +41,16 @@ class Groups(NamedTuple):
 
     @property
     def within(self) -> tuple[float, float]:
-        """Sum of squares within the groups, and its degrees of freedom."""
-        return float(np.nansum((self.n - 1) * self.variances)), float((self.n - 1).sum())
+        """Variance within the groups (NaN if there is none), and its degrees of freedom."""
+        squares, df = np.nansum((self.n - 1) * self.variances), float((self.n - 1).sum())
+        return float(squares / df) if squares else np.nan, df
+
+    @property
+    def differences(self) -> np.ndarray:
+        """Difference of each pair's means, shape (k (k - 1) / 2,)."""
+        first, second = pairs_of(len(self.n))
+        difference: np.ndarray = self.mean[first] - self.mean[second]
+        return difference
 
 
 class Test(NamedTuple):
@@ -81,8 +87,7 @@ class Test(NamedTuple):
 
 def pairs_of(k: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the first and second group of each pair, int64, shape (k (k - 1) / 2,)."""
-    first, second = np.array([*combinations(range(k), 2)], dtype=np.int64).reshape(-1, 2).T
-    return first, second
+    return np.triu_indices(k, 1)
 
 
 def pair_table(test: str, k: int, **columns: Any) -> pd.DataFrame:
@@ -90,13 +95,6 @@ def pair_table(test: str, k: int, **columns: Any) -> pd.DataFrame:
     first, second = pairs_of(k)
     table = pd.DataFrame({"test": test, "first": first, "second": second, **columns})
     return table.reindex(columns=[*PAIR_COLUMNS])
-
-
-def mean_interval(groups: Groups) -> tuple[np.ndarray, np.ndarray]:
-    """Return the 95 % interval of each mean, ``mean ± t sd / sqrt(n)``, NaN for one person."""
-    many = np.where(groups.n > 1, groups.n, np.nan)
-    half = scipy.stats.t.ppf(TAIL, many - 1) * groups.sd / np.sqrt(many)
-    return groups.mean - half, groups.mean + half
 
 
 def anova(groups: Groups) -> Test:
@@ -115,12 +113,11 @@ def anova(groups: Groups) -> Test:
     (5.412, 0.009842, 0.265, 0.211)
     """
     n, mean, _ = groups
-    within, df_within = groups.within
-    if not within:
+    error, df_within = groups.within
+    if np.isnan(error):
         return Test("anova", reason="no group has any spread")
     between, df = float((n * (mean - n @ mean / n.sum()) ** 2).sum()), len(n) - 1.0
-    error = within / df_within
-    value = between / df / error
+    value, within = between / df / error, error * df_within
     return Test(
         *("anova", "F", value, df, df_within, float(scipy.stats.f.sf(value, df, df_within))),
         eta2=between / (between + within),
@@ -130,23 +127,36 @@ def anova(groups: Groups) -> Test:
 
 
 def welch(groups: Groups) -> Test:
-    """Compute Welch's analysis of variance, for groups of different variances.
+    """Compute Welch's analysis of variance, for groups of different variances."""
+    if not (groups.variances > 0).all():
+        return Test("welch", reason="a group has no spread, or one value alone")
+    value, df = map(float, welch_f(groups.n, groups.mean, groups.variances))
+    df_between = len(groups.n) - 1.0
+    p = float(scipy.stats.f.sf(value, df_between, df))
+    return Test("welch", "F", value, df_between, df, p)
+
+
+def welch_f(
+    n: np.ndarray, mean: np.ndarray, variances: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return Welch's F and its degrees of freedom within the groups.
+
+    Parameters
+    ----------
+    n, mean, variances
+        Of k groups, shape (..., k). Variances are above 0.
 
     References
     ----------
     Welch (1951), On the comparison of several mean values: an alternative approach, Biometrika
     38:330. With two groups it is Welch's t test.
     """
-    n, mean, _ = groups
-    variances, k = groups.variances, len(n)
-    if not (variances > 0).all():
-        return Test("welch", reason="a group has no spread, or one value alone")
-    weight = n / variances
-    share = weight / weight.sum()
-    lack = float(((1 - share) ** 2 / (n - 1)).sum())
-    spread = float((weight * (mean - share @ mean) ** 2).sum()) / (k - 1)
-    value, df = spread / (1 + 2 * (k - 2) / (k**2 - 1) * lack), (k**2 - 1) / (3 * lack)
-    return Test("welch", "F", value, k - 1.0, df, float(scipy.stats.f.sf(value, k - 1, df)))
+    weight, k = n / variances, mean.shape[-1]
+    share = weight / weight.sum(axis=-1, keepdims=True)
+    lack = ((1 - share) ** 2 / (n - 1)).sum(axis=-1)
+    centre = (share * mean).sum(axis=-1, keepdims=True)
+    spread = (weight * (mean - centre) ** 2).sum(axis=-1) / (k - 1)
+    return spread / (1 + 2 * (k - 2) / (k**2 - 1) * lack), (k**2 - 1) / (3 * lack)
 
 
 def tukey(groups: Groups) -> pd.DataFrame:
@@ -156,10 +166,8 @@ def tukey(groups: Groups) -> pd.DataFrame:
     ----------
     Tukey (1949), Comparing individual means in the analysis of variance; Kramer (1956).
     """
-    within, df = groups.within
-    variance = within / df if within else np.nan
-    k = len(groups.n)
-    return _by_range("tukey", groups, np.full(k, variance), np.full(len(pairs_of(k)[0]), df))
+    variance, df = groups.within
+    return _by_range("tukey", groups, variance / groups.n, np.full(len(groups.differences), df))
 
 
 def games_howell(groups: Groups) -> pd.DataFrame:
@@ -171,21 +179,18 @@ def games_howell(groups: Groups) -> pd.DataFrame:
     variances.
     """
     first, second = pairs_of(len(groups.n))
-    variances = np.where(groups.variances > 0, groups.variances, np.nan)
-    part, many = variances / groups.n, np.where(groups.n > 1, groups.n, np.nan)
-    squares = part**2 / (many - 1)
+    part = np.where(groups.variances > 0, groups.variances, np.nan) / groups.n
+    squares = part**2 / np.maximum(groups.n - 1, 1)
     df = (part[first] + part[second]) ** 2 / (squares[first] + squares[second])
-    return _by_range("games_howell", groups, variances, df)
+    return _by_range("games_howell", groups, part, df)
 
 
-def _by_range(test: str, groups: Groups, variance: np.ndarray, df: np.ndarray) -> pd.DataFrame:
+def _by_range(test: str, groups: Groups, part: np.ndarray, df: np.ndarray) -> pd.DataFrame:
     """Compare all pairs by the studentised range.
 
-    `variance` has a value for each group, `df` one for each pair.
+    `part` is each group's variance over n, `df` has a value for each pair.
     """
-    k, (first, second) = len(groups.n), pairs_of(len(groups.n))
-    difference = groups.mean[first] - groups.mean[second]
-    part = variance / groups.n
+    k, (first, second), difference = len(groups.n), pairs_of(len(groups.n)), groups.differences
     error = np.sqrt((part[first] + part[second]) / 2)
     q, p, limit = np.abs(difference) / error, np.full(len(df), np.nan), np.full(len(df), np.nan)
     is_known = ~np.isnan(q)
@@ -201,11 +206,18 @@ def _by_range(test: str, groups: Groups, variance: np.ndarray, df: np.ndarray) -
 def cohens_d(groups: Groups) -> np.ndarray:
     """Return Cohen's d of each pair, shape (k (k - 1) / 2,), NaN if the pooled SD is 0."""
     first, second = pairs_of(len(groups.n))
-    squares, df = (groups.n - 1) * np.nan_to_num(groups.variances), groups.n - 1
-    pooled, n = squares[first] + squares[second], df[first] + df[second]
-    pooled = np.sqrt(np.where(pooled > 0, pooled, np.nan) / np.maximum(n, 1))
-    d: np.ndarray = (groups.mean[first] - groups.mean[second]) / pooled
+    squares, df = np.nan_to_num((groups.n - 1) * groups.variances), groups.n - 1
+    pooled = (squares[first] + squares[second]) / np.maximum(df[first] + df[second], 1)
+    d: np.ndarray = groups.differences / np.sqrt(np.where(pooled > 0, pooled, np.nan))
     return d
+
+
+def t_interval(
+    mean: np.ndarray, error: np.ndarray, n: np.ndarray | int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the 95 % interval of means of n values with these standard errors, NaN for n = 1."""
+    half = scipy.stats.t.ppf((1 + CONFIDENCE) / 2, n - 1) * error
+    return mean - half, mean + half
 
 
 def paired_t(
@@ -225,12 +237,9 @@ def paired_t(
     spread = np.where(sd > 0, sd, np.nan)
     error = spread / np.sqrt(n)
     p = 2 * scipy.stats.t.sf(np.abs(difference) / error, n - 1)
-    half = scipy.stats.t.ppf(TAIL, n - 1) * error
-    effect = (difference, difference - half, difference + half)
-    names = ("difference", "low", "high")
-    if are_logs:
-        effect, names = tuple(map(np.exp, effect)), ("ratio", "ratio_low", "ratio_high")
-    columns = dict(zip(names, effect, strict=True))
+    effect = np.array([difference, *t_interval(difference, error, n)])
+    names = PAIR_COLUMNS[6:9] if are_logs else PAIR_COLUMNS[3:6]
+    columns = dict(zip(names, np.exp(effect) if are_logs else effect, strict=True))
     more = {"value": difference / error, "df": n - 1.0, "p": p, "p_corrected": holm(p)}
     return pair_table(test, k, **columns, **more, d=difference / spread)
 
@@ -250,5 +259,4 @@ def assumed_pairs(groups: Groups, correlation: float) -> pd.DataFrame:
     first, second = pairs_of(len(groups.n))
     s, t = groups.sd[first], groups.sd[second]
     sd = np.sqrt(np.maximum(s**2 + t**2 - 2 * correlation * s * t, 0))
-    difference = groups.mean[first] - groups.mean[second]
-    return paired_t("assumed", len(groups.n), int(groups.n[0]), difference, sd)
+    return paired_t("assumed", len(groups.n), int(groups.n[0]), groups.differences, sd)

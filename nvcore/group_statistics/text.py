@@ -28,7 +28,7 @@ TESTS: Final = {
     "anova": "one-way ANOVA",
     "welch": "Welch's ANOVA",
     "kruskal": "Kruskal–Wallis",
-    "permutation": "permutation of F",
+    "permutation": "permutation of Welch's F",
     "permutation_ranks": "permutation of ranks",
     "repeated": "repeated measures",
     "repeated_gg": "repeated measures, Greenhouse–Geisser",
@@ -40,7 +40,7 @@ TESTS: Final = {
 PAIR_TESTS: Final = {
     "tukey": "Tukey",
     "games_howell": "Games–Howell",
-    "permutation": "permutation",
+    "permutation": "permutation of Welch's t",
     "paired": "paired t",
     "exchanged": "exchange within persons",
     "assumed": "paired t, as assumed",

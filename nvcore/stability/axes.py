@@ -25,65 +25,64 @@ Plane = Literal[
     "saliency-rule",
 ]
 
-ALPHA_PLAUSIBLE: Final = (0.5, 1.0)
-"""A warning system exists for the pedestrian who would be missed: a miss counts at least as much as
-a false alarm."""
+AXES: Final[dict[Plane, tuple[str, ...]]] = {
+    "alpha-midpoint": ("alpha", "midpoint"),
+    "thresholds": ("threshold_x", "threshold_y"),
+    "matching": ("iou", "match"),
+    "edge-weight": ("edge_weight",),
+    "edge-weight-alpha": ("edge_weight", "alpha"),
+    "pairing-alpha": ("alpha", "pairing"),
+    "saliency-rule": ("saliency_weight", "saliency_of"),
+}
+"""Settings of each plane."""
+
 MIDPOINT_PLAUSIBLE: Final = (0.06, 0.15)
 """Shares of a picture's height: from the preset for rural roads to that for towns, with the default
 between them. Taken of the lowest and the tallest picture, to include every recording's own."""
-MIDPOINT_M_PLAUSIBLE: Final = (22.0, 56.0)
-"""Metres: where a person of 1.75 m has these shares of the height, in a camera like the default's
-(focal length 720 px, picture 375 px high)."""
-EDGE_WEIGHT_PLAUSIBLE: Final = (0.0, 1.0)
-"""From the preset for towns to that for rural roads: the whole range of the setting."""
-IOU_PLAUSIBLE: Final = (0.3, 0.7)
-"""Pedestrian benchmarks use 0.5. At 0.3 a match is still the same person (the limit of linking);
-above 0.7 annotators' own boxes of small pedestrians disagree."""
+MIDPOINT_DRAWN: Final = (0.02, 0.25)
 ALARMS_PLAUSIBLE: Final = (0.01, 1.0)
 """False alarms per frame at usable thresholds: the range over which pedestrian benchmarks average
 the miss rate (Dollár et al. 2012)."""
 
-ALPHA_DRAWN: Final = (0.0, 1.0)
-MIDPOINT_DRAWN: Final = (0.02, 0.25)
-MIDPOINT_M_DRAWN: Final = (10.0, 90.0)
-IOU_DRAWN: Final = (0.1, 0.9)
-"""Drawn beyond the plausible range, so that a flip just outside can be seen."""
-
 
 @dataclass(frozen=True)
 class Range:
-    """What a numeric axis spans; `parameter` is the setting's name where the title is another."""
+    """What a numeric axis spans: plausible values, and drawn ones, to show a flip just outside.
+
+    `parameter` is the setting's name where the title is another.
+    """
 
     title: str
     plausible: tuple[float, float]
-    extent: tuple[float, float]
+    drawn: tuple[float, float]
     reason: str
     parameter: str = ""
 
 
-_PRESETS: Final = "from the preset for rural roads to that for towns"
 RANGES: Final = {
+    # a warning system exists for the pedestrian who would be missed
     "alpha": Range(
-        "alpha",
-        ALPHA_PLAUSIBLE,
-        ALPHA_DRAWN,
-        "a miss counts at least as much as a false alarm",
+        "alpha", (0.5, 1.0), (0.0, 1.0), "a miss counts at least as much as a false alarm"
     ),
+    # from the preset for towns to that for rural roads: the whole range of the setting
     "edge_weight": Range(
-        "traffic context",
-        EDGE_WEIGHT_PLAUSIBLE,
-        EDGE_WEIGHT_PLAUSIBLE,
-        "from towns to rural roads",
-        "edge weight",
+        "traffic context", (0.0, 1.0), (0.0, 1.0), "from towns to rural roads", "edge weight"
     ),
+    # pedestrian benchmarks use 0.5; at 0.3 a match is still the same person (the limit of linking)
     "iou": Range(
         "IoU",
-        IOU_PLAUSIBLE,
-        IOU_DRAWN,
+        (0.3, 0.7),
+        (0.1, 0.9),
         "below, a match may be someone else; above, annotators' own boxes disagree",
     ),
+    # metres where a person of 1.75 m has the shares of `MIDPOINT_PLAUSIBLE` in a camera like the
+    # default's (focal length 720 px, picture 375 px high)
     "midpoint_m": Range(
-        "counts half at", MIDPOINT_M_PLAUSIBLE, MIDPOINT_M_DRAWN, _PRESETS, "midpoint"
+        "counts half at",
+        (22.0, 56.0),
+        (10.0, 90.0),
+        "from the preset for rural roads to that for towns",
+        "midpoint",
     ),
 }
 """Of the settings whose range is the same for all data."""
@@ -142,10 +141,6 @@ class Axis:
     def __len__(self) -> int:
         return len(self.values)
 
-    def setting(self, i: int) -> float | str:
-        """Value of the parameter at point i."""
-        return self.labels[i] if self.labels else float(self.values[i])
-
     def setting_at(self, value: float) -> float | str:
         """Value of the parameter at a value of the axis."""
         return self.labels[round(value)] if self.labels else float(value)
@@ -155,11 +150,6 @@ class Axis:
         low, high = self.plausible
         room = ON_GRID * (high - low)  # 22.2 px is not below 0.06 * 370
         return (np.asarray(values) >= low - room) & (np.asarray(values) <= high + room)
-
-    @property
-    def is_present_plausible(self) -> bool:
-        """Whether the analysed setting, or each recording's own, lies in the plausible range."""
-        return bool(self.is_plausible(np.array(self.present)).all())
 
     @property
     def present_index(self) -> int | None:
@@ -225,25 +215,7 @@ def axes_of(result: Result, plane: Plane, *, n_points: int) -> tuple[Axis, ...]:
         raise ParameterError(f"plane: expected one of {', '.join(get_args(Plane))}, got {plane!r}")
     if n_points < MIN_POINTS:
         raise ParameterError(f"n_points: expected at least {MIN_POINTS}, got {n_points}")
-    candidates: tuple[Axis | None, ...]
-    match plane:
-        case "alpha-midpoint":
-            candidates = (_fixed(result, "alpha", n_points), _midpoint(result, n_points))
-        case "thresholds":
-            candidates = (_threshold(result, "x", n_points), _threshold(result, "y", n_points))
-        case "matching":
-            candidates = (_fixed(result, "iou", n_points), _choice(result, "match"))
-        case "edge-weight":
-            candidates = (_edge_weight(result, n_points),)
-        case "edge-weight-alpha":
-            candidates = (
-                _edge_weight(result, n_points),
-                _fixed(result, "alpha", n_points),
-            )
-        case "pairing-alpha":
-            candidates = (_fixed(result, "alpha", n_points), _choice(result, "pairing"))
-        case "saliency-rule":
-            candidates = (_choice(result, "saliency_weight"), _choice(result, "saliency_of"))
+    candidates = (_axis(result, name, n_points) for name in AXES[plane])
     axes = tuple(axis for axis in candidates if axis is not None)
     if not axes:
         raise InputError(
@@ -253,18 +225,19 @@ def axes_of(result: Result, plane: Plane, *, n_points: int) -> tuple[Axis, ...]:
     return axes
 
 
-def _fixed(result: Result, name: str, n_points: int) -> Axis:
-    """An axis whose range is the same for all data (`RANGES`)."""
-    return _numeric(name, RANGES[name], present=getattr(result.params, name), n_points=n_points)
-
-
-def _edge_weight(result: Result, n_points: int) -> Axis:
-    """Traffic context; the analysed values are the recordings' own where none is given."""
-    own = in_use(result.params, "edge_weight", result.dataset.frame_columns)
-    present = (float(own.min(initial=1.0)), float(own.max(initial=0.0)))
-    if present[0] > present[1]:  # no recordings
-        present = (UNSTATED, UNSTATED)
-    return _numeric("edge_weight", RANGES["edge_weight"], present=present, n_points=n_points)
+def _axis(result: Result, name: str, n_points: int) -> Axis | None:
+    """The axis of a setting; None if these data do not have it."""
+    if name in CHOICES:
+        return _choice(result, name)
+    if name == "midpoint":
+        return _midpoint(result, n_points)
+    if name.startswith("threshold_"):
+        return _threshold(result, name[-1], n_points)
+    present = getattr(result.params, name)
+    if name == "edge_weight":  # the recordings' own where none is given
+        own = in_use(result.params, name, result.dataset.frame_columns)
+        present = (float(own.min()), float(own.max())) if len(own) else UNSTATED
+    return _numeric(name, RANGES[name], present=present, n_points=n_points)
 
 
 def _choice(result: Result, name: str) -> Axis:
@@ -295,10 +268,10 @@ def _midpoint(result: Result, n_points: int) -> Axis | None:
     if params.proximity == "none" or not len(height):
         return None
     if params.proximity == "distance":
-        return _fixed(result, "midpoint_m", n_points)
+        return _axis(result, "midpoint_m", n_points)
     least, most = float(height.min()), float(height.max())
     present = (MIDPOINT_SHARE * least, MIDPOINT_SHARE * most)
-    plausible, extent = (
+    plausible, drawn = (
         (low * least, high * most) for low, high in (MIDPOINT_PLAUSIBLE, MIDPOINT_DRAWN)
     )
     low, high = (f"{100 * share:g}" for share in MIDPOINT_PLAUSIBLE)
@@ -307,12 +280,12 @@ def _midpoint(result: Result, n_points: int) -> Axis | None:
         share = f"{low} % of the lowest picture's height to {high} % of the tallest's"
     in_metres = RANGES["midpoint_m"]
     reason = f"{share}, {in_metres.reason}"
-    own = replace(in_metres, plausible=plausible, extent=extent, reason=reason)
+    own = replace(in_metres, plausible=plausible, drawn=drawn, reason=reason)
     midpoint = present if params.midpoint is None else params.midpoint
     return _numeric("midpoint", own, present=midpoint, n_points=n_points)
 
 
-def _threshold(result: Result, letter: Literal["x", "y"], n_points: int) -> Axis | None:
+def _threshold(result: Result, letter: str, n_points: int) -> Axis | None:
     """Score threshold of a system; None if all its scores are equal, or it has none."""
     system = result.system(letter)
     score = result.dataset.system(system.name).score
@@ -349,25 +322,21 @@ def _numeric(
     the map shows it.
     """
     place = present if isinstance(present, tuple) else (float(present), float(present))
-    plausible, extent = usual.plausible, usual.extent
-    low, high = min(extent[0], plausible[0], place[0]), max(extent[1], plausible[1], place[1])
+    plausible, drawn = usual.plausible, usual.drawn
+    low, high = min(drawn[0], plausible[0], place[0]), max(drawn[1], plausible[1], place[1])
     values = np.linspace(low, high, n_points)
     # 0.6, not 0.6000000000000001, which a score of 0.6 would not pass
     values[1:-1] = values[1:-1].round(DIGITS - int(np.floor(np.log10(high - low))))
     near = ON_GRID * (high - low) / (n_points - 1)
-    for end in plausible:
-        nearest = int(np.argmin(np.abs(values - end)))
-        is_free = 0 < nearest < len(values) - 1 and values[nearest] != plausible[0]
-        if is_free or abs(values[nearest] - end) <= near:
-            values[nearest] = end
+    shown = plausible if place[0] < place[1] else (*plausible, place[0])
+    for number, value in enumerate(shown):
+        nearest = int(np.argmin(np.abs(values - value)))
+        is_free = number < len(plausible) and 0 < nearest < len(values) - 1
+        is_free &= values[nearest] != plausible[0]
+        if is_free or abs(values[nearest] - value) <= near:
+            values[nearest] = value
         else:
-            values = np.sort(np.append(values, end))
-    if place[0] == place[1]:
-        nearest = int(np.argmin(np.abs(values - place[0])))
-        if abs(values[nearest] - place[0]) <= near:
-            values[nearest] = place[0]
-        else:
-            values = np.sort(np.append(values, place[0]))
+            values = np.sort(np.append(values, value))
     values.flags.writeable = False
     setting = SETTINGS[name]
     label = f"{setting.label} ({usual.parameter})" if usual.parameter else setting.label

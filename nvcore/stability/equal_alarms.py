@@ -17,7 +17,6 @@ from nvcore.detection.operating_point import false_alarm_curve
 from nvcore.scoring import SystemResult
 from nvcore.stability.axes import ALARMS_PLAUSIBLE
 from nvcore.stability.flips import Winner, winners
-from nvcore.stability.scores import LETTERS, Letter
 
 N_RATES: Final = 41
 """Number of false-alarm rates, in equal ratios like those over which the miss rate is averaged."""
@@ -87,15 +86,6 @@ def equal_alarm_thresholds(result: Result) -> pd.DataFrame:
     fewer, more = np.minimum(*n_alarms), np.maximum(*n_alarms)
     is_known &= (more > 0) & (more - fewer <= ALIKE * more)
     return pd.DataFrame(columns)[is_known].reset_index(drop=True)
-
-
-def keys_along(pairs: pd.DataFrame) -> dict[Letter, np.ndarray]:
-    """What each system's measure depends on at each pair of thresholds; object, one `Key` each."""
-    names: dict[Letter, str] = {letter: f"threshold_{letter}" for letter in LETTERS}
-    return {
-        letter: np.fromiter((((name, value),) for value in pairs[name].tolist()), object)
-        for letter, name in names.items()
-    }
 
 
 def alarms_per_frame(result: Result, system: SystemResult) -> float:

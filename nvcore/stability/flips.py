@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Literal, get_args
+from typing import TYPE_CHECKING, Any, Final, Literal, get_args
 
 import numpy as np
 from scipy.ndimage import label
 
-from nvcore.stability.axes import Axis
+if TYPE_CHECKING:
+    from nvcore.stability.map import StabilityMap
 
 Winner = Literal["x", "y", "even", "undefined"]
 
@@ -79,26 +80,6 @@ class FlipInterval:
     above: Winner
 
 
-@dataclass(frozen=True)
-class Field:
-    """The cells of a map.
-
-    Attributes
-    ----------
-    axes
-        Axes of the map.
-    difference, winner
-        Cells of the map, shape (len(axes[0]), ...).
-    is_continuous
-        For each axis, whether the difference changes along it without steps.
-    """
-
-    axes: tuple[Axis, ...]
-    difference: np.ndarray
-    winner: np.ndarray
-    is_continuous: tuple[bool, ...]
-
-
 def winners(difference: np.ndarray) -> np.ndarray:
     """`Winner` of every difference; object, the same shape."""
     code = np.select(
@@ -110,13 +91,17 @@ def winners(difference: np.ndarray) -> np.ndarray:
     return names
 
 
-def find_flips(field: Field, verdict: Winner, is_candidate: np.ndarray) -> tuple[Flip, ...]:
+def find_flips(
+    stability: StabilityMap, is_candidate: np.ndarray, *, is_plausible_only: bool = False
+) -> Iterator[Flip]:
     """The nearest flip to each connected region of candidates, the nearest first.
 
     Parameters
     ----------
     is_candidate
         Cells in which the verdict does not hold; bool, the shape of the map.
+    is_plausible_only
+        Leave out flips outside the plausible range.
 
     Notes
     -----
@@ -124,35 +109,30 @@ def find_flips(field: Field, verdict: Winner, is_candidate: np.ndarray) -> tuple
     which it leaves 0 between a candidate and a neighbour that has the present verdict or is a tie.
     Of several equally near, the one with the largest difference.
     """
-    nearest: dict[int, Flip] = {}
     region = label(is_candidate, np.ones((3,) * is_candidate.ndim))[0].ravel()
-    for flip in _by_distance(field, verdict, is_candidate, is_plausible_only=False):
-        if (number := int(region[flip.cell])) not in nearest:
-            nearest[number] = flip
-            if len(nearest) == region.max():
-                break
-    return tuple(nearest.values())
+    seen = set()
+    for flip in _by_distance(stability, is_candidate):
+        if region[flip.cell] not in seen and (flip.is_plausible or not is_plausible_only):
+            seen.add(region[flip.cell])
+            yield flip
+            if len(seen) == region.max():
+                return
 
 
-def find_plausible_flip(field: Field, verdict: Winner, is_candidate: np.ndarray) -> Flip | None:
-    """The nearest flip in the plausible range, as in `find_flips`."""
-    return next(_by_distance(field, verdict, is_candidate, is_plausible_only=True), None)
-
-
-def find_interval(field: Field, verdict: Winner, i: int, present: Sequence[int]) -> FlipInterval:
+def find_interval(stability: StabilityMap, i: int, present: Sequence[int]) -> FlipInterval:
     """How far the verdict holds along axis i from the analysed point, an index on every axis."""
-    line = field.difference[
+    line = stability.difference[
         tuple(slice(None) if j == i else index for j, index in enumerate(present))
     ]
-    values, along, start = field.axes[i].values, winners(line), present[i]
-    others = np.flatnonzero(along != verdict)
+    values, along, start = stability.axes[i].values, winners(line), present[i]
+    others = np.flatnonzero(along != stability.verdict)
     before, after = others[others < start], others[others > start]
     first = int(before[-1]) + 1 if len(before) else 0
     last = int(after[0]) - 1 if len(after) else len(values) - 1
 
     def flip(inside: int, outside: int) -> float:
         difference_inside, difference_outside = line[[inside, outside]]
-        if not field.is_continuous[i] or not difference_inside * difference_outside < 0:
+        if not stability.is_continuous[i] or not difference_inside * difference_outside < 0:
             return float(values[outside])
         return float(_cross(values[inside], values[outside], difference_inside, difference_outside))
 
@@ -161,9 +141,9 @@ def find_interval(field: Field, verdict: Winner, i: int, present: Sequence[int])
         after: Winner = "undefined"
         if 0 <= outside + step < len(values):
             after = along[outside + step]
-        is_crossing = winner == "even" and after in ("x", "y") and after != verdict
+        is_crossing = winner == "even" and after in ("x", "y") and after != stability.verdict
         # a tie at a single point of a continuous setting is a flip to the winner after it
-        return after if field.is_continuous[i] and is_crossing else winner
+        return after if stability.is_continuous[i] and is_crossing else winner
 
     return FlipInterval(
         axis=i,
@@ -190,49 +170,47 @@ def _cross(inside: Any, outside: Any, difference_inside: Any, difference_outside
     return inside + fraction * (outside - inside)
 
 
-def _by_distance(
-    field: Field, verdict: Winner, is_candidate: np.ndarray, *, is_plausible_only: bool
-) -> Iterator[Flip]:
+def _by_distance(stability: StabilityMap, is_candidate: np.ndarray) -> Iterator[Flip]:
     """All flips, the nearest first."""
-    cell, places, is_between = _places(field, verdict, is_candidate)
+    cell, places, is_between = _places(stability, is_candidate)
     distance_squared = np.zeros(len(cell))
     is_plausible = np.ones(len(cell), dtype=bool)
-    for axis, values in zip(field.axes, places.T, strict=True):
+    for axis, values in zip(stability.axes, places.T, strict=True):
         distance_squared += axis.distance(values) ** 2
         is_plausible &= axis.is_plausible(values)
     distance = np.sqrt(distance_squared)
-    difference = np.where(is_between, 0.0, field.difference.ravel()[cell])
+    difference = np.where(is_between, 0.0, stability.difference.ravel()[cell])
     order = np.lexsort((-np.abs(difference), distance.round(9)))
-    for i in order[is_plausible[order]] if is_plausible_only else order:
+    for i in order:
         place = tuple(places[i].tolist())
         yield Flip(
             cell=int(cell[i]),
             place=place,
-            settings={
-                axis.name: axis.setting_at(value)
-                for axis, value in zip(field.axes, place, strict=True)
-            },
+            settings=stability.settings_at(place),
             difference=float(difference[i]),
-            winner=field.winner.ravel()[cell[i]],
+            winner=stability.winner.ravel()[cell[i]],
             distance=float(distance[i]),
             is_plausible=bool(is_plausible[i]),
         )
 
 
 def _places(
-    field: Field, verdict: Winner, is_candidate: np.ndarray
+    stability: StabilityMap, is_candidate: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Cell, value on each axis (n, n_axes), and whether the flip is between two points."""
-    shape = field.difference.shape
-    values = [axis.values for axis in field.axes]
+    shape = stability.difference.shape
+    values = [axis.values for axis in stability.axes]
     at_cell = np.stack(np.meshgrid(*values, indexing="ij"), axis=-1).reshape(-1, len(values))
-    number = np.arange(field.difference.size).reshape(shape)
-    is_even = (field.winner == "even").ravel()
-    holds, is_target = (field.winner == verdict).ravel() | is_even, is_candidate.ravel() & ~is_even
-    flat = np.where(is_even, 0.0, field.difference.ravel())
+    number = np.arange(stability.difference.size).reshape(shape)
+    is_even = (stability.winner == "even").ravel()
+    holds, is_target = (
+        (stability.winner == stability.verdict).ravel() | is_even,
+        is_candidate.ravel() & ~is_even,
+    )
+    flat = np.where(is_even, 0.0, stability.difference.ravel())
     cells, places = [np.flatnonzero(is_candidate)], [at_cell[is_candidate.ravel()]]
-    for i, is_continuous in enumerate(field.is_continuous):
-        if not is_continuous or verdict == "even":
+    for i, is_continuous in enumerate(stability.is_continuous):
+        if not is_continuous or stability.verdict == "even":
             continue
         lower = number.take(range(shape[i] - 1), axis=i).ravel()
         upper = number.take(range(1, shape[i]), axis=i).ravel()

@@ -11,33 +11,34 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Final, get_args
+from typing import Any, Final, get_args
 
 import numpy as np
 
 from nvcore.comparison import Result
 from nvcore.errors import ParameterError
+from nvcore.measures.entry import HIGHER
+from nvcore.measures.table import measure_of
 from nvcore.progress import Progress, no_progress, run_steps
 from nvcore.stability.axes import Axis, Plane, axes_of
 from nvcore.stability.equal_alarms import (
+    COLUMNS,
     EqualAlarms,
     alarms_per_frame,
     equal_alarm_thresholds,
-    keys_along,
 )
 from nvcore.stability.flips import (
-    Field,
     Flip,
     FlipInterval,
     Winner,
     combine_axes,
     find_flips,
     find_interval,
-    find_plausible_flip,
     winners,
 )
 from nvcore.stability.scores import (
     LETTERS,
+    MEASURE_OF,
     Criterion,
     Key,
     Letter,
@@ -95,15 +96,7 @@ class StabilityMap:
         return str(winners(np.array([self.present_difference]))[0])  # type: ignore[return-value]
 
     @property
-    def present_cell(self) -> int | None:
-        """Flat index of the analysed setting; None if the recordings' own values differ."""
-        indices = self._present_indices
-        if indices is None:
-            return None
-        return int(np.ravel_multi_index(indices, self.difference.shape))
-
-    @property
-    def _present_indices(self) -> list[int] | None:
+    def present_indices(self) -> list[int] | None:
         """Index of the analysed setting on each axis; None if the recordings' own values differ."""
         indices = [i for axis in self.axes if (i := axis.present_index) is not None]
         return indices if len(indices) == len(self.axes) else None
@@ -111,7 +104,13 @@ class StabilityMap:
     def settings(self, cell: int) -> dict[str, float | str]:
         """Parameters of a cell, by flat index, for ``dataclasses.replace(params, **settings)``."""
         indices = np.unravel_index(cell, self.difference.shape)
-        return {axis.name: axis.setting(int(i)) for axis, i in zip(self.axes, indices, strict=True)}
+        places = [axis.values[i] for axis, i in zip(self.axes, indices, strict=True)]
+        return self.settings_at(places)
+
+    def settings_at(self, place: Sequence[float]) -> dict[str, float | str]:
+        """Parameters at a value on each axis."""
+        axes = zip(self.axes, place, strict=True)
+        return {axis.name: axis.setting_at(value) for axis, value in axes}
 
     @cached_property
     def share_held(self) -> float:
@@ -138,9 +137,7 @@ class StabilityMap:
     def end(self) -> Flip | None:
         """The nearest setting on the map at which the verdict no longer holds (a tie ends it)."""
         is_other = (self.winner != self.verdict) & (self.winner != "undefined")
-        if self.verdict == "undefined":
-            return None
-        return next(iter(find_flips(self.field, self.verdict, is_other)), None)
+        return next(find_flips(self, is_other & (self.verdict != "undefined")), None)
 
     @cached_property
     def overturns(self) -> tuple[Flip, ...]:
@@ -148,9 +145,7 @@ class StabilityMap:
 
         The nearest part first. If it is a tie at present: in which either system is better.
         """
-        if self.verdict == "undefined":
-            return ()
-        return find_flips(self.field, self.verdict, self._is_overturned)
+        return tuple(find_flips(self, self._is_overturned))
 
     @property
     def overturn(self) -> Flip | None:
@@ -160,25 +155,18 @@ class StabilityMap:
     @cached_property
     def plausible_overturn(self) -> Flip | None:
         """The nearest setting that overturns the verdict and is plausible; None: nowhere."""
-        if self.verdict == "undefined":
-            return None
-        return find_plausible_flip(self.field, self.verdict, self._is_overturned)
+        return next(find_flips(self, self._is_overturned, is_plausible_only=True), None)
 
     @property
     def _is_overturned(self) -> np.ndarray:
-        if self.verdict == "even":
-            is_better: np.ndarray = (self.winner == "x") | (self.winner == "y")
-        else:
-            is_better = self.winner == ("y" if self.verdict == "x" else "x")
-        return is_better
+        others = {"x": ["y"], "y": ["x"], "even": ["x", "y"], "undefined": []}
+        return np.isin(self.winner, others[self.verdict])
 
-    @cached_property
-    def field(self) -> Field:
-        """The cells, for the search for flips."""
-        is_continuous = tuple(
-            self.criterion == "similarity" and axis.name in CONTINUOUS for axis in self.axes
-        )
-        return Field(self.axes, self.difference, self.winner, is_continuous)
+    @property
+    def is_continuous(self) -> tuple[bool, ...]:
+        """For each axis, whether the difference changes along it without steps."""
+        is_by_similarity = self.criterion == "similarity"
+        return tuple(is_by_similarity and axis.name in CONTINUOUS for axis in self.axes)
 
     @cached_property
     def intervals(self) -> tuple[FlipInterval, ...]:
@@ -186,11 +174,11 @@ class StabilityMap:
 
         Empty if the verdict is undefined or the analysed setting is not a single point of the map.
         """
-        present = self._present_indices
+        present = self.present_indices
         if self.verdict == "undefined" or present is None:
             return ()
         return tuple(
-            find_interval(self.field, self.verdict, i, present)
+            find_interval(self, i, present)
             for i, axis in enumerate(self.axes)
             if not axis.labels and self.is_moved_by[i]
         )
@@ -244,77 +232,72 @@ def map_stability(
         )
     axes = axes_of(result, plane, n_points=n_points)
     progress(0.0, MAPS)
+    pairs = None
     keys = {letter: keys_of(result, criterion, letter, axes) for letter in LETTERS}
+    along: dict[Letter, np.ndarray] = {}
+    if plane == "thresholds" and len(axes) == len(LETTERS):
+        pairs = equal_alarm_thresholds(result)
+        for letter in LETTERS:
+            name = f"threshold_{letter}"
+            along[letter] = np.fromiter(
+                (((name, value),) for value in pairs[name].tolist()), object
+            )
     letters_of: dict[Key, list[Letter]] = {}
     for letter in LETTERS:
-        for key in dict.fromkeys(keys[letter].ravel()):
+        for key in dict.fromkeys([*keys[letter].ravel(), *along.get(letter, ())]):
             letters_of.setdefault(key, []).append(letter)
-    is_by_alarms = plane == "thresholds" and len(axes) == len(LETTERS)
-    pairs = equal_alarm_thresholds(result) if is_by_alarms else None
-    along = {} if pairs is None else keys_along(pairs)
-    for letter, keys_on_line in along.items():
-        for key in keys_on_line:
-            if letter not in letters_of.setdefault(key, []):
-                letters_of[key].append(letter)
     full = match_fully(result, [axis.name for axis in axes])
     jobs = [
         partial(score_setting, result, criterion, key, letters, full)
         for key, letters in letters_of.items()
     ]
     scores_of = dict(zip(letters_of, run_steps(jobs, executor, progress, MAPS), strict=True))
-    alpha = result.params.alpha
-    scores = {
-        letter: _score_grid(keys[letter], scores_of, letter, axes, alpha) for letter in LETTERS
-    }
-    difference = _difference(scores, criterion)
+
+    def difference_at(keys: Mapping[Letter, np.ndarray], axes: Sequence[Axis]) -> np.ndarray:
+        alpha = result.params.alpha
+        x, y = (_score_grid(keys[letter], scores_of, letter, axes, alpha) for letter in LETTERS)
+        return _difference(x, y, criterion)
+
     equal_alarms = None
     if pairs is not None:
-        on_line = {
-            letter: _score_grid(line_keys, scores_of, letter, (), alpha)
-            for letter, line_keys in along.items()
-        }
+        columns: dict[str, Any] = {name: pairs[name].to_numpy() for name in COLUMNS}
         equal_alarms = EqualAlarms(
-            alarms_per_frame=pairs["alarms_per_frame"].to_numpy(),
-            threshold_x=pairs["threshold_x"].to_numpy(),
-            threshold_y=pairs["threshold_y"].to_numpy(),
-            difference=_difference(on_line, criterion),
+            **columns,
+            difference=difference_at(along, ()),
             present_x=alarms_per_frame(result, result.x),
             present_y=alarms_per_frame(result, result.y),
         )
     shape = tuple(len(axis) for axis in axes)
-    difference = np.broadcast_to(difference, shape).copy()
+    difference = np.broadcast_to(difference_at(keys, axes), shape).copy()
     winner = winners(difference)
     difference.flags.writeable = winner.flags.writeable = False
-    is_moved_by = tuple(
-        any(enters(axis.name, criterion, letter, result) for letter in LETTERS) for axis in axes
-    )
     return StabilityMap(
-        plane=plane,
-        criterion=criterion,
-        axes=axes,
-        difference=difference,
-        winner=winner,
+        *(plane, criterion, axes, difference, winner),
         present_difference=present_difference(result, criterion),
-        is_moved_by=is_moved_by,
+        is_moved_by=tuple(
+            any(enters(axis.name, criterion, letter, result) for letter in LETTERS) for axis in axes
+        ),
         equal_alarms=equal_alarms,
     )
 
 
 def present_difference(result: Result, criterion: Criterion) -> float:
     """Difference of the criterion as analysed; positive: X is better; NaN undefined."""
-    if result.dataset.frames.empty:
+    measure = measure_of(MEASURE_OF[criterion])
+    is_undefined = result.dataset.frames.empty or (
+        criterion == "encounters" and not result.venn.n_near
+    )
+    if is_undefined or measure.of is None:
         return np.nan
-    if criterion == "similarity":
-        return result.x.summary.mean - result.y.summary.mean
-    if criterion == "saliency":
-        return result.y.saliency_s - result.x.saliency_s
-    return float(result.venn.x_only - result.venn.y_only) if result.venn.n_near else np.nan
+    x, y = (np.array(measure.of(result, system)) for system in (result.x, result.y))
+    return float(_difference(x, y, criterion))
 
 
-def _difference(scores: Mapping[Letter, np.ndarray], criterion: Criterion) -> np.ndarray:
+def _difference(x: np.ndarray, y: np.ndarray, criterion: Criterion) -> np.ndarray:
     """Difference of the scores; positive: X is better."""
-    difference: np.ndarray = scores["x"] - scores["y"]
-    return 0.0 - difference if criterion == "saliency" else difference  # no negative zeros
+    is_higher_better = measure_of(MEASURE_OF[criterion]).better == HIGHER
+    difference: np.ndarray = x - y if is_higher_better else y - x
+    return difference
 
 
 def _score_grid(

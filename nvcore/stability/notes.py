@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.evidence.paired_tests import SIGNIFICANT
+from nvcore.measures.table import evidence_form, inference_of, repeated_by
 from nvcore.notes import Note, phrase, say
 from nvcore.objects import PEDESTRIAN
 from nvcore.stability.axes import Axis, Plane
@@ -53,11 +54,11 @@ def difference_text(criterion: Criterion, difference: float) -> str:
     size = abs(difference)
     if criterion == "encounters":
         return f"{size:.0f} encounter{'' if size == 1 else 's'}"
-    digits, unit = (2, " s") if criterion == "saliency" else (4, "")
-    least = 10**-digits
+    form, unit = evidence_form(MEASURE_OF[criterion]), inference_of(MEASURE_OF[criterion]).noun_unit
+    least = 10 ** -int(form[1])
     if 0 < size < least / 2:
-        return f"less than {least:.{digits}f}{unit}"
-    return f"{size:.{digits}f}{unit}"
+        return f"less than {least:{form}}{unit}"
+    return f"{size:{form}}{unit}"
 
 
 def share_text(share: float) -> str:
@@ -196,7 +197,8 @@ def describe_chance(stability: StabilityMap, evidence: pd.DataFrame) -> str:
     evidence
         `nvcore.evidence.table.evidence_table` of the same result.
     """
-    rows = evidence[evidence["figure"] == MEASURE_OF[stability.criterion]].to_dict("records")
+    key = MEASURE_OF[stability.criterion]
+    rows = evidence[evidence["figure"] == (repeated_by(key) or key)].to_dict("records")
     if stability.verdict in ("even", "undefined") or not rows:
         return ""
     (row,) = rows
@@ -220,7 +222,7 @@ def _present(stability: StabilityMap) -> list[Note]:
     outside = [
         f"{axis.title} {axis.range_text(*axis.present)}"
         for axis in axes
-        if not axis.is_present_plausible
+        if not axis.is_plausible(np.array(axis.present)).all()
     ]
     return [*notes, Note("stability.outside", settings=outside)] if outside else notes
 
@@ -244,10 +246,9 @@ def _interval(stability: StabilityMap, interval: FlipInterval) -> Note:
 
 def _choices(stability: StabilityMap) -> list[Note]:
     """Return notes on who is better if one choice has another value and all else is unchanged."""
-    present = [axis.present_index for axis in stability.axes]
-    if stability.present_cell is None:
+    present, notes = stability.present_indices, []
+    if present is None:
         return []
-    notes = []
     for i, axis in enumerate(stability.axes):
         others = [label for label in range(len(axis)) if label != present[i]]
         for label in others if axis.labels and stability.is_moved_by[i] else ():

@@ -29,7 +29,7 @@ LETTERS: Final[tuple[Letter, Letter]] = ("x", "y")
 
 MEASURE_OF: Final[dict[Criterion, str]] = {
     "similarity": "mean_similarity",
-    "encounters": "encounters_detected_by_unit",
+    "encounters": "encounters_detected",
     "saliency": "saliency",
 }
 """Key of the measure in which each criterion compares X and Y."""
@@ -75,7 +75,7 @@ def keys_of(
     keys = np.empty(shape, dtype=object)
     for indices in product(*map(range, shape)):  # a loop over settings, not over frames
         settings = [
-            (axis.name, axis.setting(i))
+            (axis.name, axis.setting_at(axis.values[i]))
             for axis, i, is_moved in zip(axes, indices, moved, strict=True)
             if is_moved
         ]

@@ -73,22 +73,40 @@ def test_few_persons_and_counts_are_exchanged_within_persons():
 
 
 @pytest.mark.parametrize(
-    ("n", "factor", "fits"), [(20, 1.0, "anova"), (20, 4.0, "welch"), (5, 1.0, "permutation")]
+    ("n", "factor", "fits", "reason"),
+    [
+        (6, 1.0, "anova", "Nothing speaks against equal variances (the largest is 1.0 times"),
+        (6, 4.0, "welch", "The variances differ (the largest is 16.0 times the smallest). Welch"),
+        (5, 1.0, "welch", "The smallest group has 5 values, too few to check whether the varia"),
+        (6, 0.0, "permutation", "A group has no spread. A permutation of Welch's F fits"),
+        (5, 0.0, "permutation", "A group has no spread. A permutation of Welch's F fits"),
+    ],
 )
-def test_independent_groups_by_their_size_and_variances(n: int, factor: float, fits: str):
+def test_independent_groups_by_their_size_and_variances(
+    n: int, factor: float, fits: str, reason: str
+):
     z = np.linspace(-1, 1, n)
-    rows = [("a", z), ("b", z + 0.3), ("c", factor * z)]
+    rows = [("a", z), ("b", factor * z + 0.3)]
     table = pd.concat(pd.DataFrame({"condition": name, "value": own}) for name, own in rows)
     result = nv.groups(table)
     assert (result.design, result.fits) == ("unknown", fits)
-    result = nv.groups(table.assign(participant=range(3 * n)))
-    assert (result.design, result.fits) == ("different", fits)
+    assert any(sentence.startswith(reason) for sentence in result.sentences)
+    if factor:
+        typed = table.groupby("condition")["value"].agg(n="size", mean="mean", sd="std")
+        assert nv.groups(typed.reset_index()).fits == fits
+
+
+def test_participants_of_one_condition_each_make_independent_groups():
+    result = nv.groups(persons(6, 2, same=False))
+    assert result.design == "different"
     assert "No participant appears in two conditions" in str(result)
 
 
 def test_counts_go_by_permutation_however_many():
     table = pd.DataFrame({"condition": ["a", "b"] * 12, "value": [0, 1, 2, 3] * 6})
-    assert nv.groups(table).fits == "permutation"
+    result = nv.groups(table)
+    assert result.fits == result.fits_pairs == "permutation"
+    assert "Counts are not normally distributed. A permutation of Welch's F fits" in str(result)
     assert nv.groups(table, scale="numbers").fits == "anova"
 
 
@@ -136,12 +154,16 @@ def test_one_person_in_each_group_or_in_all_has_no_test():
         result = nv.groups(table)
         assert result.tests["p"].drop(2).isna().all()  # Kruskal-Wallis of two is 0.32
         assert result.groups["sd"].isna().all()
-        assert "not tested: there is nothing to exchange" in str(result)
+        assert "not tested: a group has no spread, or one value alone." in str(result)
+    counts = alone.assign(value=[1, 2])
+    assert "not tested: there is nothing to exchange." in str(nv.groups(counts))
+    counts = pd.concat([counts, counts.iloc[1:]])
+    assert "not tested: a group has one value alone." in str(nv.groups(counts))
     assert nv.groups(alone.assign(participant="A")).design == "mixed"
     typed = pd.DataFrame({"condition": ["a", "b"], "n": 1, "mean": [1, 2], "sd": np.nan})
     result = nv.groups(typed, difference=1.0)
     assert result.tests["p"].isna().all()
-    assert "which cannot be checked here" in str(result)
+    assert "too few to check whether the variances are equal" in str(result)
     assert "would show a difference" not in str(result)
 
 
@@ -171,7 +193,7 @@ def test_groups_without_spread_that_differ_are_permuted_all_the_same():
 
 
 def test_p_cannot_be_small_for_the_smallest_groups_which_is_said():
-    table = pd.DataFrame({"condition": ["a"] * 3 + ["b"] * 3, "value": [1.5, 2, 3, 17, 18, 19]})
+    table = pd.DataFrame({"condition": ["a"] * 3 + ["b"] * 3, "value": [1, 2, 3, 17, 18, 19]})
     assert "With these few values, p cannot be below 0.1," in str(nv.groups(table))
 
 
@@ -186,17 +208,10 @@ def test_deviations_that_do_not_vary_have_no_check_of_variances():
 
 
 def test_skewed_residuals_are_named_where_the_test_assumes_none():
-    value = np.exp(RNG.normal(0, 1.5, 60))
-    result = nv.groups(pd.DataFrame({"condition": ["a", "b", "c"] * 20, "value": value}))
+    value = np.exp(RNG.normal(0, 1.5, 40))
+    result = nv.groups(pd.DataFrame({"condition": ["a", "b"] * 20, "value": value}))
     assert result.fits in ("anova", "welch")
     assert "The residuals are not normally distributed (Shapiro–Wilk p = " in str(result)
-
-
-def test_few_summaries_are_told_that_permutation_needs_the_values():
-    table = pd.DataFrame({"condition": ["a", "b"], "n": 3, "mean": [1, 2], "sd": [1, 1.2]})
-    result = nv.groups(table)
-    assert result.fits == "anova"
-    assert "The smallest group has 3 values. A permutation test would fit" in str(result)
 
 
 def test_the_size_of_a_study_for_the_smallest_difference_that_matters():

@@ -11,6 +11,7 @@ from inputs import write
 
 from nvcore.arguments.groups import GroupArguments
 from nvcore.errors import InputError, NvcoreError, ParameterError
+from nvcore.group_statistics import compare_groups
 from nvcore.group_statistics.reading import MOST_ROWS, GroupTable, read_groups
 
 
@@ -20,12 +21,12 @@ def read(path: Path, *lines: str, **asked: object) -> GroupTable:
 
 def test_values_and_summaries_are_told_by_their_columns(tmp_path: Path):
     values = read(tmp_path, "condition,value", "a,1.5", "b,2", "a,3")
-    assert values.summaries is None
+    assert [*values.rows] == ["participant", "condition", "value"]
     assert values.rows["value"].tolist() == [1.5, 2, 3]
     assert values.conditions == ["a", "b"]
     summaries = read(tmp_path, "condition;n;mean;sd", "a;3;1,5;0,2", "b;1;2;")
-    assert summaries.summaries["mean"].tolist() == [1.5, 2]
-    assert np.isnan(summaries.summaries["sd"]).tolist() == [False, True]
+    assert summaries.rows["mean"].tolist() == [1.5, 2]
+    assert np.isnan(summaries.rows["sd"]).tolist() == [False, True]
     assert len(read(tmp_path, "condition,n,mean,sd", "a,3,1,1", measure="mean").rows) == 1
 
 
@@ -160,3 +161,8 @@ def test_a_file_that_is_not_there_or_too_long_is_refused(tmp_path: Path):
         read_groups(GroupArguments(tmp_path / "none.csv"))
     with pytest.raises(InputError, match="rows below the header, found 10,001"):
         read(tmp_path, "condition,value", *["a,1"] * (MOST_ROWS + 1))
+
+
+def test_a_column_without_a_name_has_values_too(tmp_path: Path):
+    path = write(tmp_path / "table.csv", "condition,", "a,1.5", "b,2.5")
+    assert compare_groups(GroupArguments(path)).groups["mean"].tolist() == [1.5, 2.5]

@@ -24,10 +24,10 @@ def test_midpoints_are_plausible_from_the_rural_to_the_urban_preset() -> None:
     assert (axis.values[0], axis.values[-1]) == (pytest.approx(9.6), pytest.approx(120))
     assert axis.present == (48, 48)
     assert (axis.name, axis.unit) == ("midpoint", "px")
-    assert axis.is_present_plausible
+    assert axis.is_plausible(np.array(axis.present)).all()
     assert axis.reason.startswith("6 to 15 % of the picture's height, from the preset")
     for beyond in (20.0, 80.0):
-        assert not midpoint_axis([50], midpoint=beyond).is_present_plausible
+        assert not midpoint_axis([50], midpoint=beyond).is_plausible(beyond)
 
 
 def test_of_pictures_of_different_height_every_default_and_every_preset_is_plausible() -> None:
@@ -35,7 +35,7 @@ def test_of_pictures_of_different_height_every_default_and_every_preset_is_plaus
     result = compare(make_dataset([at(0, 50, h=90)], places=places), Params())
     axis = axes_of(result, "alpha-midpoint", n_points=5)[1]
     assert axis.plausible == (pytest.approx(0.06 * 120), pytest.approx(0.15 * 576))
-    assert axis.is_present_plausible
+    assert axis.is_plausible(np.array(axis.present)).all()
     assert "6 % of the lowest picture's height to 15 % of the tallest's" in axis.reason
     assert axis.is_plausible(0.1 * np.array([120, 480, 576])).all()
     assert axis.is_plausible([preset.midpoint_share * 576 for preset in PRESETS]).all()
@@ -44,7 +44,8 @@ def test_of_pictures_of_different_height_every_default_and_every_preset_is_plaus
 @pytest.mark.parametrize("share", [0.06, 0.15])
 def test_a_preset_is_plausible_however_its_midpoint_is_rounded(share: float) -> None:
     result = compare(make_dataset([], height=370.0), Params(midpoint=round(share * 370, 6)))
-    assert axes_of(result, "alpha-midpoint", n_points=5)[1].is_present_plausible
+    axis = axes_of(result, "alpha-midpoint", n_points=5)[1]
+    assert axis.is_plausible(np.array(axis.present)).all()
 
 
 def test_by_distance_the_midpoint_is_in_metres() -> None:
@@ -88,7 +89,7 @@ def test_weights_are_what_lies_nearest_within_the_plausible_range() -> None:
 def test_another_choice_is_a_whole_range_away() -> None:
     result = result_of(make_dataset([at(0, 50)], [], []), match="lateral")
     axis = axes_of(result, "matching", n_points=5)[1]
-    assert [axis.setting(i) for i in range(2)] == ["iou", "lateral"]
+    assert [axis.setting_at(i) for i in range(2)] == ["iou", "lateral"]
     assert axis.distance(axis.values).tolist() == [1, 0]
     assert axis.weights.tolist() == [0.5, 0.5]
     assert axis.text(1.0) == "matching by sideways position"
@@ -101,7 +102,7 @@ def test_the_analysed_value_and_the_ends_of_the_plausible_range_are_points(n_poi
     result = compare(data, params)
     for plane in ("alpha-midpoint", "matching", "edge-weight-alpha", "thresholds", "pairing-alpha"):
         for axis in axes_of(result, plane, n_points=n_points):
-            assert axis.setting(axis.present_index) == getattr(params, axis.name)
+            assert axis.setting_at(axis.values[axis.present_index]) == getattr(params, axis.name)
             assert set(axis.plausible) <= set(axis.values)
             assert np.all(np.diff(axis.values) > 0)
             assert not axis.values.flags.writeable

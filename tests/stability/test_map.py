@@ -104,7 +104,7 @@ def test_encounters_by_threshold_are_counted_as_by_hand() -> None:
         assert axis.values.tolist() == [0.2, 0.4, 0.6, 0.8]  # the very scores, not a bit more
     n_x, n_y = np.array([4, 3, 2, 1]), np.array([4, 4, 4, 1])
     assert stability.difference.tolist() == (n_x[:, None] - n_y[None, :]).tolist()
-    assert (stability.verdict, stability.present_cell) == ("even", 0)
+    assert (stability.verdict, stability.present_indices) == ("even", [0, 0])
 
 
 def test_a_system_without_scores_has_no_threshold_to_move() -> None:
@@ -135,7 +135,7 @@ def test_recordings_of_different_height_have_no_single_midpoint() -> None:
     data = make_dataset(truth, [truth[0]], [], places=places)
     stability = map_stability(compare(data, Params()), "alpha-midpoint", "similarity", n_points=11)
     assert stability.axes[1].present == (10, 30)
-    assert stability.present_cell is None
+    assert stability.present_indices is None
     assert stability.intervals == ()
     assert stability.axes[1].distance(np.array([9.0, 10, 20, 30, 40])) == pytest.approx(
         [1 / 39, 0, 0, 0, 10 / 39]  # plausible: 6 to 45 px
