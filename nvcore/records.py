@@ -23,7 +23,7 @@ from typing import (
 )
 
 from nvcore.errors import FormatError, InputError, ParameterError
-from nvcore.wording import did_you_mean
+from nvcore.wording import did_you_mean, shortened
 
 T = TypeVar("T")
 MAX_BYTES: Final = 16 << 20
@@ -35,6 +35,9 @@ _WORDS: Final = {
     bool: ("true or false", "true or false"),
 }
 """One and several values of each type."""
+MOST_TABLES: Final = 100_000
+"""Maximum number of tables in a list."""
+_SHOWN_KEY: Final = 80
 _COUNTS: Final = ("no", "one", "two", "three", "four")
 
 
@@ -46,14 +49,14 @@ def read_record(path: Path, name: str, parse: Callable[[object], T], *, expected
     name
         Of the file, as the user gave it.
     parse
-        From the content to the record. Raises ValueError or ParameterError where it is none.
+        From the content to the record. Raises ValueError or ParameterError if it is invalid.
     expected
         Expected content, for errors.
 
     Raises
     ------
     InputError
-        If it cannot be opened, or is no such record. It is never half believed.
+        If it cannot be opened, or is no such record. A record is read as a whole or not at all.
     """
     try:
         if path.stat().st_size > MAX_BYTES:
@@ -77,12 +80,12 @@ def parse_json(content: bytes) -> Any:
     ValueError, RecursionError
         If it is something else, or nested too deeply.
     """
-    return json.loads(content.decode(), parse_constant=_finite, parse_float=_finite)
+    return json.loads(content, parse_constant=_finite, parse_float=_finite)
 
 
 def _finite(text: str) -> float:
     if not math.isfinite(value := float(text)):
-        raise ValueError(f"{text[:30]} is not a number that it may have")
+        raise ValueError(f"JSON numbers must be finite, found {text[:30]}")
     return value
 
 
@@ -132,8 +135,9 @@ def values_of(
         if key in types:
             values[key] = convert(types[key], value, f"{where}: {key}" if where else key)
         elif known_only:
-            hint = did_you_mean(key, types, f"its keys are {', '.join(sorted(types))}")
-            raise ValueError(f"{where or 'the record'} has no key {key!r}; {hint}")
+            shown = shortened(key, _SHOWN_KEY)
+            hint = did_you_mean(shown, types, f"its keys are {', '.join(sorted(types))}")
+            raise ValueError(f"{where or 'the record'} has no key {shown!r}; {hint}")
     return values
 
 
@@ -141,6 +145,10 @@ def values_of(
 def types_of(kind: Any) -> dict[str, Any]:
     """Return the declared type of each field of a dataclass."""
     return get_type_hints(kind)
+
+
+class _OtherTypeError(Exception):
+    """A value has another type than declared."""
 
 
 def convert(declared: Any, value: object, where: str) -> Any:
@@ -170,40 +178,45 @@ def convert(declared: Any, value: object, where: str) -> Any:
     """
     try:
         return _convert(declared, value, where)
-    except (TypeError, OverflowError):
+    except _OtherTypeError:
         found = reprlib.repr(value)
         raise ValueError(f"{where}: expected {_in_words(declared)}, found {found}") from None
 
 
 def _convert(declared: Any, value: Any, where: str) -> Any:
-    """Convert a value. TypeError or OverflowError if it has another type."""
+    """Convert a value, or raise `_OtherTypeError`."""
     origin, parts = get_origin(declared), get_args(declared)
     if origin in (Union, UnionType):
         if type(value) in parts:
             return value
-        kinds = [part for part in parts if get_origin(part) or len(parts) == 2]
-        for kind in kinds:
-            with suppress(TypeError):
-                return _convert(kind, value, where)
-        raise TypeError
+        for part in parts:
+            with suppress(_OtherTypeError):
+                return _convert(part, value, where)
+        raise _OtherTypeError
     if is_dataclass(declared):
         return decode(declared, value, where, known_only=False)  # type: ignore[arg-type]
     if origin is tuple and isinstance(value, list | tuple):
         each_kind = parts[:1] * len(value) if parts[-1] is ... else parts
         if len(each_kind) != len(value):
-            raise TypeError
+            raise _OtherTypeError
+        if is_dataclass(parts[0]) and len(value) > MOST_TABLES:
+            raise ValueError(f"{where}: expected at most {MOST_TABLES:,} entries")
         each = enumerate(zip(each_kind, value, strict=True), start=1)
         return tuple(_convert(part, item, f"{where} {n}") for n, (part, item) in each)
     if origin is Mapping and isinstance(value, Mapping):
-        return {key: convert(parts[1], item, f"{where}: {key}") for key, item in value.items()}
+        return {
+            key: convert(parts[1], item, f"{where}: {shortened(key, _SHOWN_KEY)}")
+            for key, item in value.items()
+        }
     if declared is object or (origin is Literal and value in parts):
         return value
     if origin is None and isinstance(value, bool) == (declared is bool):
         if isinstance(value, declared):
             return value
         if declared is float and isinstance(value, int):
-            return float(value)
-    raise TypeError
+            with suppress(OverflowError):
+                return float(value)
+    raise _OtherTypeError
 
 
 def _in_words(declared: Any) -> str:

@@ -89,7 +89,24 @@ def test_fields_with_a_default_can_be_asked_for():
         decode(Light, {"kind": "sun"}, "light", complete=True)
 
 
+def test_a_long_key_is_shortened_in_the_error():
+    with pytest.raises(ValueError, match="the record has no key") as caught:
+        values_of(PLACE, {"k" * 10**6: 1}, "")
+    assert len(str(caught.value)) < 300
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_json_of_windows_editors_is_read(encoding: str):
+    assert parse_json('{"name": "Überland"}'.encode(encoding)) == {"name": "Überland"}
+
+
+def test_more_tables_than_allowed_are_not_looked_at():
+    content = {"lights": [{}] * 100_001}
+    with pytest.raises(ValueError, match="lights: expected at most 100,000 entries"):
+        values_of(PLACE, content, "")
+
+
 @pytest.mark.parametrize("text", ["NaN", "[-Infinity]", "1e999"])
 def test_json_holds_finite_numbers_only(text: str):
-    with pytest.raises(ValueError, match="is not a number that it may have"):
+    with pytest.raises(ValueError, match="JSON numbers must be finite"):
         parse_json(text.encode())

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import json
 import re
+import reprlib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -22,6 +23,7 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from nvcore.errors import ParameterError
 from nvcore.records import convert, decode, read_record
 from nvcore.wording import one_line, shortened
 
@@ -31,9 +33,8 @@ Ranges: TypeAlias = tuple[tuple[int, int], ...]
 """Frame numbers as first and last of each run of them, ascending."""
 
 _MAX_FRAME: Final = 2**53
-MOST_PARTS: Final = 100_000
 _LONGEST_TEXT: Final = 4096
-"""Parts of a training, and characters of a name or fingerprint."""
+"""Characters of a name or fingerprint."""
 _SHOWN_NAME: Final = 40
 _SHOWN_DIGITS: Final = 12
 """Of a name, and of a fingerprint."""
@@ -63,12 +64,12 @@ class TrainedOn:
 
     def __post_init__(self) -> None:
         if not self.recording and not self.fingerprint:
-            raise ValueError("expected a recording or a fingerprint")
+            raise ParameterError("expected a recording or a fingerprint")
         if max(len(self.recording), len(self.fingerprint)) > _LONGEST_TEXT:
-            raise ValueError(f"expected texts of at most {_LONGEST_TEXT:,} characters")
+            raise ParameterError(f"expected texts of at most {_LONGEST_TEXT:,} characters")
         for frame in (self.first_frame, self.last_frame):
             if frame is not None and abs(frame) > _MAX_FRAME:
-                raise ValueError(f"expected a frame number, found {frame:.3g}")
+                raise ParameterError(f"expected a frame number, found {reprlib.repr(frame)}")
 
     def __str__(self) -> str:
         if not self.recording:
@@ -223,9 +224,8 @@ def read_provenance(path: Path, name: str) -> Provenance:
 
 def _provenance(content: object) -> Provenance:
     record = convert(Mapping[str, object], content, "the record")
-    about = decode(About, record.get("detector", {}), "detector", known_only=False)
-    if len(about.trained_on) > MOST_PARTS:
-        raise ValueError(f"trained_on: expected at most {MOST_PARTS:,} entries")
+    detector = convert(Mapping[str, object], record.get("detector", {}), "detector")
+    about = decode(About, {**detector, "threshold": None}, "detector", known_only=False)
     recordings = convert(tuple[_Recording, ...], record.get("recordings", ()), "recordings")
     return Provenance(
         about=about,

@@ -130,9 +130,9 @@ def driver_job(
     inputs: Sequence[Path] = (),
     loading: Progress = no_progress,
 ) -> Iterator[Callable[[Progress], Any]]:
-    """Check the arguments of `driver_features` or `estimate_driver`, and yield what runs it.
+    """Check the arguments of `driver_features` or `estimate_driver`, and yield its run.
 
-    Parameters are as of `nvcore.detectors.face.detector_job`, errors as of these calls.
+    Parameters are those of `nvcore.detectors.face.detector_job`, errors those of the two calls.
     """
     estimate = arguments if isinstance(arguments, EstimateArguments) else None
     what = "estimates of what the driver sees" if estimate else "features of pictures"

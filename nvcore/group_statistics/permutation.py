@@ -20,16 +20,16 @@ from nvcore.evidence.bootstrap import ROUNDING, ROWS_AT_ONCE, SEED
 from nvcore.group_statistics.summaries import Test, welch_f
 
 MOST_LISTED: Final = 200_000
+"""Maximum number of ways that are all tried."""
 MOST_VALUES: Final = 100
-"""Up to so many ways to divide up to so many values are all tried."""
+"""Maximum number of values whose ways are all tried."""
 N_RANDOM: Final = 10_000
 """Number of random ways if there are more."""
 TIED: Final = 1e-9
 """Statistics that differ by this share or less are equal but for rounding."""
-
-
 NOTHING: Final = Test("permutation", reason="there is nothing to exchange")
 NO_VARIANCE: Final = Test("permutation", reason="a group has one value alone")
+"""Tests without a p-value, with the reason."""
 
 
 def n_partitions(sizes: Sequence[int]) -> int:

@@ -21,7 +21,7 @@ from typing import Any, Final, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.errors import InputError, NvcoreError
+from nvcore.errors import InputError, NvcoreError, ParameterError
 from nvcore.file_kinds import binary_kind
 from nvcore.records import decode, parse_json
 from nvcore.subjects import subjects
@@ -30,6 +30,7 @@ from nvcore.wording import one_line
 A = TypeVar("A")
 T = TypeVar("T")
 Arrays = Mapping[str, NDArray[Any]]
+LONGEST_NAME: Final = 200
 ABOUT: Final = "about"
 """The array of the JSON's bytes."""
 FORMATS: Final = dict(chain(*(subject.formats.items() for _, subject in subjects().values())))
@@ -58,7 +59,7 @@ _UNREADABLE: Final = (
 
 
 class BadModelError(ValueError):
-    """The content of a file is no such model."""
+    """Error: a file is not a valid model."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ class Array:
         Raises
         ------
         BadModelError
-            With the first.
+            Names the first value out of range.
         """
         is_wrong = (values < self.low) | (values > self.high)
         if is_wrong.any():
@@ -186,7 +187,7 @@ class ModelFormat(Generic[A]):
         Parameters
         ----------
         name
-            Of the file, for errors.
+            File name for error messages.
         build
             From JSON and arrays, whose types, lengths and ranges have been checked, to the model.
 
@@ -211,12 +212,15 @@ class ModelFormat(Generic[A]):
             facts = _read_about(arrays.pop(ABOUT).tobytes())
         except BadModelError:
             raise
-        except (*_UNREADABLE, RecursionError) as error:
+        except RecursionError as error:
+            raise BadModelError("its JSON is nested too deeply") from error
+        except _UNREADABLE as error:
             text = one_line(str(error))
             raise BadModelError(f"is not {self.what}, or is damaged ({text})") from error
         if facts is None or facts.pop("format", None) != self.name:
             raise BadModelError(f"is not {self.what}")
-        if (version := facts.pop("version", None)) != self.version:
+        version = facts.pop("version", None)
+        if type(version) is not int or version != self.version:
             raise BadModelError(
                 f"has version {version!r:.80}; this program reads {self.version}: update it, or "
                 "train the model again"
@@ -287,22 +291,24 @@ def format_of(content: bytes) -> str | None:
             with archive.open(member) as stream:
                 unpacked = stream.read(_MOST_ABOUT)
         about = _read_about(_array(unpacked, member, "|u1", 1).tobytes())
-    except (*_UNREADABLE, RecursionError, KeyError):
+    except (*_UNREADABLE, KeyError):
         return None
     name = None if about is None else about.get("format")
     return name if isinstance(name, str) and name in FORMATS else None
 
 
-def check_name(key: str, name: str, longest: int) -> None:
-    """Refuse a name that is empty, too long or not printable.
+def check_name(key: str, name: str) -> None:
+    """Refuse a name that is empty, longer than `LONGEST_NAME` or not printable.
 
     Raises
     ------
-    BadModelError
-        With its key.
+    ParameterError
+        Names its key.
     """
-    if not 0 < len(name) <= longest or not name.isprintable():
-        raise BadModelError(f"{key}: expected 1 to {longest} printable characters")
+    if not 0 < len(name) <= LONGEST_NAME or not name.isprintable():
+        raise ParameterError(
+            f"{key}: expected 1 to {LONGEST_NAME} printable characters, got {name[:40]!r}"
+        )
 
 
 def _kind_of(content: bytes) -> str:

@@ -8,8 +8,8 @@ To add a task, derive a store from `StudyStore`, as `nvcore.ratings.clip_task` d
 3. Declare the ``content`` of the file, the ``trial``, a `Table` for each kind of answer, and
    ``study_columns``: every field of the study but its two names (composite values become JSON),
    ``ends_at`` among them. By these the file is created, exported and emptied.
-4. Give ``study_of`` (a row as a study), ``begin`` (check the settings, then ``_begin``), and a
-   method for each kind of answer that checks it and calls ``keep``.
+4. Give ``study_of`` (a row as a study, its JSON decoded), ``begin`` (check the settings, then
+   ``_begin``), and a method for each kind of answer that checks it and calls ``keep``.
 5. Return answers as DataFrames: their columns are those of the CSV files.
 6. On the page, derive from `ui.people.studies.Studies`, and name it in ``STUDIES`` of the subject.
 
@@ -158,7 +158,7 @@ class StudyStore(Generic[S]):
     """
 
     content: ClassVar[str]
-    """Word for what the file has, as in "the file of the ratings"."""
+    """Noun for the file's content, as in "the file of the ratings"."""
     study_columns: ClassVar[str]
     """SQL of the fields of a study, but for its two names."""
     tables: ClassVar[Mapping[str, Table]]
@@ -174,6 +174,10 @@ class StudyStore(Generic[S]):
     """SQL of all participants. ``answers`` and ``plan`` are JSON; NULL: the plan is not stored."""
     has_names: ClassVar[bool] = True
     """False: participants get pseudonyms, which are also the codes of those without a hash."""
+
+    def __init_subclass__(cls) -> None:
+        if "ends_at" not in cls.study_columns:
+            raise TypeError(f"{cls.__name__}: study_columns need ends_at")
 
     def __init__(self, path: Path, *, now: datetime | None = None):
         self._path = path
@@ -193,7 +197,7 @@ class StudyStore(Generic[S]):
             time = (now or datetime.now(UTC)).isoformat()
             ended = base.execute("SELECT token FROM study WHERE ends_at <= ?", (time,)).fetchall()
             for (token,) in ended:
-                self._delete(base, token)
+                self._delete(base, token, name=None)
                 base.execute("DELETE FROM study WHERE token = ?", (token,))
 
     def _missing(self, base: sqlite3.Connection) -> list[str]:
@@ -454,10 +458,10 @@ class StudyStore(Generic[S]):
     def delete(self, study: S, person: Person) -> None:
         """Delete a participant with all that the file holds of them."""
         with self.connect() as base:
-            self._delete(base, study.token, person.name)
+            self._delete(base, study.token, name=person.name)
 
-    def _delete(self, base: sqlite3.Connection, token: str, name: str | None = None) -> None:
-        """Delete all participants of a study, or only the one with this name."""
+    def _delete(self, base: sqlite3.Connection, token: str, *, name: str | None) -> None:
+        """Delete the participant with this name, or all of a study if it is None."""
         columns = {
             **dict.fromkeys((*self.entry, *self.tables), "participant"),
             "participant": "name",

@@ -47,7 +47,7 @@ the miss rate (Dollár et al. 2012)."""
 
 @dataclass(frozen=True)
 class Range:
-    """What a numeric axis spans: plausible values, and drawn ones, to show a flip just outside.
+    """Range of a numeric axis: plausible values, and drawn ones, to show a flip just outside.
 
     `parameter` is the setting's name where the title is another.
     """

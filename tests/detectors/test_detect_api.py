@@ -41,6 +41,8 @@ def test_what_was_run_is_printed_as_the_command_prints_it(tmp_path: Path, blobs:
     assert lines[2] == f"written to {tmp_path}/out as blobs"
     with pytest.raises(nv.NvcoreError, match="expected a recording, or frames of it as odd_pose="):
         nv.detect(SAMPLE, blobs, tmp_path / "out", trained_on="odd_pose=0-99")
+    with pytest.raises(nv.NvcoreError, match="expected a recording or a fingerprint"):
+        nv.detect(SAMPLE, blobs, tmp_path / "out", trained_on=[""])
     with pytest.raises(nv.NvcoreError, match="loaded already: give frames= to load"):
         nv.detect(nv.load(SAMPLE), blobs, tmp_path / "out", frames=":99")
 

@@ -170,6 +170,8 @@ def test_python_users_do_the_same(files: tuple[Path, Path], tmp_path: Path):
         name="mine",
     )
     assert training.estimator.name == "mine"
+    with pytest.raises(nv.NvcoreError, match="name: expected 1 to 200 printable characters"):
+        nv.train_driver("gone.csv", features, tmp_path / "n.npz", name="n" * 201)
     assert read_estimator(tmp_path / "m.npz").origin.square_px == 150
     evaluation = nv.evaluate_driver(trials, features, quick=True)
     assert len(evaluation.rows) == 48

@@ -57,4 +57,4 @@ def test_a_record_that_is_none_is_refused_with_its_name(
 ):
     record_beside(features).write_bytes(record(features, settings))
     with pytest.raises(FormatError, match=rf"study\.csv\.json: .*{words}"):
-        about_features(features)[0]
+        about_features(features)

@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
+from bench.group_tests import CASES
 from nvcore.evidence.bootstrap import ratio
 from nvcore.evidence.paired_tests import swap_test
 from nvcore.group_statistics.permutation import (
@@ -77,15 +78,7 @@ def test_an_interval_of_a_mean_is_students():
     assert t_interval(SAMPLES[0].mean(), stats.sem(SAMPLES[0]), 9) == pytest.approx([*interval])
 
 
-@pytest.mark.parametrize(
-    ("sizes", "sds"),
-    [
-        *(((4, 12), sds) for sds in ((1, 1), (3, 1), (1, 3))),
-        *(((5, 5, 15), sds) for sds in ((1, 1, 1), (3, 1, 1), (3, 3, 1), (3, 2, 1), (1, 1, 3))),
-        *(((4, 4, 4), sds) for sds in ((1, 1, 1), (1, 1, 3), (1, 2, 3), (1, 3, 3))),
-        *(((3, 3, 3, 3), sds) for sds in ((1, 1, 1, 1), (1, 1, 1, 3), (1, 1, 3, 3))),
-    ],
-)
+@pytest.mark.parametrize(("sizes", "sds"), CASES)
 def test_welch_finds_no_difference_in_19_of_20_small_groups_of_equal_means(
     sizes: tuple[int, ...], sds: tuple[int, ...]
 ):
@@ -233,6 +226,17 @@ values = st.integers(0, 9).map(float)
 
 
 samples = st.lists(st.lists(values, min_size=1, max_size=3).map(np.array), min_size=2, max_size=4)
+
+
+@given(samples)
+@settings(max_examples=50, deadline=None)
+def test_exchanged_groups_give_the_same_overall(groups: list[np.ndarray]):
+    there, back = permute_between(groups), permute_between(groups[::-1])
+    assert back.p == pytest.approx(there.p, nan_ok=True)
+    summary = summarised(groups)
+    for test in (anova, welch):
+        turned = Groups(*(each[::-1] for each in summary))
+        assert test(turned)[2:9] == pytest.approx(test(summary)[2:9], nan_ok=True)
 
 
 @pytest.mark.parametrize("compare", [tukey, games_howell])

@@ -27,7 +27,7 @@ MOST_QUESTIONS: Final = 2
 """Pictures of all visitors that are given to detectors at a time; others wait."""
 MOST_KEPT: Final = 16
 """Cached answers of a kind."""
-VIEWS_KEPT: Final = 2
+VIEWS_KEPT: Final = 4
 """Cached answers of a function of a model, which may be large."""
 
 _turns = threading.BoundedSemaphore(MOST_QUESTIONS)

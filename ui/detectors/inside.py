@@ -164,11 +164,11 @@ def _draw_window(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
         st.info("No window came through, so there is none to follow. Choose another frame.")
         return
     box = float(boxes.x[row]), float(boxes.y[row]), float(boxes.w[row])
-    size = picture.shape[1], picture.shape[0]
-    window = asking.ask_model(displays.window_of, spec, *size, box)
-    path = asking.ask_model(displays.window_path, spec, picture, *window)
+    height, width = picture.shape[:2]
+    place = asking.ask_model(displays.window_of, spec, width, height, box)
+    path = asking.ask_model(displays.window_path, spec, picture, *place)
     st.caption(
-        f"The box with the score {boxes.score[row]:.3g}, at scale {window[0]:.3g}; a click in the "
+        f"The box with the score {boxes.score[row]:.3g}, at scale {place[0]:.3g}; a click in the "
         "picture above chooses another."
     )
     about = asking.described(spec).about
@@ -180,6 +180,6 @@ def _draw_window(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
         number = st.number_input("Tree", 1, inside.n_trees, 1, 1, key="detector_tree", width=200)
         tree = asking.ask_model(displays.tree, spec, number - 1)
         leaf = int(np.asarray(path.leaf)[number - 1])
-        size = inside.settings.window_width, inside.settings.window_height
-        figure = figures.tree_plot(tree, theme=theme, window=size, number=number, leaf=leaf)
+        window = inside.settings.window_width, inside.settings.window_height
+        figure = figures.tree_plot(tree, theme=theme, window=window, number=number, leaf=leaf)
         draw_chart(figure, "detector_tree_plot", of=of)

@@ -71,9 +71,7 @@ class BackgroundJob(Generic[Output]):
         folder: Path | None = None,
         outlasts: bool = False,
     ):
-        """Start.
-
-        It ends with the session, and when the session opens something else.
+        """Start the job. It is cancelled when the session ends or opens something else.
 
         Parameters
         ----------
@@ -89,9 +87,10 @@ class BackgroundJob(Generic[Output]):
         self.is_kept = self.is_told = False
         self.state = JobState.WAITING
         self.output: Output | None = None
-        assert space.opened is not None
+        opened = space.opened
         # the job would keep the session's files alive
-        self._space, self._dataset = weakref.ref(space), weakref.ref(space.opened.dataset)
+        self._space = weakref.ref(space)
+        self._dataset = (lambda: None) if opened is None else weakref.ref(opened.dataset)
         self._stop, self._ending = threading.Event(), threading.Lock()
         self._thread = threading.Thread(target=self._run, args=(work,), daemon=True)
         self._thread.start()
@@ -143,6 +142,8 @@ class BackgroundJob(Generic[Output]):
         except CancelledError:
             state = JobState.CANCELLED
         except NvcoreError as error:
+            # its frames would keep what the work has loaded
+            error.__traceback__ = error.__cause__ = error.__context__ = None
             self.error = error
         finally:
             with self._ending:

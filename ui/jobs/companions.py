@@ -14,7 +14,7 @@ from ui.jobs.page_run import PageRun
 from ui.session import state
 from ui.session.results import cached_miss_rate, comparison_key
 
-RUN: Final = PageRun[Companions]("companions", "the comparison at equal false alarms", "comparing")
+RUN: Final = PageRun[Companions]("companions", "comparison at equal false alarms", "Comparing")
 QUICK_BOXES: Final = 50_000
 """Number of boxes up to which it takes a fraction of a second and is done at once."""
 

@@ -152,7 +152,7 @@ def is_uploaded(space: Workspace, session: Session) -> bool:
 
 
 def named_in(session: Session, path: Path) -> str:
-    """Return how a session names a file of a run: from its folder, which an upload shares."""
+    """Return the path of a run's file, relative to the session's folder if it lies below it."""
     is_inside = path.is_relative_to(session.folder)
     return path.relative_to(session.folder).as_posix() if is_inside else str(path)
 

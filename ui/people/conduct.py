@@ -47,7 +47,7 @@ def draw(studies: Studies[S, B]) -> None:
     with st.container(horizontal=True):
         # outside the fragment, whose reruns would lose clicks
         studies.draw_downloads(store, study)
-    _draw_progress(studies, store, study)
+    _draw_progress(studies, study)
     studies.draw_results(store, study)
     _draw_one_participant(studies, store, study)
 
@@ -69,9 +69,9 @@ def _draw_addresses(for_participants: str, for_conductor: str) -> None:
 
 
 @st.fragment(run_every=NEWS_S)
-def _draw_progress(studies: Studies[S, B], store: B, study: S) -> None:
+def _draw_progress(studies: Studies[S, B], study: S) -> None:
     st.header("Progress")
-    progress = studies.progress(store, study)
+    progress = studies.progress(studies.store(), study)  # deletes studies that ended meanwhile
     columns = st.columns(len(progress.metrics))
     for column, (label, (n, hint)) in zip(columns, progress.metrics.items(), strict=True):
         column.metric(label, f"{n:,}", help=hint)

@@ -128,6 +128,7 @@ class Studies(Generic[S, B]):
 
     def draw_setup(self) -> None:
         """Draw the form that begins a study."""
+        raise NotImplementedError
 
     def draw_notes(self) -> None:
         """Draw notes for the conductor below the addresses."""

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.dataset.provenance import MOST_PARTS, TrainedOn
+from nvcore.dataset.provenance import TrainedOn
 from nvcore.detectors.base import DetectorError
 from nvcore.detectors.classifier import MAX_CLASSES, N_VALUES, Classifier
 from nvcore.detectors.icf.boosting import Trees
@@ -23,8 +23,6 @@ from nvcore.errors import ParameterError
 from nvcore.output.model_files import Array, ModelFormat, check_name
 
 MAX_BYTES: Final = 1 << 26
-LONGEST_NAME: Final = 200
-"""Of a model, and of what it detects."""
 _GREATEST: Final = 1 << 63
 _MOST_WEIGHT: Final = 1e6
 
@@ -43,12 +41,10 @@ class _About:
 
     def __post_init__(self) -> None:
         for name in ("name", "label"):
-            check_name(name, getattr(self, name), LONGEST_NAME)
+            check_name(name, getattr(self, name))
         for name in ("n_objects", "n_background", "seed"):
             if not abs(getattr(self, name)) < _GREATEST:
                 raise ValueError(f"{name}: expected a number of fewer digits")
-        if len(self.trained_on) > MOST_PARTS:
-            raise ValueError(f"trained_on: expected at most {MOST_PARTS:,} entries")
 
 
 FORMAT: Final = ModelFormat(
@@ -113,7 +109,7 @@ def from_bytes(content: bytes, name: str) -> IcfModel:
     Parameters
     ----------
     name
-        Of the file, for errors.
+        File name for error messages.
 
     Raises
     ------
@@ -217,7 +213,7 @@ def _classifier(
     if classes is None or weights is None or len(classes) != weights.shape[1]:
         raise DetectorError("classes: expected a name for each column of class_weights")
     for name in classes:
-        check_name("classes", name, LONGEST_NAME)
+        check_name("classes", name)
     if len(set(classes)) != len(classes) or len(classes) < 2:
         raise DetectorError("classes: expected two names or more, each once")
     return Classifier(classes, weights)

@@ -251,6 +251,8 @@ def _check(spec: Field[Any], value: Any) -> None:
         convert(types_of(IcfSettings)[spec.name], value, spec.name)
     except ValueError as error:
         raise ParameterError(str(error)) from error
+    if isinstance(value, list):
+        raise ParameterError(f"{spec.name}: expected a tuple, found a list")
     if facts.low is None or facts.high is None or value is None:
         return
     numbers = value if isinstance(value, tuple) else (value,)

@@ -130,7 +130,7 @@ def _fingerprints(
 def _is_covered(
     rows: slice, start: NDArray[np.int64], stop: NDArray[np.int64]
 ) -> NDArray[np.bool_]:
-    """Which of a recording's rows are in one of these ranges."""
+    """Return True for the rows of a recording that are in one of these ranges."""
     n = rows.stop - rows.start
     changes = np.bincount(start, minlength=n + 1) - np.bincount(stop, minlength=n + 1)
     is_covered: NDArray[np.bool_] = np.cumsum(changes)[:n] > 0
@@ -143,7 +143,7 @@ def trained_part(
     first_frame: int | None = None,
     last_frame: int | None = None,
 ) -> TrainedOn:
-    """What to note of a training on a recording, or on a part of its frames.
+    """Return a recording, or a part of its frames, as a part of a training.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def trained_part(
 
 
 def rows_of_part(dataset: Dataset, number: int, part: TrainedOn) -> slice:
-    """Rows of the frames table that are of a part, if the recording of this number is its own."""
+    """Return the rows of the frames table of a part, given the number of its recording."""
     frames = dataset.frame_columns
     rows = frames.rows_of(number)
     own = frames.frame[rows]
@@ -194,7 +194,7 @@ def truth_fingerprint(
     w: NDArray[np.float64],
     h: NDArray[np.float64],
 ) -> str:
-    """sha256 over the boxes of a recording's ground truth, in whatever order they come.
+    """Return the sha256 of the boxes of a recording's ground truth, whatever their order.
 
     Coordinates count in hundredths of a pixel: the same truth in another format has the same
     fingerprint. No box gives an empty text: nothing can be known by it.
@@ -217,7 +217,7 @@ def _fingerprint_rows(
     w: NDArray[np.float64],
     h: NDArray[np.float64],
 ) -> NDArray[np.int64]:
-    """What `truth_fingerprint` is taken of: frame and sides of each box, shape (n, 5), by frame."""
+    """Return the rows behind `truth_fingerprint`: frame and sides of each box, (n, 5), by frame."""
     hundredths = [np.rint(100 * side).astype("<i8") for side in (x, y, w, h)]
     rows = np.column_stack([np.asarray(frame).astype("<i8"), *hundredths])
     ordered: NDArray[np.int64] = rows[np.lexsort(rows.T[::-1])]
@@ -225,7 +225,7 @@ def _fingerprint_rows(
 
 
 def part_fingerprint(dataset: Dataset, rows: slice) -> str:
-    """`truth_fingerprint` of the boxes in these rows of the frames table."""
+    """Return the `truth_fingerprint` of the boxes in these rows of the frames table."""
     boxes = dataset.truth.of_frames(rows.start, rows.stop)
     return truth_fingerprint(dataset.frame_columns.frame[boxes.frame_index], *boxes.xywh)
 
@@ -233,7 +233,7 @@ def part_fingerprint(dataset: Dataset, rows: slice) -> str:
 def fingerprints_of_ranges(
     dataset: Dataset, number: int, start: NDArray[np.int64], stop: NDArray[np.int64]
 ) -> list[str]:
-    """`part_fingerprint` of many parts of a recording; those that begin alike cost one pass.
+    """Return the `part_fingerprint` of many parts of a recording, in one pass if they begin alike.
 
     Parameters
     ----------

@@ -18,13 +18,13 @@ from nvcore.detectors.classifier import MAX_CLASSES
 from nvcore.detectors.icf import IcfModel, IcfSettings, Scene, train
 from nvcore.detectors.icf.cascade import passes
 from nvcore.detectors.icf.channels import check_picture
-from nvcore.detectors.icf.model_file import LONGEST_NAME
 from nvcore.detectors.icf.windows import object_windows, window_values
 from nvcore.detectors.training.folders import folder_shots
 from nvcore.detectors.training.recordings import session_shots
 from nvcore.detectors.training.shots import PictureStore, Shot, TrainingData, scenes_of
 from nvcore.errors import InputError, ParameterError
 from nvcore.memory import free_bytes
+from nvcore.output.model_files import LONGEST_NAME, check_name
 from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress, no_progress, part_of, with_time_left
 from nvcore.wording import count_text, duration_text, one_line
@@ -200,10 +200,7 @@ def train_on(
         If the name cannot be that of a model, or the classes of the boxes not its classes.
     """
     began = time.perf_counter()
-    if not 0 < len(name) <= LONGEST_NAME or not name.isprintable():
-        raise ParameterError(
-            f"name: expected 1 to {LONGEST_NAME} printable characters, got {name[:40]!r}"
-        )
+    check_name("name", name)
     shots = training_data.shots
     _check_classes(shots)
     _check_room(shots, settings)

@@ -29,7 +29,6 @@ from nvcore.output.files import write_whole
 from nvcore.output.model_files import Array, BadModelError, ModelFormat, check_name, format_of
 from nvcore.records import decode
 
-LONGEST_NAME: Final = 200
 SAMPLE_ESTIMATOR: Final = Path(__file__).parents[1] / "models" / "sample.npz"
 """Of the sample's simulated observer; written by scripts/train_sample_driver.py."""
 SAMPLE_NAME: Final = "sample"
@@ -52,7 +51,7 @@ class _About:
     feature_settings: Mapping[str, object] | None = None
 
     def __post_init__(self) -> None:
-        check_name("name", self.name, LONGEST_NAME)
+        check_name("name", self.name)
         if self.features != FEATURE_KEYS:
             raise ValueError("features: expected those of this program; train the model again")
 
@@ -61,8 +60,8 @@ def _per_regression(low: float, high: float, dtype: str = "<f8") -> Array:
     return Array(dtype, ("regressions",), low, high)
 
 
-def _per_feature(high: float = LARGEST, dtype: str = "<f8") -> Array:
-    return Array(dtype, ("regressions", N_FEATURES), -high, high)
+def _per_feature(low: float, high: float, dtype: str = "<f8") -> Array:
+    return Array(dtype, ("regressions", N_FEATURES), low, high)
 
 
 FORMAT: Final = ModelFormat(
@@ -74,11 +73,11 @@ FORMAT: Final = ModelFormat(
     # ranges: what training can write, or more; within them nothing that is computed is infinite
     arrays={
         "periods_s": Array("<f8", ("periods",), 0, 3660),  # of trials and the display of a picture
-        "is_used": _per_feature(dtype="|u1"),
-        "centre": _per_feature(),
-        "scale": _per_feature(np.inf),  # of features in use within _SCALE
-        "low": _per_feature(),
-        "high": _per_feature(),
+        "is_used": _per_feature(0, 1, "|u1"),
+        "centre": _per_feature(-LARGEST, LARGEST),
+        "scale": _per_feature(-np.inf, np.inf),  # of features in use within _SCALE
+        "low": _per_feature(-LARGEST, LARGEST),
+        "high": _per_feature(-LARGEST, LARGEST),
         "kernel": _per_regression(0, 255, "|u1"),
         "cost": _per_regression(0, 1000),
         "epsilon": _per_regression(0, 1),
@@ -131,13 +130,17 @@ def read_estimator(path: Path) -> Estimator:
     EstimatorError
         If the file cannot be read, or is no such model.
     """
-    if not path.exists():
+    try:
+        content = FORMAT.read(path)
+    except EstimatorError as error:
+        if not isinstance(error.__cause__, FileNotFoundError):
+            raise
         raise EstimatorError(
             f"there is no such file; expected {FORMAT.what}, or {SAMPLE_NAME}: that of the "
             "sample's simulated observer",
             file=path.name,
-        )
-    return from_bytes(FORMAT.read(path), path.name)
+        ) from error
+    return from_bytes(content, path.name)
 
 
 def to_bytes(estimator: Estimator) -> bytes:
@@ -156,7 +159,7 @@ def from_bytes(content: bytes, name: str) -> Estimator:
     Parameters
     ----------
     name
-        Of the file, for errors.
+        File name for error messages.
 
     Raises
     ------
@@ -230,8 +233,8 @@ def _check_values(arrays: Mapping[str, NDArray[Any]]) -> None:
         raise BadModelError("expected a regression for each period, and one for all")
     if periods[0] < 0 or (np.diff(periods) <= 0).any():
         raise BadModelError("periods_s: expected ascending numbers of 0 or more")
-    if is_used.max() > 1 or not is_used.any(axis=1).all():
-        raise BadModelError("is_used: expected 0 and 1, and a feature for each regression")
+    if not is_used.any(axis=1).all():
+        raise BadModelError("is_used: expected a feature for each regression")
     if (np.diff(ends, prepend=0) < 0).any() or ends[-1] != len(arrays["weights"]):
         raise BadModelError("vector_ends: expected ascending numbers up to those of vectors")
     if arrays["kernel"].max() >= len(KERNELS):

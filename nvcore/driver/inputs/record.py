@@ -20,7 +20,7 @@ from typing import Final
 
 from nvcore.notes import Note, phrase
 from nvcore.objects import PEDESTRIAN
-from nvcore.records import convert, decode, read_record
+from nvcore.records import read_record, values_of
 from nvcore.wording import MOST_NAMED, listed, one_line, shortened
 
 SIMULATED: Final = ("no", "some", "all", "")
@@ -32,7 +32,25 @@ _EXPECTED: Final = (
 )
 _MOST: Final = 2**53
 _SHOWN_NAME: Final = 40
-_OF_ESTIMATOR: Final = {"name": str, "fingerprint": str, "simulated": str, "n_subjects": int}
+_STATED: Final = ("name", "fingerprint", "simulated", "n_subjects")
+"""Facts of the estimator that every record has."""
+_PARTS: Final = {
+    "written_by": str,
+    "files": Mapping[str, str],
+    **dict.fromkeys(("estimator", "estimates", "settings"), Mapping[str, object]),
+}
+_OF_ESTIMATOR: Final = {
+    **dict.fromkeys(("name", "fingerprint", "simulated", "search"), str),
+    "n_subjects": int,
+    "no_better_at_s": tuple[float, ...],
+    "of_no_use": bool,
+}
+_OF_ESTIMATES: Final = {
+    **dict.fromkeys(("n", "n_light_unknown"), int),
+    **dict.fromkeys(("outside", "other_width"), Mapping[str, int]),
+    **dict.fromkeys(("light_doubts", "picture_doubts"), Mapping[str, str]),
+}
+_OF_SETTINGS: Final = {"light": Mapping[str, object]}
 
 
 @dataclass(frozen=True)
@@ -154,7 +172,7 @@ def _named(names: Iterable[str]) -> str:
 
 def estimate_json(record: EstimateRecord) -> bytes:
     """Serialize the record as JSON. Equal records give equal bytes."""
-    estimator: dict[str, object] = {name: getattr(record, name) for name in _OF_ESTIMATOR}
+    estimator: dict[str, object] = {name: getattr(record, name) for name in _STATED}
     if record.no_better_at_s:  # else as before there was such a thing
         estimator["no_better_at_s"] = list(record.no_better_at_s)
     if record.of_no_use:
@@ -198,8 +216,11 @@ def read_estimate_record(path: Path, name: str) -> EstimateRecord:
 
 
 def _record(content: object) -> EstimateRecord:
-    record = {**convert(Mapping[str, object], content, "the record")}
-    for part in ("estimator", "estimates", "settings"):
-        record |= convert(Mapping[str, object], record.get(part, {}), part)
-    record["n_estimates"] = record.get("n", 0)
-    return decode(EstimateRecord, record, "", known_only=False)
+    record = values_of(_PARTS, content, "", known_only=False)
+    of_estimator = values_of(
+        _OF_ESTIMATOR, record.pop("estimator", {}), "estimator", known_only=False
+    )
+    estimates = values_of(_OF_ESTIMATES, record.pop("estimates", {}), "estimates", known_only=False)
+    light = values_of(_OF_SETTINGS, record.pop("settings", {}), "settings", known_only=False)
+    n = estimates.pop("n", 0)
+    return EstimateRecord(n_estimates=n, **of_estimator, **estimates, **light, **record)

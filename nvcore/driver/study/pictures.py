@@ -36,9 +36,9 @@ FIGURES: Final = ((300.0, 330.0, 60.0, 170.0), (890.0, 350.0, 50.0, 140.0))
 
 @dataclass(frozen=True)
 class StudyPicture:
-    """A picture of a study by its file's name, and the box of its pedestrian, px.
+    """A picture of a study: file name, box of its pedestrian and size, px.
 
-    By the `sha256` of its file all participants see the same picture.
+    The `sha256` of its file makes sure that all participants see the same picture.
     """
 
     image: str

@@ -199,5 +199,14 @@ class StudySettings:
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> StudySettings:
-        """Return the settings whose `dataclasses.asdict` was written as JSON."""
-        return decode(cls, values, "settings of the study")
+        """Return the settings whose `dataclasses.asdict` was written as JSON.
+
+        Raises
+        ------
+        InputError
+            If one of them is invalid.
+        """
+        try:
+            return decode(cls, values, "settings of the study")
+        except ValueError as error:
+            raise InputError(str(error)) from error

@@ -49,13 +49,16 @@ def train_driver(arguments: TrainArguments) -> Training:
     """
     with needs("driver", "training an estimator needs"):
         from nvcore.driver.estimators import train_estimator, write_estimator
+        from nvcore.output.model_files import check_name
 
     out = Path(arguments.out)
+    name = arguments.name or one_line(out.stem)
+    check_name("name", name)
     refuse_to_replace([out], _inputs(arguments))
     check_file(out, "model.npz")
     training = train_estimator(
         _table(arguments),
-        name=arguments.name or one_line(out.stem),
+        name=name,
         search=_search(arguments),
         n_threads=arguments.n_threads,
         progress=arguments.progress,

@@ -114,8 +114,10 @@ def _session(content: dict[str, Any], folder: Path, needs_system: bool) -> Sessi
         params = params_from(settings)
     with _errors_in("[protocol]"):
         protocol = protocol_from(filters)
-    published = _tables(content, "published")
-    codes = _tables(content, "code")
+    published = [
+        decode(PublishedPoint, of, "[[published]]") for of in _tables(content, "published")
+    ]
+    codes = [decode(CodedInterval, of, "[[code]]") for of in _tables(content, "code")]
     written = _values(_WRITTEN, content, "written", known_only=False)
     added: dict[str, Any] = {
         name: decode(kind, _table(content, name), f"[{name}]")
@@ -131,8 +133,8 @@ def _session(content: dict[str, Any], folder: Path, needs_system: bool) -> Sessi
             params=params,
             protocol=protocol,
             primary=primary_from(primary),
-            published=tuple(decode(PublishedPoint, of, "[[published]]") for of in published),
-            codes=tuple(decode(CodedInterval, of, "[[code]]") for of in codes),
+            published=tuple(published),
+            codes=tuple(codes),
             codes_file=_table_file(content, "codes"),
             hashes=written.get("sha256", {}),
             pipes=written.get("pipes", ()),

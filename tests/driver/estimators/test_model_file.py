@@ -158,7 +158,7 @@ def of_origin(**facts: object):
         (of_origin(picture_px=[960, 540, "x"]), "origin: picture_px: expected two whole numbers"),
         (of_origin(search=True), "origin: search: expected a text, found True"),
         (of_origin(n_subjects=-1), "n_subjects: expected 0 to 4294967296, got -1"),
-        (of_origin(display_s=float("inf")), r".*Infinity is not a number"),
+        (of_origin(display_s=float("inf")), ".*numbers must be finite, found Infinity"),
         (of_origin(seed=10**400), "seed: expected 0 to 4294967296, got 1000"),
         (
             told(feature_settings={"surround": 10**400, "bin_distance": 1}),
@@ -169,8 +169,8 @@ def of_origin(**facts: object):
         (put("periods_s", 0, -1.0), "periods_s: expected 0 to 3660, found -1"),
         (put("weights", 0, np.nan), "weights has values that are no numbers"),
         (put("scale", slice(None), 0.0), "scale: expected 1e-12"),
-        (put("is_used", slice(None), 0), "is_used: expected 0 and 1"),
-        (put("is_used", 0, 2), "is_used: expected 0 and 1"),
+        (put("is_used", slice(None), 0), "is_used: expected a feature"),
+        (put("is_used", 0, 2), "is_used: expected 0 to 1, found 2"),
         (put("kernel", 0, 2), "kernel: expected 0 or 1"),
         (put("vector_ends", -1, 10**6), "vector_ends: expected ascending"),
         (put("vector_ends", 0, -1), "vector_ends: expected ascending"),
@@ -313,6 +313,8 @@ def test_a_file_that_is_not_there_is_named(tmp_path: Path):
     words = r"gone\.npz: there is no such file; expected an estimator .*, or sample: that of the s"
     with pytest.raises(EstimatorError, match=words):
         read_estimator(tmp_path / "gone.npz")
+    with pytest.raises(EstimatorError, match=r"cannot be opened \(File name too long"):
+        read_estimator(tmp_path / ("long" * 100))
     with pytest.raises(EstimatorError, match="cannot be opened"):
         read_estimator(tmp_path)
 

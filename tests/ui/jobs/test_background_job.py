@@ -115,6 +115,8 @@ def test_a_job_that_fails_says_why_and_leaves_nothing(tmp_path: Path, space: Wor
     job.join()
     assert job.state is JobState.FAILED
     assert "there is no room" in str(job.error)
+    assert job.error is not None
+    assert job.error.__traceback__ is None  # it would keep what the work has loaded
     assert not folder.exists()
 
 
