@@ -18,6 +18,7 @@ HARMLESS = re.compile(r"/(_stcore/health|_stcore/host-config)$")
 # While an expander unfolds, what is in it moves away from a click.
 IS_DRAWN = """() => document.querySelector('[data-testid="stApp"]')
       ?.dataset.testScriptState === "notRunning"
+  && window.nvAsked === window.nvBegun
   && document.querySelector("h1")
   && !document.querySelector('[data-testid="stSkeleton"], [data-stale="true"]')
   && [...document.querySelectorAll('[data-testid="stExpander"] details')]

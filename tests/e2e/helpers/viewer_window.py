@@ -15,7 +15,7 @@ PAUSE = """viewer => {
   if (viewer.dataset.playing === "true") viewer.querySelector("button.play").click();
 }"""
 IS_AT_REST = """() => document.querySelector('[data-testid="stApp"]')
-  ?.dataset.testScriptState === "notRunning\""""
+  ?.dataset.testScriptState === "notRunning" && window.nvAsked === window.nvBegun"""
 
 
 class ViewerWindow:
