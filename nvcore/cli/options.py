@@ -63,7 +63,7 @@ class GroupedCommand(click.Command):
 
 
 def _place(group: str) -> int:
-    """Where a group stands in the help; a command's own groups after its inputs."""
+    """Return a group's place in the help. A command's own groups come after its inputs."""
     last = (DETECTION, *(setting.group for setting in SETTINGS.values()), OTHER)
     order = (INPUTS, "", OUTPUT, FACTS, READING, CORRECTIONS, *last)
     return order.index(group if group in order else "")

@@ -98,7 +98,7 @@ def plan(out: Path | None, as_json: bool, strict: bool, **options: Any) -> None:
 
 
 def _amount(flag: str, text: str | None, key: str) -> float | None:
-    """The number of a flag; 3% is 0.03, for measures that are shares."""
+    """Parse the number of a flag. 3% is 0.03, for measures that are shares."""
     from nvcore.measures.table import inference_of
 
     if text is None:

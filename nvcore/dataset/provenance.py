@@ -1,4 +1,4 @@
-"""How a system's detections were made, as the record beside them says.
+"""Provenance of a system's detections, as the record beside them states it.
 
     {"written_by": "nvcore 0.1.0",
      "detector": {"kind": "hog", "name": "hog", "labels": ["pedestrian"], "fingerprint": "5f1c...",
@@ -83,7 +83,7 @@ class TrainedOn:
 
 @dataclass(frozen=True)
 class About:
-    """What a detector is, to be told apart from others and written beside its results.
+    """Identity of a detector, to tell it from others and to write beside its results.
 
     Attributes
     ----------
@@ -114,7 +114,7 @@ class About:
 
 @dataclass(frozen=True)
 class Provenance:
-    """How the detections of a system were made.
+    """Provenance of a system's detections.
 
     Attributes
     ----------
@@ -135,7 +135,7 @@ class Provenance:
 
     @property
     def made_by(self) -> str:
-        """The detector in a few words; empty: not known."""
+        """Detector in a few words, or empty if it is not known."""
         about = self.about
         if not about.kind:
             return ""
@@ -171,7 +171,7 @@ def ranges_of(frames: NDArray[np.int64]) -> Ranges:
 
 
 def is_in_ranges(frames: NDArray[np.int64], ranges: Ranges) -> NDArray[np.bool_]:
-    """Whether each frame is in one of the ranges; bool, shape (n,)."""
+    """Return a mask of the frames that are in one of the ranges, bool, shape (n,)."""
     if not ranges:
         return np.zeros(len(frames), dtype=bool)
     edges = np.array(ranges, dtype=np.int64)
@@ -181,7 +181,7 @@ def is_in_ranges(frames: NDArray[np.int64], ranges: Ranges) -> NDArray[np.bool_]
 
 
 def provenance_json(provenance: Provenance) -> bytes:
-    """The record as JSON; the same record gives the same bytes."""
+    """Return the record as JSON. The same record gives the same bytes."""
     about = provenance.about
     parts = [
         {key: value for key, value in asdict(part).items() if value not in (None, "")}

@@ -364,7 +364,7 @@ def _texts(labels: Labels, circles: Circles, crowded: Container[str] = ()) -> di
 
 @dataclass(frozen=True)
 class VennPlan:
-    """A layout of the diagram; `is_exact` if the areas are in proportion to the counts.
+    """Layout of the diagram. `is_exact` if the areas are in proportion to the counts.
 
     Marks are x and y in the circles' unit and size in px, of each region of shape (3, n).
     """

@@ -45,7 +45,7 @@ def n_partitions(sizes: Sequence[int]) -> int:
 
 
 def permute_between(groups: Sequence[np.ndarray], *, has_welch: bool = True) -> Test:
-    """Test whether independent groups differ by more than chance; see `Test` for the counted ways.
+    """Test whether independent groups differ by more than chance. See `Test` for the counted ways.
 
     Exchanging groups of one size does not change the statistic, so each way to divide the values is
     listed once. More than `MOST_LISTED` ways, or ways to divide more than `MOST_VALUES` values, are
@@ -108,7 +108,7 @@ def permute_between(groups: Sequence[np.ndarray], *, has_welch: bool = True) -> 
 
 @lru_cache(maxsize=2)
 def _partitions(sizes: tuple[int, ...]) -> np.ndarray:
-    """List all ways to divide persons into groups of ascending sizes; int8, shape (n_ways, n).
+    """List all ways to divide persons into groups of ascending sizes, int8, shape (n_ways, n).
 
     A row has the members of the first group, then those of the second, and so on. Groups of one
     size are in the order of their first members.

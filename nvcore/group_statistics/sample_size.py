@@ -1,4 +1,4 @@
-"""How many persons a further study needs."""
+"""Number of persons that a further study needs."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def power_of_anova(f: float, n: int, k: int, level: float) -> float:
 
 
 def persons_for(power: float, effect: float, power_of: Callable[[int], float]) -> float:
-    """The least n with this power, 2 or more; NaN where it is beyond `MOST_PERSONS`.
+    """Return the least n with this power, 2 or more. NaN where it is beyond `MOST_PERSONS`.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Which of the picture files in one folder are those of a recording, and what number each has.
+"""Find which picture files in one folder belong to a recording, and the number of each.
 
 The names of a series differ in numbers alone: ``I00019_lwir.png``, ``I00039_lwir.png``. What does
 not belong to it (``calib.png``, ``img_0120 (1).png``) is passed over. Two series of the same
@@ -58,7 +58,7 @@ class Series:
 
 @dataclass(frozen=True)
 class _Group:
-    """Files whose names differ in numbers alone; `text` is the rest, `pattern` matches them."""
+    """Files whose names differ in numbers alone. `text` is the rest, `pattern` matches them."""
 
     names: list[str]
     numbers: list[int]
@@ -118,7 +118,7 @@ def is_stray(n: int, largest: int) -> bool:
 
 
 def _groups(names: Sequence[str]) -> list[_Group]:
-    """Files by kind, and by what stands in their names beside the number; without one: nowhere."""
+    """Group files by kind and by the text beside the number. Names without a number are skipped."""
     alike: dict[tuple[str, str], list[tuple[str, list[str]]]] = defaultdict(list)
     for name in names:
         stem, suffix = splitext(basename(name))  # a path object for each would take as long as all

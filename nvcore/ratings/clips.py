@@ -25,7 +25,7 @@ _STRETCH: Final = re.compile(r"(.+) \[(\d+(?:\.\d+)?)-(\d+(?:\.\d+)?) s\]", re.D
 
 
 def clip_name(recording: str, start_s: float, end_s: float) -> str:
-    """What a clip is called in tables of ratings; without a start it is the whole recording.
+    """Return a clip's name in tables of ratings. Without a start, the clip is the whole recording.
 
     Examples
     --------
@@ -36,7 +36,7 @@ def clip_name(recording: str, start_s: float, end_s: float) -> str:
 
 
 def stretch_of(clip: str) -> tuple[str, float, float]:
-    """Recording, start and end (s since its first frame; NaN: all of it): undoes `clip_name`."""
+    """Undo `clip_name`. Return recording, start and end (s since first frame, NaN: all of it)."""
     known = _STRETCH.fullmatch(clip)
     return (clip, np.nan, np.nan) if known is None else (known[1], float(known[2]), float(known[3]))
 
@@ -102,7 +102,7 @@ def cut_clips(
 
 
 def rows_between(dataset: Dataset, recording: int, start_s: float, end_s: float) -> range:
-    """Rows of the frames from a start to before an end, s; of the whole recording where NaN."""
+    """Return the rows of frames from a start to before an end, s. NaN: of the whole recording."""
     own = dataset.frame_columns.rows_of(recording)
     if np.isnan(start_s):
         return range(own.start, own.stop)

@@ -198,7 +198,7 @@ def _front_settings(result: Result) -> Iterator[Params]:
 
 
 def _back_settings(front: Params) -> Iterator[Params]:
-    """Settings that change what the same events weigh; the first of equals is kept."""
+    """Yield settings that change the weights of the same events. The first of equals is kept."""
     shares = product(RECENCY_MIDPOINTS, RECENCY_SPREADS)
     seconds = product(RECENCY_MIDPOINTS_S, RECENCY_SPREADS_S)
     recencies: list[dict[str, Any]] = [
@@ -246,7 +246,7 @@ def _of_recordings(
 
 
 def _rows_of_clips(clips: pd.DataFrame, result: Result) -> np.ndarray:
-    """Row of each rated clip in `_of_recordings`; int64."""
+    """Return the row of each rated clip in `_of_recordings`, int64."""
     names = result.dataset.recordings["name"].astype(str).tolist()
     place = {name: i for i, name in enumerate(names)}
     first: np.ndarray = clips["clip"].map(place).to_numpy(dtype=np.int64)
@@ -255,7 +255,7 @@ def _rows_of_clips(clips: pd.DataFrame, result: Result) -> np.ndarray:
 
 
 def _agreement(saliency: np.ndarray, order: np.ndarray, recording: np.ndarray) -> np.ndarray:
-    """How far each setting puts the pairs of clips in the order of the ratings.
+    """Measure how far each setting puts the pairs of clips in the order of the ratings.
 
     Parameters
     ----------
@@ -285,14 +285,14 @@ def _agreement(saliency: np.ndarray, order: np.ndarray, recording: np.ndarray) -
 
 
 def sum_by_recording(pairs: np.ndarray, recording: np.ndarray) -> np.ndarray:
-    """Sums over the pairs of clips of every two recordings; float64, (recordings, recordings)."""
+    """Sum over the pairs of clips of every two recordings, float64, (recordings, recordings)."""
     member = (recording[:, None] == np.arange(recording.max() + 1)).astype(np.float64)
     sums: np.ndarray = member.T @ pairs @ member
     return sums
 
 
 def resample_pairs(drawn: np.ndarray, sums: np.ndarray) -> np.ndarray:
-    """Sums over all pairs of clips in each resample; a clip and its copy are no pair.
+    """Sum over all pairs of clips in each resample. A clip and its copy are not a pair.
 
     Parameters
     ----------

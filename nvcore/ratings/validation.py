@@ -113,7 +113,7 @@ def clip_saliency(result: Result, delay_s: pd.Series | None = None) -> pd.DataFr
 
 
 def mean_delay(ratings: pd.DataFrame) -> pd.Series:
-    """Mean seconds from a clip's end to its ratings, by clip and system; NaN: not known.
+    """Return the mean seconds from a clip's end to its ratings, by clip and system. NaN: not known.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ def join_clips(ranks: pd.DataFrame, saliency: pd.DataFrame) -> pd.DataFrame:
 
 
 def _pearson(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Over the last axis; NaN where all values are the same."""
+    """Return Pearson's correlation over the last axis. NaN where all values are the same."""
     a = x - x.mean(axis=-1, keepdims=True)
     b = y - y.mean(axis=-1, keepdims=True)
     with np.errstate(invalid="ignore", divide="ignore"):

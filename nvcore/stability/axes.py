@@ -146,20 +146,20 @@ class Axis:
         return self.labels[round(value)] if self.labels else float(value)
 
     def is_plausible(self, values: np.ndarray | float) -> np.ndarray:
-        """Whether values lie in the plausible range; bool, the same shape."""
+        """Check which values lie in the plausible range, bool, the same shape."""
         low, high = self.plausible
         room = ON_GRID * (high - low)  # 22.2 px is not below 0.06 * 370
         return (np.asarray(values) >= low - room) & (np.asarray(values) <= high + room)
 
     @property
     def present_index(self) -> int | None:
-        """Index of the analysed setting; None if the recordings' own values differ."""
+        """Index of the analysed setting, or None if the recordings' own values differ."""
         low, high = self.present
         return int(np.argmin(np.abs(self.values - low))) if low == high else None
 
     @cached_property
     def weights(self) -> np.ndarray:
-        """Share of the plausible range that each point represents; float64, (n,), sums to 1.
+        """Share of the plausible range that each point represents, float64, shape (n,), sum 1.
 
         A point represents the values nearer to it than to any other.
         """
@@ -172,7 +172,7 @@ class Axis:
         return share
 
     def distance(self, values: np.ndarray) -> np.ndarray:
-        """How far values are from the analysed setting, in plausible ranges; float64, (n,).
+        """Return distances from the analysed setting, in plausible ranges, float64, shape (n,).
 
         Another choice is a whole range away.
         """
@@ -184,7 +184,7 @@ class Axis:
         return share
 
     def range_text(self, low: float, high: float) -> str:
-        """A range on this axis, such as "28.8 to 72 px"; for a choice, all its values."""
+        """Format a range on this axis, such as "28.8 to 72 px", or all the values of a choice."""
         if self.labels:
             return " or ".join(self.words)
         return self.number_text(high) if low == high else f"{low:.4g} to {self.number_text(high)}"
@@ -200,7 +200,7 @@ class Axis:
 
 
 def axes_of(result: Result, plane: Plane, *, n_points: int) -> tuple[Axis, ...]:
-    """The axes of a map, one or two; those that these data do not have are left out.
+    """Return the one or two axes of a map. Axes that these data do not have are left out.
 
     Without proximity there is no midpoint, and without scores no threshold.
 
@@ -226,7 +226,7 @@ def axes_of(result: Result, plane: Plane, *, n_points: int) -> tuple[Axis, ...]:
 
 
 def _axis(result: Result, name: str, n_points: int) -> Axis | None:
-    """The axis of a setting; None if these data do not have it."""
+    """Return the axis of a setting, or None if these data do not have it."""
     if name in CHOICES:
         return _choice(result, name)
     if name == "midpoint":
@@ -286,7 +286,7 @@ def _midpoint(result: Result, n_points: int) -> Axis | None:
 
 
 def _threshold(result: Result, letter: str, n_points: int) -> Axis | None:
-    """Score threshold of a system; None if all its scores are equal, or it has none."""
+    """Return the axis of a score threshold, or None if the system has no scores that differ."""
     system = result.system(letter)
     score = result.dataset.system(system.name).score
     score = score[np.isfinite(score)]

@@ -52,7 +52,7 @@ class EqualAlarms:
     present_y: float
 
     def share(self, winner: Winner) -> float:
-        """Share of these pairs with this winner, 0..1; NaN without pairs."""
+        """Return the share of these pairs with this winner, 0..1, or NaN without pairs."""
         if not len(self.difference):
             return np.nan
         return float(np.mean(winners(self.difference) == winner))
@@ -89,6 +89,6 @@ def equal_alarm_thresholds(result: Result) -> pd.DataFrame:
 
 
 def alarms_per_frame(result: Result, system: SystemResult) -> float:
-    """False alarms per frame as analysed; NaN without frames."""
+    """Return the false alarms per frame as analysed, or NaN without frames."""
     n_frames = len(result.dataset.frames)
     return np.count_nonzero(system.matches.is_false_alarm) / n_frames if n_frames else np.nan

@@ -1,4 +1,4 @@
-"""Where on a stability map the verdict flips: the nearest settings, and each setting moved alone.
+"""Flips of the verdict on a stability map: the nearest settings, and each setting moved alone.
 
 A flip along one axis is also a candidate for the nearest flip, so that none reported along an axis
 is nearer than the one reported as the nearest.
@@ -55,7 +55,7 @@ class Flip:
 
 @dataclass(frozen=True)
 class FlipInterval:
-    """How far one setting can be moved alone, all else as analysed, before the verdict flips.
+    """Range in which one setting can move alone, all else as analysed, before the verdict flips.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class FlipInterval:
 
 
 def winners(difference: np.ndarray) -> np.ndarray:
-    """`Winner` of every difference; object, the same shape."""
+    """Return the `Winner` of every difference, object, the same shape."""
     code = np.select(
         [difference > ROUNDING, difference < -ROUNDING, np.abs(difference) <= ROUNDING],
         range(3),
@@ -120,7 +120,7 @@ def find_flips(
 
 
 def find_interval(stability: StabilityMap, i: int, present: Sequence[int]) -> FlipInterval:
-    """How far the verdict holds along axis i from the analysed point, an index on every axis."""
+    """Find how far the verdict holds along axis i from `present`, the analysed indices."""
     line = stability.difference[
         tuple(slice(None) if j == i else index for j, index in enumerate(present))
     ]
@@ -165,7 +165,7 @@ def combine_axes(parts: Sequence[np.ndarray], combine: np.ufunc) -> np.ndarray:
 
 
 def _cross(inside: Any, outside: Any, difference_inside: Any, difference_outside: Any) -> Any:
-    """Where the straight line between the differences at `inside` and `outside` is 0."""
+    """Find where the straight line between the differences at `inside` and `outside` is 0."""
     fraction = difference_inside / (difference_inside - difference_outside)
     return inside + fraction * (outside - inside)
 

@@ -1,4 +1,4 @@
-"""Whether the verdict depends on the analyst: the difference X - Y over settings of the analysis.
+"""Dependence of the verdict on the analyst: the difference X - Y over settings of the analysis.
 
 >>> with ThreadPoolExecutor() as pool:  # doctest: +SKIP
 ...     stability = map_stability(result, "alpha-midpoint", "similarity", executor=pool)
@@ -92,12 +92,12 @@ class StabilityMap:
 
     @property
     def verdict(self) -> Winner:
-        """Who is better at the analysed setting."""
+        """Winner at the analysed setting."""
         return str(winners(np.array([self.present_difference]))[0])  # type: ignore[return-value]
 
     @property
     def present_indices(self) -> list[int] | None:
-        """Index of the analysed setting on each axis; None if the recordings' own values differ."""
+        """Analysed setting's index on each axis, or None if the recordings' own values differ."""
         indices = [i for axis in self.axes if (i := axis.present_index) is not None]
         return indices if len(indices) == len(self.axes) else None
 
@@ -114,7 +114,7 @@ class StabilityMap:
 
     @cached_property
     def share_held(self) -> float:
-        """Share of the plausible range in which the present verdict holds, 0..1; 1 is stable.
+        """Share of the plausible range in which the present verdict holds, 0..1, where 1 is stable.
 
         Undefined cells do not count; NaN if all are undefined, or the present verdict is.
         """
@@ -149,12 +149,12 @@ class StabilityMap:
 
     @property
     def overturn(self) -> Flip | None:
-        """The nearest setting on the map that overturns the verdict; None: nowhere."""
+        """Nearest setting on the map that overturns the verdict, or None if there is none."""
         return self.overturns[0] if self.overturns else None
 
     @cached_property
     def plausible_overturn(self) -> Flip | None:
-        """The nearest setting that overturns the verdict and is plausible; None: nowhere."""
+        """Nearest plausible setting that overturns the verdict, or None if there is none."""
         return next(find_flips(self, self._is_overturned, is_plausible_only=True), None)
 
     @property
@@ -193,7 +193,7 @@ def map_stability(
     executor: Executor | None = None,
     progress: Progress = no_progress,
 ) -> StabilityMap:
-    """Who is better at other settings: every cell is what `compare` would give there.
+    """Map who is better at other settings. Every cell is what `compare` would give there.
 
     Parameters
     ----------
@@ -282,7 +282,7 @@ def map_stability(
 
 
 def present_difference(result: Result, criterion: Criterion) -> float:
-    """Difference of the criterion as analysed; positive: X is better; NaN undefined."""
+    """Return the criterion's difference as analysed. Positive: X is better, NaN: undefined."""
     measure = measure_of(MEASURE_OF[criterion])
     is_undefined = result.dataset.frames.empty or (
         criterion == "encounters" and not result.venn.n_near
@@ -294,7 +294,7 @@ def present_difference(result: Result, criterion: Criterion) -> float:
 
 
 def _difference(x: np.ndarray, y: np.ndarray, criterion: Criterion) -> np.ndarray:
-    """Difference of the scores; positive: X is better."""
+    """Return the difference of the scores. Positive: X is better."""
     is_higher_better = measure_of(MEASURE_OF[criterion]).better == HIGHER
     difference: np.ndarray = x - y if is_higher_better else y - x
     return difference
@@ -307,7 +307,7 @@ def _score_grid(
     axes: Sequence[Axis],
     present_alpha: float,
 ) -> np.ndarray:
-    """A system's measure in each cell; float64, broadcasts to the map's shape."""
+    """Return a system's measure in each cell, float64. It broadcasts to the map's shape."""
     scores = [scores_of[key][letter] for key in keys.ravel()]
     at_0 = np.array([score.at_0 for score in scores]).reshape(keys.shape)
     at_1 = np.array([score.at_1 for score in scores]).reshape(keys.shape)

@@ -66,7 +66,7 @@ def enters(name: str, criterion: Criterion, letter: Letter, result: Result) -> b
 def keys_of(
     result: Result, criterion: Criterion, letter: Letter, axes: Sequence[Axis]
 ) -> np.ndarray:
-    """What a system's measure depends on in each cell; object, one `Key` each.
+    """Return the settings that a system's measure depends on in each cell, object, one `Key` each.
 
     The map's shape, with 1 for axes that do not change it and for alpha.
     """
@@ -179,7 +179,7 @@ def _matches(
 
 
 def _above(full: Matches, score: np.ndarray, threshold: float) -> Matches:
-    """What a threshold leaves of a matching of all detections."""
+    """Apply a score threshold to a matching of all detections."""
     is_below = score < threshold
     is_kept = full.truth_det >= 0
     is_kept &= ~is_below[full.truth_det]

@@ -1,4 +1,4 @@
-"""Which of the server's files may be read, and what files from a browser are called.
+"""Access rules for the server's files, and names of files from a browser.
 
 The server's own files are out of reach but for those below one folder, if it is named: by
 ``nvcore app --local-root DIR`` (``streamlit run app.py -- --local-root DIR``) or
@@ -71,14 +71,14 @@ def free_name(name: str, names_in_use: Iterable[str]) -> str:
 
 @dataclass(frozen=True)
 class Entry:
-    """A file or folder; its path is relative to the root, with ``/`` between its parts."""
+    """File or folder. Its path is relative to the root, with ``/`` between its parts."""
 
     path: str
     is_folder: bool
 
 
 class LocalRoot:
-    """The folder that may be browsed; nothing outside it is listed or read, even through links."""
+    """Folder that may be browsed. Nothing outside it is listed or read, even through links."""
 
     def __init__(self, folder: Path):
         """Take the folder.
@@ -93,7 +93,7 @@ class LocalRoot:
             raise InputError(f"{FLAG}: there is no such folder", file=folder.name)
 
     def find(self, path: str) -> Path:
-        """Where a path below the root leads.
+        """Resolve a path below the root.
 
         Raises
         ------
@@ -189,7 +189,7 @@ def check_confined(session: Session, root: Path) -> None:
 def local_root(
     arguments: Sequence[str] | None = None, environment: Mapping[str, str] | None = None
 ) -> LocalRoot | None:
-    """The folder given at start; None if the server's files are out of reach.
+    """Return the folder given at start, or None if the server's files are out of reach.
 
     Raises
     ------

@@ -42,7 +42,7 @@ KIND: Final = ModelKind("estimator", (".npz",), MAX_BYTES, _check)
 
 
 def draw() -> EstimatorSpec | None:
-    """The choice; None: what was chosen cannot be used, and why is said."""
+    """Draw the choice and return it. None: it cannot be used, and the page says why."""
     left, right = st.columns([3, 2], gap="large")
     with right, st.expander("An estimator of your own"):
         _draw_field()
@@ -65,7 +65,7 @@ def draw() -> EstimatorSpec | None:
 
 
 def _options() -> dict[str, tuple[str, EstimatorSpec]]:
-    """What can be chosen: words, and which estimator; the sample's comes last for other data."""
+    """Return the label and the estimator of each choice. The sample's comes last for other data."""
     options = {
         key: (file.name, EstimatorSpec(file.path, file.version))
         for key, file in model_files(KIND).items()

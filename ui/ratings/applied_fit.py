@@ -43,7 +43,7 @@ class AppliedFit:
         )
 
     def share_seen(self, rating_source: RatingSource) -> float:
-        """The share of these ratings that it was fitted to, 0 to 1; whatever their values."""
+        """Return the share of these ratings that it was fitted to, 0..1, whatever their values."""
         return float(np.mean(np.isin(rating_source.rows(), self.rating_keys)))
 
 
@@ -57,7 +57,7 @@ def _fits_in_use(result: Result) -> list[AppliedFit]:
 
 
 def in_use(result: Result, rating_source: RatingSource) -> AppliedFit | None:
-    """The fit in use that was made from most of these ratings; None: from none of them."""
+    """Return the fit in use that was made from most of these ratings, or None if from none."""
     most = max(_fits_in_use(result), key=lambda fit: fit.share_seen(rating_source), default=None)
     return most if most is not None and most.share_seen(rating_source) > 0 else None
 
@@ -74,7 +74,7 @@ def apply(
     fingerprint: str,
     fit_in_use: AppliedFit | None,
 ) -> None:
-    """Move the sidebar to a fit, compared with `start`; where it has no value, to before."""
+    """Move the sidebar to a fit, compared with `start`. Settings without a fitted value go back."""
     before = {name: getattr(start, name) for name in fit.changed}
     newest = AppliedFit(
         fit.changed, before, fingerprint, rating_source.rows(), rating_source.is_simulated

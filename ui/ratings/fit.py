@@ -70,7 +70,7 @@ def _keep(key: Any, fit: Fit) -> Fit:
 
 
 def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | None:
-    """The button, or the progress of the fit; the fit where it was made at once."""
+    """Draw the button or the progress of the fit. Return the fit where it was made at once."""
     job = RUN.job
     if job is not None and job.key == key:
         job_state = RUN.draw(job)
@@ -125,7 +125,7 @@ def _draw_worth(fit: Fit, start: str) -> None:
 
 
 def _gain(fit: Fit, start: str) -> str:
-    """What the fit gains on recordings it has not seen, and whether that may be chance."""
+    """Say what the fit gains on recordings it has not seen, and whether that may be chance."""
     gain = fit.share_fitted - fit.share_default
     if gain <= 0:
         return (
@@ -151,7 +151,7 @@ def _draw_settings(
     rating_source: RatingSource,
     fit_in_use: AppliedFit | None,
 ) -> None:
-    """What the fit changes, and the button that takes it or gives it back."""
+    """Draw what the fit changes, and the button that applies it or undoes it."""
     if fit.changed:
         lines = [
             f"- {plain(state.say(SETTINGS[name].label_with_unit))}: "
@@ -177,7 +177,7 @@ def _draw_settings(
 
 
 def _draw_in_use(fit_in_use: AppliedFit) -> None:
-    """That fitted settings are in use, with the way back."""
+    """Say that fitted settings are in use, and draw the button that goes back."""
     with st.container(horizontal=True, vertical_alignment="center"):
         of_whom = f" {SIMULATED}" if fit_in_use.is_simulated else ""
         st.markdown(f":material/check: **In use**.{of_whom}")

@@ -22,7 +22,7 @@ MOST_TOLD: Final = 5
 
 
 def typed(result: Result) -> pd.DataFrame | None:
-    """The ratings in the table; None while it is empty.
+    """Return the ratings in the table, or None while it is empty.
 
     Raises
     ------
@@ -118,7 +118,7 @@ def _missing_rows(before: pd.DataFrame, person: str, result: Result) -> pd.DataF
 
 
 def _complete(table: pd.DataFrame) -> pd.DataFrame:
-    """The rows that say who rates which clip, checked, as text; names the others."""
+    """Check the rows that say who rates which clip and return them as text. Name the others."""
     numbered = table.reset_index(drop=True)
     numbered = numbered.set_axis(numbered.index + 1).dropna(how="all")
     needed = ["participant", "clip"]

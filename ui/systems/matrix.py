@@ -27,7 +27,7 @@ COLUMNS: Final = ["name", "horizon", "context"]
 
 
 def draw(result: Result) -> pd.DataFrame | None:
-    """Rows of `pairwise_table`; else the button that computes them, or how far that is."""
+    """Return the rows of `pairwise_table`, or draw the button or the progress of computing them."""
     dataset = result.dataset
     params = replace(result.params, threshold_x=None, threshold_y=None)
     thresholds = thresholds_in_use(dataset, result.params)

@@ -24,7 +24,7 @@ MOST_MODELS: Final = 500
 
 @dataclass(frozen=True)
 class ModelKind:
-    """Which files a page takes.
+    """Kind of model files that a page takes.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class ModelKind:
 
     @property
     def sent(self) -> str:
-        """What the workspace remembers the model by that was sent."""
+        """Key under which the workspace remembers the model that was sent."""
         return f"{self.name}_sent"
 
 
@@ -66,7 +66,7 @@ class ModelFile(NamedTuple):
 
 
 def draw_field(kind: ModelKind, label: str, *, shown: Callable[[NvcoreError], str]) -> None:
-    """The field for a file; what was sent stays until another is, and is chosen.
+    """Draw the field for a file. A sent file is chosen, and stays until another is sent.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def draw_field(kind: ModelKind, label: str, *, shown: Callable[[NvcoreError], st
 
 
 def model_files(kind: ModelKind) -> dict[str, ModelFile]:
-    """The files that may be chosen, by the value of the choice; one that was sent first."""
+    """Return the files that may be chosen, by the value of the choice. A sent file comes first."""
     files: dict[str, ModelFile] = {}
     sent: ModelFile | None = state.workspace().notes.get(kind.sent)
     if sent is not None:
@@ -114,7 +114,7 @@ def models_below(root: LocalRoot, endings: tuple[str, ...]) -> list[str]:
 
 
 def _take(kind: ModelKind, file: UploadedFile, shown: Callable[[NvcoreError], str]) -> str:
-    """Store the model and choose it; else why that cannot be done: what was sent before stays."""
+    """Store the model and choose it. If that fails, keep the one sent before and return why."""
     try:
         model = _stored(kind, file)
     except NvcoreError as error:

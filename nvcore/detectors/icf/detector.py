@@ -60,7 +60,7 @@ Look = Callable[[ScoreMap, NDArray[np.int32]], None]
 
 
 class IcfDetector:
-    """A trained model that is ready to run; any thread may use it.
+    """Trained model that is ready to run. Any thread may use it.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class IcfDetector:
         self._buffers: SimpleQueue[NDArray[np.int32]] = SimpleQueue()
 
     def run_with(self, **changes: Any) -> IcfDetector:
-        """The same detector with other settings; errors as `IcfModel.run_with`."""
+        """Return the same detector with other settings. Errors are those of `IcfModel.run_with`."""
         return IcfDetector(self.model.run_with(**changes))
 
     def detect(self, picture: Picture) -> Detections:
@@ -117,7 +117,7 @@ class IcfDetector:
         return replace(boxes, label=classifier.labels(picture, boxes))
 
     def score_maps(self, picture: Picture, look: Look | None = None) -> list[ScoreMap]:
-        """Confidence of every window, one map for each scale; errors as `detect`.
+        """Return the confidence of every window, one map per scale. Errors are those of `detect`.
 
         Parameters
         ----------

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 @called_with(TrainArguments)
 @pipes_kept()
 def train(arguments: TrainArguments) -> Training:
-    """Train a detector (Integral Channel Features); `detect` then takes its file.
+    """Train a detector (Integral Channel Features). `detect` then takes its file.
 
     The same data, settings and seed give the same file.
 
@@ -74,7 +74,7 @@ def train(arguments: TrainArguments) -> Training:
 
 @dataclass(frozen=True, eq=False)
 class TrainingJob:
-    """What a model will be trained on: gathered, with pictures open, and known to be possible.
+    """Training that is known to be possible, with its data gathered and its pictures open.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class TrainingJob:
     label: str
 
     def run(self, progress: Progress) -> Training:
-        """Train the model and write it; errors as `train`."""
+        """Train the model and write it. Errors are those of `train`."""
         from nvcore.detectors.icf import write_model
         from nvcore.detectors.training.run import train_on
 

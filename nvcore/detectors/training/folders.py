@@ -40,7 +40,7 @@ def folder_shots(
     share: float = 0.1,
     seed: int = 0,
 ) -> TrainingData:
-    """Pictures of folders, those of their subfolders included; hidden ones are left out.
+    """Collect the pictures of folders and of their subfolders, without hidden ones.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def _pictures_in(folder: Path) -> list[Path]:
 
 
 def _physical_objects(folder: Path, paths: Sequence[Path]) -> list[tuple[Path, str]]:
-    """Which object each crop shows, by its folder and name; refused if all show the same."""
+    """Return the object that each crop shows, by folder and name. Raise if all show the same."""
     groups = [(path.parent, path.stem.rpartition("_")[0] or path.stem) for path in paths]
     if len(paths) > 1 and len(set(groups)) == 1:
         raise InputError(

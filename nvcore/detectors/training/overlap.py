@@ -26,7 +26,7 @@ _ELSEWHERE: Final = -1
 
 
 class TrainingOverlap(NamedTuple):
-    """What of a dataset is in a training.
+    """Overlap of a dataset with the data of a training.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class TrainingOverlap(NamedTuple):
 
 
 def training_overlap(dataset: Dataset, trained_on: Sequence[TrainedOn]) -> TrainingOverlap:
-    """What of a dataset is in a training, by the names of recordings and by their ground truth.
+    """Find the overlap of a dataset with a training, by names of recordings and by ground truth.
 
     A part whose recording is not here is looked for in all of them by its fingerprint; one whose
     frames are all here under its name must have the same ground truth. Where that takes more than

@@ -72,7 +72,7 @@ def session_shots(
 def _left_out(
     dataset: Dataset, is_here: NDArray[np.bool_], counts: NDArray[np.bool_], least: float
 ) -> list[str]:
-    """How many boxes of these frames are neither object nor background, and why."""
+    """Say how many boxes of these frames are neither object nor background, and why."""
     is_out = is_here[dataset.truth.frame_index] & ~counts
     is_low = is_out & (dataset.truth.xywh[3] < least)
     n_low, n_others = int(is_low.sum()), int((is_out & ~is_low).sum())
@@ -115,7 +115,7 @@ def _rows(
 
 
 def _asked(dataset: Dataset, frames: str | None) -> NDArray[np.bool_]:
-    """Evaluated frames that the user asks for; bool, (n_frames,)."""
+    """Return a mask of the evaluated frames that the user asks for, bool, shape (n_frames,)."""
     columns = dataset.frame_columns
     is_asked = np.full(len(columns), frames is None)
     if frames is None:
@@ -134,7 +134,7 @@ def _asked(dataset: Dataset, frames: str | None) -> NDArray[np.bool_]:
 def _counting(
     dataset: Dataset, settings: IcfSettings, arguments: TrainArguments
 ) -> NDArray[np.bool_]:
-    """Boxes of the truth that are learned; bool, (n_truth,)."""
+    """Return a mask of the ground-truth boxes that are learned, bool, shape (n_truth,)."""
     of_session: Protocol = dataset.settings.protocol
     least = _least_height(settings, arguments)
     low, high = of_session.height_px
@@ -201,7 +201,7 @@ def _shot(
 
 
 def _parts(dataset: Dataset, rows: NDArray[np.int64]) -> tuple[TrainedOn, ...]:
-    """What to note of the training: of each recording its frames from the first to the last."""
+    """List what to note of the training: for each recording, its first to its last frame."""
     frames = dataset.frame_columns
     recording, frame = frames.recording[rows], frames.frame[rows]
     return tuple(

@@ -101,7 +101,7 @@ def _check_held_out(shots: Sequence[Shot], held_out: str) -> None:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Training:
-    """A trained model, and how its training went; ``print`` says it.
+    """Trained model, and how its training went. ``print`` shows it.
 
     Attributes
     ----------
@@ -152,7 +152,7 @@ class Training:
 
     @property
     def _objects(self) -> str:
-        """How many were learned, in how many pictures."""
+        """Numbers of learned boxes and of their pictures, in words."""
         pictures = count_text(self.n_pictures, "picture")
         if self.training_data.every > 1:
             pictures += f", one in {self.training_data.every} of the evaluated frames"
@@ -160,7 +160,7 @@ class Training:
 
     @property
     def _calibrated(self) -> str:
-        """How many held-out boxes come through; a calibrated cascade is made to keep its share."""
+        """Held-out boxes that come through. A calibrated cascade is made to keep its share."""
         settings = self.model.settings
         text = (
             f"{self.n_found:,} of {count_text(self.n_held_out, 'held-out box', 'held-out boxes')} "
@@ -181,7 +181,7 @@ def train_on(
     seed: int = 0,
     progress: Progress = no_progress,
 ) -> Training:
-    """Train a model; the same pictures, boxes, settings and seed give the same model.
+    """Train a model. The same pictures, boxes, settings and seed give the same model.
 
     Parameters
     ----------

@@ -134,7 +134,7 @@ def _plain(picture: Picture) -> Picture:
 
 
 def scenes_of(store: PictureStore) -> tuple[LazyScenes, LazyScenes]:
-    """Scenes to train on, and those of the objects held out; what cannot be read is in neither."""
+    """Return the scenes to train on and those of held-out objects, without unreadable pictures."""
 
     def learned(number: int) -> Scene:
         shot = store.shots[number]

@@ -1,4 +1,4 @@
-"""When the light has changed from bright to dark; all of it is ours."""
+"""Criteria for a change of the light from bright to dark. All of them are our choice."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _RANGES: Final = {
 
 @dataclass(frozen=True, kw_only=True)
 class LightSettings:
-    """What counts as a change from bright to dark.
+    """Criteria for a change of the light from bright to dark.
 
     Attributes
     ----------

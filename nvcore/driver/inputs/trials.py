@@ -1,4 +1,4 @@
-"""What a file of trials holds, and when a picture was late: for who writes trials, and who reads.
+"""Columns of a file of trials, and the limit for late pictures, for writers and readers of trials.
 
 subject,run,position,order,image,pedestrian,adaptation_asked_s,adaptation_measured_s,...
 """
@@ -26,7 +26,7 @@ _ROUNDING_S: Final = 1e-9
 
 
 def is_off_time(by_s: Any) -> Any:
-    """Whether a picture came, or went, more than `LATE_S` too early or too late.
+    """Check whether a picture came, or went, more than `LATE_S` too early or too late.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def is_off_time(by_s: Any) -> Any:
 
 
 def is_same_time(apart_s: Any) -> Any:
-    """Whether two planned times are so near that a picture may be on time for both.
+    """Check whether two planned times are so near that a picture may be on time for both.
 
     Parameters
     ----------

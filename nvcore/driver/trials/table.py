@@ -29,7 +29,7 @@ from nvcore.wording import count_text, did_you_mean, listed
 
 @dataclass(frozen=True)
 class TrainingTable:
-    """What estimators learn, and where it is from.
+    """Training data of estimators, and where it is from.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class TrainingTable:
 
     @property
     def odd_subjects(self) -> tuple[str, ...]:
-        """Those of whom something is odd and whose responses are in it."""
+        """Subjects with something odd whose responses are in the table."""
         is_odd = (self.subjects["odd"] != "") & ~self.subjects["subject"].isin(self.left_out)
         return tuple(self.subjects.loc[is_odd, "subject"])
 
@@ -186,7 +186,7 @@ def _count_outside(responses: pd.DataFrame, picture_px: tuple[int, int] | None) 
 
 
 def detectability_table(judged: pd.DataFrame) -> pd.DataFrame:
-    """How many of the subjects saw each pedestrian at each period.
+    """Compute how many of the subjects saw each pedestrian at each period.
 
     Parameters
     ----------
