@@ -268,6 +268,12 @@ def test_a_name_that_is_not_utf8_is_refused():
         SystemSource(("a",), name="\udcff")
 
 
+def test_a_glob_longer_than_a_file_name_is_written_as_it_is(tmp_path: Path):
+    path = f"{'long' * 100}*.csv"
+    session = Session(tmp_path, Source((path,)), (SystemSource(("s",)),))
+    assert f"/{path}" in write_session(session, version="1", fingerprint="2")
+
+
 @pytest.mark.parametrize(
     ("facts", "expected"),
     [
