@@ -27,6 +27,7 @@ class SystemAlerts:
 
     alerts: str | None = path_field(
         "CSV of the alerts that {system} itself gave, for alerts by its own log: start_s,end_s,kind"
-        "[,track][,recording]. Default: the session's, or a column alerted of its detections."
+        "[,track][,recording]. Default: the session's, or a column alerted of its detections.",
+        label="Its own log of alerts (CSV: start_s,end_s,kind)",
     )
-    alert_policy: str | None = path_field()
+    alert_policy: str | None = path_field(label="Its policy of alerts (TOML)")

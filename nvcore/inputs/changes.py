@@ -61,6 +61,31 @@ def override_recordings(
     )
 
 
+def stated_by_recording(
+    session: Session, names: Sequence[str], in_files: Sequence[str] | None = None
+) -> Session:
+    """State what the session says of all recordings in the entry of each, so that more can join.
+
+    Parameters
+    ----------
+    names
+        Names of the recordings.
+    in_files
+        Their names in the files. None: as the session has them.
+    """
+    entries = session.entries(names)
+    width, height = session.size or (None, None)
+    of_all = {"width": width, "height": height, "fps": session.fps, "frames": session.frames}
+    stated = []
+    for name, own in zip(names, in_files or names, strict=True):  # at most hundreds
+        entry = entries.get(name, RecordingEntry(name))
+        values: dict[str, Any] = {key: of_all[key] for key in of_all if getattr(entry, key) is None}
+        if in_files is not None:
+            values |= {"name": own, "title": None if own == name else name}
+        stated.append(replace(entry, **values))
+    return replace(session, recordings=tuple(stated), size=None, fps=None, frames=None)
+
+
 def applied(session: Session, step: Step, systems: Sequence[str]) -> Session | None:
     """The session with a step taken; None: it needs the user, who alone knows the value.
 

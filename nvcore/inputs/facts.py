@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cache
 from pathlib import Path
@@ -50,15 +50,24 @@ def check_path(name: str, text: str | None) -> None:
         raise SessionError(f"{name}: expected a path, found one with a NUL: {text!r}")
 
 
-def path_field(meaning: str = "") -> Any:
+def path_field(meaning: str = "", *, label: str = "") -> Any:
     """A field with the path of a file; None: there is none.
 
     Parameters
     ----------
     meaning
         Of a key of a system that has a flag for X and one for Y: their help, with ``{system}``.
+    label
+        Label of its field in a form that opens files. Empty: the form has none.
     """
-    return field(default=None, metadata={"is_path": True, "meaning": meaning})
+    return field(default=None, metadata={"is_path": True, "meaning": meaning, "label": label})
+
+
+@cache
+def labelled_paths(kind: Any) -> Mapping[str, str]:
+    """Labels of the fields of a part of a session for which a form has fields, by their names."""
+    labels = {spec.name: spec.metadata.get("label", "") for spec in fields(kind)}
+    return {name: label for name, label in labels.items() if label}
 
 
 @cache

@@ -91,7 +91,7 @@ class RecordingEntry(KeysOfSubjects):
     unit: str | None = None
     visible: str | None = path_field()
     visible_map: tuple[float, float, float, float] | None = None
-    speed: str | None = path_field()
+    speed: str | None = path_field(label="Speed of the car over time (CSV: time_s,speed_kmh)")
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "tags", as_names(self.tags))

@@ -13,10 +13,16 @@ from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.session import Session
 from ui.access.files import LocalRoot, local_root
 from ui.data import local, upload
-from ui.data.form import forget_outcome
 from ui.data.inputs import sent_pictures
 from ui.data.missing_inputs import MissingInputs, ask_for_missing
-from ui.data.opening import WAYS, draw_trouble, has_trouble, try_to_open
+from ui.data.opening import (
+    WAYS,
+    draw_trouble,
+    forget_outcome,
+    has_trouble,
+    scroll_if_asked,
+    try_to_open,
+)
 from ui.session import state, store
 from ui.session.opening import uploaded_session
 from ui.session.uploads import new_upload, store_annotations
@@ -41,6 +47,7 @@ def draw() -> None:
         store.WAYS_OPEN.set(has_trouble() or upload.has_lost(state.workspace()))
     with st.expander(WAYS, key=store.WAYS_OPEN.key, on_change="rerun"):
         _draw_tabs()
+    scroll_if_asked()
 
 
 def _draw_tabs() -> None:

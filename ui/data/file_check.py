@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Final, TypeVar
+from typing import Final
 
 import numpy as np
 import pandas as pd
@@ -20,7 +19,7 @@ from nvcore.inputs.session import Source
 from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.schema import NO_TRACK
 from ui.confined.reading import find_confined, read_confined
-from ui.session import state, store
+from ui.session import store
 from ui.shell.messages import error_text
 from ui.widgets.text import plain
 
@@ -32,46 +31,6 @@ MOST_KEPT: Final = 40
 _RATE: Final[dict[Role, frozenset[str]]] = {"truth": frozenset({"fps"}), "detections": frozenset()}
 
 
-T = TypeVar("T")
-
-
-def read_unless_known(
-    kind: str,
-    file: Path,
-    read: Callable[[], T],
-    refuse: Callable[[str], T],
-    *,
-    expected: str,
-    most_bytes: float = math.inf,
-) -> T:
-    """What a small file says, unless it was read and has not changed.
-
-    Parameters
-    ----------
-    kind
-        Name of what is remembered.
-    refuse
-        What stands for a file that cannot be used, from the reason.
-    expected
-        The reason where it is no file, or larger than `most_bytes`.
-    """
-    try:
-        status = file.stat()
-    except OSError as error:
-        return refuse(f"cannot be opened ({error.strerror})")
-    if not file.is_file() or status.st_size > most_bytes:
-        return refuse(f"expected {expected}")
-
-    def read_or_refuse() -> T:
-        try:
-            return read()
-        except NvcoreError as error:
-            return refuse(error_text(error))
-
-    key = (str(file), status.st_mtime_ns, status.st_size)
-    return state.workspace().cached(kind, key, read_or_refuse)
-
-
 @dataclass(frozen=True, eq=False)
 class FileCheck:
     """What one source holds, read by itself. Compared by identity, so that it can be a key.
@@ -79,7 +38,8 @@ class FileCheck:
     `trouble` says why it cannot be used, `unknown` which of ``size`` and ``fps`` its files do not
     say; the `reading` is without its boxes. Without boxes there is no `first_frame`. `doubt` says
     why the files may belong into another field. `sizes` (px) are those of recordings whose files
-    state none, and whose boxes end at the edge of a picture of KITTI.
+    state none, and whose boxes end at the edge of a picture of KITTI. `with_boxes` names the
+    recordings that have boxes.
     """
 
     trouble: str = ""
@@ -90,6 +50,7 @@ class FileCheck:
     reading: Reading | None = None
     doubt: str = ""
     sizes: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+    with_boxes: frozenset[str] = frozenset()
 
     @property
     def recordings(self) -> list[str]:
@@ -98,22 +59,25 @@ class FileCheck:
 
 
 def check_files(
-    key: Hashable,
-    source: Callable[[], Source],
+    key: Callable[[], Hashable],
+    source: Source,
     *,
     role: Role,
     folder: Path,
     truth: FileCheck | None = None,
     objects: Objects = PEDESTRIAN,
 ) -> FileCheck:
-    """Read a source by itself; once for each key, which covers content and way of reading.
+    """Read a source by itself, once for each key, which covers content and way of reading.
 
-    Paths of the source that `source` makes start from `folder`; its errors are the check's trouble.
-    Detections are read with the check of the ground truth.
+    Paths of the source start from `folder`. Errors of `key` are the check's trouble. Detections
+    are read with the check of the ground truth.
     """
     known = None if truth is None else truth.reading
-    # without a reading the truth makes no difference
-    of_both = (key, objects, None if known is None else truth)
+    try:
+        # without a reading the truth makes no difference
+        of_both = (key(), objects, None if known is None else truth)
+    except NvcoreError as error:
+        return FileCheck(trouble=error_text(error))
     return store.FILE_CHECKS.get().cached(
         "files", of_both, lambda: _check(source, role, folder, known, objects), most=MOST_KEPT
     )
@@ -121,7 +85,7 @@ def check_files(
 
 @st.spinner("Reading the files")
 def _check(
-    source: Callable[[], Source],
+    source: Source,
     role: Role,
     folder: Path,
     known: Reading | None,
@@ -129,13 +93,12 @@ def _check(
 ) -> FileCheck:
     name = ""
     try:
-        source_files = source()
-        there = find_confined(source_files, folder, role)
+        there = find_confined(source, folder, role)
         name, title = there.format, there.title
         if role == "detections" and known is None:  # some formats cannot be read without it
             return FileCheck(format=name, summary=title)
         reading = read_confined(
-            source_files,
+            source,
             role=role,
             folder=folder,
             size=_size(known),
@@ -159,7 +122,9 @@ def _check(
         summary += f", {n_ignored:,} of them to be ignored"
     doubt = (_doubt_of_truth if role == "truth" else _doubt_of_detections)(reading)
     sizes = _edge_sizes(reading) if name in USUAL_IN_KITTI and "size" in unknown else {}
-    return FileCheck("", unknown, name, summary, first_frame, _light(reading), doubt, sizes)
+    with_boxes = frozenset(reading.boxes["recording"].unique())
+    light = _light(reading)
+    return FileCheck("", unknown, name, summary, first_frame, light, doubt, sizes, with_boxes)
 
 
 def _edge_sizes(reading: Reading) -> dict[str, tuple[int, int]]:

@@ -1,164 +1,279 @@
-"""Data page: what the forms of local files and of uploads have in common."""
+"""Data page: the form over the files of a session, to open them or to change what is open."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
+from typing import Any, Final
 
 import streamlit as st
 
-from nvcore.errors import InputError
-from nvcore.inputs.session import Session, Source, SystemSource
-from nvcore.objects import PEDESTRIAN, Objects
+from nvcore.inputs.facts import labelled_paths
+from nvcore.inputs.readers.base import Role
+from nvcore.inputs.session import RecordingEntry, Source, SystemSource
+from nvcore.objects import Objects
+from nvcore.tables.inputs import inputs_table
 from nvcore.wording import listed
-from ui.data.file_check import FileCheck, unusable
-from ui.data.frames import FrameList
-from ui.data.missing_inputs import MissingInputs, ask_for_missing
-from ui.data.names import with_recording_name
-from ui.data.opening import draw_trouble
-from ui.data.pictures import ChosenPictures
+from ui.data.file_check import FileCheck, check_files, draw_file_check
+from ui.data.form_session import PURPOSES, Chosen, Form, Place, Purpose, SourceField, joined
+from ui.data.missing_inputs import ask_for_missing, draw_reading
+from ui.data.names import draw_recording, draw_system_name, proposed_names
+from ui.data.objects import draw_objects
+from ui.data.opening import draw_trouble, forget_outcome, try_to_open
 from ui.data.recordings import before
 from ui.data.recordings.before import TypedRecordings
-from ui.data.recordings_table import RecordingsTable
-from ui.session import store
-from ui.session.opening import (
-    guess_pictures,
-    recording_entry,
-    recording_names,
-    with_recordings,
+from ui.data.side_files import (
+    FRAMES_HELP,
+    FRAMES_LABEL,
+    RECORDINGS_HELP,
+    RECORDINGS_LABEL,
+    FrameList,
+    draw_frame_list,
+    draw_pictures,
+    draw_recordings,
+)
+from ui.session import state, store
+from ui.session.opening import guess_pictures
+from ui.session.workspace import Opened
+from ui.shell.messages import without_paths
+from ui.widgets.buttons import button
+from ui.widgets.choices import choose_side_by_side
+from ui.widgets.text import plain
+
+PURPOSE_HELP: Final = (
+    "Add: another system, or recordings, with ground truth and the detections of every system. "
+    "Replace: another version of a file, such as a system's next release, or a corrected ground "
+    "truth. Names, thresholds, corrections and settings stay."
+)
+MOST_SYSTEMS: Final = 20
+FILES_HELP: Final = (
+    "One file, one file for each recording, or a folder (as a ZIP archive where it is sent). Any "
+    "format that the command line reads, also packed (`.gz`, `.zst`, `.xz`, `.bz2`). Where all "
+    "files have the same name (MOTChallenge's gt.txt), the recordings are named after the folders."
 )
 
 
-def forget_outcome(place: str) -> None:
-    """To be called when a choice in this part of the page has changed."""
-    store.TROUBLES.of(place).pop()
-    store.ASKED_FACTS.of(place).pop()
+def draw_form(place: Place) -> None:
+    """Draw the form. Its button opens the session that it describes."""
+    changed = partial(forget_outcome, place.name)
+    chosen_purpose = store.FORM_PURPOSE.of(place.name)
+    chosen_purpose.setdefault("new")
+    purpose = choose_side_by_side(
+        "These files", PURPOSES, chosen_purpose.key, on_change=changed, help=PURPOSE_HELP
+    )
+    opened = None if purpose == "new" else state.opened()
+    place.section = "" if opened is None else f"{purpose}_{state.workspace().n_opened}_"
+    objects = draw_objects(place.name, changed) if opened is None else opened.dataset.objects
+    fields = _Fields(place, purpose, opened, objects, changed)
+    truth = fields.draw_source("truth", "the ground truth", "Ground truth", "truth")
+    systems = fields.draw_systems(truth)
+    new_names = [] if truth.check is None else truth.check.recordings
+    recordings = new_names or fields.open_names
+    with st.columns([1, 3])[1]:
+        rows = fields.choose("recordings", RECORDINGS_LABEL, help_text=RECORDINGS_HELP, most=1)
+        below = st.container()
+        frames = FrameList()
+        if purpose == "new" or len(fields.open_names) == 1:
+            listing = fields.choose("frames", FRAMES_LABEL, help_text=FRAMES_HELP, most=1)
+            frames = draw_frame_list(listing, recordings)
+        labels = labelled_paths(RecordingEntry)
+        with st.expander(f"More by recording: {_beginnings(labels.values())}"):
+            series = {
+                name: _by_name(fields.choose(name, label), recordings)
+                for name, label in labels.items()
+            }
+    st.markdown("Pictures (not needed for the numbers)")
+    places, refused = place.choose_pictures()
+    with below:
+        names_of_pictures = [path.name for path in places.values()]
+        table = draw_recordings(rows, [] if frames.path else recordings, names_of_pictures)
+    recording = ""
+    if opened is None:
+        with truth.beside:
+            recording = draw_recording(new_names, places, place=place.name, changed=changed)
+    names = fields.draw_names(truth, systems, [*recordings, recording])
+    pictures = draw_pictures(place.name, places, recordings, refused)
+    form = _ask(
+        Form(place, purpose, opened, objects, truth, systems, names, recordings, recording, frames,
+             table, series, pictures)
+    )  # fmt: skip
+    draw_trouble(place.name)
+    if button("Open these files" if opened is None else "Change the comparison",
+              key=f"open_{place.name}", type="primary"):  # fmt: skip
+        try_to_open(
+            form.session, label=place.label if opened is None else opened.label, place=place.name
+        )
+
+
+def _beginnings(labels: Iterable[str]) -> str:
+    """List labels without what they say in brackets."""
+    return listed([label.partition(" (")[0].lower() for label in labels])
 
 
 @dataclass(frozen=True)
-class OpeningForm:
-    """What is to be opened, besides the files of the truth and of the systems."""
+class _Fields:
+    """Fields of the form for one purpose."""
 
-    names: list[str]
-    recording: str
-    frames: FrameList
-    recordings: RecordingsTable
-    pictures: ChosenPictures
-    facts: MissingInputs
-    unusable: str
-    place: str = ""
-    unnamed: tuple[str, ...] = ()
-    sizes: Mapping[str, tuple[int, int]] = field(default_factory=dict)
-    typed: TypedRecordings = field(default_factory=TypedRecordings)
-    objects: Objects = PEDESTRIAN
+    place: Place
+    purpose: Purpose
+    opened: Opened | None
+    objects: Objects
+    changed: Callable[[], None]
 
-    def check(self, *, has_truth: bool, has_systems: bool) -> None:
-        """Raise `InputError` if something needed is missing or cannot be used."""
-        if not has_truth:
-            raise InputError(
-                "Choose the ground truth first: the boxes that both systems should find."
+    @property
+    def open_names(self) -> list[str]:
+        """Names of the open recordings that files are added to."""
+        return [] if self.opened is None else self.opened.whole.recordings["name"].tolist()
+
+    @property
+    def open_systems(self) -> tuple[str, ...]:
+        """Names of the open systems that files are added to."""
+        return () if self.opened is None else self.opened.whole.systems
+
+    def choose(self, name: str, label: str, **more: Any) -> Chosen:
+        """Draw a field for files."""
+        return self.place.choose(name, label, **more)
+
+    def draw_source(self, name: str, title: str, label: str, role: Role) -> SourceField:
+        """Draw the fields of ground truth or of a system."""
+        left, right = st.columns([1, 3])
+        system = title if title in self.open_systems else ""
+        with right:
+            chosen = self.choose(name, label, help_text=FILES_HELP)
+            below = st.container()
+            with st.expander(f"How to read {title if role == 'truth' else plain(title)}"):
+                reading = draw_reading(role, self.place.key(name), self.changed)
+                labels = labelled_paths(SystemSource) if role == "detections" else {}
+                own = {
+                    key: self.choose(f"{name}_{key}", text, most=1) for key, text in labels.items()
+                }
+        if (system or role == "truth") and self.opened is not None:
+            left.caption(f"Now: {_files_now(self.opened, system)}")
+        source = SourceField(title, system, chosen, reading, own, below, left)
+        return replace(source, check=self._truth_check(source)) if role == "truth" else source
+
+    def draw_systems(self, truth: SourceField) -> list[SourceField]:
+        """Draw the fields of the systems, and the button for one more."""
+        n_more = store.MORE_SYSTEMS.of(self.place.key("systems"))
+        usual = {"new": 2, "add": len(self.open_systems) + 1, "replace": len(self.open_systems)}
+        n_systems = usual[self.purpose] + n_more.get()
+        titles = [*self.open_systems]
+        for number in range(len(titles), n_systems):
+            letter = {0: " (X)", 1: " (Y)"}.get(number, "")
+            titles.append(f"system {number + 1}{letter}")
+        against = truth.check if self.opened is None else self._open_truth(truth)
+        systems = []
+        for number, title in enumerate(titles):
+            label = f"Detections of {plain(title)}"
+            system = self.draw_source(f"system_{number}", title, label, "detections")
+            with system.below:
+                check = self._check(system, against)
+                draw_file_check(check, against)
+            systems.append(replace(system, check=check))
+        if self.purpose != "replace":
+            st.button(
+                "Add a system",
+                icon=":material/add:",
+                key=f"add_system_{self.place.name}",
+                on_click=lambda: n_more.set(n_more.get() + 1),
+                disabled=n_systems >= MOST_SYSTEMS,
             )
-        if not has_systems:
-            raise InputError("Choose the detections of at least one system.")
-        for wrong in (
-            self.unusable,
-            self.frames.stops,
-            self.recordings.stops,
-            self.pictures.stops,
-            self.typed.trouble,
-        ):
-            if wrong:
-                raise InputError(wrong)
-        self._ask_for_names()
+        return systems
 
-    def _ask_for_names(self) -> None:
-        """Ask once for names that the files do not tell; who opens again keeps the numbers."""
-        asked = store.ASKED_NAMES.of(self.place)
-        if self.unnamed and asked.get() != self.unnamed:
-            asked.set(self.unnamed)
-            raise InputError(
-                f"The files' names do not tell what {listed(self.unnamed)} "
-                f"{'is' if len(self.unnamed) == 1 else 'are'}: type the names of the systems. "
-                "Or open once more to go on with these."
-            )
+    def draw_names(
+        self, truth: SourceField, systems: Sequence[SourceField], recordings: Sequence[str]
+    ) -> list[str]:
+        """Draw the names of systems that are not open yet, and return those of all."""
+        n_open = len(self.open_systems)
+        new = systems[n_open:]
+        proposed = proposed_names(
+            [system.chosen.known_as for system in new],
+            truth.chosen.known_as,
+            [*recordings, *self.open_systems],
+            first=n_open + 1,
+        )
+        names = [*self.open_systems]
+        for number, (system, name) in enumerate(zip(new, proposed, strict=True), start=n_open):
+            key = self.place.key(f"name_{number}")
+            with system.beside:
+                names.append(
+                    draw_system_name(system.title, name, number + 1, key=key, changed=self.changed)
+                )
+        return names
 
-    def session(self, folder: Path, truth: Source, systems: tuple[SystemSource, ...]) -> Session:
-        """The session; its table of recordings is not read yet, and pictures are missing."""
-        return self.facts.session(
-            frame_list=self.frames.path,
-            folder=folder,
+    def _truth_check(self, truth: SourceField) -> FileCheck | None:
+        with truth.below:
+            check = self._check(truth, None)
+            draw_file_check(check)
+        return check
+
+    def _check(self, source: SourceField, truth: FileCheck | None) -> FileCheck | None:
+        """Read the files of a field by themselves, unless they are known."""
+        chosen = source.chosen
+        if chosen.is_empty:
+            return None
+        if chosen.trouble:
+            return FileCheck(trouble=chosen.trouble)
+        role: Role = "truth" if source.title == "the ground truth" else "detections"
+        what = Source(path=chosen.paths, **source.reading)
+        return check_files(
+            lambda: (self.place.content(chosen, what, role), repr(what), role),
+            what,
+            role=role,
+            folder=chosen.folder,
             truth=truth,
-            systems=systems,
-            recordings_file=self.recordings.file,
             objects=self.objects,
         )
 
-    def with_pictures(self, session: Session, paths: Mapping[str, str]) -> Session:
-        """The session with pictures, given by their labels, and what was typed of recordings.
-
-        Pictures that its table of recordings names stay.
-        """
-        if not (paths or self.recording or self.sizes or self.typed.changes):
-            return session
-        with st.spinner("Reading the ground truth"):
-            names = recording_names(session)
-        whose = guess_pictures(names, paths)
-        changes: dict[str, dict[str, object]] = {
-            name: {"pictures": paths[label]}
-            for name, label in whose.items()
-            if recording_entry(session, names, name).pictures is None
-        }
-        for name, (width, height) in self.sizes.items():
-            if name in names and recording_entry(session, names, name).width is None:
-                size = {"width": float(width), "height": float(height)}
-                changes[name] = {**changes.get(name, {}), **size}
-        for name, change in self.typed.changes.items():
-            if name in names:
-                changes[name] = {**changes.get(name, {}), **change}
-        return with_recording_name(with_recordings(session, names, changes), names, self.recording)
+    def _open_truth(self, truth: SourceField) -> FileCheck | None:
+        """Read the ground truth that the open comparison will have."""
+        assert self.opened is not None
+        session = self.opened.session
+        source = joined(session.truth, truth, session.folder, self.purpose)
+        key = (state.workspace().n_opened, truth.chosen.content, repr(source))
+        return check_files(
+            lambda: key, source, role="truth", folder=session.folder, objects=self.objects
+        )
 
 
-def finish_form(
-    place: str,
-    names: list[str],
-    recording: str,
-    frames: FrameList,
-    table: RecordingsTable,
-    pictures: ChosenPictures,
-    checks: Mapping[str, FileCheck | None],
-    objects: Objects,
-) -> OpeningForm:
-    """Ask what the files leave open, and say why they could not be opened.
+def _files_now(opened: Opened, system: str) -> str:
+    """Name the files that a source has now."""
+    table = inputs_table(opened.whole)
+    row = table[table["subject"] == system].iloc[0] if system else table.iloc[0]
+    more = f" and {row['n_files'] - 1:,} more" if row["n_files"] > 1 else ""
+    return f"{plain(without_paths(row['first_file']))}{more}"
 
-    The `checks` are by what the page calls the files, those of the ground truth first.
-    """
-    first, *_ = checks.values()
-    unknown = {name for check in checks.values() if check is not None for name in check.unknown}
+
+def _by_name(chosen: Chosen, recordings: Sequence[str]) -> dict[str, Path]:
+    """Return a file for each recording, by its name."""
+    if chosen.trouble:
+        st.error(plain(chosen.trouble), icon=":material/error:")
+    whose = guess_pictures(recordings, chosen.paths)
+    left = [path for path in chosen.paths if path not in whose.values()]
+    if left:
+        names = plain(listed([Path(path).name for path in left]))
+        st.warning(
+            f"Of no recording by their names, and not used: {names}.", icon=":material/warning:"
+        )
+    return {name: chosen.folder / path for name, path in whose.items()}
+
+
+def _ask(form: Form) -> Form:
+    """Ask what the files leave open."""
+    first = form.truth.check
+    unknown = {
+        name for check in form.checks.values() if check is not None for name in check.unknown
+    }
     format_name = "" if first is None else first.format
-    unknown -= table.known([] if first is None else first.recordings)
+    unknown -= form.table.known([] if first is None else first.recordings)
     sizes = {} if first is None else first.sizes
-    facts = ask_for_missing(place, pictures.usable.values(), unknown, format_name, sizes)
+    facts = ask_for_missing(
+        form.place.name, form.pictures.usable.values(), unknown, format_name, sizes
+    )
     others = {name: size for name, size in sizes.items() if len({*sizes.values()}) > 1}
     typed = TypedRecordings()
     if unknown:
-        typed = before.draw(place, first, table.entries, facts, others)
-    draw_trouble(place)
-    return OpeningForm(
-        names=names,
-        recording=recording,
-        frames=frames,
-        recordings=table,
-        pictures=pictures,
-        facts=facts,
-        unusable=unusable(checks.items()),
-        place=place,
-        unnamed=tuple(
-            name
-            for number, (name, check) in enumerate(zip(names, [*checks.values()][1:], strict=True))
-            if check is not None and name == f"System {number + 1}"
-        ),
-        sizes=others,
-        typed=typed,
-        objects=objects,
-    )
+        typed = before.draw(form.place.name, first, form.table.entries, facts, others)
+    return replace(form, facts=facts, sizes=others, typed=typed)

@@ -11,10 +11,9 @@ import streamlit as st
 
 from nvcore.dataset import Dataset
 from nvcore.tables.inputs import inputs_table, left_out_table
-from ui.data.opening import draw_trouble
+from ui.data.opening import ask_for_change, draw_trouble
 from ui.data.recordings import editor, horizon, names
 from ui.session import state
-from ui.session.opening import relative_path
 from ui.session.workspace import Workspace
 from ui.shell.messages import without_paths
 from ui.widgets.text import UNDEFINED, plain
@@ -40,6 +39,14 @@ def draw() -> None:
         st.caption(f"Rows that could not be placed: {plain(counts)}.")
     for note in dataset.notes:
         st.caption(plain(note[:1].upper() + note[1:]))
+    st.button(
+        "Add or replace files",
+        key="change_files",
+        icon=":material/note_add:",
+        on_click=ask_for_change,
+        help="Another system, more recordings, or another version of a file. Names, thresholds "
+        "and settings stay.",
+    )
     with st.expander("Change the names of the systems"):
         names.draw_systems()
     draw_trouble("session")
@@ -126,7 +133,7 @@ def _all_pictures(space: Workspace) -> tuple[dict[str, str | None], dict[str, st
         choices[label] = path
         labels[name] = label
     for label, place in sent_pictures(space).items():
-        relative = relative_path(place, session.folder)
+        relative = space.path_in(session.folder, place)
         if relative not in choices.values():
             choices[label if label not in choices else f"{label} (sent)"] = relative
     return choices, labels

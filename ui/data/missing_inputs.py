@@ -70,6 +70,20 @@ class MissingInputs:
         frames = frame_list or checked_frames(self.frames or "")
         return Session(size=self.size, fps=self.fps, frames=frames, **parts)
 
+    @property
+    def of_recording(self) -> dict[str, Any]:
+        """The inputs as fields of a recording's entry.
+
+        Raises
+        ------
+        SessionError
+            If the frames are no range.
+        """
+        width, height = self.size or (None, None)
+        frames = checked_frames(self.frames or "")
+        values = {"width": width, "height": height, "fps": self.fps, "frames": frames}
+        return {name: value for name, value in values.items() if value is not None}
+
     def added_to(self, session: Session) -> Session:
         """A session that was read from a file, with these inputs; None keeps its own.
 

@@ -16,11 +16,16 @@ from ui.session import store
 
 
 def proposed_names(
-    systems: Sequence[Sequence[str]], truth: Sequence[str], recordings: Sequence[str]
+    systems: Sequence[Sequence[str]],
+    truth: Sequence[str],
+    recordings: Sequence[str],
+    *,
+    first: int = 1,
 ) -> list[str]:
     """Names of systems from their paths; a system whose path says nothing is numbered.
 
-    What the ground truth, its recordings and their pictures are called is no system's name.
+    What the ground truth, its recordings and their pictures are called is no system's name. The
+    number of the `first` system is given.
 
     Examples
     --------
@@ -32,7 +37,7 @@ def proposed_names(
     names_in_use = [*recordings, *(PurePosixPath(unpacked_name(path)).stem for path in truth)]
     numbered = [
         Source((f"System {number}/{paths[0]}",))
-        for number, paths in enumerate(systems, start=1)
+        for number, paths in enumerate(systems, start=first)
         if paths
     ]
     names = iter(system_names(numbered, names_in_use))

@@ -77,6 +77,12 @@ def new_place(draw: Callable[[], None]) -> DeltaGenerator:
     return st.empty().container() if is_other else st.container()
 
 
+def forget_outcome(place: str) -> None:
+    """To be called when a choice in this part of the page has changed."""
+    store.TROUBLES.of(place).pop()
+    store.ASKED_FACTS.of(place).pop()
+
+
 def has_trouble() -> bool:
     """Whether something could not be opened, and the choice that made trouble is as it was."""
     return any(known != store.TROUBLES.of(SESSION) for known in store.TROUBLES.known())
@@ -130,6 +136,19 @@ def _draw_opened(label: str) -> None:
         args=("overview",),
     )
     _TO_TOP(key="to_top", data={"opened": n_opened}, height=1)
+
+
+def ask_for_change() -> None:
+    """Unfold the form with the fields to add something to what is open, and scroll to it."""
+    store.WAYS_OPEN.set(True)
+    store.FORM_PURPOSE.of("upload").set("add")
+    store.SCROLLS.set(True)
+
+
+def scroll_if_asked() -> None:
+    """Scroll to the top of the page if `ask_for_change` was called."""
+    if store.SCROLLS.pop():
+        _TO_TOP(key="to_form", data=None, height=1)
 
 
 def draw_trouble(place: str) -> None:

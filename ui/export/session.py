@@ -147,9 +147,11 @@ def _names_of_uploads(session: Session, recordings: Set[str]) -> Mapping[str, st
 def _spellings(path: str) -> tuple[str, ...]:
     """Base name, path below the form's field, and the same in a folder of the field's own."""
     parts = PurePosixPath(path).parts
-    if PICTURES in parts and parts[0] == "..":
-        inside, field = parts[parts.index(PICTURES) + 1 :], PICTURES
+    first, *_ = ANNOTATION_FOLDERS.parts
+    if first in parts:
+        place = parts.index(first)
+        inside = parts[place + len(ANNOTATION_FOLDERS.parts) :] or parts[-1:]
+        field = parts[place - 1].lstrip("0123456789-")
     else:
-        below = 1 + len(ANNOTATION_FOLDERS.parts)
-        inside, field = parts[below:] or parts[-1:], parts[0]
+        inside, field = parts[parts.index(PICTURES) + 1 :] if PICTURES in parts else parts, PICTURES
     return parts[-1], "/".join(inside), "/".join((OWN_FOLDER, field, *inside))

@@ -23,9 +23,10 @@ if TYPE_CHECKING:
     from nvcore.params import Params
     from nvcore.settings import OperatingPoint
     from nvcore.stages import Stage
+    from ui.data.form_session import Purpose
     from ui.data.missing_inputs import PictureCheck
     from ui.data.opening import Trouble
-    from ui.data.upload import StoredForm
+    from ui.data.upload import Uploaded
     from ui.detectors.trial import Levels
     from ui.session.workspace import Workspace
     from ui.shell.operating_point import Move
@@ -216,6 +217,8 @@ CONDUCTED: Family[str | None] = Family("conducted", None)
 
 WAYS_OPEN = Entry("data_ways", False)
 """True if the box with all ways to open something is unfolded."""
+SCROLLS = Entry("data_scrolls", False)
+"""True if the page is to scroll to that box."""
 TROUBLES: Family[Trouble | None] = Family("data_trouble", None)
 """Reason why something could not be opened, by part of the page."""
 LAST_OPENED = Entry("data_opened", ("", "", 0))
@@ -232,11 +235,13 @@ ASKED_NAMES: Family[tuple[str, ...]] = Family("asked_names", ())
 """Systems whose names a form has asked for."""
 ASKED_FACTS: Family[frozenset[str]] = Family("asked", frozenset())
 """Facts that a form asks for because the files lack them."""
-UPLOAD_SYSTEMS = Entry("upload_systems", 2)
-"""Number of systems that the form has fields for."""
+FORM_PURPOSE: Family[Purpose] = Family("form_purpose", "new")
+MORE_SYSTEMS = Family("more_systems", 0)
+"""Number of fields for systems beyond the usual number, by form."""
 UPLOAD_CHOSEN = Entry("upload_chosen", False)
 """True if files were chosen in the form."""
-UPLOAD_STORED: Entry[StoredForm | None] = Entry("upload_stored", None)
+UPLOADED: Family[Uploaded | None] = Family("uploaded", None)
+"""Stored files of a field of the form, by the field's key."""
 LOCAL_FOLDER = Entry("local_folder", "")
 LOCAL_NEXT: Entry[str | None] = Entry("local_next", None)
 """Folder to go to."""

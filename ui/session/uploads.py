@@ -3,7 +3,7 @@
     FOLDER/pictures/N/                videos and archives of pictures of form N, by the upload route
     FOLDER/pictures/N/images/         its single pictures
     FOLDER/upload-N/SLOT/annotations/data/
-                                      ground truth and detections of the N-th form sent
+                                      ground truth, detections and other files of a form
     FOLDER/model-KIND-N/model/annotations/data/
                                       a model
 
@@ -200,10 +200,7 @@ def remove_pictures(space: Workspace, places: Iterable[PurePosixPath]) -> None:
 
 def begin_form(space: Workspace) -> None:
     """Start a form: uploaded pictures that the open comparison does not show are removed."""
-    in_use: set[Path] = set()
-    if space.opened is not None:
-        session = space.opened.session
-        in_use = {Path(os.path.normpath(session.folder / path)) for path in session.paths()}
+    in_use = set(_paths_in_use(space))
     idle = [
         file.place
         for file in space.stored.values()
@@ -211,13 +208,56 @@ def begin_form(space: Workspace) -> None:
     ]
     remove_pictures(space, idle)
     space.form += 1
+    space.form_folder = None
+
+
+def _paths_in_use(space: Workspace) -> list[Path]:
+    """Return the paths that the open comparison names."""
+    if space.opened is None:
+        return []
+    session = space.opened.session
+    return [Path(os.path.normpath(session.folder / path)) for path in session.paths()]
+
+
+def store_in_form(
+    space: Workspace, slot: str, files: Sequence[UploadedFile]
+) -> tuple[Path, tuple[str, ...]]:
+    """Store the files of a field of the form, in place of those that it had before.
+
+    Files that the open comparison uses stay until it is closed.
+
+    Returns
+    -------
+    folder, paths
+        Folder of the form, and the paths relative to it.
+
+    Raises
+    ------
+    NvcoreError
+        See `store_annotations`.
+    """
+    if space.form_folder is None:
+        space.form_folder = new_upload(space)
+    folder, in_use = space.form_folder, _paths_in_use(space)
+    for before in folder.glob(f"[0-9]*-{slot}"):
+        if not any(path.is_relative_to(before) for path in in_use):
+            remove_folder(space, before)
+    with space.lock:
+        space.n_received += 1
+        own = f"{space.n_received}-{slot}"
+    return folder, store_annotations(space, folder, own, files)
 
 
 def new_upload(space: Workspace) -> Path:
-    """Folder for a form's annotations; folders of earlier forms that are not open are removed."""
+    """Create a folder for annotations, and remove earlier ones that are no longer needed.
+
+    The folders of the open comparison and of the form stay.
+    """
     open_folder = None if space.opened is None else space.opened.session.folder
+    in_use = _paths_in_use(space)
     for folder in space.folder.glob("upload-*"):
-        if folder != open_folder:
+        is_kept = folder in (open_folder, space.form_folder)
+        if not is_kept and not any(path.is_relative_to(folder) for path in in_use):
             remove_folder(space, folder)
     with space.lock:
         space.n_received += 1
@@ -256,7 +296,8 @@ def remove_folder(space: Workspace, folder: Path) -> None:
     """Remove a folder of the session and free its share of the quota."""
     shutil.rmtree(folder, ignore_errors=True)
     with space.lock:
-        space.used_bytes -= space.upload_bytes.pop(folder, 0)
+        for counted in [path for path in space.upload_bytes if path.is_relative_to(folder)]:
+            space.used_bytes -= space.upload_bytes.pop(counted)
 
 
 def count_folder(space: Workspace, folder: Path) -> None:
@@ -314,7 +355,8 @@ def store_annotations(
             path, n_bytes = _unpack(space, path)
         with space.lock:
             space.used_bytes += n_bytes
-            space.upload_bytes[folder] = space.upload_bytes.get(folder, 0) + n_bytes
+            own = folder / slot
+            space.upload_bytes[own] = space.upload_bytes.get(own, 0) + n_bytes
         paths.append(path)
     return tuple(path.relative_to(folder).as_posix() for path in paths)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import secrets
 import shutil
 import threading
@@ -211,10 +212,12 @@ class Workspace(Caching):
         Uploaded pictures by place, written by `ui.session.uploads`.
     form
         Number of the form that is being filled in, see `Stored`.
+    form_folder
+        Folder of its annotations. None if it has none yet.
     used_bytes, n_received
         Size and number of all uploads.
     upload_bytes
-        Share of `used_bytes` that belongs to the annotations of a form, by its folder.
+        Share of `used_bytes` that belongs to annotations and outputs of runs, by folder.
     lock
         Held while these are changed.
     picture_process
@@ -249,6 +252,7 @@ class Workspace(Caching):
         self.picture_turns = CapacityLimiter(MOST_READS)
         self.stored: dict[PurePosixPath, Stored] = {}
         self.form = 0
+        self.form_folder: Path | None = None
         self.used_bytes = 0
         self.upload_bytes: dict[Path, int] = {}
         self.n_received = 0
@@ -308,6 +312,17 @@ class Workspace(Caching):
                 self.drop_job(kind)
         self.compared = None
         self.forget_values()
+
+    def path_in(self, folder: Path, path: Path) -> str:
+        """Return a path as a session in `folder` names it.
+
+        It is relative within the folder and among uploads. An absolute path elsewhere keeps the
+        names of the machine's folders out of written sessions.
+        """
+        is_near = path.is_relative_to(folder) or (
+            path.is_relative_to(self.folder) and folder.is_relative_to(self.folder)
+        )
+        return Path(os.path.relpath(path, folder)).as_posix() if is_near else str(path)
 
     def picture_of(self, recording: int, row: int) -> tuple[Pictures | None, int]:
         """Return a recording's pictures, and the index (-1: none) of the one for a frame's row."""

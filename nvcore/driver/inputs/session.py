@@ -33,8 +33,8 @@ class DriverEntry:
         CSV of where the driver looked: frame, x, y (px of the visible picture, where there is one).
     """
 
-    light: str | None = path_field()
-    gaze: str | None = path_field()
+    light: str | None = path_field(label="Light meter (CSV: time_s,lux)")
+    gaze: str | None = path_field(label="Where the driver looked (CSV: frame,x,y)")
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ def check(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], Fi
     """Checks one file of ground truth under a key, with nothing remembered before."""
     monkeypatch.setattr(file_check.st, "session_state", {})
     write(tmp_path / "t.csv", *TRUTH)
-    return lambda key: check_files(key, lambda: Source(("t.csv",)), role="truth", folder=tmp_path)
+    return lambda key: check_files(lambda: key, Source(("t.csv",)), role="truth", folder=tmp_path)
 
 
 def test_the_boxes_of_a_checked_file_are_not_kept(
@@ -39,7 +39,8 @@ def test_the_boxes_of_a_checked_file_are_not_kept(
         x = np.full(1_000, 2.0)
         tables.append(weakref.ref(x))
         boxes = pd.DataFrame(
-            {"frame": np.ones(len(x), np.int64), "ignore": False, "x": x}, copy=False
+            {"recording": "t", "frame": np.ones(len(x), np.int64), "ignore": False, "x": x},
+            copy=False,
         )
         annotated = pd.DataFrame({"recording": "t", "frame": boxes["frame"]})
         return Reading(boxes, reading.recordings, "", annotated=annotated)

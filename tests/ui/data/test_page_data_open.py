@@ -83,8 +83,9 @@ def local(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., AppT
 
 
 def choose_local(page: AppTest, **chosen: str) -> AppTest:
+    systems = {"x": "system_0", "y": "system_1"}
     for role, path in chosen.items():
-        page.multiselect(key=f"local_{role}").set_value([path])
+        page.multiselect(key=f"local_{systems.get(role, role)}").set_value([path])
     return checked(page.run())
 
 
@@ -134,7 +135,7 @@ def test_local_files_of_one_name_are_called_by_their_folders(tmp_path: Path, loc
     for name, folder in (("fir", "faster"), ("nir", "tracker")):
         write(tmp_path / folder / "out.csv", (tmp_path / f"{name}.csv").read_text())
     page = local(truth="truth.csv", x="faster", y="tracker")
-    names = [page.text_input(key=f"local_{letter}_name").value for letter in "xy"]
+    names = [page.text_input(key=f"local_name_{number}").value for number in range(2)]
     assert names == ["faster", "tracker"]
     assert open_local(page).table[-1].value["Source"].tolist()[1:] == ["X: faster", "Y: tracker"]
 

@@ -179,7 +179,7 @@ def test_a_local_table_is_read_where_it_lies_and_names_nothing_outside(
           "urban,640,480,20,../secret.mp4", "rural,640,480,20,")  # fmt: skip
     monkeypatch.setenv("NVCORE_LOCAL_ROOT", str(root))
     page = opened()
-    for key, name in (("truth", "truth"), ("x", "fir"), ("y", "nir")):
+    for key, name in (("truth", "truth"), ("system_0", "fir"), ("system_1", "nir")):
         page.multiselect(key=f"local_{key}").set_value([f"{name}.csv"])
     page.multiselect(key="local_recordings").set_value(["bad.csv"])
     press(checked(page.run()), "open_local")

@@ -114,7 +114,7 @@ def test_one_system_only_is_shown_alone(tmp_path: Path):
 
 def test_three_systems_can_be_sent(tmp_path: Path):
     page = sent_drive(tmp_path, "fir.csv", "nir.csv")
-    press(page, "add_system")
+    press(page, "add_system_upload")
     send(page, "upload_system_2", ("third.csv", (tmp_path / "fir.csv").read_bytes()))
     open_files(checked(page.run()))
     assert page.table[-1].value["Source"].tolist() == ["Truth", "X: fir", "Y: nir", "third"]

@@ -1,0 +1,161 @@
+"""The Data page: systems, recordings and files that join or replace those of what is open."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from data_page import answer, opened, opened_drive, press, send, sent_drive, space_of
+from inputs import drive, write
+from streamlit.testing.v1 import AppTest
+
+from pages import checked, texts
+from ui.export.session import portable_session
+from ui.jobs.page_run import is_uploaded
+
+
+def changing(page: AppTest, purpose: str, place: str = "upload", **files: Path) -> AppTest:
+    """The form for a purpose, with these files in its fields."""
+    (choice,) = [each for each in page.segmented_control if each.key == f"form_purpose_{place}"]
+    checked(choice.set_value(purpose).run())
+    for field, file in files.items():
+        send(page, key_of(page, purpose, field), (file.name, file.read_bytes()))
+    return checked(page.run())
+
+
+def key_of(page: AppTest, purpose: str, field: str, place: str = "upload") -> str:
+    form = space_of(page).form
+    key = f"{place}_{purpose}_{space_of(page).n_opened}_{field}"
+    return f"{key}_{form}" if form and place == "upload" else key
+
+
+def rows(page: AppTest) -> dict[str, list[str]]:
+    return page.table[-1].value.set_index("Source")["Files"].to_dict()
+
+
+@pytest.fixture
+def page(tmp_path: Path) -> AppTest:
+    """Two recordings and two systems, opened from files that were sent."""
+    return opened_drive(tmp_path, "fir.csv", "nir.csv")
+
+
+def more(folder: Path) -> dict[str, Path]:
+    """Ground truth and detections of a third recording."""
+    head, lines = "recording,frame,x,y,w,h", [f"tunnel,{f},100,100,40,90" for f in range(9)]
+    return {
+        "truth": write(folder / "more.csv", head, *lines),
+        "system_0": write(folder / "fir_more.csv", f"{head},score", *(f"{n},0.9" for n in lines)),
+        "system_1": write(folder / "nir_more.csv", f"{head},score", *(f"{n},0.4" for n in lines)),
+    }
+
+
+def test_a_system_joins_those_that_are_open_and_nothing_else_changes(page, tmp_path: Path):
+    before = space_of(page).opened
+    changing(
+        page, "add", system_2=write(tmp_path / "lidar.csv", (tmp_path / "fir.csv").read_text())
+    )
+    assert "Now: truth.csv" in texts(page)
+    press(page, "open_upload")
+    after = space_of(page).opened
+    assert after.dataset.systems == ("fir", "nir", "lidar")
+    assert after.dataset.compared() == ("fir", "nir")
+    assert after.label == before.label
+    assert after.whole.frames.equals(before.whole.frames)
+    assert after.whole.system("nir").x.tolist() == before.whole.system("nir").x.tolist()
+    # the form is empty again, and the next system has a field
+    assert key_of(page, "add", "system_3") in [field.key for field in page.file_uploader]
+    assert not any(field.value for field in page.file_uploader if "add" in (field.key or ""))
+
+
+def test_a_file_takes_the_place_of_another_and_name_and_threshold_stay(page, tmp_path: Path):
+    page.session_state["new_params"] = {"threshold_y": 0.65}
+    checked(page.run())
+    boxes = (tmp_path / "nir.csv").read_text().splitlines()
+    changing(page, "replace", system_1=write(tmp_path / "release_2.csv", *boxes[:-1]))
+    press(page, "open_upload")
+    now = space_of(page).opened
+    assert rows(page)["Y: nir"].replace("\\", "") == "release_2.csv"
+    assert len(now.dataset.system("nir")) == len(boxes) - 2
+    assert now.session.systems[1].threshold == 0.65
+
+
+def test_recordings_join_with_truth_and_the_detections_of_every_system(page, tmp_path: Path):
+    files = more(tmp_path)
+    changing(page, "add", truth=files["truth"], system_0=files["system_0"])
+    answer(page, width=320, height=240, fps=10)
+    press(page, "open_upload")
+    assert "Choose the detections of nir as well" in texts(page)
+    send(page, key_of(page, "add", "system_1"), ("nir_more.csv", files["system_1"].read_bytes()))
+    checked(page.run())
+    press(page, "open_upload")
+    whole = space_of(page).opened.whole
+    facts = whole.recordings.set_index("name")[["width", "height", "fps"]].T.to_dict("list")
+    assert facts == {"rural": [640, 480, 20], "tunnel": [320, 240, 10], "urban": [640, 480, 20]}
+    names = whole.recordings["name"].tolist()
+    of_tunnel = whole.frame_columns.recording == names.index("tunnel")
+    assert of_tunnel.sum() == 9
+    assert of_tunnel[whole.system("nir").frame_index].sum() == 9
+
+
+@pytest.mark.parametrize(
+    ("files", "words"),
+    [
+        ({"truth": "truth.csv"}, "are open already"),
+        ({"system_0": "fir.csv"}, "fir has detections in"),
+        ({}, "Choose the files to add"),
+    ],
+    ids=["recordings", "detections", "nothing"],
+)
+def test_what_is_open_already_is_not_counted_twice(page, tmp_path: Path, files, words: str):
+    changing(page, "add", **{field: tmp_path / name for field, name in files.items()})
+    before = space_of(page).n_opened
+    press(page, "open_upload")
+    assert words in texts(page)
+    assert space_of(page).n_opened == before
+
+
+def test_alert_logs_and_speeds_have_fields(tmp_path: Path):
+    page = sent_drive(tmp_path, "fir.csv")
+    alerts = b"start_s,end_s,kind,recording\n0.1,0.4,pedestrian,urban\n"
+    send(page, "upload_system_0_alerts", ("log.csv", alerts))
+    send(page, "upload_speed", ("urban.csv", b"time_s,speed_kmh\n0,30\n1,31\n"))
+    answer(page, width=640, height=480, fps=20)
+    checked(page.run())
+    press(page, "open_upload")
+    assert page.error == []
+    session = space_of(page).opened.session
+    assert session.systems[0].alerts.endswith("log.csv")
+    speed = {entry.name: entry.speed for entry in session.recordings}
+    assert speed["urban"].endswith("urban.csv")
+    assert "speed" in space_of(page).opened.dataset.inputs["subject"].tolist()
+
+
+def test_a_system_below_the_local_root_joins_the_sample(tmp_path: Path, monkeypatch):
+    drive(tmp_path)
+    sample = opened()
+    boxes = space_of(sample).opened.whole
+    recording = boxes.recordings["name"][0]
+    write(tmp_path / "lidar.csv", "recording,frame,x,y,w,h,score", f"{recording},3,9,9,40,90,0.5")
+    monkeypatch.setenv("NVCORE_LOCAL_ROOT", str(tmp_path))
+    page = changing(opened(), "add", place="local")
+    n_open = len(boxes.systems)
+    field = page.multiselect(key=key_of(page, "add", f"system_{n_open}", "local"))
+    field.set_value(["lidar.csv"])
+    press(checked(page.run()), "open_local")
+    assert space_of(page).opened.whole.systems == (*boxes.systems, "lidar")
+    assert str(tmp_path) not in texts(page)
+
+
+def test_a_written_session_names_added_files_by_their_names_alone(tmp_path: Path):
+    """The sample lies in a folder of the program, what was sent in one of the visitor."""
+    page = opened()
+    whole = space_of(page).opened.whole
+    line = f"{whole.recordings['name'][0]},3,9,9,40,90,0.5"
+    new = write(tmp_path / "lidar.csv", "recording,frame,x,y,w,h,score", line)
+    changing(page, "add", **{f"system_{len(whole.systems)}": new})
+    press(page, "open_upload")
+    space = space_of(page)
+    session = portable_session(
+        space.opened.session, is_upload=is_uploaded(space, space.opened.session)
+    )
+    assert session.systems[-1].path == ("lidar.csv",)

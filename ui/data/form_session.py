@@ -1,0 +1,433 @@
+"""Data page: the session that the form describes, new or changed."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from dataclasses import fields as dataclass_fields
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final, Literal, Protocol
+
+import numpy as np
+import streamlit as st
+
+from nvcore.errors import InputError
+from nvcore.inputs.changes import stated_by_recording
+from nvcore.inputs.facts import with_paths_in
+from nvcore.inputs.readers.base import Role
+from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
+from nvcore.objects import Objects
+from nvcore.wording import listed
+from ui.data.file_check import FileCheck, unusable
+from ui.data.missing_inputs import MissingInputs
+from ui.data.names import with_recording_name
+from ui.data.recordings.before import TypedRecordings
+from ui.data.side_files import (
+    ChosenPictures,
+    FrameList,
+    RecordingsTable,
+)
+from ui.session import state, store
+from ui.session.opening import (
+    guess_pictures,
+    live_session,
+    recording_entry,
+    recording_names,
+    with_recordings,
+)
+from ui.session.workspace import Opened
+from ui.streamlit_inside.types import DeltaGenerator
+
+Purpose = Literal["new", "add", "replace"]
+PURPOSES: Final[Mapping[Purpose, str]] = {
+    "new": "Open by themselves",
+    "add": "Add to what is open",
+    "replace": "Replace files of what is open",
+}
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """Files of a field, or why they cannot be used.
+
+    Attributes
+    ----------
+    folder
+        Folder that the paths start from.
+    known_as
+        Paths as the person knows them.
+    content
+        Changes when the files do.
+    """
+
+    folder: Path
+    paths: tuple[str, ...] = ()
+    trouble: str = ""
+    known_as: tuple[str, ...] = ()
+    content: Hashable = ()
+
+    @property
+    def is_empty(self) -> bool:
+        """True if nothing was chosen."""
+        return not (self.paths or self.trouble)
+
+
+class Place(Protocol):
+    """Place that files come from, such as an upload.
+
+    Attributes
+    ----------
+    name
+        Name of the form, with which the keys of its widgets begin.
+    label
+        Name of what is opened.
+    section
+        Part of the keys of fields. Each purpose and each open comparison has its own.
+    """
+
+    name: str
+    label: str
+    section: str
+
+    def key(self, slot: str) -> str:
+        """Return the key of a field."""
+
+    def choose(
+        self, slot: str, label: str, *, help_text: str | None = None, most: int | None = None
+    ) -> Chosen:
+        """Draw a field for files and return those chosen."""
+
+    def content(self, chosen: Chosen, source: Source, role: Role) -> Hashable:
+        """Return a key that changes when a source's files do.
+
+        Raises
+        ------
+        NvcoreError
+            If they cannot be found.
+        """
+
+    def choose_pictures(self) -> tuple[dict[str, Path], list[str]]:
+        """Draw the field for pictures. Return them by label, and why others are refused."""
+
+    def finished(self, session: Session) -> Session:
+        """Read the session's table of recordings, without files that the visitor may not name."""
+
+    def take(self) -> None:
+        """Remember that the chosen files are being opened."""
+
+
+@dataclass(frozen=True)
+class SourceField:
+    """Field of ground truth or a system, and the places on the page for more about it.
+
+    Attributes
+    ----------
+    title
+        Name of the field in sentences.
+    name
+        Name of the system, if it is open already.
+    reading
+        Fields of `Source` that say how to read the files.
+    own
+        Further files of a system, by key of a ``[[system]]``.
+    """
+
+    title: str
+    name: str
+    chosen: Chosen
+    reading: dict[str, Any]
+    own: dict[str, Chosen]
+    below: DeltaGenerator
+    beside: DeltaGenerator
+    check: FileCheck | None = None
+
+    @property
+    def stated(self) -> dict[str, Any]:
+        """The reading without what is left to the files."""
+        return {name: value for name, value in self.reading.items() if value is not None}
+
+
+@dataclass(frozen=True)
+class Form:
+    """What a person chose and typed, and the session that it describes.
+
+    Attributes
+    ----------
+    opened
+        Comparison that is changed. None if the files are opened by themselves.
+    names
+        Names of all systems.
+    recordings
+        Recordings of the ground truth chosen, else those open.
+    recording
+        Name of the only recording, or "".
+    series
+        Files by recording, by key of a ``[[recording]]``.
+    sizes
+        Sizes (px) by recording to which the boxes point, where they differ.
+    """
+
+    place: Place
+    purpose: Purpose
+    opened: Opened | None
+    objects: Objects
+    truth: SourceField
+    systems: Sequence[SourceField]
+    names: Sequence[str]
+    recordings: Sequence[str]
+    recording: str
+    frames: FrameList
+    table: RecordingsTable
+    series: Mapping[str, Mapping[str, Path]]
+    pictures: ChosenPictures
+    facts: MissingInputs = MissingInputs()
+    sizes: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+    typed: TypedRecordings = field(default_factory=TypedRecordings)
+
+    @cached_property
+    def checks(self) -> dict[str, FileCheck | None]:
+        """The checks of the fields' files, by title, that of the ground truth first."""
+        return {source.title: source.check for source in (self.truth, *self.systems)}
+
+    def session(self) -> Session:
+        """Return the session.
+
+        Raises
+        ------
+        NvcoreError
+            If something needed is missing or cannot be used.
+        """
+        session = self._new() if self.opened is None else self._changed(self.opened)
+        self.place.take()
+        return session
+
+    def _new(self) -> Session:
+        chosen = [
+            pair
+            for pair in zip(self.systems, self.names, strict=True)
+            if not pair[0].chosen.is_empty
+        ]
+        if self.truth.chosen.is_empty:
+            raise InputError(
+                "Choose the ground truth first: the boxes that both systems should find."
+            )
+        if not chosen:
+            raise InputError("Choose the detections of at least one system.")
+        self._refuse_wrong()
+        folder = self.truth.chosen.folder
+        systems = tuple(
+            SystemSource(
+                path=system.chosen.paths,
+                name=name or None,
+                **system.reading,
+                **_own_files(system, folder),
+            )
+            for system, name in chosen
+        )
+        truth = Source(path=self.truth.chosen.paths, **self.truth.reading)
+        session = self.facts.session(
+            frame_list=self.frames.path,
+            folder=folder,
+            truth=truth,
+            systems=systems,
+            recordings_file=self.table.file,
+            objects=self.objects,
+        )
+        session = self.place.finished(session)
+        is_complete = not (self.pictures.usable or self.recording or self.sizes)
+        if is_complete and not self.typed.changes and not any(self.series.values()):
+            return session
+        with st.spinner("Reading the ground truth"):
+            names = recording_names(session)
+        session = with_recordings(session, names, self._changes(session, names))
+        return with_recording_name(session, names, self.recording)
+
+    def _changed(self, opened: Opened) -> Session:
+        """Return the open session with what was chosen."""
+        self._refuse_wrong()
+        x, y = state.systems()
+        session = live_session(opened.session, opened.dataset, state.params(), x=x, y=y)
+        names, folder = opened.whole.recordings["name"].tolist(), session.folder
+        added = []
+        if not self.truth.chosen.is_empty:
+            added = [name for name in self.recordings if name not in names]
+            if self.purpose == "add":
+                session = self._with_room(session, names)
+        n_open = len(session.systems)
+        systems = [
+            replace(joined(source, new, folder, self.purpose), **_own_files(new, folder))
+            for source, new in zip(session.systems, self.systems, strict=False)
+        ]
+        systems += [
+            SystemSource(
+                path=tuple(_path_in(folder, new.chosen.folder / path) for path in new.chosen.paths),
+                name=name,
+                **new.reading,
+                **_own_files(new, folder),
+            )
+            for new, name in zip(self.systems[n_open:], self.names[n_open:], strict=True)
+            if not new.chosen.is_empty
+        ]
+        truth = joined(session.truth, self.truth, folder, self.purpose)
+        is_same = (truth, *systems) == (session.truth, *session.systems)
+        sources = dict(zip(("truth", *opened.whole.systems), session.sources, strict=True))
+        now = dict(zip(sources, (truth, *systems), strict=False))
+        changed = replace(
+            session,
+            truth=truth,
+            systems=tuple(systems),
+            frames=session.frames if self.frames.path is None else _path_in(folder, self._list),
+            only=(*session.only, *added) if session.only else (),
+            recordings_file=None,
+            hashes={
+                name: text
+                for name, text in session.hashes.items()
+                if name in now and now[name] == sources[name][0]
+            },
+        )
+        every = [*names, *added]
+        changes = self._changes(changed, every)
+        if is_same and not changes and self.frames.path is None:
+            raise InputError("Choose the files to add, or those to take the place of others.")
+        return with_recordings(changed, every, changes)
+
+    @property
+    def _list(self) -> Path:
+        return self.frames.folder / (self.frames.path or "")
+
+    def _with_room(self, session: Session, names: list[str]) -> Session:
+        """Return the session ready for further recordings.
+
+        Raises
+        ------
+        InputError
+            If one of them is open already, or a system has no detections for them.
+        """
+        in_files = recording_names(session) if len(names) == 1 else None
+        session = stated_by_recording(session, names, in_files)
+        known = {*names, *(entry.name for entry in session.recordings)}
+        if again := [name for name in self.recordings if name in known]:
+            raise InputError(
+                f"{listed(again)} {'is' if len(again) == 1 else 'are'} open already. To put the "
+                f"file in the place of the one before, choose “{PURPOSES['replace']}”."
+            )
+        without = [system.name for system in self.systems if system.name and system.chosen.is_empty]
+        if without:
+            raise InputError(
+                f"Choose the detections of {listed(without)} as well: without them "
+                f"{self.objects.plural} in the added recordings count as missed."
+            )
+        return session
+
+    def _refuse_wrong(self) -> None:
+        own = [file for system in self.systems for file in system.own.values()]
+        for wrong in (
+            unusable(self.checks.items()),
+            *(file.trouble for file in own),
+            self._overlap(),
+            self.frames.stops,
+            self.table.stops,
+            self.pictures.stops,
+            self.typed.trouble,
+        ):
+            if wrong:
+                raise InputError(wrong)
+        self._ask_for_names()
+
+    def _overlap(self) -> str:
+        """Say which added detections belong to recordings in which their system has some."""
+        if self.opened is None or self.purpose != "add":
+            return ""
+        whole, session = self.opened.whole, self.opened.session
+        names = whole.recordings["name"].tolist()
+        entries = session.entries(names)
+        title_of = {entries[name].name if name in entries else name: name for name in names}
+        for system in self.systems:
+            if not system.name or system.check is None:
+                continue
+            rows = whole.system(system.name).frame_index
+            own = {names[number] for number in np.unique(whole.frame_columns.recording[rows])}
+            twice = sorted(own & {title_of.get(name, name) for name in system.check.with_boxes})
+            if twice:
+                return (
+                    f"{system.name} has detections in {listed(twice)} already. To put the file in "
+                    f"the place of the one before, choose “{PURPOSES['replace']}”."
+                )
+        return ""
+
+    def _ask_for_names(self) -> None:
+        """Ask once for names that the files do not tell; who opens again keeps the numbers."""
+        unnamed = tuple(
+            name
+            for number, (system, name) in enumerate(zip(self.systems, self.names, strict=True), 1)
+            if system.check is not None and name == f"System {number}"
+        )
+        asked = store.ASKED_NAMES.of(self.place.name)
+        if unnamed and asked.get() != unnamed:
+            asked.set(unnamed)
+            raise InputError(
+                f"The files' names do not tell what {listed(unnamed)} "
+                f"{'is' if len(unnamed) == 1 else 'are'}: type the names of the systems. "
+                "Or open once more to go on with these."
+            )
+
+    def _changes(self, session: Session, names: Sequence[str]) -> dict[str, dict[str, Any]]:
+        """Return fields of `RecordingEntry` to be changed, by recording.
+
+        Pictures and sizes that the session states stay, if its files are opened by themselves.
+        """
+        paths = {
+            label: _path_in(session.folder, path) for label, path in self.pictures.usable.items()
+        }
+        changes: dict[str, dict[str, Any]] = {name: {} for name in names}
+        if self.opened is not None:
+            for name in [] if self.truth.chosen.is_empty else self.recordings:
+                changes[name] |= self.facts.of_recording
+            for name, row in self.table.entries.items():
+                changes[name] |= _stated(row)
+        for name, label in guess_pictures(names, paths).items():
+            if self.opened or recording_entry(session, names, name).pictures is None:
+                changes[name]["pictures"] = paths[label]
+        for name, (width, height) in self.sizes.items():
+            if name in changes and recording_entry(session, names, name).width is None:
+                changes[name] |= {"width": float(width), "height": float(height)}
+        for key, file_of in self.series.items():
+            for name, file in file_of.items():
+                if name in changes:
+                    changes[name][key] = _path_in(session.folder, file)
+        for name, change in self.typed.changes.items():
+            if name in changes:
+                changes[name] |= change
+        return {name: change for name, change in changes.items() if change}
+
+
+def joined(source: Source, new: SourceField, folder: Path, purpose: Purpose) -> Any:
+    """Return the source with a field's files added or put in the place of its own."""
+    if new.chosen.is_empty:
+        return source
+    paths = [_path_in(folder, new.chosen.folder / path) for path in new.chosen.paths]
+    if purpose == "replace":
+        source = with_paths_in(source, lambda _: None)  # they are about the files before
+        return replace(source, path=tuple(paths), **new.stated)
+    return replace(source, path=(*source.path, *paths), **new.stated)
+
+
+def _path_in(folder: Path, path: Path) -> str:
+    return state.workspace().path_in(folder, path)
+
+
+def _stated(row: RecordingEntry) -> dict[str, Any]:
+    """Return what a row of a table of recordings says, without the files that it names."""
+    row = replace(with_paths_in(row, lambda _: None), frames=None)
+    values = {spec.name: getattr(row, spec.name) for spec in dataclass_fields(row)}
+    return {key: value for key, value in values.items() if value not in (None, (), row.name)}
+
+
+def _own_files(system: SourceField, folder: Path) -> dict[str, Any]:
+    """Return paths of further files of a system, by key of a ``[[system]]``."""
+    return {
+        key: _path_in(folder, file.folder / path)
+        for key, file in system.own.items()
+        for path in file.paths
+    }
