@@ -17,13 +17,21 @@ from nvcore.objects import Objects
 from nvcore.tables.inputs import inputs_table
 from nvcore.wording import listed
 from ui.data.file_check import FileCheck, check_files, draw_file_check
-from ui.data.form_session import PURPOSES, Chosen, Form, Place, Purpose, SourceField, joined
+from ui.data.form_session import (
+    PURPOSES,
+    Chosen,
+    Form,
+    Place,
+    Purpose,
+    SourceField,
+    joined,
+    titles_by_name,
+)
 from ui.data.missing_inputs import ask_for_missing, draw_reading
 from ui.data.names import draw_recording, draw_system_name, proposed_names
 from ui.data.objects import draw_objects
 from ui.data.opening import draw_trouble, forget_outcome, try_to_open
-from ui.data.recordings import before
-from ui.data.recordings.before import TypedRecordings
+from ui.data.recordings import TypedRecordings, draw_before_opening
 from ui.data.side_files import (
     FRAMES_HELP,
     FRAMES_LABEL,
@@ -88,7 +96,8 @@ def draw_form(place: Place) -> None:
     places, refused = place.choose_pictures()
     with below:
         names_of_pictures = [path.name for path in places.values()]
-        table = draw_recordings(rows, [] if frames.path else recordings, names_of_pictures)
+        known = [*recordings, *(titles_by_name(opened) if opened else ())]
+        table = draw_recordings(rows, [] if frames.path else known, names_of_pictures)
     recording = ""
     if opened is None:
         with truth.beside:
@@ -275,5 +284,5 @@ def _ask(form: Form) -> Form:
     others = {name: size for name, size in sizes.items() if len({*sizes.values()}) > 1}
     typed = TypedRecordings()
     if unknown:
-        typed = before.draw(form.place.name, first, form.table.entries, facts, others)
+        typed = draw_before_opening(form.place.name, first, form.table.entries, facts, others)
     return replace(form, facts=facts, sizes=others, typed=typed)

@@ -22,7 +22,7 @@ from nvcore.wording import listed
 from ui.data.file_check import FileCheck, unusable
 from ui.data.missing_inputs import MissingInputs
 from ui.data.names import with_recording_name
-from ui.data.recordings.before import TypedRecordings
+from ui.data.recordings import TypedRecordings
 from ui.data.side_files import (
     ChosenPictures,
     FrameList,
@@ -339,10 +339,8 @@ class Form:
         """Say which added detections belong to recordings in which their system has some."""
         if self.opened is None or self.purpose != "add":
             return ""
-        whole, session = self.opened.whole, self.opened.session
+        whole, title_of = self.opened.whole, titles_by_name(self.opened)
         names = whole.recordings["name"].tolist()
-        entries = session.entries(names)
-        title_of = {entries[name].name if name in entries else name: name for name in names}
         for system in self.systems:
             if not system.name or system.check is None:
                 continue
@@ -384,8 +382,10 @@ class Form:
         if self.opened is not None:
             for name in [] if self.truth.chosen.is_empty else self.recordings:
                 changes[name] |= self.facts.of_recording
+            title_of = titles_by_name(self.opened)
             for name, row in self.table.entries.items():
-                changes[name] |= _stated(row)
+                own = name if name in changes else title_of.get(name, name)
+                changes.setdefault(own, {}).update(_stated(row))
         for name, label in guess_pictures(names, paths).items():
             if self.opened or recording_entry(session, names, name).pictures is None:
                 changes[name]["pictures"] = paths[label]
@@ -400,6 +400,13 @@ class Form:
             if name in changes:
                 changes[name] |= change
         return {name: change for name, change in changes.items() if change}
+
+
+def titles_by_name(opened: Opened) -> dict[str, str]:
+    """Return the names of open recordings on the pages, by their names in the data."""
+    names = opened.whole.recordings["name"].tolist()
+    entries = opened.session.entries(names)
+    return {entries[name].name if name in entries else name: name for name in names}
 
 
 def joined(source: Source, new: SourceField, folder: Path, purpose: Purpose) -> Any:

@@ -11,8 +11,8 @@ import streamlit as st
 
 from nvcore.dataset import Dataset
 from nvcore.tables.inputs import inputs_table, left_out_table
+from ui.data import horizon, recordings
 from ui.data.opening import ask_for_change, draw_trouble
-from ui.data.recordings import editor, horizon, names
 from ui.session import state
 from ui.session.workspace import Workspace
 from ui.shell.messages import without_paths
@@ -48,9 +48,9 @@ def draw() -> None:
         "and settings stay.",
     )
     with st.expander("Change the names of the systems"):
-        names.draw_systems()
+        recordings.draw_systems()
     draw_trouble("session")
-    names.draw_done()
+    recordings.draw_names_changed()
     _draw_picture_troubles(space)
     notes = {state.recording_names()[row]: note for row, note in space.pictures.notes.items()}
     with st.expander(
@@ -58,7 +58,7 @@ def draw() -> None:
         key="recordings",
         on_change="rerun",  # then it stays unfolded when its table is applied
     ):
-        editor.draw(*_all_pictures(space), notes)
+        recordings.draw_open(*_all_pictures(space), notes)
     horizon.draw()
 
 

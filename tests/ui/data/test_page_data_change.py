@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from data_page import answer, opened, opened_drive, press, send, sent_drive, space_of
+from data_page import Edit, answer, opened, opened_drive, press, send, sent_drive, space_of
 from inputs import drive, write
 from streamlit.testing.v1 import AppTest
 
@@ -112,6 +112,25 @@ def test_what_is_open_already_is_not_counted_twice(page, tmp_path: Path, files, 
     press(page, "open_upload")
     assert words in texts(page)
     assert space_of(page).n_opened == before
+
+
+def test_a_table_says_more_of_open_recordings_by_either_of_their_names(page, edit: Edit):
+    edit.apply(page, name="City")
+    table = b"recording,tags,title\nurban,wet,Town\nrural,day,\n"
+    changing(page, "replace")
+    send(page, key_of(page, "replace", "recordings"), ("r.csv", table))
+    press(checked(page.run()), "open_upload")
+    recordings = space_of(page).opened.whole.recordings
+    assert recordings[["name", "tags"]].to_numpy().tolist() == [
+        ["Town", ("wet",)],
+        ["rural", ("day",)],
+    ]
+
+
+def test_a_table_of_strangers_is_refused_at_its_field(page):
+    changing(page, "add")
+    send(page, key_of(page, "add", "recordings"), ("r.csv", b"recording,width\nnowhere,3\n"))
+    assert "there is no recording 'nowhere'" in texts(checked(page.run()))
 
 
 def test_alert_logs_and_speeds_have_fields(tmp_path: Path):

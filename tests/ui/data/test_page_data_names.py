@@ -14,7 +14,6 @@ from data_page import (
     opened,
     press_labelled,
     recordings_of,
-    send,
     sizes_of,
     space_of,
 )
@@ -23,7 +22,7 @@ from nvcore.errors import InputError
 from nvcore.inputs.recordings_file import read_recordings_file
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from pages import begin_with, checked, part, session, shown, texts
-from ui.data.recordings.edited import changes_in, filled, saved
+from ui.data.recordings import changes_in, saved
 from ui.session import state
 from ui.session.store import ENCOUNTER
 
@@ -78,16 +77,6 @@ def test_the_frame_of_the_first_picture_is_given_and_taken_back():
     assert changes_in(given, BEFORE, {}) == {"a": {"first_picture": None}}
 
 
-def test_a_csv_finds_pictures_by_label_or_file_name_and_names_those_that_are_not_there():
-    paths = {"a.mp4": "up/a.mp4", "night.mp4 (b)": "x/night.mp4", "my_own.mp4": "up/my_own.mp4"}
-    rows = {"a": RecordingEntry("a", pictures="night.mp4"), "b": RecordingEntry("b", pictures="c")}
-    table, lost = filled(BEFORE, rows, paths)
-    assert table["pictures"].tolist() == ["night.mp4 (b)", "no pictures"]
-    assert lost == ["c"]
-    table, lost = filled(BEFORE, {"b": RecordingEntry("b", pictures="my:own.mp4")}, paths)
-    assert (table["pictures"][1], lost) == ("my_own.mp4", [])
-
-
 def test_the_table_is_saved_as_a_csv_that_fills_it_again(tmp_path: Path):
     places = [Place(range(3), horizon=41.5), Place(range(3), context=1.0)]
     made = tagged(make_dataset(places=places), ("a", "b"), ())
@@ -126,16 +115,6 @@ def test_the_table_is_saved_as_a_csv_that_fills_it_again(tmp_path: Path):
 def test_a_value_that_cannot_be_is_refused_with_its_recording(values, words: str):
     with pytest.raises(InputError, match=words):
         changes_in(BEFORE, edited(0, **values), {})
-
-
-def test_a_csv_fills_only_what_it_says():
-    row = RecordingEntry("b", width=1224, height=370, tags=("day",), title="t")
-    table, lost = filled(BEFORE, {"b": row})
-    assert lost == []
-    assert table.loc[0].equals(BEFORE.loc[0])
-    assert table.loc[1, ["name", "width", "height", "fps", "tags"]].tolist() == [
-        *("t", 1224, 370, 20, "day")
-    ]
 
 
 def test_a_recording_is_called_otherwise_without_reading_it_again(
@@ -178,28 +157,6 @@ def test_an_impossible_change_is_said_and_changes_nothing(edit: Edit):
     page = edit.apply(opened(*TABLES), name="urban_sidewalk")
     assert "two recordings would be called 'urban_sidewalk'" in texts(page)
     assert space_of(page).opened.dataset.recordings["name"][0] == "urban_crossing"
-
-
-def test_a_table_of_strangers_is_refused_at_its_field():
-    page = opened(*TABLES)
-    send(page, "recordings_csv_1_0", ("r.csv", b"recording,width\nnowhere,3\n"))
-    assert "there is no recording 'nowhere'" in texts(checked(page.run()))
-
-
-def test_a_table_may_name_a_recording_as_the_data_do_after_it_was_called_otherwise(edit: Edit):
-    page = edit.apply(opened(*TABLES), name="Crossing")
-    send(page, "recordings_csv_1_1", ("r.csv", b"recording,tags\nurban_crossing,wet\n"))
-    page = press_labelled(checked(page.run()), "Apply to the recordings")
-    assert recordings_of(page).loc[0, ["name", "tags"]].tolist() == ["Crossing", "wet"]
-
-
-def test_a_table_with_titles_is_applied_once():
-    page = opened(*TABLES)
-    send(page, "recordings_csv_1_0", ("r.csv", b"recording,title\nurban_crossing,Crossing\n"))
-    page = press_labelled(checked(page.run()), "Apply to the recordings")
-    assert "are used from now on" in texts(page)
-    assert [error.value for error in page.error] == []
-    assert space_of(page).opened.dataset.recordings["name"][0] == "Crossing"
 
 
 def test_the_systems_are_called_otherwise_and_keep_their_result():

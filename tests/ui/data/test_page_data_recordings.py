@@ -10,7 +10,6 @@ from data_page import (
     ON_SAMPLE,
     Edit,
     answer,
-    late_page,
     open_files,
     opened,
     opened_drive,
@@ -80,15 +79,6 @@ def test_a_table_sent_along_is_what_is_proposed_of_the_recordings(tmp_path: Path
         "wet",
     ]
     assert proposed(page).loc[0, "tags"] == ""
-
-
-def test_a_table_of_one_line_fills_that_of_the_only_recording(tmp_path: Path):
-    page = open_files(late_page(tmp_path))
-    (field,) = [
-        item for item in page.file_uploader if (item.key or "").startswith("recordings_csv")
-    ]
-    send(page, field.key, ("r.csv", b"recording,tags\nanother,wet\n"))
-    assert recordings_of(checked(page.run()))["tags"].tolist() == ["wet"]
 
 
 def test_one_recording_or_all_facts_need_no_table(tmp_path: Path):

@@ -1,1 +1,0 @@
-"""Data page: names and facts of systems and recordings, changed after they were opened."""
