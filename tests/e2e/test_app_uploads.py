@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -114,6 +115,25 @@ def test_refused_pictures_are_told_at_once_and_thresholds_typed_before_are_no_th
     for letter in "XY":
         expect(one.page.get_by_text(f"Every detection of {letter} counts.")).to_be_visible()
     expect(form).to_be_hidden()
+
+
+def test_a_further_system_joins_what_is_open(visit, tmp_path: Path):
+    one: Visit = visit("data")
+    files = write_files(tmp_path, 40)
+    send(one, files)
+    third = shutil.copy(files.x, tmp_path / "camera_c.csv")
+    one.page.get_by_role("button", name="Add or replace files").click()
+    field = one.page.locator('[class*="st-key-upload_add_"][class*="_system_2"]').first
+    with one.page.expect_response(re.compile("/_stcore/upload_file/")):
+        field.locator("input[type=file]").first.set_input_files(third)
+    expect(field.get_by_text("camera_c.csv")).to_be_visible()
+    one.wait_until_drawn()
+    one.page.get_by_role("button", name="Change the comparison").click()
+    expect(one.page.get_by_text("Opened: Uploaded files")).to_be_visible()
+    one.wait_until_drawn()
+    expect(one.page.get_by_role("cell", name="camera_c", exact=True)).to_be_visible()
+    one.switch_to("Timeline")
+    expect(one.recording_field(RECORDING)).to_have_count(1)
 
 
 @pytest.fixture
