@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
@@ -28,8 +28,7 @@ from ui.data.form_session import (
     titles_by_name,
 )
 from ui.data.missing_inputs import ask_for_missing, draw_reading
-from ui.data.names import draw_recording, draw_system_name, proposed_names
-from ui.data.objects import draw_objects
+from ui.data.names import draw_objects, draw_recording, draw_system_name, proposed_names
 from ui.data.opening import draw_trouble, forget_outcome, try_to_open
 from ui.data.recordings import TypedRecordings, draw_before_opening
 from ui.data.side_files import (
@@ -56,6 +55,8 @@ PURPOSE_HELP: Final = (
     "truth. Names, thresholds, corrections and settings stay."
 )
 MOST_SYSTEMS: Final = 20
+READING: Final = tuple(spec.name for spec in fields(Source) if spec.name != "path")
+"""Fields of a source that say how to read its files."""
 FILES_HELP: Final = (
     "One file, one file for each recording, or a folder (as a ZIP archive where it is sent). Any "
     "format that the command line reads, also packed (`.gz`, `.zst`, `.xz`, `.bz2`). Where all "
@@ -74,22 +75,28 @@ def draw_form(place: Place) -> None:
     opened = None if purpose == "new" else state.opened()
     place.section = "" if opened is None else f"{purpose}_{state.workspace().n_opened}_"
     objects = draw_objects(place.name, changed) if opened is None else opened.dataset.objects
-    fields = _Fields(place, purpose, opened, objects, changed)
-    truth = fields.draw_source("truth", "the ground truth", "Ground truth", "truth")
-    systems = fields.draw_systems(truth)
+    form_fields = _Fields(place, purpose, opened, objects, changed)
+    truth = form_fields.draw_source(
+        "truth",
+        "the ground truth",
+        "Ground truth",
+        "truth",
+        None if opened is None else opened.session.truth,
+    )
+    systems = form_fields.draw_systems(truth)
     new_names = [] if truth.check is None else truth.check.recordings
-    recordings = new_names or fields.open_names
+    recordings = new_names or form_fields.open_names
     with st.columns([1, 3])[1]:
-        rows = fields.choose("recordings", RECORDINGS_LABEL, help_text=RECORDINGS_HELP, most=1)
+        rows = form_fields.choose("recordings", RECORDINGS_LABEL, help_text=RECORDINGS_HELP, most=1)
         below = st.container()
         frames = FrameList()
-        if purpose == "new" or len(fields.open_names) == 1:
-            listing = fields.choose("frames", FRAMES_LABEL, help_text=FRAMES_HELP, most=1)
+        if purpose == "new" or len(form_fields.open_names) == 1:
+            listing = form_fields.choose("frames", FRAMES_LABEL, help_text=FRAMES_HELP, most=1)
             frames = draw_frame_list(listing, recordings)
         labels = labelled_paths(RecordingEntry)
         with st.expander(f"More by recording: {_beginnings(labels.values())}"):
             series = {
-                name: _by_name(fields.choose(name, label), recordings)
+                name: _by_name(form_fields.choose(name, label), recordings)
                 for name, label in labels.items()
             }
     st.markdown("Pictures (not needed for the numbers)")
@@ -102,7 +109,7 @@ def draw_form(place: Place) -> None:
     if opened is None:
         with truth.beside:
             recording = draw_recording(new_names, places, place=place.name, changed=changed)
-    names = fields.draw_names(truth, systems, [*recordings, recording])
+    names = form_fields.draw_names(truth, systems, [*recordings, recording])
     pictures = draw_pictures(place.name, places, recordings, refused)
     form = _ask(
         Form(place, purpose, opened, objects, truth, systems, names, recordings, recording, frames,
@@ -145,29 +152,53 @@ class _Fields:
         """Draw a field for files."""
         return self.place.choose(name, label, **more)
 
-    def draw_source(self, name: str, title: str, label: str, role: Role) -> SourceField:
-        """Draw the fields of ground truth or of a system."""
+    def draw_source(
+        self, name: str, title: str, label: str, role: Role, now: Source | None = None
+    ) -> SourceField:
+        """Draw the fields of ground truth or of a system.
+
+        Parameters
+        ----------
+        now
+            The source that is open.
+        """
         left, right = st.columns([1, 3])
-        system = title if title in self.open_systems else ""
+        system = title if now is not None and role == "detections" else ""
         with right:
             chosen = self.choose(name, label, help_text=FILES_HELP)
             below = st.container()
-            with st.expander(f"How to read {title if role == 'truth' else plain(title)}"):
-                reading = draw_reading(role, self.place.key(name), self.changed)
-                labels = labelled_paths(SystemSource) if role == "detections" else {}
-                own = {
-                    key: self.choose(f"{name}_{key}", text, most=1) for key, text in labels.items()
-                }
-        if (system or role == "truth") and self.opened is not None:
+            reading, own = self._draw_rare(name, title, role, now)
+        if now is not None and self.opened is not None:
             left.caption(f"Now: {_files_now(self.opened, system)}")
-        source = SourceField(title, system, chosen, reading, own, below, left)
+        source = SourceField(title, role, system, chosen, reading, own, below, left)
         return replace(source, check=self._truth_check(source)) if role == "truth" else source
+
+    def _draw_rare(
+        self, name: str, title: str, role: Role, now: Source | None
+    ) -> tuple[dict[str, Any], dict[str, Chosen]]:
+        """Draw how to read a source, and its further files. Return both.
+
+        Files that are added are read as those that are there.
+        """
+        labels = labelled_paths(SystemSource) if role == "detections" else {}
+        reading = {} if now is None else {key: getattr(now, key) for key in READING}
+        is_fixed = now is not None and self.purpose == "add"
+        if is_fixed and not labels:
+            return reading, {}
+        with st.expander(f"{'More files of' if is_fixed else 'How to read'} {plain(title)}"):
+            if not is_fixed:
+                typed = draw_reading(role, self.place.key(name), self.changed)
+                given = {key: value for key, value in typed.items() if value is not None}
+                reading = {**typed, **reading, **given}
+            own = {key: self.choose(f"{name}_{key}", text, most=1) for key, text in labels.items()}
+        return reading, own
 
     def draw_systems(self, truth: SourceField) -> list[SourceField]:
         """Draw the fields of the systems, and the button for one more."""
         n_more = store.MORE_SYSTEMS.of(self.place.key("systems"))
         usual = {"new": 2, "add": len(self.open_systems) + 1, "replace": len(self.open_systems)}
         n_systems = usual[self.purpose] + n_more.get()
+        now = [] if self.opened is None else self.opened.session.systems
         titles = [*self.open_systems]
         for number in range(len(titles), n_systems):
             letter = {0: " (X)", 1: " (Y)"}.get(number, "")
@@ -176,7 +207,8 @@ class _Fields:
         systems = []
         for number, title in enumerate(titles):
             label = f"Detections of {plain(title)}"
-            system = self.draw_source(f"system_{number}", title, label, "detections")
+            source = now[number] if number < len(now) else None
+            system = self.draw_source(f"system_{number}", title, label, "detections", source)
             with system.below:
                 check = self._check(system, against)
                 draw_file_check(check, against)
@@ -225,7 +257,7 @@ class _Fields:
             return None
         if chosen.trouble:
             return FileCheck(trouble=chosen.trouble)
-        role: Role = "truth" if source.title == "the ground truth" else "detections"
+        role = source.role
         what = Source(path=chosen.paths, **source.reading)
         return check_files(
             lambda: (self.place.content(chosen, what, role), repr(what), role),

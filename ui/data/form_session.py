@@ -134,6 +134,7 @@ class SourceField:
     """
 
     title: str
+    role: Role
     name: str
     chosen: Chosen
     reading: dict[str, Any]

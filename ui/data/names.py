@@ -1,10 +1,11 @@
-"""Data page: fields for the names of systems and recordings, filled in from the files."""
+"""Data page: fields for the names of systems, recordings and objects."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import PurePosixPath
+from typing import Final
 
 import streamlit as st
 
@@ -12,7 +13,10 @@ from nvcore.file_kinds import unpacked_name
 from nvcore.inputs.files import system_names
 from nvcore.inputs.readers.meaning.names import NEUTRAL
 from nvcore.inputs.session import RecordingEntry, Session, Source
-from ui.session import store
+from nvcore.objects import KINDS, PEDESTRIAN, Objects, objects_from
+from nvcore.wording import capitalised
+from ui.session import state, store
+from ui.widgets.text import plain
 
 
 def proposed_names(
@@ -93,3 +97,46 @@ def with_recording_name(session: Session, recordings: Sequence[str], name: str) 
         return session
     entry = next(iter(session.recordings), RecordingEntry(name))
     return replace(session, recordings=(replace(entry, name=name),))
+
+
+OTHER: Final = "something else"
+
+
+def draw_objects(place: str, changed: Callable[[], None]) -> Objects:
+    """Ask what the boxes are of; pedestrians where what is typed is no name.
+
+    Parameters
+    ----------
+    place
+        Part of the page, for the keys of the widgets.
+    changed
+        Called when the answer changes.
+    """
+    left, right = st.columns([1, 3])
+    names = [*KINDS, OTHER]
+    now = state.opened().dataset.objects.singular
+    kind = left.selectbox(
+        "The boxes are of",
+        names,
+        index=names.index(now) if now in KINDS else 0,
+        format_func=lambda name: capitalised(KINDS[name].plural if name in KINDS else name),
+        key=f"objects_{place}",
+        on_change=changed,
+        help="Decides which classes of a file count, and what the pages call them.",
+    )
+    if kind in KINDS:
+        return KINDS[kind]
+    name = right.text_input(
+        "One of them, and several",
+        key=f"objects_named_{place}",
+        on_change=changed,
+        placeholder="cyclist, or child, children",
+        help="In the singular; the plural after a comma, unless it ends in s.",
+    )
+    if not name.strip():
+        return PEDESTRIAN
+    try:
+        return objects_from([part.strip() for part in name.split(",")])
+    except ValueError as error:
+        right.error(f"{plain(capitalised(str(error)))}. Until then: pedestrians.")
+        return PEDESTRIAN

@@ -178,3 +178,20 @@ def test_a_written_session_names_added_files_by_their_names_alone(tmp_path: Path
         space.opened.session, is_upload=is_uploaded(space, space.opened.session)
     )
     assert session.systems[-1].path == ("lidar.csv",)
+
+
+def test_another_file_is_read_as_the_one_before_and_added_ones_as_those_that_are_there(
+    tmp_path: Path,
+):
+    page = sent_drive(tmp_path, "fir.csv")
+    (base,) = [box for box in page.selectbox if box.key == "frame_base_upload_system_0"]
+    base.set_value("the first frame is 0")
+    answer(page, width=640, height=480, fps=20)
+    page = press(checked(page.run()), "open_upload")
+    changing(page, "add")
+    in_form = [box.key or "" for box in page.selectbox]
+    assert not any("upload_add" in key and key.endswith("system_0") for key in in_form)
+    boxes = (tmp_path / "fir.csv").read_text().splitlines()
+    changing(page, "replace", system_0=write(tmp_path / "release_2.csv", *boxes[:-1]))
+    press(page, "open_upload")
+    assert space_of(page).opened.session.systems[0].frame_base == 0
