@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -21,7 +20,7 @@ from nvcore.detectors.icf.channels import check_picture
 from nvcore.detectors.icf.windows import object_windows, window_values
 from nvcore.detectors.training.folders import folder_shots
 from nvcore.detectors.training.recordings import session_shots
-from nvcore.detectors.training.shots import PictureStore, Shot, TrainingData, scenes_of
+from nvcore.detectors.training.shots import PictureStore, Shot, TrainingData
 from nvcore.errors import InputError, ParameterError
 from nvcore.memory import free_bytes
 from nvcore.output.model_files import LONGEST_NAME, check_name
@@ -51,52 +50,32 @@ def gather(
     Raises
     ------
     InputError
-        If there is nothing to learn from.
+        If there is nothing to learn from, or all objects would be on one side.
     ParameterError
         If the split is not possible.
     """
-    crops, background = (
-        None if folder is None else Path(folder)
-        for folder in (arguments.crops, arguments.background)
-    )
-    from_folders = folder_shots(
-        crops,
-        background,
-        settings,
-        crop_share=arguments.crop_share,
-        share=arguments.share,
-        seed=arguments.seed,
-    )
-    if dataset is None or pictures is None:
-        if not from_folders.shots:
-            raise InputError("there is nothing to learn from; name a session, or folders")
-        gathered = from_folders
-    else:
+    gathered = folder_shots(settings, arguments)
+    if dataset is not None and pictures is not None:
         of_session = session_shots(dataset, pictures, settings, arguments)
         gathered = replace(
             of_session,
-            shots=[*of_session.shots, *from_folders.shots],
-            trained_on=of_session.trained_on + from_folders.trained_on,
-            held_out="; ".join(filter(None, (of_session.held_out, from_folders.held_out))),
+            shots=[*of_session.shots, *gathered.shots],
+            trained_on=of_session.trained_on + gathered.trained_on,
+            held_out="; ".join(filter(None, (of_session.held_out, gathered.held_out))),
         )
-    _check_held_out(gathered.shots, gathered.held_out)
-    return gathered
-
-
-def _check_held_out(shots: Sequence[Shot], held_out: str) -> None:
-    """Refuse a training of which all objects would be on one side."""
-    n_learned, n_out = (
-        sum(len(boxes) for boxes in side)
-        for side in zip(*((shot.learned, shot.held_out) for shot in shots), strict=True)
-    )
+    elif not gathered.shots:
+        raise InputError("there is nothing to learn from; name a session, or folders")
+    n_learned = sum(len(shot.learned) for shot in gathered.shots)
+    n_out = sum(len(shot.held_out) for shot in gathered.shots)
     if n_learned + n_out and not (n_learned and n_out):
         every = "all are" if n_out else "none is"
         raise InputError(
             f"of {count_text(n_learned + n_out, 'box', 'boxes')} {every} held out "
-            f"({one_line(held_out)}); a training needs some to learn, and at least one, of another "
-            "physical object, to calibrate the rejection on: choose more recordings or frames, or "
-            "another split or share"
+            f"({one_line(gathered.held_out)}); a training needs some to learn, and at least one, "
+            "of another physical object, to calibrate the rejection on: choose more recordings or "
+            "frames, or another split or share"
         )
+    return gathered
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -205,12 +184,11 @@ def train_on(
     _check_classes(shots)
     _check_room(shots, settings)
     progress = with_time_left(progress)
-    store = PictureStore(shots)
-    store.read_all(part_of(progress, 0.0, _READING))
+    store = PictureStore(shots, progress=part_of(progress, 0.0, _READING))
     faults = tuple(store.faults.values())
     if len(faults) == len(shots):
         raise InputError(f"no picture can be read: {faults[0] if faults else 'there is none'}")
-    scenes, held_out = scenes_of(store)
+    scenes, held_out = store.scenes()
     model = train(
         scenes,
         settings,
