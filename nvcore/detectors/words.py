@@ -16,7 +16,7 @@ with needs("detectors", "nvcore models needs"):
     from nvcore.detectors.base import Detector
     from nvcore.detectors.icf import IcfDetector, IcfModel
     from nvcore.detectors.icf.settings import OF_A_RUN
-    from nvcore.detectors.registry import DETECTORS, model_settings, open_detector, run_settings
+    from nvcore.detectors.registry import DETECTORS, open_detector, run_settings, settings_of
     from nvcore.detectors.settings import SettingFacts, value_text
     from nvcore.detectors.training.presets import PRESETS
 
@@ -41,7 +41,7 @@ def render_training_settings() -> str:
         f"settings of nvcore train, with their values in the preset {first}; where another preset "
         "differs, it is named:",
     ]
-    for name, facts in model_settings().items():
+    for name, facts in settings_of(_ICF).items():
         lines += _explained({name: facts}, values[first])
         differing = [preset for preset in others if values[preset][name] != values[first][name]]
         lines += [f"      {preset}: {_value(values[preset][name])}" for preset in differing]

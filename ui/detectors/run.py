@@ -14,8 +14,7 @@ import streamlit as st
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About, TrainedOn
 from nvcore.detectors.registry import DETECTORS
-from nvcore.detectors.run import run_detector
-from nvcore.detectors.timing import Expectation, expect
+from nvcore.detectors.run import Expectation, expect, run_detector
 from nvcore.detectors.writing import WrittenRun, write_detections
 from nvcore.errors import NvcoreError
 from nvcore.inputs.session import Session

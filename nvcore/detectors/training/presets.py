@@ -9,8 +9,8 @@ from typing import Any, Final
 from nvcore.detectors.arguments import Preset
 from nvcore.detectors.base import DetectorError
 from nvcore.detectors.icf import AS_IN_REPORT, PEDESTRIANS, SIGNS, IcfSettings
-from nvcore.detectors.settings import typed_like
-from nvcore.objects import PEDESTRIAN, SPEED_SIGN, Objects
+from nvcore.detectors.settings import check_names, typed_like
+from nvcore.objects import SPEED_SIGN, Objects
 from nvcore.wording import did_you_mean, listed
 
 PRESETS: Final[Mapping[str, IcfSettings]] = {
@@ -24,11 +24,6 @@ PRESETS: Final[Mapping[str, IcfSettings]] = {
 def preset_for(objects: Objects | None) -> Preset:
     """The preset for what a session is of, unless the user names one; None: there is no session."""
     return "signs" if objects == SPEED_SIGN else "pedestrians"
-
-
-def objects_of(preset: str) -> Objects:
-    """What a preset is for."""
-    return PEDESTRIAN if preset == "pedestrians" else SPEED_SIGN
 
 
 def preset_settings(preset: str, given: Mapping[str, Any]) -> IcfSettings:
@@ -51,13 +46,7 @@ def preset_settings(preset: str, given: Mapping[str, Any]) -> IcfSettings:
         raise DetectorError(
             f"there is no preset {preset!r}; {did_you_mean(preset, PRESETS, known)}"
         )
-    names = [spec.name for spec in fields(IcfSettings)]
-    for name in given:
-        if name not in names:
-            raise DetectorError(
-                f"there is no setting {name!r}; "
-                f"{did_you_mean(name, names, f'there are {listed(names)}')}"
-            )
+    check_names(given, [spec.name for spec in fields(IcfSettings)])
     start = PRESETS[preset]
     patience = given.get("patience")
     if isinstance(patience, str):
