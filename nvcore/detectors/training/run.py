@@ -8,16 +8,14 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nvcore.dataset import Dataset
 from nvcore.detectors.arguments import TrainArguments
 from nvcore.detectors.base import DetectorError
 from nvcore.detectors.classifier import MAX_CLASSES
-from nvcore.detectors.icf import IcfModel, IcfSettings, Scene, train
+from nvcore.detectors.icf import IcfModel, IcfSettings, train
 from nvcore.detectors.icf.cascade import passes
-from nvcore.detectors.icf.channels import check_picture
-from nvcore.detectors.icf.windows import object_windows, window_values
+from nvcore.detectors.icf.windows import object_values
 from nvcore.detectors.training.folders import folder_shots
 from nvcore.detectors.training.recordings import session_shots
 from nvcore.detectors.training.shots import PictureStore, Shot, TrainingData
@@ -199,7 +197,9 @@ def train_on(
         trained_on=training_data.trained_on,
         progress=part_of(progress, _READING, 1.0),
     )
-    sums = _sums(model, held_out)
+    plain = replace(model.settings, copies=0)  # nothing is drawn at random
+    values = object_values(iter(held_out), plain, model.features, model.is_colour, seed)
+    sums = model.trees.running_sums(values)
     is_kept = passes(model.settings, model.calibration, sums).all(axis=1)
     progress(1.0, "done")
     read = [shot for i, shot in enumerate(shots) if i not in store.faults]
@@ -214,21 +214,6 @@ def train_on(
         faults=faults,
         seconds=time.perf_counter() - began,
     )
-
-
-def _sums(model: IcfModel, scenes: Sequence[Scene]) -> NDArray[np.float64]:
-    """Running sums of the objects in their own windows, (n_objects, n_trees)."""
-    plain = replace(model.settings, copies=0)
-    unused = np.random.default_rng(0)
-    values = [np.empty((0, len(model.features)), np.int32)]
-    for i in range(len(scenes)):
-        scene = scenes[i]
-        picture = check_picture(scene.picture, model.is_colour)
-        windows = [
-            window for box in scene.boxes for window in object_windows(picture, box, plain, unused)
-        ]
-        values.append(window_values(windows, plain, model.features))
-    return model.trees.running_sums(np.concatenate(values))
 
 
 def _check_classes(shots: Sequence[Shot]) -> None:
