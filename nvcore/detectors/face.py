@@ -236,8 +236,7 @@ def training_job(
     """
     with needs("detectors", "training a detector needs"):
         from nvcore.detectors.icf import write_model
-        from nvcore.detectors.training.presets import preset_for, preset_settings
-        from nvcore.detectors.training.run import gather, train_on
+        from nvcore.detectors.training.run import gather, preset_for, preset_settings, train_on
         from nvcore.pictures import session_pictures
 
     source, settings, out = arguments.source, arguments.settings or {}, Path(arguments.out)

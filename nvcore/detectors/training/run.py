@@ -1,35 +1,90 @@
-"""Train a detector: gather pictures, read them, train, and check the held-out objects."""
+"""Train a detector: choose settings, gather pictures, train, and check the held-out objects."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Final
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, Final
 
 import numpy as np
 
 from nvcore.dataset import Dataset
-from nvcore.detectors.arguments import TrainArguments
+from nvcore.detectors.arguments import Preset, TrainArguments
 from nvcore.detectors.base import DetectorError
 from nvcore.detectors.classifier import MAX_CLASSES
-from nvcore.detectors.icf import IcfModel, IcfSettings, train
+from nvcore.detectors.icf import (
+    AS_IN_REPORT,
+    PEDESTRIANS,
+    SIGNS,
+    IcfModel,
+    IcfSettings,
+    train,
+)
 from nvcore.detectors.icf.cascade import passes
 from nvcore.detectors.icf.windows import object_values
+from nvcore.detectors.settings import check_names, typed_like
 from nvcore.detectors.training.folders import folder_shots
 from nvcore.detectors.training.recordings import session_shots
 from nvcore.detectors.training.shots import PictureStore, Shot, TrainingData
 from nvcore.errors import InputError, ParameterError
 from nvcore.memory import free_bytes
+from nvcore.objects import SPEED_SIGN, Objects
 from nvcore.output.model_files import LONGEST_NAME, check_name
 from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress, no_progress, part_of, with_time_left
-from nvcore.wording import count_text, duration_text, one_line
+from nvcore.wording import count_text, did_you_mean, duration_text, listed, one_line
 
 _READING: Final = 0.05
 """Share of the time for reading pictures, about."""
 _BYTES_OF_VALUE: Final = 13
 """Memory for each feature of each window: joined from parts, binned, in the search of splits."""
+
+
+PRESETS: Final[Mapping[str, IcfSettings]] = {
+    "pedestrians": PEDESTRIANS,
+    "signs": SIGNS,
+    "as-in-report": AS_IN_REPORT,
+}
+"""By the names of `nvcore.detectors.arguments.Preset`."""
+
+
+def preset_for(objects: Objects | None) -> Preset:
+    """The preset for what a session is of, unless the user names one; None: there is no session."""
+    return "signs" if objects == SPEED_SIGN else "pedestrians"
+
+
+def preset_settings(preset: str, given: Mapping[str, Any]) -> IcfSettings:
+    """The settings of a preset, some of them changed.
+
+    Parameters
+    ----------
+    given
+        By name; see `typed_like`.
+
+    Raises
+    ------
+    DetectorError
+        If there is no such preset or setting, or a text is not of the setting's type.
+    ParameterError
+        If a value is not possible.
+    """
+    if preset not in PRESETS:
+        known = f"they are {listed([*PRESETS])}"
+        raise DetectorError(
+            f"there is no preset {preset!r}; {did_you_mean(preset, PRESETS, known)}"
+        )
+    check_names(given, [spec.name for spec in fields(IcfSettings)])
+    start = PRESETS[preset]
+    patience = given.get("patience")
+    if isinstance(patience, str):
+        try:
+            given = {**given, "patience": None if patience == "none" else int(patience)}
+        except ValueError as error:
+            raise DetectorError(
+                f"patience: expected a whole number or none, found {patience!r}"
+            ) from error
+    return replace(start, **typed_like(start, given))
 
 
 def gather(

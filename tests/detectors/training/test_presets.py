@@ -9,7 +9,7 @@ import pytest
 from nvcore.detectors.arguments import Preset
 from nvcore.detectors.base import DetectorError
 from nvcore.detectors.icf import AS_IN_REPORT, PEDESTRIANS, SIGNS
-from nvcore.detectors.training.presets import PRESETS, preset_for, preset_settings
+from nvcore.detectors.training.run import PRESETS, preset_for, preset_settings
 from nvcore.errors import ParameterError
 from nvcore.objects import PEDESTRIAN, SPEED_SIGN
 
