@@ -8,6 +8,7 @@ What a kind needs is imported when one of it is opened.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import partial
@@ -43,8 +44,8 @@ class DetectorKind:
         (name or path as given, settings) -> the detector; raises DetectorError.
     settings
         Class of its settings, as module and name.
-    recognise
-        First bytes of a file -> whether it is a model of this kind.
+    begins
+        Pattern of the first bytes of its model files; never matches if it has none.
     threshold
         Name of the setting below which scores are dropped.
     loosest
@@ -56,7 +57,7 @@ class DetectorKind:
     built_in: Mapping[str, str]
     open: Callable[[str, Mapping[str, Any]], Detector]
     settings: str
-    recognise: Callable[[bytes], bool] = lambda _: False
+    begins: bytes = rb"(?!)"
     threshold: str = "threshold"
     loosest: Mapping[str, Setting] = field(default_factory=dict)
 
@@ -74,12 +75,6 @@ def _open_icf(text: str, settings: Mapping[str, Any]) -> Detector:
         return detector.run_with(**typed_like(detector.model.settings, settings))
     except ParameterError as error:
         raise DetectorError(str(error)) from error
-
-
-def _is_onnx(head: bytes) -> bool:
-    """A protobuf message that begins with the version of ONNX, or with the producer's name."""
-    is_version_first = len(head) > 2 and head[0] == 0x08 and 0 < head[1] < 64
-    return is_version_first or (len(head) > 2 and head[0] == 0x12 and head[1] < 128)
 
 
 DETECTORS: Final[dict[str, DetectorKind]] = {
@@ -100,7 +95,7 @@ DETECTORS: Final[dict[str, DetectorKind]] = {
             {"icf:sample": "trained on seven sample recordings: drawings, not real people"},
             _open_icf,
             "icf.settings:IcfSettings",
-            lambda head: head.startswith(b"PK\3\4"),
+            rb"PK\x03\x04",
             loosest={"threshold": -1e6, "overlap": 1.0},
         ),
         DetectorKind(
@@ -109,7 +104,8 @@ DETECTORS: Final[dict[str, DetectorKind]] = {
             {},
             lambda text, given: _of_package("onnx:open_onnx")(Path(text), given),
             "onnx.settings:OnnxSettings",
-            _is_onnx,
+            # a protobuf message: first the version of ONNX, or the producer's name
+            rb"(?s)\x08[\x01-\x3f].|\x12[\x00-\x7f].",
             loosest={"threshold": 0.0, "overlap": 1.0},
         ),
     )
@@ -166,7 +162,7 @@ def kind_of_file(path: Path) -> DetectorKind:
         reason = getattr(error, "strerror", None) or error
         raise DetectorError(f"cannot be opened ({reason})", file=name) from error
     for kind in DETECTORS.values():
-        if kind.recognise(head):
+        if re.match(kind.begins, head):
             return kind
     what = binary_kind(head) or ("text" if head else "empty")
     raise DetectorError(

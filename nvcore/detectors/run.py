@@ -213,48 +213,42 @@ def run_detector(
         If `progress` raises it.
     """
     run = _picture_run(check_pictures(pictures, dataset), progress, n_threads)
+    columns = dataset.frame_columns
+
+    def detect(frame: int, picture: Picture) -> tuple[int, Detections]:
+        return frame, detector.detect(picture)
+
+    def run_recording(number: int, name: str) -> RecordingRun:
+        listed, source = columns.frame[columns.rows_of(number)], pictures.sources.get(number)
+        index = pictures.indices.get(number, np.full(len(listed), -1))
+        has_picture = index >= 0
+        with_picture = zip(listed[has_picture].tolist(), index[has_picture].tolist(), strict=True)
+        faults: list[str] = []
+        outputs = list(run.over(source, with_picture, detect, name, faults))
+        note, scale = pictures.notes.get(number, "no pictures are named for it"), (1.0, 1.0)
+        if source is not None:
+            size = float(columns.width[number]), float(columns.height[number])
+            scale = size[0] / source.width, size[1] / source.height
+            note = "" if has_picture.all() else pictures.notes.get(number, "")
+        note = one_line(note)
+        if faults:
+            n_faults = count_text(len(faults), "picture")
+            note = f"{note} {n_faults} cannot be read: {faults[0]}".strip()
+        frames = np.array([frame for frame, _ in outputs], np.int64)
+        boxes = _table(frames, [detections for _, detections in outputs], *scale)
+        return RecordingRun(name, boxes, frames, len(listed), note)
+
     recordings = tuple(
-        _run_recording(detector, dataset, pictures, number, str(name), run)
-        for number, name in enumerate(dataset.recordings["name"])
+        run_recording(number, str(name)) for number, name in enumerate(dataset.recordings["name"])
     )
     progress(1.0, "done")
     return DetectorRun(detector.about, recordings, run.seconds)
 
 
-def _run_recording(
-    detector: Detector,
-    dataset: Dataset,
-    pictures: RecordingPictures,
-    number: int,
-    name: str,
-    run: PictureRun,
-) -> RecordingRun:
-    def detect(frame: int, picture: Picture) -> tuple[int, Detections]:
-        return frame, detector.detect(picture)
-
-    columns = dataset.frame_columns
-    listed = columns.frame[columns.rows_of(number)]
-    source = pictures.sources.get(number)
-    if source is None:
-        note = one_line(pictures.notes.get(number, "no pictures are named for it"))
-        return RecordingRun(name, _table([], 1, 1), np.empty(0, np.int64), len(listed), note)
-    has_picture = (index := pictures.indices[number]) >= 0
-    with_picture = zip(listed[has_picture].tolist(), index[has_picture].tolist(), strict=True)
-    faults: list[str] = []
-    outputs = list(run.over(source, with_picture, detect, name, faults))
-    note = "" if has_picture.all() else one_line(pictures.notes.get(number, ""))
-    if faults:
-        note = f"{note} {count_text(len(faults), 'picture')} cannot be read: {faults[0]}".strip()
-    across = float(columns.width[number]) / source.width
-    down = float(columns.height[number]) / source.height
-    frames = np.array([frame for frame, _ in outputs], np.int64)
-    return RecordingRun(name, _table(outputs, across, down), frames, len(listed), note)
-
-
-def _table(outputs: Sequence[tuple[int, Detections]], across: float, down: float) -> pd.DataFrame:
+def _table(
+    frames: NDArray[np.int64], boxes: Sequence[Detections], across: float, down: float
+) -> pd.DataFrame:
     """Return the columns of `RecordingRun.boxes`, scaled from pixels of the pictures."""
-    boxes = [detections for _, detections in outputs]
-    frames = np.array([frame for frame, _ in outputs], np.int64)
     columns: dict[str, NDArray[Any]] = {"frame": np.repeat(frames, [*map(len, boxes)])}
     for side, factor in {"x": across, "y": down, "w": across, "h": down, "score": 1}.items():
         parts = [getattr(detections, side) for detections in boxes]
