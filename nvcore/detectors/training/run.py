@@ -168,12 +168,18 @@ class Training:
         return f"<Training of {self.model!r}: {self._objects}>"
 
     def __str__(self) -> str:
-        held_out = one_line(self.training_data.held_out)
+        held_out, settings = one_line(self.training_data.held_out), self.model.settings
+        cascade = f"lets {self.n_kept:,} through"
+        if settings.cascade in ("calibrated", "hard"):  # it is made to keep its share
+            share = f"{100 * settings.kept_share:g} %"
+            cascade = f"was calibrated to let {share} of the held-out ones through"
         lines = [
             f"{one_line(self.model.name)}: {self._objects}",
             f"held out: {held_out} ({count_text(self.n_held_out, 'box', 'boxes')})",
             *self.model.windows_in_words(),
-            self._calibrated,
+            f"{self.n_found:,} of {count_text(self.n_held_out, 'held-out box', 'held-out boxes')} "
+            f"reach the threshold ({settings.threshold:g}) in a window of their own; the cascade "
+            f"{cascade}",
             f"trained in {duration_text(self.seconds)}",
         ]
         if self.faults:
@@ -189,19 +195,6 @@ class Training:
         if self.training_data.every > 1:
             pictures += f", one in {self.training_data.every} of the evaluated frames"
         return f"{count_text(self.n_objects, 'box', 'boxes')} learned in {pictures}"
-
-    @property
-    def _calibrated(self) -> str:
-        """Held-out boxes that come through. A calibrated cascade is made to keep its share."""
-        settings = self.model.settings
-        text = (
-            f"{self.n_found:,} of {count_text(self.n_held_out, 'held-out box', 'held-out boxes')} "
-            f"reach the threshold ({settings.threshold:g}) in a window of their own"
-        )
-        if settings.cascade in ("calibrated", "hard"):
-            share = f"{100 * settings.kept_share:g} %"
-            return f"{text}; the cascade was calibrated to let {share} of the held-out ones through"
-        return f"{text}; the cascade lets {self.n_kept:,} through"
 
 
 def train_on(
@@ -234,13 +227,12 @@ def train_on(
     began = time.perf_counter()
     check_name("name", name)
     shots = training_data.shots
-    _check_classes(shots)
-    _check_room(shots, settings)
+    _check_possible(shots, settings)
     progress = with_time_left(progress)
     store = PictureStore(shots, progress=part_of(progress, 0.0, _READING))
     faults = tuple(store.faults.values())
     if len(faults) == len(shots):
-        raise InputError(f"no picture can be read: {faults[0] if faults else 'there is none'}")
+        raise InputError(f"no picture can be read: {faults[0]}")
     scenes, held_out = store.scenes()
     model = train(
         scenes,
@@ -271,8 +263,8 @@ def train_on(
     )
 
 
-def _check_classes(shots: Sequence[Shot]) -> None:
-    """Refuse classes that a model cannot have, before it is trained."""
+def _check_possible(shots: Sequence[Shot], settings: IcfSettings) -> None:
+    """Refuse classes that a model cannot have, or too little memory, before hours of training."""
     classes = {label for shot in shots for label in shot.labels if label}
     odd = [name for name in classes if len(name) > LONGEST_NAME or not name.isprintable()]
     if odd:
@@ -283,10 +275,6 @@ def _check_classes(shots: Sequence[Shot]) -> None:
         raise ParameterError(
             f"boxes are of {len(classes)} classes; a model tells {MAX_CLASSES} apart at most"
         )
-
-
-def _check_room(shots: Sequence[Shot], settings: IcfSettings) -> None:
-    """Refuse a training for which there is too little memory, before it takes hours."""
     n_objects = sum(len(shot.learned) + len(shot.held_out) for shot in shots)
     n_rounds = len(settings.trees_per_round)
     n_windows = n_objects * (1 + settings.copies) + settings.negatives
