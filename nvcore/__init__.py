@@ -78,8 +78,7 @@ if TYPE_CHECKING:
     from nvcore.comparison import Result
     from nvcore.dataset import Dataset
     from nvcore.dataset.tables import dataset_from_tables
-    from nvcore.detectors.face import detect
-    from nvcore.detectors.training.face import train
+    from nvcore.detectors.face import detect, train
     from nvcore.driver.face import driver_features, estimate_driver, image_features
     from nvcore.driver.trials.face import evaluate_driver, train_driver
     from nvcore.errors import NvcoreError

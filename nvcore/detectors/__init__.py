@@ -9,7 +9,7 @@ SUBJECT = Subject(
     commands="commands:COMMANDS",
     models="words:MODELS",
     formats={"nvcore-icf": "a detector of pedestrians or signs, which nvcore detect takes"},
-    names={"detect": "face:detect", "train": "training.face:train"},
+    names={"detect": "face:detect", "train": "face:train"},
     extras={"detectors": ("av", "cv2"), "onnx": ("av", "cv2", "google", "onnxruntime")},
     ui="ui.detectors",
 )

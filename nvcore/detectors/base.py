@@ -10,25 +10,13 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.dataset.provenance import About, Setting, TrainedOn
+from nvcore.dataset.provenance import About
 from nvcore.errors import InputError
 from nvcore.extras import needs
 
 with needs("detectors", "detectors need"):
     from nvcore.pictures import Picture, stretch
     from nvcore.pictures.stretch import STRETCH
-
-__all__ = [
-    "About",
-    "Detections",
-    "Detector",
-    "DetectorError",
-    "Setting",
-    "TrainedOn",
-    "one_for_a_picture",
-    "threads_for_a_picture",
-    "to_8_bits",
-]
 
 _here = threading.local()
 

@@ -1,29 +1,33 @@
-"""Python API for running a detector, and the job behind the command."""
+"""Python API for running and training detectors, and the jobs behind the commands."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nvcore.api.inputs import keywords_named, load_part
-from nvcore.arguments import called_with
+from nvcore.arguments import PathLike, called_with
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import TrainedOn
-from nvcore.detectors.arguments import DetectArguments
+from nvcore.detectors.arguments import DetectArguments, TrainArguments
 from nvcore.errors import InputError
 from nvcore.extras import needs
 from nvcore.inputs.facts import frame_range, is_frame_range
 from nvcore.inputs.pipes import pipes_kept
+from nvcore.objects import PEDESTRIAN, SPEED_SIGN
+from nvcore.output.files import check_file
 from nvcore.progress import Progress, no_progress
-from nvcore.report.protect_inputs import refuse_outputs
+from nvcore.report.protect_inputs import files_read, refuse_outputs, refuse_to_replace
 from nvcore.settings import as_names
+from nvcore.wording import one_line
 
 if TYPE_CHECKING:
-    from nvcore.detectors.timing import Expectation
+    from nvcore.detectors.run import Expectation
+    from nvcore.detectors.training.run import Training
     from nvcore.detectors.writing import WrittenRun
 
 
@@ -109,8 +113,7 @@ def detector_job(
     with needs("detectors", "detectors need"):
         from nvcore.detectors.findings import trained_findings
         from nvcore.detectors.registry import open_detector
-        from nvcore.detectors.run import check_pictures, run_detector
-        from nvcore.detectors.timing import expect
+        from nvcore.detectors.run import check_pictures, expect, run_detector
         from nvcore.detectors.writing import check_target, outputs, write_detections
         from nvcore.pictures import session_pictures
 
@@ -123,7 +126,7 @@ def detector_job(
     names = {"name": arguments.name, "against": arguments.against}
     check_target(dataset, out, **names)
     refuse_outputs(out, outputs(dataset), [*inputs, source, arguments.detector], session)
-    pictures, n_threads = session_pictures(session, dataset), arguments.n_threads
+    n_threads = arguments.n_threads
 
     def cautions() -> list[str]:
         findings = trained_findings(dataset, about.name, about.trained_on)
@@ -133,12 +136,10 @@ def detector_job(
         done = run_detector(detector, dataset, pictures, n_threads=n_threads, progress=progress)
         return write_detections(done, dataset, out, threshold=arguments.threshold, **names)
 
-    try:
+    with closing(session_pictures(session, dataset)) as pictures:
         check_pictures(pictures, dataset)
         duration = partial(expect, detector, pictures, n_threads=n_threads)
         yield DetectorJob(dataset, duration, cautions, run)
-    finally:
-        pictures.close()
 
 
 def _parts(texts: Sequence[str], dataset: Dataset) -> list[TrainedOn]:
@@ -159,3 +160,116 @@ def _parts(texts: Sequence[str], dataset: Dataset) -> list[TrainedOn]:
         else:
             parts.append(TrainedOn(recording=text))
     return parts
+
+
+@called_with(TrainArguments)
+@pipes_kept()
+def train(arguments: TrainArguments) -> Training:
+    """Train a detector (Integral Channel Features). `detect` then takes its file.
+
+    The same data, settings and seed give the same file.
+
+    Parameters
+    ----------
+    source
+        A session file, a session, or a dataset made by `load`: its truth and pictures are learned.
+        None: folders alone.
+    settings
+        Changes of the preset, by name; several values of one as a sequence.
+    hold_out, split, share, gap
+        What is not learned but calibrates the rejection: recordings by name; or this share of the
+        physical objects (tracks), of the recordings, or of the end of each recording, after a gap
+        of so many frames; ``auto``: the first that is possible.
+    progress
+        Called with the share done, and the time left in words. It may raise `CancelledError`:
+        nothing is then written.
+
+    Returns
+    -------
+    Training
+        ``.model``, and how many objects were learned, held out, kept and found. ``print`` shows
+        what the command prints.
+
+    Raises
+    ------
+    InputError
+        If an input cannot be used, would be replaced, or there is nothing to learn.
+    MissingFactError
+        As `load`.
+    ParameterError
+        If a setting cannot be used.
+    MissingExtraError
+        If the extra ``detectors`` is not installed.
+
+    Examples
+    --------
+    >>> train("night.toml", "night.npz", only="urban_01")  # doctest: +SKIP
+    >>> detect("night.toml", "night.npz", "icf", only="urban_02")  # doctest: +SKIP
+    """
+    with keywords_named(), training_job(arguments) as job:
+        return job.run(arguments.progress)
+
+
+@dataclass(frozen=True, eq=False)
+class TrainingJob:
+    """A training that is known to be possible, with its data gathered and its pictures open.
+
+    Attributes
+    ----------
+    session
+        As given, before its recordings were chosen. None: there is none.
+    run
+        Trains the model and writes it.
+    """
+
+    session: object
+    run: Callable[[Progress], Training]
+
+
+@contextmanager
+def training_job(
+    arguments: TrainArguments, *, inputs: Sequence[Path] = (), loading: Progress = no_progress
+) -> Iterator[TrainingJob]:
+    """Gather all that a training needs, and refuse what cannot be done before anything is trained.
+
+    Parameters are as of `detector_job`, errors as of `train`.
+    """
+    with needs("detectors", "training a detector needs"):
+        from nvcore.detectors.icf import write_model
+        from nvcore.detectors.training.run import gather, preset_for, preset_settings, train_on
+        from nvcore.pictures import session_pictures
+
+    source, settings, out = arguments.source, arguments.settings or {}, Path(arguments.out)
+    # wrong settings are refused before loading
+    preset_settings(arguments.preset or preset_for(None), settings)
+    dataset = session = pictures = None
+    if source is not None:
+        # of the frames that the session evaluates, those of the arguments are learned
+        dataset, session = load_part(source, replace(arguments, frames=None), progress=loading)
+    read = (source, arguments.crops, arguments.background)
+    files = [*inputs, *(Path(path) for path in read if isinstance(path, PathLike))]
+    check_file(out, "model.npz")
+    files += files_read(session) if session is not None else ()
+    refuse_to_replace([out], files)
+    preset = arguments.preset or preset_for(None if dataset is None else dataset.objects)
+    objects = PEDESTRIAN if preset == "pedestrians" else SPEED_SIGN
+    label = (objects if dataset is None else dataset.objects).singular
+
+    def run(progress: Progress) -> Training:
+        training = train_on(
+            gathered,
+            resolved,
+            name=arguments.name or one_line(out.stem),
+            label=label,
+            seed=arguments.seed,
+            progress=progress,
+        )
+        write_model(training.model, out)
+        return training
+
+    with ExitStack() as stack:
+        if dataset is not None and session is not None:
+            pictures = stack.enter_context(closing(session_pictures(session, dataset)))
+        resolved = preset_settings(preset, settings)
+        gathered = gather(dataset, pictures, resolved, arguments)
+        yield TrainingJob(source, run)

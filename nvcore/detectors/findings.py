@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import partial
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -30,15 +29,64 @@ CAVEATS: Final = Caveats(
 )
 
 
+_ONLY: Final = Step(Remedy.OPTION, "", "only")
+_OF_FRAMES: Final[Mapping[str, tuple[Severity, str, str, tuple[Step, ...]]]] = {
+    "trained-on-tested": (
+        Severity.ERROR,
+        "Trained on {n} of the {n_all} evaluated frames: {recordings}.",
+        "Compare it on recordings that it was not trained on, or on other frames: these say how "
+        "well it remembers, not how well it detects.",
+        (_ONLY, Step(Remedy.FRAMES)),
+    ),
+    "trained-on-namesake": (
+        Severity.WARNING,
+        "Trained on {n} frames of recordings of the same name, with other ground truth: "
+        "{recordings}.",
+        "Find out whether they are the same recordings: if so, these say how well it remembers, "
+        "not how well it detects.",
+        (),
+    ),
+    "trained-beside-tested": (
+        Severity.WARNING,
+        "{n} evaluated frames are of recordings of which other frames were its training: "
+        "{recordings}.",
+        "The people and the place may be the same as in its training: recordings of which it has "
+        "seen nothing say more.",
+        (),
+    ),
+    "training-unchecked": (
+        Severity.WARNING,
+        "The ground truth of {n} of the {n_all} evaluated frames was not compared with the "
+        "{n_parts} parts of its training, which are too many: {recordings}.",
+        "They may be of its training, under their own name or another. Compare fewer recordings "
+        "at a time.",
+        (_ONLY,),
+    ),
+    "frames-not-run": (
+        Severity.WARNING,
+        "Not run on {n} of the {n_all} evaluated frames: {recordings}.",
+        "Their {objects} count as missed. Run it on them, or leave them out.",
+        (_ONLY, Step(Remedy.FRAMES)),
+    ),
+}
+"""Severity, message, advice and suggested fixes of findings about frames, by code."""
+
+
 def audit_provenance(dataset: Dataset) -> list[Finding]:
     """What the records of systems contradict: scored on their training, not run, other files."""
     findings: list[Finding] = []
+    frames = dataset.frame_columns
     for name in dataset.systems:
         record = dataset.provenance.get(name)
-        if record is not None:
-            findings += trained_findings(dataset, name, record.about.trained_on)
-            findings += _not_run(dataset, name, record)
-            findings += _other_files(dataset, name, record)
+        if record is None:
+            continue
+        findings += trained_findings(dataset, name, record.about.trained_on)
+        is_run = np.full(len(frames), not record.frames)
+        for number, recording in enumerate(dataset.recordings["name"] if record.frames else ()):
+            rows = frames.rows_of(number)
+            is_run[rows] = is_in_ranges(frames.frame[rows], record.frames.get(recording, ()))
+        findings += _of_frames(dataset, name, {"frames-not-run": ~is_run})
+        findings += _other_files(dataset, name, record)
     return findings
 
 
@@ -51,106 +99,41 @@ def trained_findings(dataset: Dataset, name: str, trained_on: Sequence[TrainedOn
         Of the system or detector.
     """
     overlap = training_overlap(dataset, trained_on)
-    is_trained = overlap.is_trained
-    is_in_part = overlap.has_part[dataset.frame_columns.recording]
-    of_frames = partial(_of_frames, dataset, name)
-    return [
-        *of_frames(
-            is_trained,
-            "trained-on-tested",
-            "Trained on {n} of the {n_all} evaluated frames: {recordings}.",
-            "Compare it on recordings that it was not trained on, or on other frames: these say "
-            "how well it remembers, not how well it detects.",
-            severity=Severity.ERROR,
-            steps=(Step(Remedy.OPTION, "", "only"), Step(Remedy.FRAMES)),
-        ),
-        *of_frames(
-            overlap.is_namesake & ~is_trained,
-            "trained-on-namesake",
-            "Trained on {n} frames of recordings of the same name, with other ground truth: "
-            "{recordings}.",
-            "Find out whether they are the same recordings: if so, these say how well it "
-            "remembers, not how well it detects.",
-        ),
-        *of_frames(
-            is_in_part & ~is_trained,
-            "trained-beside-tested",
-            "{n} evaluated frames are of recordings of which other frames were its training: "
-            "{recordings}.",
-            "The people and the place may be the same as in its training: recordings of which it "
-            "has seen nothing say more.",
-        ),
-        *of_frames(
-            overlap.is_unchecked & ~is_trained,
-            "training-unchecked",
-            "The ground truth of {n} of the {n_all} evaluated frames was not compared with the "
-            f"{len(trained_on):,} parts of its training, which are too many: {{recordings}}.",
-            "They may be of its training, under their own name or another. Compare fewer "
-            "recordings at a time.",
-            steps=(Step(Remedy.OPTION, "", "only"),),
-        ),
-    ]
-
-
-def _not_run(dataset: Dataset, name: str, record: Provenance) -> list[Finding]:
-    """Evaluated frames that the detector was never given: their pedestrians count as missed."""
-    if not record.frames:
-        return []
-    frames = dataset.frame_columns
-    is_run = np.zeros(len(frames), dtype=bool)
-    for number, recording in enumerate(dataset.recordings["name"]):
-        rows = frames.rows_of(number)
-        is_run[rows] = is_in_ranges(frames.frame[rows], record.frames.get(recording, ()))
-    return _of_frames(
-        dataset,
-        name,
-        ~is_run,
-        "frames-not-run",
-        "Not run on {n} of the {n_all} evaluated frames: {recordings}.",
-        f"Their {dataset.objects.plural} count as missed. Run it on them, or leave them out.",
-        steps=(Step(Remedy.OPTION, "", "only"), Step(Remedy.FRAMES)),
-    )
+    others = {
+        "trained-on-namesake": overlap.is_namesake,
+        "trained-beside-tested": overlap.has_part[dataset.frame_columns.recording],
+        "training-unchecked": overlap.is_unchecked,
+    }
+    masks = {code: is_concerned & ~overlap.is_trained for code, is_concerned in others.items()}
+    masks = {"trained-on-tested": overlap.is_trained, **masks}
+    return _of_frames(dataset, name, masks, n_parts=f"{len(trained_on):,}")
 
 
 def _of_frames(
-    dataset: Dataset,
-    name: str,
-    is_concerned: NDArray[np.bool_],
-    code: str,
-    message: str,
-    advice: str,
-    *,
-    severity: Severity = Severity.WARNING,
-    steps: tuple[Step, ...] = (),
+    dataset: Dataset, name: str, masks: Mapping[str, NDArray[np.bool_]], **words: str
 ) -> list[Finding]:
-    """A finding about rows of the frames table; none where no row is concerned.
-
-    Parameters
-    ----------
-    message
-        With places for ``n``, the number of these frames, ``n_all`` and the ``recordings``.
-    """
-    rows = np.flatnonzero(is_concerned)
-    if not len(rows):
-        return []
-    frames = dataset.frame_columns
-    names = dataset.recordings["name"].iloc[np.unique(frames.recording[rows])]
-    n, n_all = f"{len(rows):,}", f"{len(frames):,}"
-    text = message.format(n=n, n_all=n_all, recordings=spelled(names))
-    example, cases = place_of_frame(dataset, int(rows[0])), Cases("frames", rows)
-    return [
-        Finding(
-            severity,
-            code,
-            name,
-            len(rows),
-            text,
-            advice,
-            example=example,
-            cases=cases,
-            steps=steps,
-        )
-    ]
+    """Findings about the frames in the mask of each code; none where the mask is empty."""
+    frames, findings = dataset.frame_columns, []
+    for code, is_concerned in masks.items():
+        severity, message, advice, steps = _OF_FRAMES[code]
+        rows = np.flatnonzero(is_concerned)
+        if len(rows):
+            n, n_all = f"{len(rows):,}", f"{len(frames):,}"
+            names = spelled(dataset.recordings["name"].iloc[np.unique(frames.recording[rows])])
+            findings.append(
+                Finding(
+                    severity,
+                    code,
+                    name,
+                    len(rows),
+                    message.format(n=n, n_all=n_all, recordings=names, **words),
+                    advice.format(objects=dataset.objects.plural),
+                    example=place_of_frame(dataset, int(rows[0])),
+                    cases=Cases("frames", rows),
+                    steps=steps,
+                )
+            )
+    return findings
 
 
 def _other_files(dataset: Dataset, name: str, record: Provenance) -> list[Finding]:

@@ -8,8 +8,10 @@ What a kind needs is imported when one of it is opened.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,6 +20,7 @@ from nvcore.detectors.base import Detector, DetectorError
 from nvcore.detectors.settings import SettingFacts, facts_of, typed_like
 from nvcore.errors import ParameterError
 from nvcore.file_kinds import binary_kind
+from nvcore.subjects import resolve
 from nvcore.wording import did_you_mean, listed, one_line
 
 SAMPLE_MODEL: Final = Path(__file__).with_name("models") / "sample.npz"
@@ -37,12 +40,12 @@ class DetectorKind:
         What it is, for people.
     built_in
         Names of those that need no file, with what they are.
-    recognise
-        First bytes of a file -> whether it is a model of this kind.
     open
         (name or path as given, settings) -> the detector; raises DetectorError.
     settings
-        -> the class of its settings; None: they are read from the model.
+        Class of its settings, as module and name.
+    begins
+        Pattern of the first bytes of its model files; never matches if it has none.
     threshold
         Name of the setting below which scores are dropped.
     loosest
@@ -52,23 +55,14 @@ class DetectorKind:
     key: str
     title: str
     built_in: Mapping[str, str]
-    recognise: Callable[[bytes], bool]
     open: Callable[[str, Mapping[str, Any]], Detector]
-    settings: Callable[[], type | None]
+    settings: str
+    begins: bytes = rb"(?!)"
     threshold: str = "threshold"
     loosest: Mapping[str, Setting] = field(default_factory=dict)
 
 
-def _open_hog(text: str, settings: Mapping[str, Any]) -> Detector:
-    from nvcore.detectors.hog import open_hog
-
-    return open_hog(text.partition(":")[2], settings)
-
-
-def _hog_settings() -> type:
-    from nvcore.detectors.hog import HogSettings
-
-    return HogSettings
+_of_package: Final = partial(resolve, __package__)
 
 
 def _open_icf(text: str, settings: Mapping[str, Any]) -> Detector:
@@ -83,24 +77,6 @@ def _open_icf(text: str, settings: Mapping[str, Any]) -> Detector:
         raise DetectorError(str(error)) from error
 
 
-def _open_onnx(text: str, settings: Mapping[str, Any]) -> Detector:
-    from nvcore.detectors.onnx import open_onnx
-
-    return open_onnx(Path(text), settings)
-
-
-def _onnx_settings() -> type:
-    from nvcore.detectors.onnx.settings import OnnxSettings
-
-    return OnnxSettings
-
-
-def _is_onnx(head: bytes) -> bool:
-    """A protobuf message that begins with the version of ONNX, or with the producer's name."""
-    is_version_first = len(head) > 2 and head[0] == 0x08 and 0 < head[1] < 64
-    return is_version_first or (len(head) > 2 and head[0] == 0x12 and head[1] < 128)
-
-
 DETECTORS: Final[dict[str, DetectorKind]] = {
     kind.key: kind
     for kind in (
@@ -108,9 +84,8 @@ DETECTORS: Final[dict[str, DetectorKind]] = {
             "hog",
             "OpenCV's people detectors: gradients in cells, a linear classifier",
             {"hog": "trained on INRIA's people", "hog:daimler": "trained on Daimler's pedestrians"},
-            lambda _: False,
-            _open_hog,
-            _hog_settings,
+            lambda text, given: _of_package("hog:open_hog")(text.partition(":")[2], given),
+            "hog:HogSettings",
             threshold="hit_threshold",
             loosest={"hit_threshold": -10.0, "overlap": 1.0},
         ),
@@ -118,23 +93,25 @@ DETECTORS: Final[dict[str, DetectorKind]] = {
             "icf",
             "Integral Channel Features with a soft cascade: a model that was trained here (.npz)",
             {"icf:sample": "trained on seven sample recordings: drawings, not real people"},
-            lambda head: head.startswith(b"PK\3\4"),
             _open_icf,
-            lambda: None,
+            "icf.settings:IcfSettings",
+            rb"PK\x03\x04",
             loosest={"threshold": -1e6, "overlap": 1.0},
         ),
         DetectorKind(
             "onnx",
             "a network of one's own in ONNX (.onnx), run by ONNX Runtime",
             {},
-            _is_onnx,
-            _open_onnx,
-            _onnx_settings,
+            lambda text, given: _of_package("onnx:open_onnx")(Path(text), given),
+            "onnx.settings:OnnxSettings",
+            # a protobuf message: first the version of ONNX, or the producer's name
+            rb"(?s)\x08[\x01-\x3f].|\x12[\x00-\x7f].",
             loosest={"threshold": 0.0, "overlap": 1.0},
         ),
     )
 }
 """The kinds of detectors by key."""
+_BUILT_IN: Final = {name: kind for kind in DETECTORS.values() for name in kind.built_in}
 
 
 def open_detector(text: str | Path, settings: Mapping[str, Any] | None = None) -> Detector:
@@ -160,8 +137,7 @@ def open_detector(text: str | Path, settings: Mapping[str, Any] | None = None) -
 
 def kind_named(text: str | Path) -> DetectorKind:
     """The kind of the detector that `open_detector` opens by this name or path; errors as it."""
-    by_name = {name: kind for kind in DETECTORS.values() for name in kind.built_in}
-    return by_name.get(str(text)) or kind_of_file(Path(text))
+    return _BUILT_IN.get(str(text)) or kind_of_file(Path(text))
 
 
 def kind_of_file(path: Path) -> DetectorKind:
@@ -173,13 +149,12 @@ def kind_of_file(path: Path) -> DetectorKind:
         If it cannot be opened or is no model.
     """
     name = one_line(str(path))
-    names = [name for kind in DETECTORS.values() for name in kind.built_in]
     try:
         with path.open("rb") as stream:
             head = stream.read(_HEAD_BYTES)
     except FileNotFoundError as error:
-        known = f"built in are {listed(names)}; any other is the path of a model file"
-        hint = did_you_mean(str(path), names, known)
+        known = f"built in are {listed([*_BUILT_IN])}; any other is the path of a model file"
+        hint = did_you_mean(str(path), _BUILT_IN, known)
         if str(path) in DETECTORS:
             hint = f"{path} is a kind of them, and needs a model; {known}"
         raise DetectorError(f"there is no such detector or file; {hint}", file=name) from error
@@ -187,7 +162,7 @@ def kind_of_file(path: Path) -> DetectorKind:
         reason = getattr(error, "strerror", None) or error
         raise DetectorError(f"cannot be opened ({reason})", file=name) from error
     for kind in DETECTORS.values():
-        if kind.recognise(head):
+        if re.match(kind.begins, head):
             return kind
     what = binary_kind(head) or ("text" if head else "empty")
     raise DetectorError(
@@ -197,18 +172,15 @@ def kind_of_file(path: Path) -> DetectorKind:
     )
 
 
+def settings_of(kind: str) -> dict[str, SettingFacts]:
+    """All settings of a kind of detector, by name; of ``icf`` also those of its training."""
+    return {spec.name: facts_of(spec) for spec in fields(_of_package(DETECTORS[kind].settings))}
+
+
 def run_settings(about: About) -> dict[str, SettingFacts]:
     """The settings whose values a run of this detector may choose, by name."""
-    settings = DETECTORS[about.kind].settings()
-    if settings is None:
-        from nvcore.detectors.icf.settings import OF_A_RUN
-
-        return {name: facts for name, facts in model_settings().items() if name in OF_A_RUN}
-    return {spec.name: facts_of(spec) for spec in fields(settings)}
-
-
-def model_settings() -> dict[str, SettingFacts]:
-    """All settings of a model that is trained here, by name: of its training and of its runs."""
-    from nvcore.detectors.icf.settings import IcfSettings
-
-    return {spec.name: facts_of(spec) for spec in fields(IcfSettings)}
+    facts = settings_of(about.kind)
+    if about.kind != "icf":
+        return facts
+    of_run = _of_package("icf.settings:OF_A_RUN")
+    return {name: known for name, known in facts.items() if name in of_run}

@@ -1,10 +1,12 @@
-"""Run a detector over the evaluated frames of recordings."""
+"""Run a detector over the evaluated frames of recordings, and estimate how long that takes."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -19,9 +21,17 @@ from nvcore.pictures import Picture, RecordingPictures
 from nvcore.pictures.recordings import NO_PICTURES
 from nvcore.pictures.run import PictureRun, speed_text
 from nvcore.progress import Progress, no_progress
-from nvcore.wording import MOST_NAMED, count_text, one_line
+from nvcore.wording import MOST_NAMED, count_text, duration_text, one_line
 
 _HOW_TO_NAME: Final = 'pictures = "drive.mp4"'
+RUN_PER_PLACE: Final = 10
+"""Minimum ratio of the run's pictures to the timed ones for a further place."""
+PLACES: Final = 3
+"""Maximum number of places in the recordings at which pictures are timed."""
+TIMED_PER_THREAD: Final = 2
+"""Minimum number of timed pictures per thread and place."""
+ENOUGH_S: Final = 0.5
+"""Minimum duration of the timing at a place, seconds."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -111,6 +121,35 @@ class DetectorRun:
         )
 
 
+@dataclass(frozen=True)
+class Expectation:
+    """Expected duration of a run.
+
+    Attributes
+    ----------
+    seconds_each
+        Time from one picture to the next with all threads busy.
+    """
+
+    n_pictures: int
+    n_recordings: int
+    n_threads: int
+    seconds_each: float
+
+    @property
+    def seconds(self) -> float:
+        """Duration of the whole run."""
+        return self.n_pictures * self.seconds_each
+
+    def __str__(self) -> str:
+        return (
+            f"{count_text(self.n_pictures, 'picture')} of "
+            f"{count_text(self.n_recordings, 'recording')} on "
+            f"{count_text(self.n_threads, 'thread')}: about {duration_text(self.seconds)} "
+            f"({self.seconds_each:.2g} s a picture)"
+        )
+
+
 def check_pictures(pictures: RecordingPictures, dataset: Dataset | None = None) -> int:
     """Count the evaluated frames with a picture.
 
@@ -139,7 +178,7 @@ def no_pictures(pictures: RecordingPictures, dataset: Dataset | None = None) -> 
     return InputError(f"{NO_PICTURES}. {' '.join(notes[:MOST_NAMED])}{there}")
 
 
-def picture_run(n_pictures: int, progress: Progress, n_threads: int | None) -> PictureRun:
+def _picture_run(n_pictures: int, progress: Progress, n_threads: int | None) -> PictureRun:
     """Begin a run. Each picture takes one thread, or all cores if it is alone."""
     run = PictureRun(n_pictures, progress, n_threads=n_threads)
     run.begin = one_for_a_picture if run.n_threads > 1 else None
@@ -173,50 +212,44 @@ def run_detector(
     CancelledError
         If `progress` raises it.
     """
-    run = picture_run(check_pictures(pictures, dataset), progress, n_threads)
+    run = _picture_run(check_pictures(pictures, dataset), progress, n_threads)
+    columns = dataset.frame_columns
+
+    def detect(frame: int, picture: Picture) -> tuple[int, Detections]:
+        return frame, detector.detect(picture)
+
+    def run_recording(number: int, name: str) -> RecordingRun:
+        listed, source = columns.frame[columns.rows_of(number)], pictures.sources.get(number)
+        index = pictures.indices.get(number, np.full(len(listed), -1))
+        has_picture = index >= 0
+        with_picture = zip(listed[has_picture].tolist(), index[has_picture].tolist(), strict=True)
+        faults: list[str] = []
+        outputs = list(run.over(source, with_picture, detect, name, faults))
+        note, scale = pictures.notes.get(number, "no pictures are named for it"), (1.0, 1.0)
+        if source is not None:
+            size = float(columns.width[number]), float(columns.height[number])
+            scale = size[0] / source.width, size[1] / source.height
+            note = "" if has_picture.all() else pictures.notes.get(number, "")
+        note = one_line(note)
+        if faults:
+            n_faults = count_text(len(faults), "picture")
+            note = f"{note} {n_faults} cannot be read: {faults[0]}".strip()
+        frames = np.array([frame for frame, _ in outputs], np.int64)
+        boxes = _table(frames, [detections for _, detections in outputs], *scale)
+        return RecordingRun(name, boxes, frames, len(listed), note)
+
     recordings = tuple(
-        _run_recording(detector, dataset, pictures, number, str(name), run)
-        for number, name in enumerate(dataset.recordings["name"])
+        run_recording(number, str(name)) for number, name in enumerate(dataset.recordings["name"])
     )
     progress(1.0, "done")
     return DetectorRun(detector.about, recordings, run.seconds)
 
 
-def _run_recording(
-    detector: Detector,
-    dataset: Dataset,
-    pictures: RecordingPictures,
-    number: int,
-    name: str,
-    run: PictureRun,
-) -> RecordingRun:
-    def detect(frame: int, picture: Picture) -> tuple[int, Detections]:
-        return frame, detector.detect(picture)
-
-    columns = dataset.frame_columns
-    listed = columns.frame[columns.rows_of(number)]
-    source = pictures.sources.get(number)
-    if source is None:
-        note = one_line(pictures.notes.get(number, "no pictures are named for it"))
-        return RecordingRun(name, _table([], 1, 1), np.empty(0, np.int64), len(listed), note)
-    has_picture = (index := pictures.indices[number]) >= 0
-    with_picture = zip(listed[has_picture].tolist(), index[has_picture].tolist(), strict=True)
-    faults: list[str] = []
-    outputs = list(run.over(source, with_picture, detect, name, faults))
-    note = "" if has_picture.all() else one_line(pictures.notes.get(number, ""))
-    if faults:
-        note = f"{note} {count_text(len(faults), 'picture')} cannot be read: {faults[0]}".strip()
-    across = float(columns.width[number]) / source.width
-    down = float(columns.height[number]) / source.height
-    frames = np.array([frame for frame, _ in outputs], np.int64)
-    return RecordingRun(name, _table(outputs, across, down), frames, len(listed), note)
-
-
-def _table(outputs: Sequence[tuple[int, Detections]], across: float, down: float) -> pd.DataFrame:
+def _table(
+    frames: NDArray[np.int64], boxes: Sequence[Detections], across: float, down: float
+) -> pd.DataFrame:
     """Return the columns of `RecordingRun.boxes`, scaled from pixels of the pictures."""
-    boxes = [detections for _, detections in outputs]
-    frames = [np.full(len(detections), frame) for frame, detections in outputs]
-    columns = {"frame": np.concatenate([*frames, np.empty(0, np.int64)])}
+    columns: dict[str, NDArray[Any]] = {"frame": np.repeat(frames, [*map(len, boxes)])}
     for side, factor in {"x": across, "y": down, "w": across, "h": down, "score": 1}.items():
         parts = [getattr(detections, side) for detections in boxes]
         columns[side] = np.concatenate([*parts, np.empty(0)]) * factor
@@ -229,3 +262,58 @@ def _table(outputs: Sequence[tuple[int, Detections]], across: float, down: float
         ]
         columns["class"] = np.concatenate(labels)
     return pd.DataFrame(columns)
+
+
+def expect(
+    detector: Detector,
+    pictures: RecordingPictures,
+    *,
+    n_threads: int | None = None,
+    progress: Progress = no_progress,
+) -> Expectation:
+    """Time consecutive pictures at a few places that are spread over the run.
+
+    The first picture of each thread at a place does not count: compiled loops are loaded, and a
+    video is decoded from a key frame on.
+
+    Raises
+    ------
+    InputError
+        If no evaluated frame has a picture, or none of those that were tried can be read.
+    CancelledError
+        If `progress` raises it.
+    """
+    n_pictures = check_pictures(pictures)
+    indices = {number: index[index >= 0] for number, index in sorted(pictures.indices.items())}
+    number_of = np.repeat([*indices], [*map(len, indices.values())])
+    share, seconds, n_timed, faults = 0.0, 0.0, 0, list[str]()
+    run = _picture_run(n_pictures, lambda *_: progress(share, "timing it"), n_threads)
+    least = run.n_threads * (1 + TIMED_PER_THREAD)
+    n_places = min(max(1, n_pictures // (RUN_PER_PLACE * least)), PLACES)
+    for place in range(n_places):
+        share = place / n_places
+        middle = int((place + 0.5) / n_places * n_pictures)
+        number = int(number_of[middle])
+        place_in = middle - int(np.searchsorted(number_of, number))
+        index = indices[number]
+        index = index[max(0, min(place_in, len(index) - least)) :]
+        ends = [time.perf_counter()]
+        outputs = run.over(
+            pictures.sources[number],
+            enumerate(index.tolist()),
+            lambda _, picture: detector.detect(picture),
+            "",
+            faults,
+        )
+        with closing(outputs):
+            for _ in outputs:
+                ends.append(time.perf_counter())
+                if len(ends) > least and ends[-1] - ends[run.n_threads] > ENOUGH_S:
+                    break
+        began = run.n_threads if len(ends) > run.n_threads + 1 else 0
+        n_timed += len(ends) - 1 - began
+        seconds += ends[-1] - ends[began]
+    if not n_timed:
+        raise InputError(f"no picture can be read that was tried: {faults[0]}")
+    n_recordings = sum(len(index) > 0 for index in indices.values())
+    return Expectation(n_pictures, n_recordings, run.n_threads, seconds / n_timed)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import MISSING, Field, dataclass, field, fields
 from typing import Any, Final, TypeVar
 
@@ -67,15 +67,16 @@ def settings_from(kind: type[AnySettings], given: Mapping[str, Setting]) -> AnyS
         If there is no such setting, or a value is outside its range.
     """
     specs = {spec.name: spec for spec in fields(kind)}  # type: ignore[arg-type]
-    values = {}
-    for name, value in given.items():
-        if name not in specs:
-            known = listed([*specs])
-            raise DetectorError(
-                f"there is no setting {name!r}; {did_you_mean(name, specs, f'there are {known}')}"
-            )
-        values[name] = _checked(specs[name], value)
-    return kind(**values)
+    check_names(given, specs)
+    return kind(**{name: _checked(specs[name], value) for name, value in given.items()})
+
+
+def check_names(given: Iterable[str], known: Collection[str]) -> None:
+    """Raise DetectorError if one of the names is not that of a setting."""
+    for name in given:
+        if name not in known:
+            hint = did_you_mean(name, known, f"there are {listed([*known])}")
+            raise DetectorError(f"there is no setting {name!r}; {hint}")
 
 
 def typed_like(
@@ -122,12 +123,6 @@ def value_text(value: Any) -> str:
     return repr(value)
 
 
-def multiples_text(step: int, low: float, high: float) -> str:
-    """Which values a whole number may have that must be a multiple: "8, 16, 24 ... 64"."""
-    first, last = -(-int(low) // step) * step, int(high) // step * step
-    return f"{first}, {first + step}, {first + 2 * step} ... {last}"
-
-
 def _typed(name: str, kind: type, value: Setting) -> Any:
     """The value as a bool, int, float or str."""
     try:
@@ -148,16 +143,13 @@ def _checked(spec: Field[Any], value: Setting) -> Setting:
     if facts.choices and typed not in facts.choices:
         choices = listed([*facts.choices])
         raise DetectorError(f"{spec.name}: expected one of {choices}, found {value_text(value)}")
-    low, high = facts.low, facts.high
-    is_below, is_above = (
-        low is not None and not typed >= low,
-        high is not None and not typed <= high,
-    )
-    step = facts.multiple_of
-    if is_below or is_above or (step is not None and typed % step):
+    low, high, step = facts.low, facts.high, facts.multiple_of
+    is_within = (low is None or typed >= low) and (high is None or typed <= high)
+    if not is_within or (step is not None and typed % step):
         limits = f"at least {low:g}" if high is None else f"{low:g} to {high:g}"
         if step is not None and low is not None and high is not None:
-            limits = f"one of {multiples_text(step, low, high)}"
+            first, last = -(-int(low) // step) * step, int(high) // step * step
+            limits = f"one of {first}, {first + step}, {first + 2 * step} ... {last}"
         raise DetectorError(f"{spec.name}: expected {limits}, found {value_text(value)}")
     checked: Setting = typed
     return checked

@@ -8,22 +8,20 @@ from typing import Any, Final
 import click
 
 from nvcore.cli.models import Models
-from nvcore.dataset.provenance import About
 from nvcore.extras import needs
 from nvcore.wording import UNDEFINED, count_text, listed, one_line
 
 with needs("detectors", "nvcore models needs"):
-    from nvcore.detectors.base import Detector
-    from nvcore.detectors.icf import IcfDetector, IcfModel
+    from nvcore.detectors.icf import IcfDetector
     from nvcore.detectors.icf.settings import OF_A_RUN
-    from nvcore.detectors.registry import DETECTORS, model_settings, open_detector, run_settings
+    from nvcore.detectors.registry import DETECTORS, open_detector, run_settings, settings_of
     from nvcore.detectors.settings import SettingFacts, value_text
-    from nvcore.detectors.training.presets import PRESETS
+    from nvcore.detectors.training.run import PRESETS
 
 _ICF: Final = "icf"
 
 
-def render_detectors() -> str:
+def _render_kinds() -> str:
     """Render the kinds of detectors and their built-in models as text."""
     lines = []
     for kind in DETECTORS.values():
@@ -32,7 +30,7 @@ def render_detectors() -> str:
     return "\n".join(lines)
 
 
-def render_training_settings() -> str:
+def _render_training_settings() -> str:
     """Render the settings of ``nvcore train`` with their values in each preset."""
     values = {name: preset.in_words() for name, preset in PRESETS.items()}
     first, *others = PRESETS
@@ -41,7 +39,7 @@ def render_training_settings() -> str:
         f"settings of nvcore train, with their values in the preset {first}; where another preset "
         "differs, it is named:",
     ]
-    for name, facts in model_settings().items():
+    for name, facts in settings_of(_ICF).items():
         lines += _explained({name: facts}, values[first])
         differing = [preset for preset in others if values[preset][name] != values[first][name]]
         lines += [f"      {preset}: {_value(values[preset][name])}" for preset in differing]
@@ -51,16 +49,11 @@ def render_training_settings() -> str:
     return "\n".join(lines)
 
 
-def render_about(detector: Detector, name: str) -> str:
-    """Render a detector's labels, training and settings as text.
-
-    Parameters
-    ----------
-    name
-        By which it was opened.
-    """
+def _render_model(text: str, settings: Mapping[str, str]) -> str:
+    """Render the labels, the training and the settings of the detector with this name or file."""
+    detector = open_detector(text, settings)
     about, kind = detector.about, DETECTORS[detector.about.kind]
-    trained_on = "; ".join(map(str, about.trained_on)) or kind.built_in.get(name, "not known")
+    trained_on = "; ".join(map(str, about.trained_on)) or kind.built_in.get(text, "not known")
     lines = [
         f"{one_line(about.name)}: {kind.title}",
         f"detects: {one_line(listed(about.labels))}",
@@ -68,35 +61,25 @@ def render_about(detector: Detector, name: str) -> str:
         f"trained on: {trained_on.removeprefix('trained on ')}",
     ]
     if isinstance(detector, IcfDetector):
-        lines += _of_model(detector.model)
-    return "\n".join([*lines, *_settings(about, dict(about.settings))])
-
-
-def _of_model(model: IcfModel) -> list[str]:
-    """Return lines about an ICF model: picture type, object sizes, window, trees and training."""
-    s, channels = model.settings, listed(model.channels)
-    object_size = f"{s.object_width:g}x{s.object_height:g} px"
-    heights = [s.object_height * scale for scale in (s.scales[0], s.scales[-1])]
-    return [
-        f"pictures: {'in colour' if model.is_colour else 'grey'}",
-        f"finds objects of about {heights[0]:.0f} to {heights[1]:.0f} px in height",
-        f"window: {s.window_width}x{s.window_height} px, with an object of {object_size}",
-        f"trees: {len(model.trees):,}, over {count_text(len(model.features), 'feature')} in "
-        f"{count_text(len(model.channels), 'channel')}: {channels}",
-        *model.windows_in_words(),
-    ]
-
-
-def _settings(about: About, values: Mapping[str, Any]) -> list[str]:
-    """Return lines about the settings of a run, then about those fixed by the training."""
+        model, s = detector.model, detector.model.settings
+        lowest, highest = (s.object_height * scale for scale in (s.scales[0], s.scales[-1]))
+        lines += [
+            f"pictures: {'in colour' if model.is_colour else 'grey'}",
+            f"finds objects of about {lowest:.0f} to {highest:.0f} px in height",
+            f"window: {s.window_width}x{s.window_height} px, with an object of "
+            f"{s.object_width:g}x{s.object_height:g} px",
+            f"trees: {len(model.trees):,}, over {count_text(len(model.features), 'feature')} in "
+            f"{count_text(len(model.channels), 'channel')}: {listed(model.channels)}",
+            *model.windows_in_words(),
+        ]
     of_run = run_settings(about)
-    lines = ["settings:", *_explained(of_run, values)]
-    others = {name: value for name, value in values.items() if name not in of_run}
+    lines += ["settings:", *_explained(of_run, about.settings)]
+    others = {name: value for name, value in about.settings.items() if name not in of_run}
     if others:
         lines.append("settings of its training, which cannot be changed:")
         lines += [f"  {name} = {_value(value)}" for name, value in others.items()]
         lines.append("what they mean: nvcore models icf")
-    return lines
+    return "\n".join(lines)
 
 
 def _explained(facts: Mapping[str, SettingFacts], values: Mapping[str, Any]) -> list[str]:
@@ -104,7 +87,9 @@ def _explained(facts: Mapping[str, SettingFacts], values: Mapping[str, Any]) -> 
     lines = []
     for name, known in facts.items():
         lines.append(f"  {name} = {_value(values.get(name))}")
-        lines.append(f"      {known.meaning}{_range(known)}")
+        low, high = (None if end is None else f"{end:,.12g}" for end in (known.low, known.high))
+        span = "" if low is None else f" {low} or more." if high is None else f" {low} to {high}."
+        lines.append(f"      {known.meaning}{span}")
         lines += [f"        {word:12} {text}" for word, text in (known.choices or {}).items()]
     return lines
 
@@ -115,24 +100,17 @@ def _value(value: Any) -> str:
     return one_line(value) if isinstance(value, str) else value_text(value)
 
 
-def _range(facts: SettingFacts) -> str:
-    if facts.low is None:
-        return ""
-    low, high = (f"{end:,.12g}" for end in (facts.low, facts.high or 0))
-    return f" {low} or more." if facts.high is None else f" {low} to {high}."
-
-
 def _described(model: str, settings: Mapping[str, str]) -> str:
     """Describe the detector `model`, or the settings of a training if `model` is ``icf``."""
     if model != _ICF:
-        return render_about(open_detector(model, settings), model)
+        return _render_model(model, settings)
     if settings:
         raise click.UsageError("--set is about a model; icf is a kind of them")
-    return render_training_settings()
+    return _render_training_settings()
 
 
 MODELS: Final = Models(
-    list_all=render_detectors,
+    list_all=_render_kinds,
     has=lambda model: model == _ICF or any(model in kind.built_in for kind in DETECTORS.values()),
     describe=_described,
 )

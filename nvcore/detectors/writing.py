@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from itertools import chain, count
 from pathlib import Path
 from typing import Final
 
@@ -13,7 +13,7 @@ from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import Provenance, provenance_json, ranges_of, read_provenance
 from nvcore.detectors.run import DetectorRun
 from nvcore.errors import InputError
-from nvcore.inputs.changes import stated
+from nvcore.inputs.changes import live_session, stated
 from nvcore.inputs.hashes import source_hash, source_hashes
 from nvcore.inputs.session import Session, SystemSource
 from nvcore.inputs.session_toml import write_session
@@ -125,7 +125,9 @@ def write_detections(
     session = dataset.settings
     assert isinstance(session, Session)
     check_target(dataset, folder, name=name, against=against)
-    name = name or _free_name(run.about.name, dataset.systems)
+    own = run.about.name
+    free = chain([own or "detector"], (f"{own} ({number})" for number in count(2)))
+    name = name or next(text for text in free if text not in dataset.systems)
     entries = session.entries([part.name for part in run.recordings])
     files_of, contents, frames = _files_of(dataset), dict[str, bytes](), {}
     for part in run.recordings:
@@ -150,24 +152,15 @@ def write_detections(
         threshold=run.about.threshold if threshold is None else threshold,
         provenance=str(paths[PROVENANCE_FILE].absolute()),
     )
-    old_x = dataset.compared()[0] if against is None else against
-    params = dataset.params_of()
-    thresholds = dict(
-        zip(dataset.compared(), (params.threshold_x, params.threshold_y), strict=True)
-    )
-    session = stated(session, dataset)
-    before = tuple(
-        replace(source, threshold=thresholds.get(own, source.threshold))
-        for source, own in zip(session.systems, dataset.systems, strict=True)
-    )
+    x, y = dataset.compared()
+    old_x = x if against is None else against
+    before = live_session(stated(session, dataset), dataset, dataset.params_of(), x=x, y=y)
     written = replace(
-        session,
-        systems=(*before, system),
+        before,
+        systems=(*before.systems, system),
         hashes={**source_hashes(dataset), name: source_hash(digests.values())},
         x=old_x or name,
         y=None if old_x is None else name,
-        # each system now has its own: these were of another pair
-        params=replace(session.params, threshold_x=None, threshold_y=None),
     )
     text = write_session(written, version=__version__, fingerprint=dataset.fingerprint)
     files = [
@@ -175,8 +168,13 @@ def write_detections(
         (PROVENANCE_FILE, provenance_json(record)),
         (SESSION_FILE, text.encode()),
     ]
-    recorded = _recorded_before(folder)
-    write_run(folder, files, [key for key in recorded if _is_ours(folder / key, recorded[key])])
+    outdated = [
+        key
+        for key, digest in _recorded_before(folder).items()
+        if (path := folder / key).suffix == ".csv" and path.is_file()
+        if hashlib.sha256(path.read_bytes()).hexdigest() == digest  # not edited since
+    ]
+    write_run(folder, files, outdated)
     *of_boxes, provenance, session_file = paths.values()
     return WrittenRun(session_file, provenance, tuple(of_boxes), system, run)
 
@@ -197,14 +195,6 @@ def _classes(run: DetectorRun, dataset: Dataset) -> tuple[str, ...] | None:
     return labels_in_order(used)
 
 
-def _free_name(name: str, names: Iterable[str]) -> str:
-    """Return the name, with the first number that makes it differ from `names`."""
-    names, number, free = {*names}, 2, name or "detector"
-    while free in names:
-        free, number = f"{name} ({number})", number + 1
-    return free
-
-
 def _recorded_before(folder: Path) -> dict[str, str]:
     """Return names and hashes of the files of an earlier run, by its record."""
     path = folder / PROVENANCE_FILE
@@ -213,11 +203,3 @@ def _recorded_before(folder: Path) -> dict[str, str]:
     except InputError:  # not our record, so nothing of it is touched
         return {}
     return {name: digest for name, digest in files.items() if Path(name).name == name}
-
-
-def _is_ours(path: Path, digest: str) -> bool:
-    """Return whether a file is as an earlier run wrote it."""
-    if path.suffix != ".csv" or not path.is_file():
-        return False
-    with path.open("rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest() == digest

@@ -13,6 +13,7 @@ from nvcore.inputs.session import RecordingEntry, Session, Source
 
 if TYPE_CHECKING:
     from nvcore.dataset import Dataset
+    from nvcore.params import Params
 
 _S = TypeVar("_S", bound=Source)
 
@@ -140,6 +141,20 @@ def stated(session: Session, dataset: Dataset) -> Session:
             for name, source in zip(dataset.systems, session.systems, strict=True)
         ),
     )
+
+
+def live_session(
+    session: Session, dataset: Dataset, params: Params, *, x: str | None, y: str | None
+) -> Session:
+    """The session with the live parameters, thresholds and systems."""
+    # a threshold of None counts every detection; as a parameter it would leave the system's own
+    live = {x: params.threshold_x, y: params.threshold_y}
+    systems = tuple(
+        replace(system, threshold=live.get(name, system.threshold))
+        for name, system in zip(dataset.systems, session.systems, strict=True)
+    )
+    settings = replace(params, threshold_x=None, threshold_y=None)
+    return replace(session, systems=systems, params=settings, x=x, y=y)
 
 
 def _stated(session: Session, source: _S, subject: str, dataset: Dataset) -> _S:

@@ -16,9 +16,9 @@ from picture_files import number_in, numbered, write_numbered_video, write_pictu
 
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About
-from nvcore.detectors import timing
+from nvcore.detectors import run as run_module
 from nvcore.detectors.base import Detections, threads_for_a_picture
-from nvcore.detectors.run import run_detector
+from nvcore.detectors.run import Expectation, expect, run_detector
 from nvcore.detectors.suppression import sorted_detections
 from nvcore.errors import InputError
 from nvcore.inputs.load import load
@@ -136,7 +136,7 @@ def test_recordings_without_pictures_are_left_out(place: Path):
 def test_no_picture_at_all_is_an_error(place: Path):
     text = place.read_text().replace('pictures = "day"\n', "")
     place.write_text(text.replace("night.mp4", "gone.mp4"))
-    for function in (run_detector, lambda *inputs: timing.expect(inputs[0], *inputs[2:])):
+    for function in (run_detector, lambda *inputs: expect(inputs[0], *inputs[2:])):
         dataset, pictures = opened(place)
         with pytest.raises(InputError, match=r"has a picture: gone\.mp4: there is no"):
             function(Numbers(), dataset, pictures)
@@ -173,20 +173,20 @@ def test_the_expected_time_is_that_of_the_pictures_after_the_first(
         told_s.append(next(times_s))
         return told_s[-1]
 
-    monkeypatch.setattr(timing, "time", SimpleNamespace(perf_counter=now_s))
+    monkeypatch.setattr(run_module, "time", SimpleNamespace(perf_counter=now_s))
     pictures = RecordingPictures({0: Plain()}, {0: np.arange(n_pictures)})  # type: ignore[dict-item]
-    expected = timing.expect(Numbers(), pictures, n_threads=1)
-    assert expected == timing.Expectation(n_pictures, 1, 1, each_s)
+    expected = expect(Numbers(), pictures, n_threads=1)
+    assert expected == Expectation(n_pictures, 1, 1, each_s)
     assert expected.seconds == n_pictures * each_s
     assert len(told_s) == 1 + n_timed
 
 
 def test_pictures_are_timed_all_over_the_recordings(monkeypatch: pytest.MonkeyPatch):
     now_s = count(0, 0.25)
-    monkeypatch.setattr(timing, "time", SimpleNamespace(perf_counter=lambda: next(now_s)))
+    monkeypatch.setattr(run_module, "time", SimpleNamespace(perf_counter=lambda: next(now_s)))
     source, indices = Plain(), {0: np.arange(400), 1: np.arange(400)}
     pictures = RecordingPictures({0: source, 1: source}, indices)  # type: ignore[dict-item]
-    expected = timing.expect(Numbers(), pictures, n_threads=1)
+    expected = expect(Numbers(), pictures, n_threads=1)
     # 800 pictures in thirds: their middles are 133 of the first, 0 and 266 of the second recording
     assert {133, 0, 266} <= {*source.seen}
     assert len(source.seen) <= 3 * 7  # 4 until half a second has passed, and those decoded ahead
@@ -201,4 +201,4 @@ def test_timing_may_be_cancelled(place: Path):
         raise CancelledError
 
     with pytest.raises(CancelledError):
-        timing.expect(Numbers(), opened(place)[1], n_threads=1, progress=cancel)
+        expect(Numbers(), opened(place)[1], n_threads=1, progress=cancel)

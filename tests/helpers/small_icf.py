@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from nvcore.detectors.base import TrainedOn
+from nvcore.dataset.provenance import TrainedOn
 from nvcore.detectors.icf import IcfModel, IcfSettings, Scene, train, write_model
 
 SETTINGS = IcfSettings(

@@ -14,10 +14,10 @@ import streamlit as st
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About, TrainedOn
 from nvcore.detectors.registry import DETECTORS
-from nvcore.detectors.run import run_detector
-from nvcore.detectors.timing import Expectation, expect
+from nvcore.detectors.run import Expectation, expect, run_detector
 from nvcore.detectors.writing import WrittenRun, write_detections
 from nvcore.errors import NvcoreError
+from nvcore.inputs.changes import live_session
 from nvcore.inputs.session import Session
 from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress
@@ -30,7 +30,6 @@ from ui.detectors.trial import Levels, levels_of
 from ui.jobs.background import BackgroundJob, JobState
 from ui.jobs.page_run import PageRun, dataset_of, named_in, open_written
 from ui.session import state, store
-from ui.session.opening import live_session
 from ui.session.uploads import ANNOTATION_FOLDERS
 from ui.shell.messages import shown_error
 from ui.shell.navigate import ask_for_page

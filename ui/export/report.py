@@ -11,6 +11,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.findings import Finding
+from nvcore.inputs.changes import live_session
 from nvcore.inputs.session import Session
 from nvcore.report.files import REPORT_CONTENTS, export_files, report_zip
 from nvcore.tables.boxes.matches import MATCH_COLUMNS, MATCHES
@@ -25,7 +26,6 @@ from ui.export.session import (
 )
 from ui.jobs.page_run import is_uploaded
 from ui.session import state
-from ui.session.opening import live_session
 from ui.session.results import input_findings
 from ui.shell.messages import path_remover, shown_root
 from ui.subjects import MadeFile, contributed

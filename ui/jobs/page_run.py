@@ -10,12 +10,12 @@ from typing import Any, Generic
 import streamlit as st
 
 from nvcore.dataset import Dataset
+from nvcore.inputs.changes import live_session
 from nvcore.inputs.session import Session
 from nvcore.progress import Progress
 from ui.jobs.background import BackgroundJob, JobState, Output
 from ui.jobs.progress import draw_progress
 from ui.session import state
-from ui.session.opening import live_session
 from ui.session.uploads import ANNOTATION_FOLDERS, count_folder, remove_folder
 from ui.session.workspace import Workspace
 from ui.shell.messages import shown_error

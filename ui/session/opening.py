@@ -20,6 +20,7 @@ from nvcore.dataset import Dataset
 from nvcore.errors import InputError, SessionError
 from nvcore.file_kinds import composed
 from nvcore.findings import Finding
+from nvcore.inputs.changes import live_session
 from nvcore.inputs.facts import FRAME_RANGE, is_frame_range, with_paths_in
 from nvcore.inputs.files import NAME_PARTS
 from nvcore.inputs.session import (
@@ -328,20 +329,6 @@ def with_systems(
     settings = replace(session.params, threshold_x=None, threshold_y=None)
     changed = replace(live, params=settings, x=x, y=y)
     return changed, {"threshold_x": own.get(x), "threshold_y": own.get(y)}
-
-
-def live_session(
-    session: Session, dataset: Dataset, params: Params, *, x: str, y: str | None
-) -> Session:
-    """The session with the live parameters, thresholds and systems."""
-    # a threshold of None counts every detection; as a parameter it would leave the system's own
-    live = {x: params.threshold_x, y: params.threshold_y}
-    systems = tuple(
-        replace(system, threshold=live.get(name, system.threshold))
-        for name, system in zip(dataset.systems, session.systems, strict=True)
-    )
-    settings = replace(params, threshold_x=None, threshold_y=None)
-    return replace(session, systems=systems, params=settings, x=x, y=y)
 
 
 def public_text(text: object, folders: Iterable[Path]) -> str:

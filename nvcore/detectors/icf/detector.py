@@ -11,7 +11,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.detectors.base import About, Detections, threads_for_a_picture
+from nvcore.dataset.provenance import About
+from nvcore.detectors.base import Detections, threads_for_a_picture
 from nvcore.detectors.icf.cascade import floors
 from nvcore.detectors.icf.channels import Bytes, channel_sets, check_picture, integral_images
 from nvcore.detectors.icf.features import corner_offsets, has_differences

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.detectors.base import TrainedOn
+from nvcore.dataset.provenance import TrainedOn
 from nvcore.detectors.classifier import Classifier
 from nvcore.detectors.icf.boosting import Trees
 from nvcore.detectors.icf.cascade import Calibration

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import Field, asdict, dataclass, fields
 from typing import Any, Final, Literal, get_args
 
+from nvcore.dataset.provenance import Setting
 from nvcore.detection import scale_steps
-from nvcore.detectors.base import Setting
 from nvcore.detectors.settings import facts_of, setting, value_text
 from nvcore.detectors.suppression import OverlapOf
 from nvcore.errors import ParameterError

@@ -10,7 +10,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.detectors.base import DetectorError, TrainedOn
+from nvcore.dataset.provenance import TrainedOn
+from nvcore.detectors.base import DetectorError
 from nvcore.detectors.classifier import Classifier, train_classifier
 from nvcore.detectors.icf.boosting import BoostingRound, boost
 from nvcore.detectors.icf.cascade import Calibration, calibrate, lower

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import Final
@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.dataset.provenance import TrainedOn
+from nvcore.detectors.arguments import TrainArguments
 from nvcore.detectors.icf import IcfSettings
-from nvcore.detectors.icf.windows import NO_BOXES
-from nvcore.detectors.training.shots import Shot, TrainingData
-from nvcore.detectors.training.split import by_group
+from nvcore.detectors.training.shots import Shot, TrainingData, hold_out_groups
 from nvcore.errors import FormatError, InputError, MediaError, ParameterError
 from nvcore.file_kinds import IMAGE_SUFFIXES
 from nvcore.pictures.header import image_size
@@ -31,29 +30,12 @@ _CLASS: Final = "class"
 _MOST_BYTES: Final = 1 << 28
 
 
-def folder_shots(
-    crops: Path | None,
-    background: Path | None,
-    settings: IcfSettings,
-    *,
-    crop_share: float | None = None,
-    share: float = 0.1,
-    seed: int = 0,
-) -> TrainingData:
+def folder_shots(settings: IcfSettings, arguments: TrainArguments) -> TrainingData:
     """Collect the pictures of folders and of their subfolders, without hidden ones.
 
-    Parameters
-    ----------
-    crops
-        Each picture shows an object in its middle, or those that ``boxes.csv`` lists. Pictures
-        with the same folder and the same name up to the last ``_`` show one physical object, which
-        is learned or held out as a whole.
-    background
-        Pictures without an object.
-    crop_share
-        Share of a crop's height that its object takes; None: as in the window.
-    share, seed
-        Of the physical objects held out, and which.
+    Each picture of the folder of crops shows an object in its middle, or those that ``boxes.csv``
+    lists. Crops with the same folder and the same name up to the last ``_`` show one physical
+    object, which is learned or held out as a whole.
 
     Raises
     ------
@@ -61,8 +43,9 @@ def folder_shots(
         If a folder has no pictures, all crops are named as of one physical object, or
         ``boxes.csv`` cannot be read.
     ParameterError
-        If `crop_share` is not above 0 and at most 1.
+        If the share of the height that an object takes is not above 0 and at most 1.
     """
+    crop_share = arguments.crop_share
     if crop_share is None:
         crop_share = settings.object_height / settings.window_height
     if not 0 < crop_share <= 1:
@@ -70,29 +53,31 @@ def folder_shots(
     shots: list[Shot] = []
     trained_on = []
     held_out = ""
-    if crops is not None:
+    if arguments.crops is not None:
+        crops = Path(arguments.crops)
         paths = _pictures_in(crops)
-        groups = _physical_objects(crops, paths)
-        boxes, labels = _boxes(crops, paths, crop_share, settings.aspect)
-        is_out = by_group(groups, share, seed)
-        for path, own, names, out in zip(paths, boxes, labels, is_out, strict=True):
-            shots.append(
-                Shot(
-                    partial(_read, path),
-                    source=f"crops {crops}",
-                    learned=NO_BOXES if out else own,
-                    held_out=own if out else NO_BOXES,
-                    has_background=False,
-                    labels=() if out else names,
-                )
+        groups = [(path.parent, path.stem.rpartition("_")[0] or path.stem) for path in paths]
+        if len(paths) > 1 and len(set(groups)) == 1:
+            raise InputError(
+                f"all {len(paths)} pictures are named as of one physical object, "
+                f"{one_line(groups[0][1])!r}: what stands before the last _ of a name (or the "
+                "folder) must differ from object to object, since part of the objects is held "
+                "out; use names such as sign12_0001.png, or without _",
+                file=crops,
             )
-        n_out = len({group for group, out in zip(groups, is_out, strict=True) if out})
-        held_out = f"{n_out} of {count_text(len(set(groups)), 'physical object')} in crops"
+        boxes, labels = _boxes(crops, paths, crop_share, settings.aspect)
+        is_out, out = hold_out_groups(groups, arguments.share, arguments.seed)
+        for path, own, names, is_held_out in zip(paths, boxes, labels, is_out, strict=True):
+            side = {"held_out": own} if is_held_out else {"learned": own, "labels": names}
+            read = partial(_read, path)
+            shots.append(Shot(read, f"crops {crops}", has_background=False, **side))
+        held_out = f"{len(out)} of {count_text(len(set(groups)), 'physical object')} in crops"
         trained_on.append(_fingerprint(paths, boxes, labels))
-    if background is not None:
+    if arguments.background is not None:
+        background = Path(arguments.background)
         paths = _pictures_in(background)
         shots += [Shot(partial(_read, path), f"background {background}") for path in paths]
-        trained_on.append(_fingerprint(paths, []))
+        trained_on.append(_fingerprint(paths, (), ()))
     return TrainingData(shots, tuple(trained_on), held_out=held_out)
 
 
@@ -111,20 +96,6 @@ def _pictures_in(folder: Path) -> list[Path]:
     return paths
 
 
-def _physical_objects(folder: Path, paths: Sequence[Path]) -> list[tuple[Path, str]]:
-    """Return the object that each crop shows, by folder and name. Raise if all show the same."""
-    groups = [(path.parent, path.stem.rpartition("_")[0] or path.stem) for path in paths]
-    if len(paths) > 1 and len(set(groups)) == 1:
-        raise InputError(
-            f"all {len(paths)} pictures are named as of one physical object, "
-            f"{one_line(groups[0][1])!r}: what stands before the last _ of a name (or the folder) "
-            "must differ from object to object, since part of the objects is held out; use names "
-            "such as sign12_0001.png, or without _",
-            file=folder,
-        )
-    return groups
-
-
 def _read(path: Path) -> NDArray[np.generic]:
     picture: NDArray[np.generic] = decode_image(file_bytes(path), one_line(path.name))
     return picture
@@ -133,7 +104,7 @@ def _read(path: Path) -> NDArray[np.generic]:
 def _fingerprint(
     paths: Sequence[Path],
     boxes: Sequence[NDArray[np.float64]],
-    labels: Sequence[tuple[str, ...]] = (),
+    labels: Sequence[tuple[str, ...]],
 ) -> TrainedOn:
     """sha256 over the files' contents, their boxes, and the classes of these if there are any."""
     digest = hashlib.sha256()
@@ -156,16 +127,38 @@ def _boxes(
     table = folder / BOXES_FILE
     if not table.is_file():
         return [_in_the_middle(path, share, aspect) for path in paths], [()] * len(paths)
-    names = [path.relative_to(folder).as_posix() for path in paths]
-    by_name: dict[str, list[tuple[float, ...]]] = {name: [] for name in names}
-    classes: dict[str, list[str]] = {name: [] for name in names}
-    for line, name, box, label in _listed(table):
-        if name not in by_name:
-            raise FormatError(f"there is no picture {one_line(name)!r}", file=table, line=line)
-        by_name[name].append(box)
-        classes[name].append(label)
-    boxes = [np.array(by_name[name], float).reshape(-1, 4) for name in names]
-    return boxes, [tuple(classes[name]) for name in names]
+    listed: dict[str, list[tuple[list[float], str]]]
+    listed = {path.relative_to(folder).as_posix(): [] for path in paths}
+    rows = csv.DictReader(_text(table).splitlines())
+    if rows.fieldnames is None or not set(_COLUMNS) <= set(rows.fieldnames):
+        raise FormatError(f"expected the columns {', '.join(_COLUMNS)}", file=table, line=1)
+    try:
+        for row in rows:
+            box = [float(row[side] or "nan") for side in _COLUMNS[1:]]
+            if not all(map(math.isfinite, box)) or min(box[2:]) <= 0:
+                raise ValueError
+            if (name := row["file"]) not in listed:
+                raise FormatError(
+                    f"there is no picture {one_line(name)!r}", file=table, line=rows.line_num
+                )
+            listed[name].append((box, (row.get(_CLASS) or "").strip()))
+    except (ValueError, csv.Error) as error:
+        raise FormatError(
+            "expected a file name, x, y, and w and h above 0", file=table, line=rows.line_num
+        ) from error
+    boxes = [np.array([box for box, _ in own], float).reshape(-1, 4) for own in listed.values()]
+    return boxes, [tuple(label for _, label in own) for own in listed.values()]
+
+
+def _text(table: Path) -> str:
+    try:
+        if table.stat().st_size > _MOST_BYTES:
+            raise FormatError(f"is larger than {_MOST_BYTES >> 20} MiB", file=table)
+        return table.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FormatError("is not UTF-8 text", file=table) from error
+    except OSError as error:
+        raise InputError(f"cannot be opened ({error.strerror})", file=table) from error
 
 
 def _in_the_middle(path: Path, share: float, aspect: float) -> NDArray[np.float64]:
@@ -176,28 +169,3 @@ def _in_the_middle(path: Path, share: float, aspect: float) -> NDArray[np.float6
     h = share * height
     w = h * aspect
     return np.array([[(width - w) / 2, (height - h) / 2, w, h]])
-
-
-def _listed(table: Path) -> Iterator[tuple[int, str, tuple[float, ...], str]]:
-    """Line, name, box and class of each row of the table."""
-    try:
-        if table.stat().st_size > _MOST_BYTES:
-            raise FormatError(f"is larger than {_MOST_BYTES >> 20} MiB", file=table)
-        text = table.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise FormatError("is not UTF-8 text", file=table) from error
-    except OSError as error:
-        raise InputError(f"cannot be opened ({error.strerror})", file=table) from error
-    rows = csv.DictReader(text.splitlines())
-    if rows.fieldnames is None or not set(_COLUMNS) <= set(rows.fieldnames):
-        raise FormatError(f"expected the columns {', '.join(_COLUMNS)}", file=table, line=1)
-    try:
-        for row in rows:
-            box = tuple(float(row[side] or "nan") for side in _COLUMNS[1:])
-            if not all(map(math.isfinite, box)) or min(box[2:]) <= 0:
-                raise ValueError
-            yield rows.line_num, row["file"], box, (row.get(_CLASS) or "").strip()
-    except (ValueError, csv.Error) as error:
-        raise FormatError(
-            "expected a file name, x, y, and w and h above 0", file=table, line=rows.line_num
-        ) from error

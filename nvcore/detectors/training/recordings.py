@@ -2,40 +2,44 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.dataset import Dataset
-from nvcore.dataset.provenance import TrainedOn
 from nvcore.detection.filtered_truth import filter_truth
 from nvcore.detectors.arguments import TrainArguments
 from nvcore.detectors.icf import IcfSettings
 from nvcore.detectors.run import no_pictures
 from nvcore.detectors.training.overlap import trained_part
-from nvcore.detectors.training.shots import Shot, TrainingData
-from nvcore.detectors.training.split import Split, split_frames
-from nvcore.errors import InputError
+from nvcore.detectors.training.shots import Shot, TrainingData, hold_out_groups
+from nvcore.errors import InputError, ParameterError
 from nvcore.inputs.evaluated_frames import frames_there, parse_frames
 from nvcore.inputs.facts import frames_from
 from nvcore.pictures import RecordingPictures
 from nvcore.protocols import Protocol
-from nvcore.schema import NO_LABEL
-from nvcore.wording import count_text, one_line
+from nvcore.schema import NO_LABEL, NO_TRACK
+from nvcore.settings import as_names
+from nvcore.wording import MOST_NAMED, count_text, did_you_mean, listed, one_line
 
 MOST_OBJECTS: Final = 5000
 """Boxes that are learned unless the caller asks for every frame: neighbours are much alike."""
 _HEAVY: Final = 2
+_LEAST_RECORDINGS: Final = 4
+"""Minimum number of recordings to hold out whole ones where objects have no tracks."""
+_IGNORED, _LEARNED, _HELD_OUT = range(3)
+"""Parts that a box of the truth can have in a training."""
 
 
 def session_shots(
     dataset: Dataset, pictures: RecordingPictures, settings: IcfSettings, arguments: TrainArguments
 ) -> TrainingData:
-    """The frames of a session to learn from.
+    """Collect the frames of a session to learn from.
 
     Boxes that the session's protocol leaves out, that are mostly hidden, cut off by the picture's
     edge or lower than `TrainArguments.least_height` are neither object nor background, like those
@@ -44,99 +48,110 @@ def session_shots(
     Raises
     ------
     InputError
-        If no frame has a picture, or a recording to be held out is not there.
+        If no frame has a picture, a recording to be held out is not there, or none is left to
+        learn from.
     ParameterError
         If the split is not possible.
     """
+    frames, truth = dataset.frame_columns, dataset.truth
+    names = dataset.recordings["name"].tolist()
+    least = arguments.least_height
+    if least is None:
+        least = settings.object_height * settings.scales[0]
     rows, notes = _rows(dataset, pictures, frames_from(arguments.frames))
-    counts = _counting(dataset, settings, arguments)
-    every = arguments.every or _sparse(dataset, rows, counts)
-    trained_on = _parts(dataset, rows)
-    rows = _thinned(dataset, rows, every)
-    is_here = np.zeros(len(dataset.frames), np.bool_)
-    is_here[rows] = True
-    objects = np.flatnonzero(counts & is_here[dataset.truth.frame_index])
+    counts = _counting(dataset, least)
+    per_frame = np.bincount(truth.frame_index[counts], minlength=len(frames))
+    every = arguments.every or max(1, -(-int(per_frame[rows].sum()) // MOST_OBJECTS))
+    numbers, starts = np.unique(frames.recording[rows], return_index=True)
+    parts = np.split(rows, starts[1:])
+    trained_on = tuple(
+        trained_part(dataset, names[number], *frames.frame[own[[0, -1]]].tolist())
+        for number, own in zip(numbers, parts, strict=True)
+    )
+    rows = np.concatenate([own[::every] for own in parts])
+    is_here = np.isin(truth.frame_index, rows)
+    objects = np.flatnonzero(counts & is_here)
     if not len(objects):
         raise InputError(
             "no box of the truth can be learned: all are ignored, mostly hidden, cut off by the "
             "picture's edge or too low; choose other recordings or frames, or lower boxes"
         )
-    split = split_frames(dataset, rows, objects, arguments)
+    split = _split(dataset, rows, objects, arguments)
+    roles = np.full(len(truth), _IGNORED)
+    roles[objects] = np.where(split.is_object_out, _HELD_OUT, _LEARNED)
+
+    def shot(row: int, *, has_background: bool) -> Shot:
+        number, of_frame = int(frames.recording[row]), truth.rows_of(row, row + 1)
+        source = pictures.sources[number]
+        across = source.width / float(frames.width[number])
+        down = source.height / float(frames.height[number])
+        boxes = np.stack([side[of_frame] for side in truth.xywh], axis=1)
+        boxes = boxes * (across, down, across, down)
+        role = roles[of_frame]
+        codes = truth.label[of_frame][role == _LEARNED].tolist()
+        return Shot(
+            read=partial(source.read, int(pictures.indices[number][row - frames.first[number]])),
+            source=str(names[number]),
+            learned=boxes[role == _LEARNED],
+            held_out=boxes[role == _HELD_OUT],
+            ignored=boxes[role == _IGNORED],
+            has_background=has_background,
+            labels=tuple("" if code == NO_LABEL else dataset.labels[code] for code in codes),
+        )
+
     shots = [
-        _shot(dataset, pictures, int(row), counts, split) for row in rows[~split.is_left_out[rows]]
+        shot(row, has_background=not is_out)
+        for row, is_out, is_left_out in zip(
+            rows.tolist(), split.is_out.tolist(), split.is_left_out.tolist(), strict=True
+        )
+        if not is_left_out
     ]
-    notes += _left_out(dataset, is_here, counts, _least_height(settings, arguments))
+    is_ignored = is_here & ~counts
+    n_low = int(np.count_nonzero(is_ignored & (truth.h < least)))
+    n_others = int(np.count_nonzero(is_ignored)) - n_low
+    if n_low:
+        low = count_text(n_low, "box", "boxes")
+        notes.append(f"{low} lower than the least height, {least:g} px")
+    if n_others:
+        notes.append(
+            f"{count_text(n_others, 'box', 'boxes')} that do not count: ignored, mostly hidden, "
+            "cut off by the edge, or left out by the session's protocol"
+        )
     return TrainingData(shots, trained_on, every, split.words, tuple(notes))
 
 
-def _left_out(
-    dataset: Dataset, is_here: NDArray[np.bool_], counts: NDArray[np.bool_], least: float
-) -> list[str]:
-    """Say how many boxes of these frames are neither object nor background, and why."""
-    is_out = is_here[dataset.truth.frame_index] & ~counts
-    is_low = is_out & (dataset.truth.xywh[3] < least)
-    n_low, n_others = int(is_low.sum()), int((is_out & ~is_low).sum())
-    boxes = "box", "boxes"
-    parts = {
-        f"{count_text(n_low, *boxes)} lower than the least height, {least:g} px": n_low,
-        f"{count_text(n_others, *boxes)} that do not count: ignored, mostly hidden, cut off by the "
-        "edge, or left out by the session's protocol": n_others,
-    }
-    return [text for text, n in parts.items() if n]
-
-
 def _rows(
-    dataset: Dataset, pictures: RecordingPictures, frames_asked: str | None
+    dataset: Dataset, pictures: RecordingPictures, asked: str | None
 ) -> tuple[NDArray[np.int64], list[str]]:
-    """Rows of the frames table that have a picture, and which have none."""
+    """Return the rows of the frames asked for that have a picture, and notes about the others."""
     frames = dataset.frame_columns
-    names = dataset.recordings["name"].tolist()
-    has_picture = np.zeros(len(frames), np.bool_)
-    for number, index in pictures.indices.items():
-        has_picture[frames.rows_of(number)] = index >= 0
-    asked = np.flatnonzero(_asked(dataset, frames_asked))
-    rows = asked[has_picture[asked]]
-    if not len(rows):
-        raise no_pictures(pictures, dataset)
-    n_asked, n_here = (
-        np.bincount(frames.recording[which], minlength=len(names)) for which in (asked, rows)
+    of_recording = [frames.rows_of(number) for number in range(len(dataset.recordings))]
+    own_of = dict(
+        zip(dataset.recordings["name"], (frames.frame[own] for own in of_recording), strict=True)
     )
+    is_asked, has_picture = np.ones(len(frames), np.bool_), np.zeros(len(frames), np.bool_)
+    if asked is not None:
+        for rows, own in zip(of_recording, own_of.values(), strict=True):
+            is_asked[rows] = np.isin(own, parse_frames(asked, Path(), own))
+        if not is_asked.any():
+            raise InputError(f"no evaluated frame is in {asked!r}: {frames_there(own_of)}")
+    for number, index in pictures.indices.items():
+        has_picture[of_recording[number]] = index >= 0
+    if not (is_asked & has_picture).any():
+        raise no_pictures(pictures, dataset)
     notes = []
-    for number in np.flatnonzero(n_here < n_asked).tolist():
-        if n_here[number]:
-            n_without = n_asked[number] - n_here[number]
-            notes.append(
-                f"{n_without:,} of {n_asked[number]:,} frames of {names[number]}: no picture"
-            )
-        else:
-            reason = pictures.notes.get(number) or "no frame has a picture"
-            notes.append(f"{names[number]}: {reason}")
-    return rows, [one_line(note) for note in notes]
+    for number, (name, rows) in enumerate(zip(own_of, of_recording, strict=True)):
+        n_asked, n_here = is_asked[rows].sum(), (is_asked & has_picture)[rows].sum()
+        if 0 < n_here < n_asked:
+            notes.append(f"{n_asked - n_here:,} of {n_asked:,} frames of {name}: no picture")
+        elif n_asked and not n_here:
+            notes.append(f"{name}: {pictures.notes.get(number) or 'no frame has a picture'}")
+    return np.flatnonzero(is_asked & has_picture), [one_line(note) for note in notes]
 
 
-def _asked(dataset: Dataset, frames: str | None) -> NDArray[np.bool_]:
-    """Return a mask of the evaluated frames that the user asks for, bool, shape (n_frames,)."""
-    columns = dataset.frame_columns
-    is_asked = np.full(len(columns), frames is None)
-    if frames is None:
-        return is_asked
-    own_of = {
-        name: columns.frame[columns.rows_of(number)]
-        for number, name in enumerate(dataset.recordings["name"])
-    }
-    for number, own in enumerate(own_of.values()):
-        is_asked[columns.rows_of(number)] = np.isin(own, parse_frames(frames, Path(), own))
-    if not is_asked.any():
-        raise InputError(f"no evaluated frame is in {frames!r}: {frames_there(own_of)}")
-    return is_asked
-
-
-def _counting(
-    dataset: Dataset, settings: IcfSettings, arguments: TrainArguments
-) -> NDArray[np.bool_]:
-    """Return a mask of the ground-truth boxes that are learned, bool, shape (n_truth,)."""
+def _counting(dataset: Dataset, least: float) -> NDArray[np.bool_]:
+    """Return a mask of the boxes of the truth that are learned, bool, shape (n_truth,)."""
     of_session: Protocol = dataset.settings.protocol
-    least = _least_height(settings, arguments)
     low, high = of_session.height_px
     left, top, right, bottom = of_session.border_px or (1.0,) * 4
     protocol = replace(
@@ -150,66 +165,85 @@ def _counting(
     return filter_truth(dataset, protocol).counts
 
 
-def _least_height(settings: IcfSettings, arguments: TrainArguments) -> float:
-    """Lower boxes are left out, px."""
-    if arguments.least_height is None:
-        return settings.object_height * settings.scales[0]
-    return arguments.least_height
+class _Split(NamedTuple):
+    """Objects, bool, (n_objects,), and frames, bool, (n_frames,), that are held out.
+
+    Frames that are left out are on neither side. `words` says what was held out.
+    """
+
+    is_object_out: NDArray[np.bool_]
+    is_out: NDArray[np.bool_]
+    is_left_out: NDArray[np.bool_]
+    words: str
 
 
-def _sparse(dataset: Dataset, rows: NDArray[np.int64], counts: NDArray[np.bool_]) -> int:
-    """The least step between frames with which there are few enough boxes."""
-    per_frame = np.bincount(dataset.truth.frame_index[counts], minlength=len(dataset.frames))
-    return max(1, -(-int(per_frame[rows].sum()) // MOST_OBJECTS))
-
-
-def _thinned(dataset: Dataset, rows: NDArray[np.int64], every: int) -> NDArray[np.int64]:
-    """Every so many rows of each recording."""
-    recording = dataset.frame_columns.recording[rows]
-    place = np.arange(len(rows)) - np.searchsorted(recording, recording)
-    thinned: NDArray[np.int64] = rows[place % every == 0]
-    return thinned
-
-
-def _shot(
+def _split(
     dataset: Dataset,
-    pictures: RecordingPictures,
-    row: int,
-    counts: NDArray[np.bool_],
-    split: Split,
-) -> Shot:
-    frames, truth = dataset.frame_columns, dataset.truth
-    number = int(frames.recording[row])
-    source = pictures.sources[number]
-    index = int(pictures.indices[number][row - int(frames.first[number])])
-    across = source.width / float(frames.width[number])
-    down = source.height / float(frames.height[number])
-    of_frame = truth.rows_of(row, row + 1)
-    boxes = np.stack([side[of_frame] for side in truth.xywh], axis=1)
-    boxes = boxes * (across, down, across, down)
-    is_object, is_out = counts[of_frame], split.is_held_out[of_frame]
-    codes = truth.label[of_frame][is_object & ~is_out].tolist()
-    return Shot(
-        read=partial(source.read, index),
-        source=str(dataset.recordings["name"].iloc[number]),
-        learned=boxes[is_object & ~is_out],
-        held_out=boxes[is_object & is_out],
-        ignored=boxes[~is_object],
-        has_background=bool(split.has_background[row]),
-        labels=tuple("" if code == NO_LABEL else dataset.labels[code] for code in codes),
-    )
+    rows: NDArray[np.int64],
+    objects: NDArray[np.int64],
+    arguments: TrainArguments,
+) -> _Split:
+    """Choose what is held out of these rows of the frames table and these boxes of the truth."""
+    frames, share, seed = dataset.frame_columns, arguments.share, arguments.seed
+    frame, numbers = frames.frame[rows], frames.recording[rows]
+    recording = dataset.recordings["name"].to_numpy()[numbers].tolist()
+    place = np.searchsorted(rows, dataset.truth.frame_index[objects])
+    track = dataset.truth.track[objects]
+    has_tracks = bool((track != NO_TRACK).all())
+    by, is_left_out = arguments.split, np.zeros(len(rows), np.bool_)
+    if by == "auto":
+        by = "recording" if len(set(recording)) >= _LEAST_RECORDINGS else "time"
+        by = "object" if has_tracks else by
+    if arguments.hold_out:
+        names = _recordings_named(arguments, dataset, list(dict.fromkeys(recording)))
+        is_out, words = np.isin(recording, names), one_line(listed(names))
+    elif by == "object":
+        if not has_tracks:
+            raise ParameterError(
+                "split: the truth has boxes without a track, so that it is not known which are of "
+                "one object; split by recording or time"
+            )
+        groups = list(zip(numbers[place].tolist(), track.tolist(), strict=True))
+        is_object_out, out = hold_out_groups(groups, share, seed)
+        words = f"{len(out)} of {len(set(groups))} physical objects"
+        return _Split(is_object_out, is_left_out, is_left_out, words)
+    elif by == "recording":
+        is_out, held_out = hold_out_groups(recording, share, seed)
+        if not held_out:
+            raise ParameterError(
+                "split: a single recording cannot be split by recording; split by object or time"
+            )
+        words = one_line(listed(held_out))
+    else:
+        first = frame[np.searchsorted(numbers, numbers)]
+        last = frame[np.searchsorted(numbers, numbers, side="right") - 1]
+        border = first + np.rint((1 - share) * (last - first + 1))
+        is_out = frame >= border
+        is_left_out = ~is_out & (frame >= border - arguments.gap)
+        words = f"the last {100 * share:g} % of each recording"
+    return _Split(is_out[place], is_out, is_left_out, words)
 
 
-def _parts(dataset: Dataset, rows: NDArray[np.int64]) -> tuple[TrainedOn, ...]:
-    """List what to note of the training: for each recording, its first to its last frame."""
-    frames = dataset.frame_columns
-    recording, frame = frames.recording[rows], frames.frame[rows]
-    return tuple(
-        trained_part(
-            dataset,
-            str(dataset.recordings["name"].iloc[number]),
-            int(frame[recording == number].min()),
-            int(frame[recording == number].max()),
+def _recordings_named(
+    arguments: TrainArguments, dataset: Dataset, known: Sequence[str]
+) -> Sequence[str]:
+    """Return the recordings to be held out, which all have to be among those known."""
+    names = as_names(arguments.hold_out)
+    for name in names:
+        if name in known:
+            continue
+        if name in dataset.recordings["name"].tolist():
+            raise InputError(
+                f"hold_out: {name!r} has no evaluated frame with a picture (among frames, if "
+                "these are given)"
+            )
+        there = f"those here are {listed(known, most=MOST_NAMED)}"
+        raise InputError(
+            f"hold_out: there is no recording {name!r}, or it is not among those chosen "
+            f"(only, tags); {did_you_mean(name, known, there)}"
         )
-        for number in np.unique(recording)
-    )
+    if not {*known} - {*names}:
+        raise InputError(
+            "hold_out: every recording chosen is held out; one at least must be left to learn from"
+        )
+    return names

@@ -1,38 +1,90 @@
-"""Train a detector: gather pictures, read them, train, and check the held-out objects."""
+"""Train a detector: choose settings, gather pictures, train, and check the held-out objects."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Final
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nvcore.dataset import Dataset
-from nvcore.detectors.arguments import TrainArguments
+from nvcore.detectors.arguments import Preset, TrainArguments
 from nvcore.detectors.base import DetectorError
 from nvcore.detectors.classifier import MAX_CLASSES
-from nvcore.detectors.icf import IcfModel, IcfSettings, Scene, train
+from nvcore.detectors.icf import (
+    AS_IN_REPORT,
+    PEDESTRIANS,
+    SIGNS,
+    IcfModel,
+    IcfSettings,
+    train,
+)
 from nvcore.detectors.icf.cascade import passes
-from nvcore.detectors.icf.channels import check_picture
-from nvcore.detectors.icf.windows import object_windows, window_values
+from nvcore.detectors.icf.windows import object_values
+from nvcore.detectors.settings import check_names, typed_like
 from nvcore.detectors.training.folders import folder_shots
 from nvcore.detectors.training.recordings import session_shots
-from nvcore.detectors.training.shots import PictureStore, Shot, TrainingData, scenes_of
+from nvcore.detectors.training.shots import PictureStore, Shot, TrainingData
 from nvcore.errors import InputError, ParameterError
 from nvcore.memory import free_bytes
+from nvcore.objects import SPEED_SIGN, Objects
 from nvcore.output.model_files import LONGEST_NAME, check_name
 from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress, no_progress, part_of, with_time_left
-from nvcore.wording import count_text, duration_text, one_line
+from nvcore.wording import count_text, did_you_mean, duration_text, listed, one_line
 
 _READING: Final = 0.05
 """Share of the time for reading pictures, about."""
 _BYTES_OF_VALUE: Final = 13
 """Memory for each feature of each window: joined from parts, binned, in the search of splits."""
+
+
+PRESETS: Final[Mapping[str, IcfSettings]] = {
+    "pedestrians": PEDESTRIANS,
+    "signs": SIGNS,
+    "as-in-report": AS_IN_REPORT,
+}
+"""By the names of `nvcore.detectors.arguments.Preset`."""
+
+
+def preset_for(objects: Objects | None) -> Preset:
+    """The preset for what a session is of, unless the user names one; None: there is no session."""
+    return "signs" if objects == SPEED_SIGN else "pedestrians"
+
+
+def preset_settings(preset: str, given: Mapping[str, Any]) -> IcfSettings:
+    """The settings of a preset, some of them changed.
+
+    Parameters
+    ----------
+    given
+        By name; see `typed_like`.
+
+    Raises
+    ------
+    DetectorError
+        If there is no such preset or setting, or a text is not of the setting's type.
+    ParameterError
+        If a value is not possible.
+    """
+    if preset not in PRESETS:
+        known = f"they are {listed([*PRESETS])}"
+        raise DetectorError(
+            f"there is no preset {preset!r}; {did_you_mean(preset, PRESETS, known)}"
+        )
+    check_names(given, [spec.name for spec in fields(IcfSettings)])
+    start = PRESETS[preset]
+    patience = given.get("patience")
+    if isinstance(patience, str):
+        try:
+            given = {**given, "patience": None if patience == "none" else int(patience)}
+        except ValueError as error:
+            raise DetectorError(
+                f"patience: expected a whole number or none, found {patience!r}"
+            ) from error
+    return replace(start, **typed_like(start, given))
 
 
 def gather(
@@ -51,52 +103,32 @@ def gather(
     Raises
     ------
     InputError
-        If there is nothing to learn from.
+        If there is nothing to learn from, or all objects would be on one side.
     ParameterError
         If the split is not possible.
     """
-    crops, background = (
-        None if folder is None else Path(folder)
-        for folder in (arguments.crops, arguments.background)
-    )
-    from_folders = folder_shots(
-        crops,
-        background,
-        settings,
-        crop_share=arguments.crop_share,
-        share=arguments.share,
-        seed=arguments.seed,
-    )
-    if dataset is None or pictures is None:
-        if not from_folders.shots:
-            raise InputError("there is nothing to learn from; name a session, or folders")
-        gathered = from_folders
-    else:
+    gathered = folder_shots(settings, arguments)
+    if dataset is not None and pictures is not None:
         of_session = session_shots(dataset, pictures, settings, arguments)
         gathered = replace(
             of_session,
-            shots=[*of_session.shots, *from_folders.shots],
-            trained_on=of_session.trained_on + from_folders.trained_on,
-            held_out="; ".join(filter(None, (of_session.held_out, from_folders.held_out))),
+            shots=[*of_session.shots, *gathered.shots],
+            trained_on=of_session.trained_on + gathered.trained_on,
+            held_out="; ".join(filter(None, (of_session.held_out, gathered.held_out))),
         )
-    _check_held_out(gathered.shots, gathered.held_out)
-    return gathered
-
-
-def _check_held_out(shots: Sequence[Shot], held_out: str) -> None:
-    """Refuse a training of which all objects would be on one side."""
-    n_learned, n_out = (
-        sum(len(boxes) for boxes in side)
-        for side in zip(*((shot.learned, shot.held_out) for shot in shots), strict=True)
-    )
+    elif not gathered.shots:
+        raise InputError("there is nothing to learn from; name a session, or folders")
+    n_learned = sum(len(shot.learned) for shot in gathered.shots)
+    n_out = sum(len(shot.held_out) for shot in gathered.shots)
     if n_learned + n_out and not (n_learned and n_out):
         every = "all are" if n_out else "none is"
         raise InputError(
             f"of {count_text(n_learned + n_out, 'box', 'boxes')} {every} held out "
-            f"({one_line(held_out)}); a training needs some to learn, and at least one, of another "
-            "physical object, to calibrate the rejection on: choose more recordings or frames, or "
-            "another split or share"
+            f"({one_line(gathered.held_out)}); a training needs some to learn, and at least one, "
+            "of another physical object, to calibrate the rejection on: choose more recordings or "
+            "frames, or another split or share"
         )
+    return gathered
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -136,12 +168,18 @@ class Training:
         return f"<Training of {self.model!r}: {self._objects}>"
 
     def __str__(self) -> str:
-        held_out = one_line(self.training_data.held_out)
+        held_out, settings = one_line(self.training_data.held_out), self.model.settings
+        cascade = f"lets {self.n_kept:,} through"
+        if settings.cascade in ("calibrated", "hard"):  # it is made to keep its share
+            share = f"{100 * settings.kept_share:g} %"
+            cascade = f"was calibrated to let {share} of the held-out ones through"
         lines = [
             f"{one_line(self.model.name)}: {self._objects}",
             f"held out: {held_out} ({count_text(self.n_held_out, 'box', 'boxes')})",
             *self.model.windows_in_words(),
-            self._calibrated,
+            f"{self.n_found:,} of {count_text(self.n_held_out, 'held-out box', 'held-out boxes')} "
+            f"reach the threshold ({settings.threshold:g}) in a window of their own; the cascade "
+            f"{cascade}",
             f"trained in {duration_text(self.seconds)}",
         ]
         if self.faults:
@@ -157,19 +195,6 @@ class Training:
         if self.training_data.every > 1:
             pictures += f", one in {self.training_data.every} of the evaluated frames"
         return f"{count_text(self.n_objects, 'box', 'boxes')} learned in {pictures}"
-
-    @property
-    def _calibrated(self) -> str:
-        """Held-out boxes that come through. A calibrated cascade is made to keep its share."""
-        settings = self.model.settings
-        text = (
-            f"{self.n_found:,} of {count_text(self.n_held_out, 'held-out box', 'held-out boxes')} "
-            f"reach the threshold ({settings.threshold:g}) in a window of their own"
-        )
-        if settings.cascade in ("calibrated", "hard"):
-            share = f"{100 * settings.kept_share:g} %"
-            return f"{text}; the cascade was calibrated to let {share} of the held-out ones through"
-        return f"{text}; the cascade lets {self.n_kept:,} through"
 
 
 def train_on(
@@ -202,15 +227,13 @@ def train_on(
     began = time.perf_counter()
     check_name("name", name)
     shots = training_data.shots
-    _check_classes(shots)
-    _check_room(shots, settings)
+    _check_possible(shots, settings)
     progress = with_time_left(progress)
-    store = PictureStore(shots)
-    store.read_all(part_of(progress, 0.0, _READING))
+    store = PictureStore(shots, progress=part_of(progress, 0.0, _READING))
     faults = tuple(store.faults.values())
     if len(faults) == len(shots):
-        raise InputError(f"no picture can be read: {faults[0] if faults else 'there is none'}")
-    scenes, held_out = scenes_of(store)
+        raise InputError(f"no picture can be read: {faults[0]}")
+    scenes, held_out = store.scenes()
     model = train(
         scenes,
         settings,
@@ -221,7 +244,9 @@ def train_on(
         trained_on=training_data.trained_on,
         progress=part_of(progress, _READING, 1.0),
     )
-    sums = _sums(model, held_out)
+    plain = replace(model.settings, copies=0)  # nothing is drawn at random
+    values = object_values(iter(held_out), plain, model.features, model.is_colour, seed)
+    sums = model.trees.running_sums(values)
     is_kept = passes(model.settings, model.calibration, sums).all(axis=1)
     progress(1.0, "done")
     read = [shot for i, shot in enumerate(shots) if i not in store.faults]
@@ -238,23 +263,8 @@ def train_on(
     )
 
 
-def _sums(model: IcfModel, scenes: Sequence[Scene]) -> NDArray[np.float64]:
-    """Running sums of the objects in their own windows, (n_objects, n_trees)."""
-    plain = replace(model.settings, copies=0)
-    unused = np.random.default_rng(0)
-    values = [np.empty((0, len(model.features)), np.int32)]
-    for i in range(len(scenes)):
-        scene = scenes[i]
-        picture = check_picture(scene.picture, model.is_colour)
-        windows = [
-            window for box in scene.boxes for window in object_windows(picture, box, plain, unused)
-        ]
-        values.append(window_values(windows, plain, model.features))
-    return model.trees.running_sums(np.concatenate(values))
-
-
-def _check_classes(shots: Sequence[Shot]) -> None:
-    """Refuse classes that a model cannot have, before it is trained."""
+def _check_possible(shots: Sequence[Shot], settings: IcfSettings) -> None:
+    """Refuse classes that a model cannot have, or too little memory, before hours of training."""
     classes = {label for shot in shots for label in shot.labels if label}
     odd = [name for name in classes if len(name) > LONGEST_NAME or not name.isprintable()]
     if odd:
@@ -265,10 +275,6 @@ def _check_classes(shots: Sequence[Shot]) -> None:
         raise ParameterError(
             f"boxes are of {len(classes)} classes; a model tells {MAX_CLASSES} apart at most"
         )
-
-
-def _check_room(shots: Sequence[Shot], settings: IcfSettings) -> None:
-    """Refuse a training for which there is too little memory, before it takes hours."""
     n_objects = sum(len(shot.learned) + len(shot.held_out) for shot in shots)
     n_rounds = len(settings.trees_per_round)
     n_windows = n_objects * (1 + settings.copies) + settings.negatives

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from nvcore.pictures import Picture
 from nvcore.progress import Progress, no_progress
 from nvcore.wording import one_line
 
+Group = TypeVar("Group", bound=Hashable)
 MOST_BYTES: Final = 1 << 29
 """Of pictures that stay in memory; any others are read again whenever they are asked for."""
 
@@ -51,11 +52,6 @@ class Shot:
     has_background: bool = True
     labels: tuple[str, ...] = ()
 
-    @property
-    def is_learned(self) -> bool:
-        """Whether anything of it is trained on."""
-        return self.has_background or len(self.learned) > 0
-
 
 @dataclass(frozen=True, eq=False)
 class TrainingData:
@@ -83,7 +79,7 @@ class TrainingData:
 
 
 class PictureStore:
-    """The pictures of shots, those that fit into memory read once.
+    """The shots whose pictures can be read, as scenes. Pictures that fit into memory are read once.
 
     Attributes
     ----------
@@ -91,25 +87,28 @@ class PictureStore:
         Why pictures cannot be read, by shot.
     """
 
-    def __init__(self, shots: Sequence[Shot], most_bytes: int = MOST_BYTES) -> None:
+    def __init__(
+        self,
+        shots: Sequence[Shot],
+        most_bytes: int = MOST_BYTES,
+        progress: Progress = no_progress,
+    ) -> None:
         self.shots = shots
         self.faults: dict[int, str] = {}
         self._in_memory: dict[int, Picture] = {}
-        self._free_bytes = most_bytes
         self._in_colour: set[str] = set()
-
-    def read_all(self, progress: Progress = no_progress) -> None:
-        """Read every picture once, in order: a video is quick that way, and faults are known."""
-        for i, shot in enumerate(self.shots):
-            progress(i / len(self.shots), "reading pictures")
+        for i, shot in enumerate(shots):  # in order: a video is quick that way
+            progress(i / len(shots), "reading pictures")
             try:
-                picture = shot.read()
+                picture = _plain(shot.read())
             except MediaError as error:
                 self.faults[i] = one_line(str(error))
                 continue
-            if has_colour(picture):
+            if picture.ndim == 3:
                 self._in_colour.add(shot.source)
-            self._keep(i, _plain(picture))
+            if picture.nbytes <= most_bytes:
+                most_bytes -= picture.nbytes
+                self._in_memory[i] = picture
 
     def picture(self, index: int) -> Picture:
         """The picture of a shot: grey, unless any of its source has colour."""
@@ -120,10 +119,22 @@ class PictureStore:
             picture = np.repeat(picture[..., None], 3, axis=2)
         return picture
 
-    def _keep(self, index: int, picture: Picture) -> None:
-        if picture.nbytes <= self._free_bytes:
-            self._free_bytes -= picture.nbytes
-            self._in_memory[index] = picture
+    def scenes(self) -> tuple[LazyScenes, LazyScenes]:
+        """Return the scenes to train on, and those of held-out objects."""
+
+        def learned(i: int) -> Scene:
+            shot = self.shots[i]
+            ignored = np.concatenate([shot.ignored, shot.held_out])
+            return Scene(self.picture(i), shot.learned, ignored, shot.has_background, shot.labels)
+
+        def held_out(i: int) -> Scene:
+            return Scene(self.picture(i), self.shots[i].held_out, has_background=False)
+
+        readable = [(i, shot) for i, shot in enumerate(self.shots) if i not in self.faults]
+        return (
+            LazyScenes(learned, [i for i, s in readable if s.has_background or len(s.learned)]),
+            LazyScenes(held_out, [i for i, s in readable if len(s.held_out)]),
+        )
 
 
 def _plain(picture: Picture) -> Picture:
@@ -133,20 +144,28 @@ def _plain(picture: Picture) -> Picture:
     return picture
 
 
-def scenes_of(store: PictureStore) -> tuple[LazyScenes, LazyScenes]:
-    """Return the scenes to train on and those of held-out objects, without unreadable pictures."""
+def hold_out_groups(
+    groups: Sequence[Group], share: float, seed: int
+) -> tuple[NDArray[np.bool_], list[Group]]:
+    """Hold out whole groups, so that none is on both sides.
 
-    def learned(number: int) -> Scene:
-        shot = store.shots[number]
-        ignored = np.concatenate([shot.ignored, shot.held_out])
-        picture = store.picture(number)
-        return Scene(picture, shot.learned, ignored, shot.has_background, shot.labels)
+    Groups are recordings, or physical objects, whose pictures are alike.
 
-    def held_out(number: int) -> Scene:
-        return Scene(store.picture(number), store.shots[number].held_out, has_background=False)
+    Parameters
+    ----------
+    groups
+        Group of each item, (n,).
+    share
+        Share of the groups to hold out, rounded. Of two or more groups, at least one is held out
+        and one is not.
 
-    readable = [i for i in range(len(store.shots)) if i not in store.faults]
-    return (
-        LazyScenes(learned, [i for i in readable if store.shots[i].is_learned]),
-        LazyScenes(held_out, [i for i in readable if len(store.shots[i].held_out)]),
-    )
+    Returns
+    -------
+    Whether each item is held out, bool, (n,), and the groups held out, in their order.
+    """
+    names = list(dict.fromkeys(groups))
+    n_out = max(0, min(max(1, round(share * len(names))), len(names) - 1))
+    chosen = np.random.default_rng(seed).permutation(len(names))[:n_out]
+    out = [names[i] for i in sorted(chosen)]
+    held_out = {*out}
+    return np.array([group in held_out for group in groups], np.bool_), out

@@ -20,7 +20,8 @@ from damaged_models import (
     with_odd_values,
 )
 
-from nvcore.detectors.base import DetectorError, TrainedOn
+from nvcore.dataset.provenance import TrainedOn
+from nvcore.detectors.base import DetectorError
 from nvcore.detectors.classifier import N_VALUES, Classifier
 from nvcore.detectors.icf import IcfDetector, read_model, write_model
 from nvcore.detectors.icf.model_file import from_bytes, to_bytes

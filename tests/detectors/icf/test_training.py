@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nvcore.detectors.base import DetectorError, TrainedOn
+from nvcore.dataset.provenance import TrainedOn
+from nvcore.detectors.base import DetectorError
 from nvcore.detectors.icf import IcfDetector, IcfSettings, Scene, train
 from nvcore.detectors.icf.channels import check_picture
 from nvcore.detectors.icf.features import draw_features

@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 
 import nvcore as nv
+from nvcore.detectors.arguments import TrainArguments
 from nvcore.detectors.icf import SIGNS
 from nvcore.detectors.registry import open_detector
 from nvcore.detectors.training.folders import folder_shots
+from nvcore.detectors.training.shots import TrainingData
 from nvcore.errors import InputError, ParameterError
+
+
+def shots_of(crops: Path | None, background: Path | None = None, **options: Any) -> TrainingData:
+    arguments = TrainArguments(None, "m.npz", crops=crops, background=background, **options)
+    return folder_shots(SIGNS, arguments)
 
 
 def disc(path: Path, size: int, shift: int = 0) -> None:
@@ -44,17 +52,17 @@ def background(tmp_path: Path) -> Path:
 
 
 def test_an_object_fills_the_stated_share_of_its_crop(crops: Path):
-    shots = folder_shots(crops, None, SIGNS, crop_share=0.5).shots
+    shots = shots_of(crops, crop_share=0.5).shots
     (box,) = (*shots[0].learned, *shots[0].held_out)
     assert box.tolist() == [10, 10, 20, 20]
-    as_in_window = folder_shots(crops, None, SIGNS).shots[0]
+    as_in_window = shots_of(crops).shots[0]
     (box,) = (*as_in_window.learned, *as_in_window.held_out)
     assert box[3] == 40 * 27 / 32
     assert not any(shot.has_background for shot in shots)
 
 
 def test_a_track_of_crops_is_on_one_side(crops: Path):
-    given = folder_shots(crops, None, SIGNS, share=0.25)
+    given = shots_of(crops, share=0.25)
     assert given.held_out == "1 of 4 physical objects in crops"
     out = [len(shot.held_out) for shot in given.shots]
     assert sum(out) == 3
@@ -69,29 +77,29 @@ def test_crops_that_are_all_named_as_of_one_object_are_refused_before_they_are_r
     for i in range(3):
         (folder / f"IMG_{i:04}.jpg").write_bytes(b"")
     with pytest.raises(InputError, match="all 3 pictures are named as of one physical object"):
-        folder_shots(folder, None, SIGNS)
+        shots_of(folder)
     (folder / "other.jpg").write_bytes(b"")
-    assert folder_shots(folder, None, SIGNS).held_out == "1 of 2 physical objects in crops"
+    assert shots_of(folder).held_out == "1 of 2 physical objects in crops"
 
 
 def test_boxes_are_those_of_the_table(crops: Path):
     (crops / "boxes.csv").write_text(
         "file,x,y,w,h\n30/00000_00000.png,1,2,10,11\n30/00000_00000.png,20,2,10,11\n"
     )
-    shots = folder_shots(crops, None, SIGNS).shots
+    shots = shots_of(crops).shots
     boxes = [np.concatenate([shot.learned, shot.held_out]).tolist() for shot in shots]
     assert boxes[0] == [[1, 2, 10, 11], [20, 2, 10, 11]]
     assert not any(boxes[1:])
 
 
 def test_the_fingerprint_is_of_contents_and_boxes(crops: Path, background: Path):
-    first = folder_shots(crops, background, SIGNS)
+    first = shots_of(crops, background)
     assert len(first.trained_on) == 2
     moved = crops.rename(crops.with_name("elsewhere"))
-    assert folder_shots(moved, background, SIGNS).trained_on == first.trained_on
-    assert folder_shots(moved, None, SIGNS, crop_share=0.5).trained_on[0] != first.trained_on[0]
+    assert shots_of(moved, background).trained_on == first.trained_on
+    assert shots_of(moved, crop_share=0.5).trained_on[0] != first.trained_on[0]
     disc(moved / "30/00000_00000.png", 44)
-    assert folder_shots(moved, None, SIGNS).trained_on[0] != first.trained_on[0]
+    assert shots_of(moved).trained_on[0] != first.trained_on[0]
 
 
 @pytest.mark.parametrize(
@@ -108,18 +116,18 @@ def test_the_fingerprint_is_of_contents_and_boxes(crops: Path, background: Path)
 def test_a_wrong_table_is_refused(table: str, words: str, crops: Path):
     (crops / "boxes.csv").write_bytes(table.encode("latin-1"))
     with pytest.raises(InputError, match=words):
-        folder_shots(crops, None, SIGNS)
+        shots_of(crops)
 
 
 def test_folders_without_pictures_are_refused(tmp_path: Path):
     with pytest.raises(InputError, match="there is no such folder"):
-        folder_shots(tmp_path / "gone", None, SIGNS)
+        shots_of(tmp_path / "gone")
     (tmp_path / "notes.txt").write_text("")
     with pytest.raises(InputError, match="there are no pictures in it"):
-        folder_shots(None, tmp_path, SIGNS)
+        shots_of(None, tmp_path)
     for share in (0, 1.5, float("nan")):
         with pytest.raises(ParameterError, match="crop_share"):
-            folder_shots(tmp_path, None, SIGNS, crop_share=share)
+            shots_of(tmp_path, crop_share=share)
 
 
 def test_crops_and_background_give_a_model(crops: Path, background: Path, tmp_path: Path):
@@ -141,10 +149,10 @@ def test_the_classes_of_a_table_are_those_of_the_model(
 ):
     names = sorted(path.relative_to(crops).as_posix() for path in crops.rglob("*.png"))
     rows = [f"{name},5,5,30,30,{30 + 20 * (i % 2)}" for i, name in enumerate(names)]
-    plain = folder_shots(crops, None, SIGNS).trained_on
+    plain = shots_of(crops).trained_on
     table = crops / "boxes.csv"
     table.write_text("\n".join(["file,x,y,w,h,class", *rows]))
-    given = folder_shots(crops, None, SIGNS)
+    given = shots_of(crops)
     assert given.trained_on != plain
     assert [shot.labels for shot in given.shots if len(shot.learned)][:2] == [("30",), ("50",)]
     settings = {"features": 200, "trees_per_round": (8,), "negatives": 300, "copies": 1}

@@ -131,12 +131,14 @@ def test_whole_recordings_are_held_out():
         assert not any(len(shot.held_out) for shot in others)
 
 
-def test_the_end_of_a_recording_is_held_out_after_a_gap():
-    given = shots_of(walkers("a"), split="time", share=0.25, gap=5)
-    learned = [int(shot.read()[0, 0]) for shot in given.shots if len(shot.learned)]
-    held_out = [int(shot.read()[0, 0]) for shot in given.shots if len(shot.held_out)]
-    assert (learned, held_out) == ([*range(25)], [*range(30, 40)])
-    assert len(given.shots) == 35
+def test_the_end_of_each_recording_is_held_out_after_a_gap():
+    given = shots_of(walkers("a", "b"), split="time", share=0.25, gap=5)
+    for name in "ab":
+        own = [shot for shot in given.shots if shot.source == name]
+        learned = [int(shot.read()[0, 0]) for shot in own if len(shot.learned)]
+        held_out = [int(shot.read()[0, 0]) for shot in own if len(shot.held_out)]
+        assert (learned, held_out) == ([*range(25)], [*range(30, 40)])
+        assert len(own) == 35
 
 
 def test_without_tracks_recordings_or_time_are_split():

@@ -12,7 +12,7 @@ import nvcore as nv
 from nvcore.detectors.icf import PEDESTRIANS, read_model
 from nvcore.detectors.registry import SAMPLE_MODEL, open_detector
 from nvcore.detectors.training.overlap import trained_part
-from nvcore.detectors.training.presets import preset_settings
+from nvcore.detectors.training.run import preset_settings
 from scripts.detectors.train_sample import SEED, SETTINGS, TESTED, TRAINED
 
 FRAMES = range(40, 300, 40)

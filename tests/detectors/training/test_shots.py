@@ -1,4 +1,4 @@
-"""Pictures of a training: in memory as far as there is room, colour or grey as a whole."""
+"""Pictures of a training in memory, in colour or grey, and groups that are held out as a whole."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from nvcore.detectors.training.shots import PictureStore, Shot, scenes_of
+from nvcore.detectors.training.shots import PictureStore, Shot, hold_out_groups
 from nvcore.errors import MediaError
 from nvcore.pictures import Picture
 
@@ -25,9 +25,7 @@ def damaged() -> Picture:
 
 
 def stored(*shots: Shot, most_bytes: int = 1000) -> PictureStore:
-    store = PictureStore(shots, most_bytes)
-    store.read_all()
-    return store
+    return PictureStore(shots, most_bytes)
 
 
 def test_pictures_without_colour_have_one_channel():
@@ -59,7 +57,7 @@ def test_what_does_not_fit_into_memory_is_read_again(most_bytes: int, n_read: in
 def test_scenes_are_of_what_is_learned_and_of_what_is_held_out():
     both = Shot(given(GREY), "a", learned=BOX, held_out=BOX + 1, ignored=BOX + 2)
     out = Shot(given(GREY), "a", held_out=BOX, has_background=False)
-    scenes, held_out = scenes_of(stored(both, out, Shot(damaged, "a", learned=BOX)))
+    scenes, held_out = stored(both, out, Shot(damaged, "a", learned=BOX)).scenes()
     assert (len(scenes), len(held_out)) == (1, 2)
     assert scenes[0].boxes.tolist() == BOX.tolist()
     assert scenes[0].ignored.tolist() == [*(BOX + 2).tolist(), *(BOX + 1).tolist()]
@@ -70,3 +68,18 @@ def test_scenes_are_of_what_is_learned_and_of_what_is_held_out():
 
 def test_faults_are_harmless_lines():
     assert stored(Shot(damaged, "a")).faults == {0: r"p.png: is\x1bdamaged"}
+
+
+def test_groups_are_held_out_as_a_whole():
+    tracks = [i // 30 for i in range(300)]
+    is_out, out = hold_out_groups(tracks, 0.2, seed=0)
+    assert is_out.sum() == 60
+    assert out == sorted({track for track, is_one in zip(tracks, is_out, strict=True) if is_one})
+    np.testing.assert_array_equal(is_out, hold_out_groups(tracks, 0.2, seed=0)[0])
+
+
+def test_at_least_one_group_is_on_either_side():
+    assert len(hold_out_groups(["a", "b"], 0.01, seed=0)[1]) == 1
+    assert len(hold_out_groups(["a", "b"], 0.99, seed=0)[1]) == 1
+    assert hold_out_groups(["a", "a"], 0.5, seed=0)[1] == []
+    assert hold_out_groups([], 0.5, seed=0)[0].shape == (0,)

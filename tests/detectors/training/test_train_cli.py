@@ -11,8 +11,8 @@ import pytest
 from inputs import nvcore
 from places import SAMPLE
 
+from nvcore.detectors.commands import _next_step
 from nvcore.detectors.training import run as run_module
-from nvcore.detectors.training.command import _next_step
 
 PART = ("--only", "urban_crossing", "--only", "winter_frost", "--every", "15")
 QUICK = tuple(

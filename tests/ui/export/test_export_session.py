@@ -18,6 +18,7 @@ from nvcore.auditing import audit
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity
+from nvcore.inputs.changes import live_session
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session
@@ -28,7 +29,7 @@ from ui.export.session import (
     public_findings,
     with_public_names,
 )
-from ui.session.opening import live_session, public_text, uploaded_session
+from ui.session.opening import public_text, uploaded_session
 from ui.session.uploads import new_upload, store_annotations
 from ui.session.workspace import Workspace
 
