@@ -19,8 +19,8 @@ import numpy as np
 import scipy
 
 from nvcore.evidence.paired_tests import SIGNIFICANT
+from nvcore.group_statistics.analyses import welch_f
 from nvcore.group_statistics.permutation import permute_between
-from nvcore.group_statistics.summaries import welch_f
 
 CASES: Final = (
     *(((4, 12), sds) for sds in ((1, 1), (3, 1), (1, 3))),

@@ -29,7 +29,6 @@ from nvcore.metrics.cost_map import CostMap
 from nvcore.objects import Objects, labels_in_order
 from nvcore.palette import Theme
 from nvcore.stability.axes import Axis
-from nvcore.stability.flips import combine_axes
 from nvcore.stability.map import StabilityMap
 from nvcore.stability.notes import (
     CRITERIA,
@@ -253,9 +252,7 @@ def _region_names(
     is_drawn = np.zeros(shape, dtype=bool)
     for cell in (*cells, *(_cell_at(stability, pair) for pair in _equal_alarms(stability))):
         is_drawn[cell] = True
-    is_framed = combine_axes(
-        [setting.is_plausible(setting.values) for setting in stability.axes], np.logical_and
-    )
+    is_framed = np.logical_and.outer(*(axis.is_plausible(axis.values) for axis in (across, up)))
     awkward = awkward + 10.0 * binary_dilation(is_drawn, size)
     awkward = awkward + 5.0 * binary_dilation(is_framed & ~binary_erosion(is_framed), size)
     is_roomy = INSIDE_PX[1] / shape[1] >= 3 * NAME_PX[1]  # a name fits above a mark

@@ -14,29 +14,28 @@ import scipy
 from nvcore.arguments.groups import GroupArguments, Scale
 from nvcore.errors import ParameterError
 from nvcore.evidence.paired_tests import SIGNIFICANT, holm
-from nvcore.group_statistics.permutation import permute_between, permute_within
-from nvcore.group_statistics.reading import GroupTable, read_groups
-from nvcore.group_statistics.repeated import (
-    friedman,
-    paired,
-    repeated_measures,
-    residuals,
-    sphericity,
-)
-from nvcore.group_statistics.sample_size import persons_for, power_of_anova, power_of_t
-from nvcore.group_statistics.summaries import (
+from nvcore.group_statistics.analyses import (
     Groups,
     Test,
     anova,
     assumed_pairs,
     cohens_d,
+    friedman,
     games_howell,
     pair_table,
+    paired,
     pairs_of,
+    persons_for,
+    power_of_f,
+    repeated_measures,
+    residuals,
+    sphericity,
     t_interval,
     tukey,
     welch,
 )
+from nvcore.group_statistics.permutation import permute_between, permute_within
+from nvcore.group_statistics.reading import GroupTable, read_groups
 from nvcore.group_statistics.text import PAIR_TESTS, TESTS, amount_form, render_groups
 from nvcore.inputs.readers.parse.table import TextTable
 from nvcore.notes import Note, say
@@ -71,7 +70,7 @@ class GroupComparison:
         ``condition``, ``n``, ``mean``, ``sd``, ``low`` and ``high`` (95 % interval of the mean),
         ``median``, ``geometric_mean`` (of times).
     tests
-        Fields of `nvcore.group_statistics.summaries.Test`, and ``fits``.
+        Fields of `nvcore.group_statistics.analyses.Test`, and ``fits``.
     pairs
         ``test``, ``first``, ``second``, ``difference`` (first less second) or in the same persons'
         times ``ratio`` (of geometric means), each with its 95 % interval (``low``, ``high``); q or
@@ -364,10 +363,11 @@ def _sizes(asked: GroupArguments, data: _Data) -> list[tuple[str, float, float, 
         difference = np.log1p(asked.difference / middle) if data.are_logs else asked.difference
     d = float(difference / np.sqrt(variance)) if variance > 0 else np.nan
     f = d / np.sqrt(2 * k)
-    of_pairs = partial(power_of_t, d, level=level, is_paired=is_paired)
+    n_groups = 1 if is_paired else 2
+    of_pairs = partial(power_of_f, d / n_groups, k=n_groups, level=level)
     sizes = [("t", d, level, persons_for(asked.power, d, of_pairs))]
     if not is_paired and k > 2:
-        of_all = partial(power_of_anova, f, k=k, level=SIGNIFICANT)
+        of_all = partial(power_of_f, f, k=k, level=SIGNIFICANT)
         sizes.insert(0, ("anova", f, SIGNIFICANT, persons_for(asked.power, f, of_all)))
     return sizes
 

@@ -17,7 +17,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.evidence.bootstrap import ROUNDING, ROWS_AT_ONCE, SEED
-from nvcore.group_statistics.summaries import Test, welch_f
+from nvcore.group_statistics.analyses import Test, welch_f
 
 MOST_LISTED: Final = 200_000
 """Maximum number of ways that are all tried."""

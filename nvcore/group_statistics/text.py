@@ -159,13 +159,9 @@ def groups_json(comparison: GroupComparison) -> str:
     """Serialize sentences and tables as JSON text. null is undefined."""
     content: dict[str, Any] = {
         "version": __version__,
-        "measure": comparison.measure,
-        "scale": comparison.scale,
-        "design": comparison.design,
+        **{name: getattr(comparison, name) for name in ("measure", "scale", "design")},
         "design_text": DESIGNS[comparison.design],
-        "fits": comparison.fits,
-        "fits_pairs": comparison.fits_pairs,
-        "sentences": comparison.sentences,
+        **{name: getattr(comparison, name) for name in ("fits", "fits_pairs", "sentences")},
     }
     for name in TABLES:
         table: pd.DataFrame = getattr(comparison, name)

@@ -66,12 +66,17 @@ def claimable_key(name: str) -> str:
     ParameterError
         If there is none.
     """
-    if name in CLAIMABLE.values():
+    return key_in(CLAIMABLE, name, "no verdict can rest on")
+
+
+def key_in(keys: Mapping[str, str], name: str, refusal: str) -> str:
+    """Look up the key of a measure by its name or key, or raise ParameterError with the refusal."""
+    if name in keys.values():
         return name
-    if name not in CLAIMABLE:
-        hint = did_you_mean(name, CLAIMABLE, f"the measures are {', '.join(CLAIMABLE)}")
-        raise ParameterError(f"no verdict can rest on {one_line(name)!r}: {hint}")
-    return CLAIMABLE[name]
+    if name not in keys:
+        hint = did_you_mean(name, keys, f"the measures are {', '.join(keys)}")
+        raise ParameterError(f"{refusal} {one_line(name)!r}: {hint}")
+    return keys[name]
 
 
 def choose_primary(primary: Primary, name: str | None) -> Primary:

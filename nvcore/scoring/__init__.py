@@ -12,9 +12,10 @@ from nvcore.scoring.step import (
     steps_of,
     weigh_misses,
 )
-from nvcore.scoring.system import nearest_of, score_system
+from nvcore.scoring.system import STEPS, score_system
 
 __all__ = [
+    "STEPS",
     "Inputs",
     "Made",
     "Memo",
@@ -23,7 +24,6 @@ __all__ = [
     "SystemInputs",
     "SystemResult",
     "miss_factors",
-    "nearest_of",
     "score_system",
     "steps_of",
     "weigh_misses",

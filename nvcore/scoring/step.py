@@ -103,10 +103,6 @@ class Memo:
         self.used[key] = value
         return value
 
-    def put(self, key: tuple[Any, ...], value: Any, settings: Sequence[Stage]) -> None:
-        """Use a result that was made elsewhere, with the same settings."""
-        self.used[(*key, *self._params.values_for(*settings))] = value
-
 
 class Made(Mapping[str, Any]):
     """Results of steps by name, each made when it is first asked for.

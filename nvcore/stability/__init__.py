@@ -1,8 +1,12 @@
 """Stability maps, which show whether the verdict depends on the settings."""
 
 from nvcore.stability.axes import Plane
-from nvcore.stability.equal_alarms import EqualAlarms, equal_alarm_thresholds
-from nvcore.stability.map import StabilityMap, map_stability
+from nvcore.stability.map import (
+    EqualAlarms,
+    StabilityMap,
+    equal_alarm_thresholds,
+    map_stability,
+)
 from nvcore.stability.notes import describe_chance, describe_equal_alarms, describe_stability
 from nvcore.stability.scores import Criterion
 from nvcore.stability.survey import survey_stability, survey_table

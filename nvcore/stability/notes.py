@@ -16,8 +16,7 @@ from nvcore.measures.table import evidence_form, inference_of, repeated_by
 from nvcore.notes import Note, phrase, say
 from nvcore.objects import PEDESTRIAN
 from nvcore.stability.axes import Axis, Plane
-from nvcore.stability.flips import Flip, FlipInterval, Winner, winners
-from nvcore.stability.map import StabilityMap
+from nvcore.stability.map import Flip, FlipInterval, StabilityMap, Winner
 from nvcore.stability.scores import MEASURE_OF, Criterion
 from nvcore.wording import listed
 
@@ -254,8 +253,7 @@ def _choices(stability: StabilityMap) -> list[Note]:
         for label in others if axis.labels and stability.is_moved_by[i] else ():
             cell = tuple(label if j == i else index for j, index in enumerate(present))
             difference = float(stability.difference[cell])
-            winner = winners(np.array([difference]))[0]
-            claim = _claim(stability.criterion, winner, difference)
+            claim = _claim(stability.criterion, stability.winner[cell], difference)
             notes.append(Note("stability.choice", setting=axis.text(float(label)), claim=claim))
     return notes
 

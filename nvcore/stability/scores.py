@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from typing import Any, Final, Literal
 
 import numpy as np
 
-from nvcore.comparison import Result
+from nvcore.comparison import TRUTH_STEPS, Result
 from nvcore.measures.table import measure_of
-from nvcore.metrics.encounters import judge_encounters
 from nvcore.metrics.matching import Matches, match_system
-from nvcore.metrics.proximity import in_use, weigh_proximity
-from nvcore.metrics.proximity.borrowing import weighing_truth
-from nvcore.metrics.saliency import find_events, mean_saliency, qualify
-from nvcore.metrics.similarity import Nearest, SetDistances, measure_sets
-from nvcore.params import Params, settings_for
+from nvcore.params import settings_for
 from nvcore.schema import DetectionState
-from nvcore.scoring import nearest_of, weigh_misses
+from nvcore.scoring import STEPS, Inputs, Made, Memo, SystemInputs, steps_of
 from nvcore.stability.axes import Axis
-from nvcore.stages import MATCH, PROXIMITY, Stage
+from nvcore.stages import MATCH
 
 Criterion = Literal["similarity", "encounters", "saliency"]
 Letter = Literal["x", "y"]
@@ -36,20 +31,6 @@ MEASURE_OF: Final[dict[Criterion, str]] = {
 
 Key = tuple[tuple[str, float | str], ...]
 """Settings by name that differ from the analysed ones; alpha is never among them."""
-
-
-@dataclass(frozen=True)
-class Score:
-    """A system's measure as a function of alpha: a straight line between two ends.
-
-    Attributes
-    ----------
-    at_0, at_1
-        The measure at alpha 0 and 1; equal where alpha does not matter. NaN: undefined.
-    """
-
-    at_0: float
-    at_1: float
 
 
 def enters(name: str, criterion: Criterion, letter: Letter, result: Result) -> bool:
@@ -113,8 +94,8 @@ def score_setting(
     key: Key,
     letters: Sequence[Letter],
     full: Mapping[Letter, Matches],
-) -> dict[Letter, Score]:
-    """The criterion's measure of some systems at one setting.
+) -> dict[Letter, tuple[float, float]]:
+    """Return the measure of some systems at alpha 0 and at alpha 1. Between them it is linear.
 
     Mean similarity (1 is best), number of encounters detected, or saliency in seconds (0 is best);
     as `nvcore.comparison.compare` gives at that setting, up to rounding. NaN without frames and,
@@ -128,54 +109,21 @@ def score_setting(
         From `match_fully`.
     """
     changes: dict[str, Any] = dict(key)
-    params = replace(result.params, **changes)
-    dataset = result.dataset
-    frames = dataset.frame_columns
-    has_new_weights = _is_changed(PROXIMITY, changes)
-    k_truth, k_miss = result.k_truth.k, result.k_miss
-    if has_new_weights:
-        truth = weighing_truth(dataset, params)
-        k_truth = weigh_proximity(truth, ~truth.ignore, frames, params).k
-        k_miss = weigh_misses(k_truth, dataset, params)
-    scores: dict[Letter, Score] = {}
+    dataset, params = result.dataset, replace(result.params, **changes)
+    inputs = (dataset, params, result.tracks, result.encounters)
+    truth = Made(steps_of("truth", TRUTH_STEPS), Inputs(*inputs), Memo(params, result.stages))
+    scores: dict[Letter, tuple[float, float]] = {}
     for letter in letters:
-        matches = _matches(result, letter, params, changes, full)
-        if not len(frames):
-            value = np.nan
-        elif criterion == "encounters":
-            value = _count_detected(result, k_truth, matches, params)
-        else:
-            nearest, distances = _distances(
-                result, letter, params, changes, matches, k_miss, criterion
-            )
-            if criterion == "similarity":
-                scores[letter] = _similarity(distances, result)
-                continue
-            value = _saliency(k_truth, k_miss, nearest, distances, result, params)
-        scores[letter] = Score(value, value)
+        name, threshold = result.system(letter).name, getattr(params, f"threshold_{letter}")
+        at, owner = SystemInputs(*inputs, name, threshold), (dataset.systems.index(name), threshold)
+        known = dict(result.stages)
+        if letter in full:
+            matches = _above(full[letter], at.detections.score, threshold)
+            known["matches", *owner, *params.values_for(MATCH)] = matches
+        steps, memo = steps_of("system", STEPS), Memo(params, known)
+        made = Made(steps, at, memo, owner=owner, before=truth.__getitem__)
+        scores[letter] = _ends(criterion, made, at) if len(at.frames) else (np.nan, np.nan)
     return scores
-
-
-def _is_changed(stage: Stage, changes: Mapping[str, Any]) -> bool:
-    """Whether the changes affect a stage's result, thresholds aside."""
-    return not changes.keys().isdisjoint(settings_for(stage))
-
-
-def _matches(
-    result: Result,
-    letter: Letter,
-    params: Params,
-    changes: Mapping[str, Any],
-    full: Mapping[Letter, Matches],
-) -> Matches:
-    system, name = result.system(letter), f"threshold_{letter}"
-    if name in changes and letter in full:
-        score = result.dataset.system(system.name).score
-        return _above(full[letter], score, changes[name])
-    if name in changes or _is_changed(MATCH, changes):
-        threshold = changes.get(name, system.threshold)
-        return match_system(result.dataset, system.name, threshold, params)
-    return system.matches
 
 
 def _above(full: Matches, score: np.ndarray, threshold: float) -> Matches:
@@ -190,66 +138,16 @@ def _above(full: Matches, score: np.ndarray, threshold: float) -> Matches:
     )
 
 
-def _distances(
-    result: Result,
-    letter: Letter,
-    params: Params,
-    changes: Mapping[str, Any],
-    matches: Matches,
-    k_miss: np.ndarray,
-    criterion: Criterion,
-) -> tuple[Nearest, SetDistances]:
-    system, dataset = result.system(letter), result.dataset
-    if not changes:
-        return system.nearest, system.distances
-    truth, detections = dataset.truth, dataset.system(system.name)
-    frames, is_counted = dataset.frame_columns, matches.is_counted
-    nearest, k = system.nearest, system.weights.k
-    if matches is not system.matches or "pairing" in changes:
-        nearest = nearest_of(dataset, system.name, matches, params)
-    # saliency considers misses only: the weights of detections do not matter
-    if criterion == "similarity" and _is_changed(PROXIMITY, changes):
-        k = weigh_proximity(detections, is_counted, frames, params).k
-    edge_weight = in_use(params, "edge_weight", frames)
-    return nearest, measure_sets(
-        *(truth, k_miss, detections, k, is_counted, nearest, frames),
-        edge_weight=edge_weight,
-        track=result.tracks.track,
-    )
-
-
-def _similarity(distances: SetDistances, result: Result) -> Score:
-    """Mean similarity, a straight line in alpha: only misses at 1, only false alarms at 0."""
-    half_width = result.dataset.frame_columns.half_width
-    return Score(
-        at_0=1 - float(np.mean(distances.d_false / half_width)),
-        at_1=1 - float(np.mean(distances.d_miss / half_width)),
-    )
-
-
-def _count_detected(result: Result, k_truth: np.ndarray, matches: Matches, params: Params) -> float:
-    outcomes = judge_encounters(
-        result.encounters, k_truth, matches.is_matched, result.dataset.frame_columns, params
-    )
-    if not (outcomes["n_relevant"] > 0).any():
-        return np.nan
-    return float(outcomes["is_detected"].sum())
-
-
-def _saliency(
-    k_truth: np.ndarray,
-    k_miss: np.ndarray,
-    nearest: Nearest,
-    distances: SetDistances,
-    result: Result,
-    params: Params,
-) -> float:
-    frames = result.dataset.frame_columns
-    salient_row = qualify(distances, frames, tolerance=params.tolerance)
-    events = find_events(
-        *(result.dataset.truth, k_truth, nearest.truth, distances.d_miss, salient_row),
-        *(result.tracks.track, result.encounters, frames),
-        *(in_use(params, "edge_weight", frames), params),
-        k_miss=k_miss,
-    )
-    return mean_saliency(events, frames, aggregate=params.saliency_aggregate)
+def _ends(criterion: Criterion, made: Made, at: SystemInputs) -> tuple[float, float]:
+    """Compute the measure at alpha 0 and at alpha 1 from the steps that it needs."""
+    if criterion == "similarity":  # only false alarms at 0, only misses at 1
+        distances, half_width = made["distances"], at.frames.half_width
+        of_false, of_miss = distances.d_false / half_width, distances.d_miss / half_width
+        return 1 - float(np.mean(of_false)), 1 - float(np.mean(of_miss))
+    if criterion == "saliency":
+        value: float = made["saliency_s"]
+    else:
+        outcomes = made["encounters"]
+        has_near = (outcomes["n_relevant"] > 0).any()
+        value = float(outcomes["is_detected"].sum()) if has_near else np.nan
+    return value, value

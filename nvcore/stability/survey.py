@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from itertools import product
 from typing import Final
 
 import numpy as np
@@ -18,14 +19,7 @@ from nvcore.stability.map import StabilityMap, map_stability
 from nvcore.stability.notes import CRITERIA, PLANES, nearest_text, share_text, winner_text
 from nvcore.stability.scores import Criterion
 
-SURVEY_PLANES: Final[tuple[Plane, ...]] = (
-    "alpha-midpoint",
-    "thresholds",
-    "matching",
-    "edge-weight-alpha",
-    "pairing-alpha",
-    "saliency-rule",
-)
+SURVEY_PLANES: Final = tuple(plane for plane in PLANES if plane != "edge-weight")
 """Planes that together contain every setting that a map can change."""
 NOTHING: Final = "–"
 SURVEY_COLUMNS: Final = ("plane", "criterion", "settings", "by", "verdict", "share", "nearest")
@@ -63,8 +57,7 @@ def survey_stability(
     progress: Progress = no_progress,
 ) -> tuple[SurveyRow, ...]:
     """Compute the map of each plane in `SURVEY_PLANES` by every criterion (`map_stability`)."""
-    maps: list[tuple[Plane, Criterion]] = [(p, c) for p in SURVEY_PLANES for c in CRITERIA]
-    rows = []
+    maps, rows = [*product(SURVEY_PLANES, CRITERIA)], []
     for number, (plane, criterion) in enumerate(maps):
         part = part_of(progress, number / len(maps), (number + 1) / len(maps))
         try:

@@ -16,22 +16,22 @@ from scipy import stats
 from bench.group_tests import CASES
 from nvcore.evidence.bootstrap import ratio
 from nvcore.evidence.paired_tests import swap_test
-from nvcore.group_statistics.permutation import (
-    N_RANDOM,
-    permute_between,
-    permute_within,
-)
-from nvcore.group_statistics.repeated import friedman, paired, repeated_measures, sphericity
-from nvcore.group_statistics.sample_size import persons_for, power_of_anova, power_of_t
-from nvcore.group_statistics.summaries import (
+from nvcore.group_statistics.analyses import (
     Groups,
     anova,
+    friedman,
     games_howell,
+    paired,
+    persons_for,
+    power_of_f,
+    repeated_measures,
+    sphericity,
     t_interval,
     tukey,
     welch,
     welch_f,
 )
+from nvcore.group_statistics.permutation import N_RANDOM, permute_between, permute_within
 
 RNG = np.random.default_rng(7)
 SAMPLES = [RNG.normal(mean, sd, n) for mean, sd, n in ((5, 1, 9), (6, 2, 7), (8, 4, 12), (5, 1, 4))]
@@ -340,27 +340,27 @@ def test_persons_who_all_differ_alike_have_no_test():
 )
 def test_two_groups_need_cohens_numbers(effect: float, power: float, n: int):
     """Cohen (1988), table 2.4.1, two-sided 0.05; 394 and 105: G*Power 3.1."""
-    assert persons_for(power, effect, lambda n: power_of_t(effect, n, 0.05, is_paired=False)) == n
+    assert persons_for(power, effect, lambda n: power_of_f(effect / 2, n, 2, 0.05)) == n
 
 
 def test_pairs_and_three_groups_need_g_powers_numbers():
     """G*Power 3.1: t of dependent means, d 0.5: 34; one-way ANOVA, f 0.25, three groups: 159."""
-    assert persons_for(0.8, 0.5, lambda n: power_of_t(0.5, n, 0.05, is_paired=True)) == 34
-    assert persons_for(0.8, 0.25, lambda n: power_of_anova(0.25, n, 3, 0.05)) == 159 / 3
+    assert persons_for(0.8, 0.5, lambda n: power_of_f(0.5, n, 1, 0.05)) == 34
+    assert persons_for(0.8, 0.25, lambda n: power_of_f(0.25, n, 3, 0.05)) == 159 / 3
 
 
 def test_no_effect_needs_no_size_a_huge_one_two_persons_and_a_tiny_one_none():
     def power(n: int) -> float:
-        return power_of_t(1e-3, n, 0.05, is_paired=False)
+        return power_of_f(1e-3 / 2, n, 2, 0.05)
 
     assert np.isnan(persons_for(0.8, 0.0, power))
     assert np.isnan(persons_for(0.8, np.nan, power))
     assert np.isnan(persons_for(0.8, 1e-3, power))
     assert persons_for(0.8, 50.0, power) == 2
-    assert persons_for(0.5, 15.0, lambda n: power_of_t(15.0, n, 0.05, is_paired=False)) == 2
+    assert persons_for(0.5, 15.0, lambda n: power_of_f(15.0 / 2, n, 2, 0.05)) == 2
     # a tail of 1e-17, which SciPy's nct.cdf does not give, is no reason for a sixth person
     d = 3.3344079450707564
-    assert persons_for(0.8, d, lambda n: power_of_t(d, n, 0.005, is_paired=True)) == 5
+    assert persons_for(0.8, d, lambda n: power_of_f(d, n, 1, 0.005)) == 5
 
 
 def test_tables_of_pairs_have_one_form():

@@ -16,8 +16,8 @@ from scipy import stats
 
 import nvcore as nv
 from nvcore.group_statistics import GroupComparison
+from nvcore.group_statistics.analyses import Groups, anova
 from nvcore.group_statistics.permutation import permute_between
-from nvcore.group_statistics.summaries import Groups, anova
 
 REACTIONS = pd.DataFrame(
     {

@@ -10,8 +10,7 @@ from builders import at, make_dataset, result_of
 
 from nvcore.comparison import Result, compare
 from nvcore.params import Params
-from nvcore.stability.equal_alarms import N_RATES, equal_alarm_thresholds
-from nvcore.stability.map import map_stability
+from nvcore.stability.map import N_RATES, equal_alarm_thresholds, map_stability
 from nvcore.stability.notes import describe_stability
 from nvcore.stability.scores import Criterion
 

@@ -10,8 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nvcore.stability.axes import Axis
-from nvcore.stability.flips import winners
-from nvcore.stability.map import StabilityMap
+from nvcore.stability.map import StabilityMap, winners
 from nvcore.stability.notes import describe_stability
 from nvcore.stability.scores import Criterion
 

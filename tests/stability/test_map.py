@@ -10,9 +10,11 @@ import pytest
 from builders import Box, Place, at, make_dataset, result_of
 from scenes import draw_scene
 
+from nvcore import comparison
 from nvcore.comparison import Result, compare
 from nvcore.errors import InputError, ParameterError
 from nvcore.params import Params
+from nvcore.scoring import system
 from nvcore.stability import scores
 from nvcore.stability.axes import Plane
 from nvcore.stability.map import map_stability
@@ -157,10 +159,13 @@ def test_without_frames_nothing_is_defined(criterion: Criterion) -> None:
 
 def test_only_what_a_setting_changes_is_repeated(monkeypatch: pytest.MonkeyPatch) -> None:
     calls: list[str] = []
-    for name in ("match_system", "nearest_of", "weigh_proximity", "measure_sets"):
-        original = getattr(scores, name)
+    for module, name in (
+        (scores, "match_system"), (system, "match_system"), (system, "nearest_of"),
+        (comparison, "weigh_proximity"), (system, "weigh_proximity"), (system, "measure_sets"),
+    ):  # fmt: skip
+        original = getattr(module, name)
         monkeypatch.setattr(
-            scores, name,
+            module, name,
             lambda *a, _f=original, _n=name, **k: calls.append(_n) or _f(*a, **k),
         )  # fmt: skip
     truth = [at(i, 50, h=float(10 + i), track=i) for i in range(4)]
@@ -177,7 +182,7 @@ def test_only_what_a_setting_changes_is_repeated(monkeypatch: pytest.MonkeyPatch
     assert counts("alpha-midpoint", "encounters") == {"weigh_proximity": 5}
     assert counts("edge-weight-alpha", "similarity") == {"measure_sets": 8}
     assert counts("matching", "similarity") == {}  # no ignore region: the sets stay
-    assert counts("matching", "encounters") == {"match_system": 2 * (5 + 1)}
+    assert counts("matching", "encounters") == {"match_system": 2 * (4 + 1)}
     n_calls = counts("thresholds", "encounters")
     assert n_calls == {"match_system": 1}  # X is cut by its threshold; Y is matched in full already
 

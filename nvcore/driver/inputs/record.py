@@ -34,6 +34,9 @@ _MOST: Final = 2**53
 _SHOWN_NAME: Final = 40
 _STATED: Final = ("name", "fingerprint", "simulated", "n_subjects")
 """Facts of the estimator that every record has."""
+_IF_KNOWN: Final = ("no_better_at_s", "of_no_use", "search")
+_DOUBTS: Final = ("other_width", "light_doubts", "picture_doubts")
+"""Facts of the estimator, and of its estimates, that are left out if they are empty."""
 _PARTS: Final = {
     "written_by": str,
     "files": Mapping[str, str],
@@ -172,27 +175,16 @@ def _named(names: Iterable[str]) -> str:
 
 def estimate_json(record: EstimateRecord) -> bytes:
     """Serialize the record as JSON. Equal records give equal bytes."""
-    estimator: dict[str, object] = {name: getattr(record, name) for name in _STATED}
-    if record.no_better_at_s:  # else as before there was such a thing
-        estimator["no_better_at_s"] = list(record.no_better_at_s)
-    if record.of_no_use:
-        estimator["of_no_use"] = True
-    if record.search:
-        estimator["search"] = record.search
-    estimates: dict[str, object] = {
+    known = {name: value for name in _IF_KNOWN if (value := getattr(record, name))}
+    estimates = {
         "n": record.n_estimates,
         "n_light_unknown": record.n_light_unknown,
         "outside": dict(record.outside),
+        **{name: dict(value) for name in _DOUBTS if (value := getattr(record, name))},
     }
-    if record.other_width:
-        estimates["other_width"] = dict(record.other_width)
-    if record.light_doubts:
-        estimates["light_doubts"] = dict(record.light_doubts)
-    if record.picture_doubts:
-        estimates["picture_doubts"] = dict(record.picture_doubts)
     content = {
         "written_by": record.written_by,
-        "estimator": estimator,
+        "estimator": {name: getattr(record, name) for name in _STATED} | known,
         "estimates": estimates,
         "files": dict(record.files),
     }

@@ -1,10 +1,5 @@
 """Study planning: required number of recordings, power, and non-inferiority."""
 
-from nvcore.evidence.planning.noninferiority import (
-    NonInferiority,
-    judge_noninferiority,
-    worse_at_most,
-)
 from nvcore.evidence.planning.notes import notes_for_verdict, notes_of_plan
 from nvcore.evidence.planning.pilot import (
     PLAN_KEYS,
@@ -13,7 +8,14 @@ from nvcore.evidence.planning.pilot import (
     make_pilot,
     plan_key,
 )
-from nvcore.evidence.planning.plan import Plan, PlanSize, plan_recordings
+from nvcore.evidence.planning.plan import (
+    NonInferiority,
+    Plan,
+    PlanSize,
+    judge_noninferiority,
+    plan_recordings,
+    worse_at_most,
+)
 from nvcore.evidence.planning.power import PowerPoint
 
 __all__ = [

@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING, Final
 
 from nvcore.evidence.measures import Evidence
-from nvcore.evidence.planning.noninferiority import NonInferiority
 from nvcore.evidence.planning.pilot import MIN_PILOT
 from nvcore.evidence.units import WHOLE
 from nvcore.measures.table import evidence_form
@@ -14,7 +13,7 @@ from nvcore.notes import Note
 from nvcore.wording import difference
 
 if TYPE_CHECKING:
-    from nvcore.evidence.planning.plan import Assumption, Plan, PlanSize
+    from nvcore.evidence.planning.plan import Assumption, NonInferiority, Plan, PlanSize
 
 QUESTION: Final = "How much more would it take?"
 ASSUMPTIONS: Final[dict[Assumption, str]] = {

@@ -9,21 +9,16 @@ import numpy as np
 
 from nvcore.comparison import Result
 from nvcore.detection.filtered_truth import filter_truth
-from nvcore.errors import InputError, ParameterError
+from nvcore.errors import InputError
 from nvcore.evidence.bootstrap import ROUNDING
 from nvcore.evidence.companions import judge_keys
-from nvcore.evidence.measures import (
-    Evidence,
-    UnitMeasure,
-    unit_measures,
-)
+from nvcore.evidence.measures import Evidence, UnitMeasure, unit_measures
 from nvcore.evidence.miss_rate import NEEDED, judge_miss_rate, log_average_miss_rate_measure
 from nvcore.evidence.paired_tests import MIN_SWAPPED
 from nvcore.evidence.planning.thresholds import Thresholds
 from nvcore.evidence.units import WHOLE, Units, find_units, sum_units, units_within
-from nvcore.measures.table import EVIDENCE_KEYS, inference_of
+from nvcore.measures.table import EVIDENCE_KEYS, inference_of, key_in
 from nvcore.protocols import PROTOCOLS, Protocol
-from nvcore.wording import did_you_mean, one_line
 
 MIN_PILOT: Final = MIN_SWAPPED
 """Fewest recordings to plan from: with fewer there is no test of recordings, either."""
@@ -123,13 +118,7 @@ def plan_key(name: str) -> str:
     ParameterError
         If no study can be planned for it.
     """
-    if name in PLAN_KEYS.values():
-        return name
-    if name not in PLAN_KEYS:
-        names = f"the measures are {', '.join(PLAN_KEYS)}"
-        hint = did_you_mean(name, PLAN_KEYS, names)
-        raise ParameterError(f"no study can be planned for {one_line(name)!r}: {hint}")
-    return PLAN_KEYS[name]
+    return key_in(PLAN_KEYS, name, "no study can be planned for")
 
 
 def judge_key(
@@ -183,13 +172,9 @@ def make_pilot(
 def too_few_for_pilot(n: int, n_independent: int) -> str:
     """Why nothing is planned from `n` recordings, with those of one unit counted as one."""
     verb = "is" if n == 1 else "are"
-    if n_independent == n:
-        needed, here = "recordings", f"{verb} {n}"
-    else:
-        needed, here = (
-            "independent recordings",
-            f"{verb} {n:,}, {n_independent} of them independent",
-        )
+    needed, here = "recordings", f"{verb} {n}"
+    if n_independent < n:
+        needed, here = f"independent {needed}", f"{verb} {n:,}, {n_independent} of them independent"
     return (
         f"a plan needs a pilot of {MIN_PILOT} {needed} or more, here {here}: stretches of time say "
         "nothing of other recordings"

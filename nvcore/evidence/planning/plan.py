@@ -19,11 +19,6 @@ from nvcore.evidence.bootstrap import MIN_UNITS
 from nvcore.evidence.measures import Evidence, primary_of
 from nvcore.evidence.operating_points import is_undecided
 from nvcore.evidence.paired_tests import MIN_SWAPPED, SIGNIFICANT
-from nvcore.evidence.planning.noninferiority import (
-    NonInferiority,
-    favour,
-    judge_noninferiority,
-)
 from nvcore.evidence.planning.notes import notes_of_plan
 from nvcore.evidence.planning.pilot import Pilot, judge_key, make_pilot, plan_key
 from nvcore.evidence.planning.power import (
@@ -36,7 +31,8 @@ from nvcore.evidence.planning.power import (
     guess_length,
 )
 from nvcore.evidence.planning.thresholds import Thresholds, vary_thresholds
-from nvcore.evidence.units import Units, find_units
+from nvcore.evidence.units import WHOLE, Units, find_units
+from nvcore.measures.entry import Better
 from nvcore.measures.table import inference_of
 from nvcore.notes import say
 from nvcore.objects import PEDESTRIAN
@@ -87,6 +83,35 @@ class PlanSize:
     most_recordings: int | None = None
     points: tuple[PowerPoint, ...] = field(default=(), repr=False)
     reason: str = ""
+
+
+@dataclass(frozen=True)
+class NonInferiority:
+    """Result of testing that a system is at most a margin worse than the other.
+
+    Attributes
+    ----------
+    candidate
+        System that is preferred for other reasons, such as its price: ``x`` or ``y``.
+    margin
+        Largest acceptable loss, in the unit of the measure (shares: 0 to 1).
+    worse
+        Loss in these recordings. Negative: the candidate is better.
+    worse_at_most
+        Unfavourable end of the 95 % interval: largest loss with other recordings, at 97.5 %. NaN
+        without an interval.
+    is_shown
+        True if `worse_at_most` is less than the margin. None if it cannot be determined.
+    reason
+        Reason if it cannot be determined, else empty.
+    """
+
+    candidate: Side
+    margin: float
+    worse: float
+    worse_at_most: float
+    is_shown: bool | None
+    reason: str
 
 
 @dataclass(frozen=True)
@@ -141,35 +166,22 @@ class Plan:
 
     @property
     def curve(self) -> pd.DataFrame:
-        """Power of every simulated study size, with the columns `CURVE_COLUMNS`."""
-        per_recording = self.n_encounters / max(self.evidence.n, 1)
+        """Power of every simulated study size.
+
+        Columns: ``assumption``, ``difference``, ``n_recordings``, ``n_encounters``, ``power``,
+        ``low``, ``high``, ``n_studies``.
+        """
+        of_sizes = ("assumption", "difference")
         rows = [
-            {
-                "assumption": size.assumption,
-                "difference": size.difference,
-                "n_recordings": point.n_recordings,
-                "n_encounters": round(per_recording * point.n_recordings),
-                "power": point.power,
-                "low": point.low,
-                "high": point.high,
-                "n_studies": point.n_studies,
-            }
+            (size.assumption, size.difference, *point)
             for size in self.sizes
             for point in size.points
         ]
-        return pd.DataFrame(rows, columns=list(CURVE_COLUMNS))
-
-
-CURVE_COLUMNS: Final = (
-    "assumption",
-    "difference",
-    "n_recordings",
-    "n_encounters",
-    "power",
-    "low",
-    "high",
-    "n_studies",
-)
+        table = pd.DataFrame(rows, columns=[*of_sizes, *PowerPoint._fields])
+        per_recording = self.n_encounters / max(self.evidence.n, 1)
+        n_encounters = [round(per_recording * n) for n in table["n_recordings"]]
+        table.insert(3, "n_encounters", n_encounters)
+        return table
 
 
 def plan_recordings(
@@ -216,46 +228,35 @@ def plan_recordings(
     if pilot is not None and (margin is None or result.as_set is not None):
         thresholds = vary_thresholds(result, units) if thresholds is None else thresholds
         pilot = replace(pilot, thresholds=thresholds.get(key))
+    assumed: list[tuple[Assumption, float]] = [("as found", evidence.difference)]
+    if margin is not None:
+        assumed.insert(0, ("equal", 0.0))
+    elif difference is not None:
+        named = -difference if evidence.difference < 0 else difference
+        assumed.insert(0, ("as named", named))
+    sizes = [PlanSize(*size, reason=why_not) for size in assumed]
+    n_differing, n_encounters, duration_s = None, result.venn.n_near, result.duration_s
+    if pilot is not None:
+        for index, size in enumerate(sizes):
+            part = part_of(progress, index / len(sizes), (index + 1) / len(sizes))
+            sizes[index] = _size(pilot, size, asked, evidence.better, part)
+        n_differing = int(np.count_nonzero(pilot.differs))
+        n_encounters = round(pilot.n_encounters * len(pilot))
+        duration_s = pilot.duration_s * len(pilot)
     is_unequal = is_undecided(result, key)
-    plan = Plan(
+    return Plan(
         evidence=evidence,
-        n_encounters=result.venn.n_near,
-        duration_s=result.duration_s,
+        n_encounters=n_encounters,
+        duration_s=duration_s,
         power=asked.power,
         n_tests=asked.n_tests,
-        sizes=(),
+        sizes=tuple(sizes),
+        n_differing=n_differing,
         is_unequal=is_unequal,
         has_equal_alarms=pilot is not None and pilot.thresholds is not None,
         noninferiority=None
         if margin is None
         else judge_noninferiority(evidence, asked.candidate, margin, is_undecided=is_unequal),
-    )
-    assumed: list[tuple[Assumption, float]]
-    if margin is not None:
-        assumed = [("equal", 0.0), ("as found", evidence.difference)]
-    else:
-        assumed = [("as found", evidence.difference)]
-        if difference is not None:
-            named = -difference if evidence.difference < 0 else difference
-            assumed.insert(0, ("as named", named))
-    if pilot is None:
-        return replace(plan, sizes=tuple(PlanSize(*size, reason=why_not) for size in assumed))
-    sizes = [
-        _size(
-            pilot,
-            PlanSize(*size),
-            asked,
-            plan,
-            part_of(progress, index / len(assumed), (index + 1) / len(assumed)),
-        )
-        for index, size in enumerate(assumed)
-    ]
-    return replace(
-        plan,
-        sizes=tuple(sizes),
-        n_differing=int(np.count_nonzero(pilot.differs)),
-        n_encounters=round(pilot.n_encounters * len(pilot)),
-        duration_s=pilot.duration_s * len(pilot),
     )
 
 
@@ -283,13 +284,13 @@ def _check(key: str, asked: PlanArguments) -> None:
 
 
 def _size(
-    pilot: Pilot, size: PlanSize, asked: PlanArguments, plan: Plan, progress: Progress
+    pilot: Pilot, size: PlanSize, asked: PlanArguments, better: Better, progress: Progress
 ) -> PlanSize:
     """Compute the study size for one assumed difference, or the reason for having none."""
     count: CountShown
     difference, reason = size.difference, ""
     if asked.margin is None:
-        distance, least, level = difference, MIN_SWAPPED, plan.level
+        distance, least, level = difference, MIN_SWAPPED, SIGNIFICANT / asked.n_tests
         count = partial(count_differences_shown, pilot, difference, level=level)
         if difference == 0:
             reason = "X and Y are equal in these recordings: name a difference"
@@ -299,7 +300,7 @@ def _size(
                 "the two cannot be set to equal false alarms: more recordings do not change that"
             )
     else:
-        sign = favour(asked.candidate, plan.evidence.better)
+        sign = favour(asked.candidate, better)
         distance, least, level = sign * difference + asked.margin, MIN_UNITS, 2 * ONE_SIDED
         count = partial(count_noninferior, pilot, difference, margin=asked.margin, sign=sign)
         if distance <= 0:
@@ -331,4 +332,63 @@ def _size(
         least_recordings=least_n,
         most_recordings=most_n,
         points=length.points,
+    )
+
+
+def favour(candidate: Side, better: Better) -> int:
+    """Return 1 if a positive difference X - Y favours the candidate, else -1."""
+    return 1 if (candidate == "x") == (better == "higher") else -1
+
+
+def worse_at_most(evidence: Evidence, candidate: Side) -> float:
+    """Return the candidate's largest loss within the 95 % interval of the difference.
+
+    Positive is worse. NaN without an interval, or if the evidence is about blocks of time.
+    """
+    if evidence.unit not in WHOLE:
+        return math.nan
+    sign = favour(candidate, evidence.better)
+    return -sign * (evidence.low if sign > 0 else evidence.high)
+
+
+def judge_noninferiority(
+    evidence: Evidence, candidate: Side, margin: float, *, is_undecided: bool = False
+) -> NonInferiority:
+    """Compare the margin with the confidence interval of a difference.
+
+    It is shown if the whole 95 % interval of the difference is on the better side of the margin: a
+    one-sided test at 2.5 %. Blocks of time show nothing, as they do not represent other recordings.
+
+    Parameters
+    ----------
+    is_undecided
+        Value of `nvcore.evidence.operating_points.is_undecided` for the comparison and measure.
+        Unequal operating points show nothing.
+
+    Examples
+    --------
+    >>> row = Evidence(figure="mean_similarity", label="", better="higher", n=20, note="",
+    ...     unit="recordings", difference=0.01, low=-0.01, high=0.02)
+    >>> judge_noninferiority(row, "y", 0.03).is_shown  # Y is at most 0.02 worse
+    True
+    >>> judge_noninferiority(row, "y", 0.015).is_shown
+    False
+    """
+    end = math.nan if is_undecided else worse_at_most(evidence, candidate)
+    reason = ""
+    if is_undecided:
+        reason = "X and Y are set to different operating points"
+    elif evidence.unit not in WHOLE:
+        reason = "stretches of time say nothing of other recordings"
+    elif evidence.doubt:
+        reason = evidence.doubt
+    elif math.isnan(end):
+        reason = evidence.note or "the difference has no interval"
+    return NonInferiority(
+        candidate=candidate,
+        margin=margin,
+        worse=-favour(candidate, evidence.better) * evidence.difference,
+        worse_at_most=end,
+        is_shown=None if reason else end < margin,
+        reason=reason,
     )

@@ -170,13 +170,13 @@ def _reject_by_exchange(
     totals = (drawn * parts).sum(axis=1)
     least = np.abs(totals) - ROUNDING * np.abs(drawn * parts).sum(axis=1)
 
-    def count(studies: np.ndarray, n_now: int) -> np.ndarray:
+    def is_reached(studies: np.ndarray, n_now: int) -> np.ndarray:
         exchanged = np.einsum("swr,sr->sw", _exchange(rng, drawn[studies], n_now), parts[studies])
         sums = np.abs(totals[studies, np.newaxis] - 2 * exchanged)
-        n_reached: np.ndarray = np.count_nonzero(sums >= least[studies, np.newaxis], axis=1)
-        return n_reached
+        is_beyond: np.ndarray = sums >= least[studies, np.newaxis]
+        return is_beyond
 
-    return _are_few_reached(count, len(drawn), drawn.shape[1], n_ways=n_ways, share=level)
+    return _are_few_reached(is_reached, len(drawn), drawn.shape[1], n_ways=n_ways, share=level)
 
 
 def exchange_p(drawn: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -219,7 +219,7 @@ def _reject_by_resampling(
     spread = each.std(axis=1)
     observed = means / spread
 
-    def count(studies: np.ndarray, n_now: int) -> np.ndarray:
+    def is_reached(studies: np.ndarray, n_now: int) -> np.ndarray:
         shape = (len(studies), n_now, n_recordings)
         again = rng.integers(0, n_recordings, size=shape, dtype=np.uint16)
         start = n_recordings * np.arange(len(studies))[:, np.newaxis, np.newaxis]
@@ -228,11 +228,10 @@ def _reject_by_resampling(
         square = np.einsum("swr,swr->sw", chosen, chosen) / n_recordings
         spreads = np.sqrt(np.maximum(square - mean**2, 0))
         spreads = np.maximum(spreads, LEAST_SPREAD * spread[studies, np.newaxis])
-        is_reached = mean >= observed[studies, np.newaxis] * spreads
-        n_reached: np.ndarray = np.count_nonzero(is_reached, axis=1)
-        return n_reached
+        is_beyond: np.ndarray = mean >= observed[studies, np.newaxis] * spreads
+        return is_beyond
 
-    return _are_few_reached(count, len(drawn), n_recordings, n_ways=n_ways, share=level / 2)
+    return _are_few_reached(is_reached, len(drawn), n_recordings, n_ways=n_ways, share=level / 2)
 
 
 def studentised_tail(drawn: np.ndarray, values: np.ndarray, means: np.ndarray) -> np.ndarray:
@@ -266,7 +265,7 @@ def studentised_tail(drawn: np.ndarray, values: np.ndarray, means: np.ndarray) -
 
 
 def _are_few_reached(
-    count: Callable[[np.ndarray, int], np.ndarray],
+    is_reached: Callable[[np.ndarray, int], np.ndarray],
     n_studies: int,
     size: int,
     *,
@@ -277,8 +276,8 @@ def _are_few_reached(
 
     Parameters
     ----------
-    count
-        From studies and a number of random ways: how many of these reach it, in each study.
+    is_reached
+        From studies and a number of random ways: in which ways each study reaches it, bool.
     size
         Numbers held in memory for each study and way.
     """
@@ -288,7 +287,8 @@ def _are_few_reached(
     for first in range(0, n_studies, batch):
         open_studies = np.arange(first, min(first + batch, n_studies))
         for start in range(0, n_ways, WAYS_AT_ONCE):
-            n_reached[open_studies] += count(open_studies, min(WAYS_AT_ONCE, n_ways - start))
+            is_now = is_reached(open_studies, min(WAYS_AT_ONCE, n_ways - start))
+            n_reached[open_studies] += np.count_nonzero(is_now, axis=1)
             # a study that has too many already is decided
             open_studies = open_studies[n_reached[open_studies] <= most]
             if not len(open_studies):
@@ -307,12 +307,7 @@ def _exchange(rng: np.random.Generator, drawn: np.ndarray, n_exchanges: int) -> 
     left = drawn.astype(np.int64)
     while left.any():
         n_bits = np.minimum(left, WORD_BITS).astype(np.uint64)
-        # a shift by all 64 bits is undefined
-        mask = np.where(
-            n_bits == WORD_BITS,
-            np.uint64(2**64 - 1),
-            (np.uint64(1) << (n_bits % np.uint64(WORD_BITS))) - np.uint64(1),
-        )
+        mask = ~(np.uint64(2**64 - 1) << n_bits)  # NumPy shifts all 64 bits out, too
         words = rng.integers(0, 2**64 - 1, size=shape, dtype=np.uint64, endpoint=True)
         exchanged += np.bitwise_count(words & mask[:, np.newaxis, :])
         left = np.maximum(left - WORD_BITS, 0)
@@ -377,14 +372,14 @@ def find_length(
     """
     points: dict[int, PowerPoint] = {}
 
-    def simulate(n_recordings: int, n_studies: int = N_STUDIES) -> float:
+    def simulate(n_recordings: int, n_studies: int = N_STUDIES) -> None:
         progress(min(len(points) / (len(GRID) + 3), 0.95), f"studies of {n_recordings} recordings")
-        n_shown = count(n_recordings, n_studies)
-        shown = share_of(n_shown, n_studies)
-        points[n_recordings] = PowerPoint(
-            n_recordings, shown.share, shown.low, shown.high, n_studies
-        )
-        return shown.share
+        shown = share_of(count(n_recordings, n_studies), n_studies)
+        of_study = (shown.share, shown.low, shown.high, n_studies)
+        points[n_recordings] = PowerPoint(n_recordings, *of_study)
+
+    def found(n_recordings: int | None) -> StudyLength:
+        return StudyLength(n_recordings, tuple(points[n] for n in sorted(points)))
 
     middle = min(max(guess, least), MOST_RECORDINGS / GRID[-1])
     for size in sorted({max(least, round(share * middle)) for share in GRID}):
@@ -397,7 +392,7 @@ def find_length(
         while points[max(points)].power < target and max(points) < MOST_RECORDINGS:
             simulate(min(2 * max(points), MOST_RECORDINGS))
         if points[max(points)].power < target:
-            return StudyLength(None, _in_order(points))
+            return found(None)
         n_recordings = _length_at(points, target, least)
         simulate(n_recordings, N_STUDIES_LAST)
     better = _length_at(points, target, least)
@@ -408,17 +403,13 @@ def find_length(
         n_recordings = min(n_recordings + max(1, round(ROUGHLY * n_recordings)), MOST_RECORDINGS)
         simulate(n_recordings, N_STUDIES_LAST)
     if points[n_recordings].power < target:
-        return StudyLength(None, _in_order(points))
+        return found(None)
     # one of the sizes on the way may reach it with its fewer studies: by luck, or in earnest
     while points[first := min(n for n in points if points[n].power >= target)].n_studies < (
         N_STUDIES_LAST
     ):
         simulate(first, N_STUDIES_LAST)
-    return StudyLength(first, _in_order(points))
-
-
-def _in_order(points: dict[int, PowerPoint]) -> tuple[PowerPoint, ...]:
-    return tuple(points[n] for n in sorted(points))
+    return found(first)
 
 
 def _length_at(points: dict[int, PowerPoint], target: float, least: int) -> int:

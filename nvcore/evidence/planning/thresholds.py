@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -25,8 +25,9 @@ REACH: Final = 8.0
 """Thresholds are tried that give from as many times fewer false alarms than X and Y have to as many
 times more."""
 
+ALARMS: Final = "false alarms"
 Sums = Mapping[str, np.ndarray]
-"""Of each measure, by its key: its sum in every unit; shape (n_units,)."""
+"""Of `ALARMS` and of each measure, by its key: its sum in every unit; shape (n_units,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,12 +68,9 @@ class Curve:
 
     def widened(self, factor: float) -> Curve:
         """Recordings that vary more about their mean."""
-        means = (of.mean(axis=1, keepdims=True) for of in (self.alarms, self.parts))
-        alarms, parts = (
-            mean + factor * (of - mean)
-            for of, mean in zip((self.alarms, self.parts), means, strict=True)
-        )
-        return Curve(alarms, parts)
+        both = np.array([self.alarms, self.parts])
+        mean = both.mean(axis=2, keepdims=True)
+        return Curve(*(mean + factor * (both - mean)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,41 +112,41 @@ def vary_thresholds(result: Result, units: Units) -> dict[str, Thresholds]:
             numbers = np.unique(np.geomspace(*ends, N_THRESHOLDS).round().astype(int)).tolist()
             candidates = [threshold_for(as_set, letter, n, "round") for n in numbers]
             thresholds[letter] = [*dict.fromkeys(candidates)]  # from few alarms to many
-    measured = [_sides(as_set, units)]
+    first, others = _sums_of(as_set, units), []
     for step in range(max(map(len, thresholds.values()), default=0)):
         changed = {
             f"threshold_{letter}": of[min(step, len(of) - 1)] for letter, of in thresholds.items()
         }
-        measured.append(_sides(with_thresholds(as_set, changed), units))
+        others.append(_sums_of(with_thresholds(as_set, changed), units))
 
-    def curve(key: str, side: int, letter: str) -> Curve | None:
-        if len(thresholds.get(letter, ())) < 2:
-            return None
-        chosen = measured[1 : 1 + len(thresholds[letter])]
-        alarms, parts = zip(*((of[side][0], of[side][1][key]) for of in chosen), strict=True)
+    def curve(key: str, letter: str, measured: Sequence[Mapping[str, Sums]]) -> Curve:
+        alarms, parts = ([of[letter][name] for of in measured] for name in (ALARMS, key))
         return Curve(np.array(alarms), np.array(parts))
 
-    first = measured[0]
+    def curves(key: str, letter: str) -> Curve | None:
+        n = len(thresholds.get(letter, ()))
+        return curve(key, letter, others[:n]) if n > 1 else None
+
     return {
         key: Thresholds(
-            (
-                Curve(first[0][0][np.newaxis], first[0][1][key][np.newaxis]),
-                Curve(first[1][0][np.newaxis], first[1][1][key][np.newaxis]),
-            ),
-            (curve(key, 0, "x"), curve(key, 1, "y")),
+            (curve(key, "x", [first]), curve(key, "y", [first])),
+            (curves(key, "x"), curves(key, "y")),
         )
-        for key in first[0][1]
+        for key in first["x"]
+        if key != ALARMS
     }
 
 
-def _sides(result: Result, units: Units) -> tuple[tuple[np.ndarray, Sums], tuple[np.ndarray, Sums]]:
+def _sums_of(result: Result, units: Units) -> dict[str, Sums]:
     """False alarms and sums of every measure by unit, of X and of Y."""
     measures = unit_measures(result, units)
-    x, y = (units.total(units.unit_of_frame, of.false_alarms) for _, of in result.sides)
-    return (
-        (x, {of.key: of.x[:, 0] for of in measures}),
-        (y, {of.key: of.y[:, 0] for of in measures}),
-    )
+    return {
+        letter: {
+            ALARMS: units.total(units.unit_of_frame, system.false_alarms),
+            **{of.key: getattr(of, letter)[:, 0] for of in measures},
+        }
+        for letter, system in result.sides
+    }
 
 
 def parts_at_equal_alarms(

@@ -9,7 +9,7 @@ from typing import Any, Final, TypeVar
 
 from nvcore.codes import CodedInterval
 from nvcore.errors import ParameterError, SessionError
-from nvcore.inputs.facts import check_path, parse_size
+from nvcore.inputs.facts import parse_size
 from nvcore.inputs.session import (
     TABLES_OF_SUBJECTS,
     RecordingEntry,
@@ -106,7 +106,7 @@ def _session(content: dict[str, Any], folder: Path, needs_system: bool) -> Sessi
     defaults = _values(_DEFAULTS, content, "defaults")
     with _errors_in("[defaults]"):
         defaults |= {"size": parse_size(defaults["size"])} if "size" in defaults else {}
-    table = _table_file(content, "recordings")
+    recordings_file = _table_file(content, "recordings")
     compare = _compare(content)
     primary = _values(_PRIMARY, content, "primary")
     settings, filters = _table(content, "parameters"), _table(content, "protocol")
@@ -129,13 +129,13 @@ def _session(content: dict[str, Any], folder: Path, needs_system: bool) -> Sessi
             truth=truth,
             systems=tuple(systems),
             recordings=tuple(recordings),
-            recordings_file=None if table is None else RecordingsFile(table),
+            recordings_file=recordings_file,
             params=params,
             protocol=protocol,
             primary=primary_from(primary),
             published=tuple(published),
             codes=tuple(codes),
-            codes_file=_table_file(content, "codes"),
+            codes_file=of.path if (of := _table_file(content, "codes")) else None,
             hashes=written.get("sha256", {}),
             pipes=written.get("pipes", ()),
             **added,
@@ -182,7 +182,7 @@ def _recording(table: dict[str, Any]) -> RecordingEntry:
     return decode(RecordingEntry, table, "[[recording]]")
 
 
-def _table_file(content: dict[str, Any], key: str) -> str | None:
+def _table_file(content: dict[str, Any], key: str) -> RecordingsFile | None:
     """Return the CSV file that the session names for a table of it, if any."""
     if key not in content:
         return None
@@ -190,10 +190,7 @@ def _table_file(content: dict[str, Any], key: str) -> str | None:
     with _errors_in(f"[{key}]"):
         if path is None:
             raise ValueError("expected a path")
-        if path == "":
-            raise ValueError("path: expected a file, found nothing")
-        check_path("path", path)
-    return str(path)
+        return RecordingsFile(path)
 
 
 def _source(kind: type[_T], table: dict[str, Any], where: str) -> _T:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import glob
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import tomli_w
 
@@ -19,6 +19,9 @@ from nvcore.inputs.session import (
     SystemSource,
 )
 from nvcore.params.traffic import context_word
+
+ADDED_KEYS: Final = ("threshold", "provenance", *SYSTEM_KEYS_OF_SUBJECTS)
+"""Keys of a system that are written as they are, after those of its source."""
 
 
 def write_session(session: Session, *, version: str, fingerprint: str) -> str:
@@ -42,10 +45,10 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
             {
                 "x": session.x,
                 "y": session.y,
-                "tags": list(session.only_tags) or None,
-                "recordings": list(session.only) or None,
+                "tags": session.only_tags or None,
+                "recordings": session.only or None,
                 "objects": session.objects.given(),
-                "accept": list(session.accept) or None,
+                "accept": session.accept or None,
                 "operating_point": session.operating_point,
             }
         ),
@@ -69,8 +72,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
         {
             **_given({"name": system.name}),
             **_source_table(system),
-            **_given({"threshold": system.threshold, "provenance": system.provenance}),
-            **_given({name: getattr(system, name) for name in SYSTEM_KEYS_OF_SUBJECTS}),
+            **_given({name: getattr(system, name) for name in ADDED_KEYS}),
             **_corrections(system),
         }
         for system in session.systems
@@ -85,10 +87,8 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
 
 
 def _recording_table(entry: RecordingEntry) -> dict[str, Any]:
-    own = {
-        "context": None if entry.context is None else context_word(entry.context),
-        "tags": list(entry.tags) or None,
-    }
+    context = None if entry.context is None else context_word(entry.context)
+    own = {"context": context, "tags": entry.tags or None}
     first = {name: getattr(entry, name) for name in ("name", "visible", "visible_map")}
     return _given(first | vars(entry) | own)
 
@@ -106,18 +106,10 @@ def _absolute(path: str, folder: Path) -> str:
 
 
 def _source_table(source: Source) -> dict[str, Any]:
-    paths = list(source.path)
-    return _given(
-        {
-            "path": paths[0] if len(paths) == 1 else paths,
-            "format": source.format,
-            "classes": None if source.classes is None else list(source.classes),
-            "frame_base": source.frame_base,
-            "box_base": source.box_base,
-            "boxes": source.boxes,
-            "frame_names": source.frame_names,
-        }
-    )
+    paths = source.path
+    names = ("format", "classes", "frame_base", "box_base", "boxes", "frame_names")
+    own = {name: getattr(source, name) for name in names}
+    return _given({"path": paths[0] if len(paths) == 1 else paths, **own})
 
 
 def _corrections(system: SystemSource) -> dict[str, Any]:
@@ -125,8 +117,8 @@ def _corrections(system: SystemSource) -> dict[str, Any]:
     table: dict[str, Any] = {
         "frame_step": system.frame_step,
         "offset_frames": system.offset_frames,
-        "offset_px": list(system.offset_px),
-        "scale": across if across == down else [across, down],
+        "offset_px": system.offset_px,
+        "scale": across if across == down else system.scale,
     }
-    usual = {"frame_step": 1, "offset_frames": 0, "offset_px": [0, 0], "scale": 1}
+    usual = {"frame_step": 1, "offset_frames": 0, "offset_px": (0, 0), "scale": 1}
     return {name: value for name, value in table.items() if value != usual[name]}

@@ -1,11 +1,14 @@
-"""Analyses of independent groups that only need n, mean and SD of each.
+"""Analyses of groups by formula, of the same persons in all conditions, and sizes of studies.
 
-Tables of values are reduced to these, so there is one implementation for both. The tests compare it
-with SciPy's functions, which take values only.
+Analyses of independent groups only need n, mean and SD of each. Tables of values are reduced to
+these, so there is one implementation for both. The tests compare it with SciPy's functions, which
+take values only.
 """
 
 from __future__ import annotations
 
+from bisect import bisect_left
+from collections.abc import Callable
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -17,6 +20,10 @@ from nvcore.evidence.paired_tests import holm
 
 SMALLEST_SD: Final = 1e-60
 """Smallest SD. Fourth powers of smaller ones underflow."""
+MOST_PERSONS: Final = 100_000
+"""More is no study."""
+LARGEST_EFFECT: Final = 20.0
+"""Two persons show a larger one; noncentral distributions are not computed there."""
 PAIR_COLUMNS: Final = (
     *("test", "first", "second", "difference", "low", "high", "ratio", "ratio_low", "ratio_high"),
     *("value", "df", "p", "p_corrected", "d"),
@@ -260,3 +267,127 @@ def assumed_pairs(groups: Groups, correlation: float) -> pd.DataFrame:
     s, t = groups.sd[first], groups.sd[second]
     sd = np.sqrt(np.maximum(s**2 + t**2 - 2 * correlation * s * t, 0))
     return paired_t("assumed", len(groups.n), int(groups.n[0]), groups.differences, sd)
+
+
+def residuals(values: np.ndarray) -> np.ndarray:
+    """What is left of values, shape (n, k), without the persons' and the conditions' means.
+
+    All 0 where it is rounding.
+    """
+    centred = values - values.mean(axis=1, keepdims=True)
+    left: np.ndarray = centred - centred.mean(axis=0)
+    is_rounding = np.abs(left).max(initial=0.0) <= ROUNDING * np.abs(values).max(initial=0.0)
+    return np.zeros_like(left) if is_rounding else left
+
+
+def repeated_measures(values: np.ndarray) -> list[Test]:
+    """Repeated-measures analysis of variance, as it is and with Greenhouse and Geisser's df.
+
+    F is the variance between conditions over what is left when those between conditions and
+    between persons are taken off. With two conditions it is the paired t test, ``F = t²``.
+
+    Parameters
+    ----------
+    values
+        Shape (n_persons, k), of two persons and two conditions at least, without NaN.
+
+    References
+    ----------
+    Fisher (1925), chapter 8; Greenhouse and Geisser (1959), On methods in the analysis of profile
+    data, Psychometrika 24:95.
+    """
+    n, k = values.shape
+    within = float((residuals(values) ** 2).sum())
+    if not within:
+        reason = "all persons differ alike between the conditions"
+        return [Test(test, reason=reason) for test in ("repeated", "repeated_gg")]
+    between = n * k * float(values.mean(axis=0).var())
+    value = between / within * (n - 1)
+    effect = {"eta2": between / (between + within), "f": float(np.sqrt(between / within))}
+    tests = []
+    for test, share in (("repeated", 1.0), ("repeated_gg", sphericity(values))):
+        df = share * (k - 1), share * (k - 1) * (n - 1)
+        tests.append(Test(test, "F", value, *df, float(scipy.stats.f.sf(value, *df)), **effect))
+    return tests
+
+
+def sphericity(values: np.ndarray) -> float:
+    """Greenhouse and Geisser's epsilon: 1 where all differences vary alike, 1 / (k - 1) at worst.
+
+    ``tr(S)² / ((k - 1) tr(S²))``, S the covariance of the conditions less the persons' means; NaN
+    without spread.
+    """
+    left = residuals(values)
+    covariance = left.T @ left
+    trace, squares = float(np.trace(covariance)), float((covariance**2).sum())
+    if not squares:
+        return np.nan
+    epsilon: float = trace * trace / ((values.shape[1] - 1) * squares)
+    return min(epsilon, 1.0)
+
+
+def friedman(values: np.ndarray) -> Test:
+    """Friedman's test of the ranks within each person, with ties; of three conditions or more."""
+    if values.shape[1] < 3:
+        return Test("friedman", reason="it needs three conditions")
+    if not np.ptp(values, axis=1).any():
+        return Test("friedman", reason="nobody's values differ between the conditions")
+    chi2, p = scipy.stats.friedmanchisquare(*values.T)
+    return Test("friedman", "chi2", float(chi2), values.shape[1] - 1.0, p=float(p))
+
+
+def paired(values: np.ndarray, *, are_logs: bool) -> pd.DataFrame:
+    """Paired t tests of all pairs of conditions, corrected by Holm; values of shape (n, k)."""
+    n, k = values.shape
+    first, second = pairs_of(k)
+    apart = values[:, first] - values[:, second]
+    sd = apart.std(axis=0, ddof=1)
+    sd = np.where(sd > ROUNDING * np.abs(values).max(), sd, 0.0)
+    return paired_t("paired", k, n, apart.mean(axis=0), sd, are_logs=are_logs)
+
+
+def power_of_f(f: float, n: int, k: int, level: float) -> float:
+    """Share of studies whose analysis of variance or two-sided t test shows a difference.
+
+    Parameters
+    ----------
+    f
+        Cohen's: SD of the groups' means over the SD within groups, in two groups half of d. In
+        pairs the mean over the SD of the differences.
+    n, k
+        Persons in each group, and groups. In pairs k is 1.
+
+    References
+    ----------
+    Cohen (1988), Statistical power analysis for the behavioral sciences, chapters 2 and 8, by the
+    noncentral F distribution.
+
+    Examples
+    --------
+    >>> round(power_of_f(0.25, 53, 3, 0.05), 3), round(power_of_f(0.5 / 2, 64, 2, 0.05), 3)
+    (0.805, 0.801)
+    """
+    df = max(k - 1, 1), k * (n - 1)
+    return float(scipy.stats.ncf.sf(scipy.stats.f.isf(level, *df), *df, f**2 * n * k))
+
+
+def persons_for(power: float, effect: float, power_of: Callable[[int], float]) -> float:
+    """Return the least n with this power, 2 or more. NaN where it is beyond `MOST_PERSONS`.
+
+    Parameters
+    ----------
+    effect
+        That `power_of` is about; NaN or 0: there is no such n.
+    power_of
+        Power of n persons, which grows with n.
+    """
+    if not abs(effect) > 0:
+        return np.nan
+    if abs(effect) >= LARGEST_EFFECT:
+        return 2.0
+    high = 2
+    while power_of(high) < power:
+        if high >= MOST_PERSONS:
+            return np.nan
+        high = min(2 * high, MOST_PERSONS)
+    return float(bisect_left(range(high), power, lo=high // 2 + 1, key=power_of))
