@@ -13,7 +13,7 @@ import numpy as np
 import streamlit as st
 
 from nvcore.errors import InputError
-from nvcore.inputs.changes import stated_by_recording
+from nvcore.inputs.changes import live_session, stated_by_recording
 from nvcore.inputs.facts import with_paths_in
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
@@ -31,7 +31,6 @@ from ui.data.side_files import (
 from ui.session import state, store
 from ui.session.opening import (
     guess_pictures,
-    live_session,
     recording_entry,
     recording_names,
     with_recordings,
