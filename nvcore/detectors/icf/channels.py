@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.detectors.base import DetectorError, to_8_bits
-from nvcore.detectors.icf.kernels.pictures import GREY_LEVELS, gradients
+from nvcore.detectors.icf.kernels import GREY_LEVELS, gradients
 from nvcore.detectors.icf.settings import OF_COLOUR, ChannelSet, IcfSettings, Magnitude
 from nvcore.pictures import Picture
 

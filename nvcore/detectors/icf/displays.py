@@ -230,7 +230,7 @@ def window_path(
     lowest, _ = floors(model.settings, model.calibration)
     is_below = ~passes(model.settings, model.calibration, sums)[0]
     rejected = int(is_below.argmax()) + 1 if is_below.any() else None
-    return WindowPath(sums[0], lowest, rejected, _leaves(model, values[0]))
+    return WindowPath(sums[0], lowest, rejected, model.trees.leaves_of(values)[0])
 
 
 def truth_paths(model: IcfModel, picture: Picture, boxes: NDArray[np.float64]) -> list[WindowPath]:
@@ -370,12 +370,6 @@ def _highest(values: NDArray[Number], step: int, least: float) -> NDArray[Number
     padded[: values.shape[0], : values.shape[1]] = values
     highest: NDArray[Number] = padded.reshape(rows, step, columns, step).max(axis=(1, 3))
     return highest
-
-
-def _leaves(model: IcfModel, values: NDArray[np.int32]) -> NDArray[np.int64]:
-    is_right = values[model.trees.feature] >= model.trees.threshold
-    right = is_right[:, 0].astype(np.int64)
-    return 2 * right + np.where(is_right[:, 0], is_right[:, 2], is_right[:, 1])
 
 
 def _node(model: IcfModel, index: int, k: int) -> Node:
