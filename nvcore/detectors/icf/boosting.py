@@ -50,7 +50,8 @@ class Trees:
         root, left, right = (
             values[:, node] >= at for node, at in zip(self.feature.T, self.threshold.T, strict=True)
         )
-        return 2 * root.astype(np.int64) + np.where(root, right, left)
+        leaf: NDArray[np.int64] = 2 * root.astype(np.int64) + np.where(root, right, left)
+        return leaf
 
     def running_sums(self, values: NDArray[np.int32]) -> NDArray[np.float64]:
         """Sum of the confidences after each tree; float64, (n_windows, n_trees)."""

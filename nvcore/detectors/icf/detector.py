@@ -16,8 +16,7 @@ from nvcore.detectors.icf.cascade import floors
 from nvcore.detectors.icf.channels import Bytes, channel_sets, check_picture, integral_images
 from nvcore.detectors.icf.features import corner_offsets, has_differences
 from nvcore.detectors.icf.kernels import scan
-from nvcore.detectors.icf.model import IcfModel
-from nvcore.detectors.icf.model_file import fingerprint
+from nvcore.detectors.icf.model import IcfModel, fingerprint
 from nvcore.detectors.icf.pyramid import PyramidLevel, levels, planes_of
 from nvcore.detectors.icf.regions import OpenWindows, places
 from nvcore.detectors.suppression import suppress
