@@ -11,16 +11,18 @@ from numpy.typing import NDArray
 from nvcore.detectors.icf.cascade import floors, passes
 from nvcore.detectors.icf.channels import (
     Bytes,
+    PyramidLevel,
     blurred,
     check_picture,
     equalised,
     integral_images,
+    levels,
+    planes_of,
     resized,
 )
 from nvcore.detectors.icf.detector import IcfDetector, ScoreMap
 from nvcore.detectors.icf.features import values_at
 from nvcore.detectors.icf.model import IcfModel
-from nvcore.detectors.icf.pyramid import PyramidLevel, levels, planes_of
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.detectors.icf.windows import Scene, is_background
 from nvcore.errors import ParameterError

@@ -14,11 +14,10 @@ from nvcore.detectors.base import DetectorError, TrainedOn
 from nvcore.detectors.classifier import train_classifier
 from nvcore.detectors.icf.boosting import BoostingRound, boost
 from nvcore.detectors.icf.cascade import Calibration, calibrate, lower
-from nvcore.detectors.icf.channels import check_picture, has_colour, plane_names
+from nvcore.detectors.icf.channels import check_picture, has_colour, plane_names, scaling_powers
 from nvcore.detectors.icf.detector import IcfDetector, ScoreMap
 from nvcore.detectors.icf.features import Features, draw_features, values_at
 from nvcore.detectors.icf.model import IcfModel
-from nvcore.detectors.icf.pyramid import scaling_powers
 from nvcore.detectors.icf.regions import Band, learn_band
 from nvcore.detectors.icf.settings import MAX_STRIDE, IcfSettings
 from nvcore.detectors.icf.windows import (

@@ -12,13 +12,15 @@ from numpy.typing import NDArray
 
 from nvcore.detectors.icf.channels import (
     Bytes,
+    PyramidLevel,
     channel_planes,
     check_picture,
     halved,
     integral_images,
+    levels,
+    planes_of,
 )
 from nvcore.detectors.icf.features import Features, values_at
-from nvcore.detectors.icf.pyramid import PyramidLevel, levels, planes_of
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.pictures import Picture
 
