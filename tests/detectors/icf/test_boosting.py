@@ -68,7 +68,8 @@ def test_the_training_error_falls():
     boosted = boost(values, kinds, n_trees=60)
     error = boosted.error
     assert error[-1] < 0.5 * error[0]
-    is_wrong = (boosted.trees.running_sums(values) > 0) != kinds[:, None]  # more windows than one block
+    sums = boosted.trees.running_sums(values)  # of more windows than a block has
+    is_wrong = (sums > 0) != kinds[:, None]
     np.testing.assert_array_equal(is_wrong.mean(axis=0), error)
 
 
