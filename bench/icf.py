@@ -24,9 +24,7 @@ import numpy as np
 from nvcore.detection import WindowGrid, scale_steps
 from nvcore.detectors.icf import SIGNS, IcfDetector, IcfSettings, read_model, train, write_model
 from nvcore.detectors.icf.cascade import floors
-from nvcore.detectors.icf.channels import channel_planes, integral_images, resized
-from nvcore.detectors.icf.displays import approximation_error
-from nvcore.detectors.icf.pyramid import levels
+from nvcore.detectors.icf.channels import channel_planes, integral_images, levels, rescaled, resized
 from nvcore.detectors.suppression import suppress
 from scripts.detectors.sign_data import TESTED, held_out, read_crops, read_scenes
 from scripts.detectors.sign_data import SignScenes as SignScenes
@@ -153,11 +151,23 @@ def measure(grid: Grid, detector: IcfDetector, pictures: list[np.ndarray]) -> No
           f"{seconds / max(whole[0] - scanning[0], 1e-3):,.0f} times as long as here")  # fmt: skip
 
 
+def approximation_error(
+    detector: IcfDetector, picture: np.ndarray, scale: float, near: float
+) -> dict[str, float]:
+    """Mean absolute error of channels made from those of a near scale, over the channel's mean."""
+    model, sides = detector.model, np.array(picture.shape[1::-1])
+    sizes = [(sides / at + 1e-6).astype(int).tolist() for at in (scale, near)]
+    exact, planes = (channel_planes(resized(picture, *size), model.settings) for size in sizes)
+    apart = np.abs(rescaled(planes, *sizes[0], model.powers).astype(float) - exact)
+    ratio = apart.mean(axis=(1, 2)) / exact.mean(axis=(1, 2))  # NaN where a channel is all 0
+    return dict(zip(model.channels, ratio.tolist(), strict=True))
+
+
 def show_approximation(detector: IcfDetector, pictures: list[np.ndarray]) -> None:
     """How far channels made from those of the scale before are from computed ones."""
     scales = detector.model.settings.scales
     errors = [
-        approximation_error(detector.model, picture, scale, before)
+        approximation_error(detector, picture, scale, before)
         for picture in pictures
         for before, scale in zip(scales[::2], scales[1::2], strict=False)
     ]

@@ -122,35 +122,35 @@ class Hog:
         if enlarged[0] + margin < window_width or enlarged[1] + margin < window_height:
             return sorted_detections(np.empty((0, 4)), np.empty(0))
         boxes, score = self._windows(prepared)
-        if settings.person_box:
-            boxes = _person_boxes(boxes)
-        boxes = _clipped(boxes, enlarged) * np.tile([width / enlarged[0], height / enlarged[1]], 2)
+        if settings.person_box:  # the person stands in the middle of the window
+            x, y, w, h = boxes.T
+            high = BODY_SHARE * h
+            wide = BODY_ASPECT * high
+            boxes = np.column_stack([x + 0.5 * (w - wide), y + 0.5 * (h - high), wide, high])
+        # a window's margin may lie outside the picture
+        ends = np.clip(np.hstack([boxes[:, :2], boxes[:, :2] + boxes[:, 2:]]), 0, enlarged * 2)
+        boxes = np.hstack([ends[:, :2], ends[:, 2:] - ends[:, :2]])
+        boxes = boxes * np.tile([width / enlarged[0], height / enlarged[1]], 2)
         return suppress(sorted_detections(boxes, score), settings.overlap)
 
     def _windows(self, picture: Picture) -> tuple[np.ndarray, np.ndarray]:
         """Windows of all sizes, px of the picture, (n, 4), and their scores, (n,).
 
-        Those of OpenCV's `detectMultiScale`, which gives some windows the scores of others where
-        its threads end at the same time.
+        The picture is shrunk as long as it holds a window. Windows are those of OpenCV's
+        `detectMultiScale`, which gives some windows the scores of others where its threads end at
+        the same time.
         """
-        with ThreadPoolExecutor(threads_for_a_picture()) as pool:
-            levels = list(
-                pool.map(lambda scale: self._level(picture, scale), self._scales(picture))
-            )
-        return (
-            np.concatenate([boxes for boxes, _ in levels]),
-            np.concatenate([score for _, score in levels]),
-        )
-
-    def _scales(self, picture: Picture) -> list[float]:
-        """Of the levels: the picture shrunk as long as it holds a window."""
         height, width = picture.shape[:2]
-        scales = [self.settings.scale_step**level for level in range(_MOST_LEVELS)]
-        return scales[:1] + [
+        first, *others = (self.settings.scale_step**level for level in range(_MOST_LEVELS))
+        scales = [first] + [
             scale
-            for scale in scales[1:]
+            for scale in others
             if round(width / scale) >= self._size[0] and round(height / scale) >= self._size[1]
         ]
+        with ThreadPoolExecutor(threads_for_a_picture()) as pool:
+            levels = [*pool.map(lambda scale: self._level(picture, scale), scales)]
+        boxes, scores = zip(*levels, strict=True)
+        return np.concatenate(boxes), np.concatenate(scores)
 
     def _level(self, picture: Picture, scale: float) -> tuple[np.ndarray, np.ndarray]:
         """Windows and scores of the picture shrunk by a factor; px as given."""
@@ -168,20 +168,6 @@ class Hog:
         sides = np.tile(self._size, (len(corner), 1))
         boxes: np.ndarray = np.rint(np.column_stack([corner, sides]) * scale)
         return boxes, np.asarray(scores, dtype=np.float64).reshape(-1)
-
-
-def _clipped(boxes: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """The parts of boxes inside a picture of a size, px; a window's margin may lie outside."""
-    corners = np.clip(np.column_stack([boxes[:, :2], boxes[:, :2] + boxes[:, 2:]]), 0, size * 2)
-    return np.column_stack([corners[:, :2], corners[:, 2:] - corners[:, :2]])
-
-
-def _person_boxes(windows: np.ndarray) -> np.ndarray:
-    """The boxes of the people around whom the windows lie; both px, shape (n, 4)."""
-    x, y, w, h = windows.T
-    height = BODY_SHARE * h
-    width = BODY_ASPECT * height
-    return np.column_stack([x + 0.5 * (w - width), y + 0.5 * (h - height), width, height])
 
 
 def open_hog(variant: str, given: Mapping[str, Setting]) -> Hog:

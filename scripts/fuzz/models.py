@@ -22,7 +22,7 @@ from typing import Any, Final
 import numpy as np
 
 from nvcore.detectors.icf import IcfDetector
-from nvcore.detectors.icf.model_file import from_bytes, to_bytes
+from nvcore.detectors.icf.model import from_bytes, to_bytes
 from nvcore.driver.estimator_report import render_estimator
 from nvcore.driver.estimators import model_file as driver_file
 from nvcore.output.model_files import pack

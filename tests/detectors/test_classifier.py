@@ -69,12 +69,6 @@ def test_the_same_examples_and_seed_give_the_same_classifier(bars):
     np.testing.assert_array_equal(again.weights, bars.weights)
 
 
-def test_no_weights_give_every_class_the_same_probability():
-    even = Classifier(("a", "b", "c", "d"), np.zeros((N_VALUES + 1, 4)))
-    probabilities = even.probabilities(*barred(1)[:2])
-    assert (probabilities == 0.25).all()
-
-
 def test_the_offset_alone_decides_where_all_else_weighs_nothing():
     weights = np.zeros((N_VALUES + 1, 2))
     weights[-1] = np.log([1, 3])

@@ -19,9 +19,9 @@ from nvcore.detectors.figures import (
     training_plot,
     tree_plot,
 )
+from nvcore.detectors.icf.channels import PyramidLevel
 from nvcore.detectors.icf.detector import ScoreMap
 from nvcore.detectors.icf.displays import MOST_CELLS, Node, Tree, WindowPath, coarse_map
-from nvcore.detectors.icf.pyramid import PyramidLevel
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.figures.style import LOOK, faded
 from nvcore.palette import Scheme

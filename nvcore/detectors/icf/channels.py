@@ -1,7 +1,10 @@
-"""Channels of a picture: planes of 8 bits, and their integral images."""
+"""Channels of a picture at all scales: planes of 8 bits, and their integral images."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Final
 
@@ -10,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.detectors.base import DetectorError, to_8_bits
-from nvcore.detectors.icf.kernels.pictures import GREY_LEVELS, gradients
+from nvcore.detectors.icf.kernels import GREY_LEVELS, gradients
 from nvcore.detectors.icf.settings import OF_COLOUR, ChannelSet, IcfSettings, Magnitude
 from nvcore.pictures import Picture
 
@@ -21,7 +24,12 @@ _TO_COLOUR: Final = {
     # of the picture's values as they are; COLOR_RGB2LUV takes them for sRGB and undoes its gamma
     "luv": cv2.COLOR_LRGB2LUV,
 }
-_EMPTY: Final = {1: np.empty(0, np.uint8), 2: np.empty((0, 0), np.uint8)}
+MAX_BYTES: Final = 1 << 31
+"""Of the channels and integral images of a level."""
+_BYTES_OF_PIXEL: Final = 5
+"""Of a channel: 1, and 4 of its integral image."""
+_TINY: Final = 1e-6
+_RATIOS: Final = (1 / np.sqrt(2), 0.5)
 
 
 def check_picture(picture: Picture, is_colour: bool) -> Bytes:
@@ -60,8 +68,7 @@ def has_colour(picture: Picture) -> bool:
     """Whether any pixel of a picture is not grey."""
     if picture.ndim == 2:
         return False
-    red, green, blue = (picture[..., i] for i in range(3))
-    return bool((red != green).any() or (green != blue).any())
+    return bool((picture[..., 1:] != picture[..., :1]).any())
 
 
 def plane_names(settings: IcfSettings, is_colour: bool) -> tuple[str, ...]:
@@ -89,11 +96,6 @@ def channel_sets(settings: IcfSettings, is_colour: bool) -> tuple[ChannelSet, ..
     grey: ChannelSet = "grey"
     sets = (grey if channel in OF_COLOUR else channel for channel in settings.channels)
     return tuple(dict.fromkeys(sets))
-
-
-def is_of_gradient(settings: IcfSettings, is_colour: bool) -> NDArray[np.bool_]:
-    """Which channels come from the gradient; bool, (n_channels,)."""
-    return np.array([name.startswith("gradient") for name in plane_names(settings, is_colour)])
 
 
 def blurred(picture: Bytes, settings: IcfSettings) -> Bytes:
@@ -129,31 +131,24 @@ def channel_planes(picture: Bytes, settings: IcfSettings) -> Bytes:
     -140..122, the magnitude from 0 to that of the largest gradient.
     """
     picture = equalised(blurred(picture, settings), settings)
-    is_colour = picture.ndim == 3
-    names = plane_names(settings, is_colour)
-    planes = np.empty((len(names), *picture.shape[:2]), np.uint8)
-    magnitude, orientations = _EMPTY[2], np.empty((0, 0, 0), np.uint8)
+    shape, is_colour = picture.shape[:2], picture.ndim == 3
     grey = cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY) if is_colour else picture
-    first = 0
+    magnitude, orientations = np.empty((0, 0), np.uint8), np.empty((0, 0, 0), np.uint8)
+    planes: list[Bytes] = []
     for channel in channel_sets(settings, is_colour):
         if channel in OF_COLOUR:
             colours = picture if channel == "rgb" else cv2.cvtColor(picture, _TO_COLOUR[channel])
-            cv2.split(colours, [planes[first + i] for i in range(3)])
-            first += 3
+            planes += cv2.split(colours)
         elif channel == "grey":
-            planes[first] = grey
-            first += 1
+            planes.append(grey)
         elif channel == "magnitude":
-            magnitude = planes[first]
-            first += 1
+            planes.append(magnitude := np.empty(shape, np.uint8))
         else:
-            orientations = planes[first : first + settings.orientation_bins]
-            orientations[:] = 0
-            first += settings.orientation_bins
+            planes += [*(orientations := np.zeros((settings.orientation_bins, *shape), np.uint8))]
     if magnitude.size or orientations.size:
         table = _gradient_table(settings.magnitude, settings.orientation_bins, settings.full_circle)
         gradients(grey, table, magnitude, orientations)
-    return planes
+    return np.stack(planes)
 
 
 def integral_images(planes: Bytes, out: NDArray[np.int32] | None = None) -> NDArray[np.int32]:
@@ -206,3 +201,144 @@ def _gradient_table(magnitude: Magnitude, bins: int, full_circle: bool) -> NDArr
     table: NDArray[np.uint16] = (np.rint(255 * size / size.max()) + 256 * index).astype(np.uint16)
     table.flags.writeable = False
     return table.ravel()
+
+
+@dataclass(frozen=True, eq=False)
+class PyramidLevel:
+    """A picture at one scale.
+
+    Attributes
+    ----------
+    scale
+        Divisor of the picture's size.
+    width, height
+        Of the level, px.
+    across, down
+        Pixels of the picture to one of the level.
+    """
+
+    scale: float
+    width: int
+    height: int
+    across: float
+    down: float
+
+    def grid(self, settings: IcfSettings) -> tuple[int, int]:
+        """Rows and columns of windows that lie wholly in the level; 0, 0 if none does."""
+        rows = (self.height - settings.window_height) // settings.stride + 1
+        columns = (self.width - settings.window_width) // settings.stride + 1
+        return (rows, columns) if rows > 0 and columns > 0 else (0, 0)
+
+    def boxes(
+        self, row: NDArray[np.int64], column: NDArray[np.int64], settings: IcfSettings
+    ) -> NDArray[np.float64]:
+        """Box of the object in each of some windows, px of the picture.
+
+        Parameters
+        ----------
+        row, column
+            Of the windows in the grid, (n,).
+
+        Returns
+        -------
+        float64, (4, n): left, top, width, height.
+        """
+        s = settings
+        left = (column * s.stride + (s.window_width - s.object_width) / 2) * self.across
+        top = (row * s.stride + (s.window_height - s.object_height) / 2) * self.down
+        width = np.full(len(row), s.object_width * self.across)
+        return np.stack([left, top, width, np.full(len(row), s.object_height * self.down)])
+
+
+def levels(width: int, height: int, settings: IcfSettings) -> list[tuple[PyramidLevel, ...]]:
+    """Levels of a picture of a size that hold a window; those of a tuple share their channels.
+
+    The first of a tuple is computed, the others are approximated from it.
+
+    Raises
+    ------
+    DetectorError
+        If the channels of a level would take more than 2 GiB.
+    """
+    every = 1 + settings.scales_between
+    groups = []
+    for first in range(0, len(settings.scales), every):
+        group = []
+        for scale in settings.scales[first : first + every]:
+            w, h = (math.floor(side / scale + _TINY) for side in (width, height))
+            group.append(PyramidLevel(scale, w, h, width / max(w, 1), height / max(h, 1)))
+        groups.append(tuple(level for level in group if level.grid(settings)[0]))
+    n_channels = len(plane_names(settings, is_colour=True))  # of a grey picture fewer
+    most = max((level.width * level.height for group in groups for level in group), default=0)
+    if most * n_channels * _BYTES_OF_PIXEL > MAX_BYTES:
+        raise DetectorError(
+            f"a picture of {width}x{height} px, divided by the scale {settings.scales[0]:g}, has "
+            f"{most / 1e6:.0f} million pixels, whose {n_channels} channels take "
+            f"{most * n_channels * _BYTES_OF_PIXEL / 1e9:.1f} GB; at most {MAX_BYTES / 1e9:.1f} "
+            "are possible: begin with a larger scale"
+        )
+    return [group for group in groups if group]
+
+
+def planes_of(
+    picture: Bytes,
+    group: tuple[PyramidLevel, ...],
+    settings: IcfSettings,
+    powers: NDArray[np.float64],
+) -> Iterator[tuple[PyramidLevel, Bytes]]:
+    """Each level of a group with its channels, uint8, (n_channels, h, w).
+
+    Parameters
+    ----------
+    powers
+        Of each channel (`scaling_powers`), (n_channels,).
+    """
+    first, *others = group
+    planes = channel_planes(resized(picture, first.width, first.height), settings)
+    yield first, planes
+    for level in others:
+        yield level, rescaled(planes, level.width, level.height, powers)
+
+
+def rescaled(planes: Bytes, width: int, height: int, powers: NDArray[np.float64]) -> Bytes:
+    """Channels of the picture at another size, approximated from those at this one.
+
+    ``resized(channel) * r ** -power``, r the ratio of the new size to this one.
+
+    References
+    ----------
+    P. Dollár, R. Appel, S. Belongie, P. Perona: Fast feature pyramids for object detection,
+    PAMI 2014.
+    """
+    ratio = np.sqrt(width * height / (planes.shape[1] * planes.shape[2]))
+    new = np.empty((len(planes), height, width), np.uint8)
+    for plane, out, power in zip(planes, new, powers, strict=True):
+        cv2.resize(plane, (width, height), out, interpolation=cv2.INTER_LINEAR)
+        if power:
+            cv2.convertScaleAbs(out, out, alpha=ratio**-power)
+    return new
+
+
+def scaling_powers(
+    pictures: Iterator[Bytes], settings: IcfSettings, is_colour: bool
+) -> NDArray[np.float64]:
+    """By which power of the scale the mean of each channel changes, float64, (n_channels,).
+
+    0 for colours. For channels of the gradient the mean over pictures, at half their size and at
+    71 % of it, of ``-log(mean there / mean here) / log(scale)``; 0 without pictures.
+    """
+    names = plane_names(settings, is_colour)
+    of_gradient = np.array([name.startswith("gradient") for name in names])
+    powers = []
+    for picture in pictures:
+        height, width = picture.shape[:2]
+        mean = channel_planes(picture, settings).mean(axis=(1, 2))
+        for ratio in _RATIOS:
+            size = round(width * ratio), round(height * ratio)
+            there = channel_planes(resized(picture, *size), settings).mean(axis=(1, 2))
+            is_usable = (mean > 0) & (there > 0)
+            change = np.where(is_usable, there, 1.0) / np.where(is_usable, mean, 1.0)
+            powers.append(-np.log(change) / np.log(ratio))
+    if not powers:
+        return np.zeros(len(of_gradient))
+    return np.where(of_gradient, np.mean(powers, axis=0), 0.0)

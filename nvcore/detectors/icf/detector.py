@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -14,13 +15,19 @@ from numpy.typing import NDArray
 from nvcore.dataset.provenance import About
 from nvcore.detectors.base import Detections, threads_for_a_picture
 from nvcore.detectors.icf.cascade import floors
-from nvcore.detectors.icf.channels import Bytes, channel_sets, check_picture, integral_images
+from nvcore.detectors.icf.channels import (
+    Bytes,
+    PyramidLevel,
+    channel_sets,
+    check_picture,
+    integral_images,
+    levels,
+    planes_of,
+)
 from nvcore.detectors.icf.features import corner_offsets, has_differences
-from nvcore.detectors.icf.kernels.pictures import scan
-from nvcore.detectors.icf.model import IcfModel
-from nvcore.detectors.icf.model_file import fingerprint
-from nvcore.detectors.icf.pyramid import PyramidLevel, levels, planes_of
-from nvcore.detectors.icf.regions import OpenWindows, places
+from nvcore.detectors.icf.kernels import scan
+from nvcore.detectors.icf.model import IcfModel, fingerprint
+from nvcore.detectors.icf.regions import open_windows, red_sums
 from nvcore.detectors.suppression import suppress
 from nvcore.pictures import Picture
 
@@ -128,9 +135,9 @@ class IcfDetector:
         """
         picture = check_picture(picture, self.model.is_colour)
         groups = levels(picture.shape[1], picture.shape[0], self.model.settings)
-        where = places(picture, self.model.settings, self.model.band)
+        red = red_sums(picture, self.model.settings)
         with ThreadPoolExecutor(threads_for_a_picture()) as pool:
-            maps = pool.map(lambda group: list(self._maps(picture, group, where, look)), groups)
+            maps = pool.map(lambda group: list(self._maps(picture, group, red, look)), groups)
             return [score_map for of_group in maps for score_map in of_group]
 
     def candidates(self, maps: Sequence[ScoreMap]) -> Detections:
@@ -146,25 +153,23 @@ class IcfDetector:
         return Detections(x[order], y[order], w[order], h[order], score[order])
 
     def _maps(
-        self, picture: Bytes, group: tuple[PyramidLevel, ...], where: OpenWindows, look: Look | None
+        self,
+        picture: Bytes,
+        group: tuple[PyramidLevel, ...],
+        red: NDArray[np.int32] | None,
+        look: Look | None,
     ) -> Iterator[ScoreMap]:
         model, settings = self.model, self.model.settings
         lowest, restarts = floors(settings, model.calibration)
         for level, planes in planes_of(picture, group, settings, model.powers):
             buffer = self._buffer(len(planes) * (level.width + 1) * (level.height + 1))
             sums = integral_images(planes, buffer)
-            rows, columns = level.grid(settings)
-            is_open = where.are_open(
-                np.arange(0.0, columns) * settings.stride * level.across,
-                np.arange(0.0, rows) * settings.stride * level.down,
-                settings.window_width * level.across,
-                settings.window_height * level.down,
-            )
-            score = np.empty((rows, columns))
-            depth = np.empty((rows, columns), np.int32)
+            size = picture.shape[1], picture.shape[0]
+            is_open = open_windows(level, size, settings, model.band, red)
+            score, depth = np.empty(is_open.shape), np.empty(is_open.shape, np.int32)
             corners = corner_offsets(model.features, level.width, level.height)
             scan(
-                0, rows, sums.reshape(-1), level.width + 1, settings.stride,
+                0, len(is_open), sums.reshape(-1), level.width + 1, settings.stride,
                 corners[model.trees.feature.reshape(-1)], model.trees.threshold.reshape(-1),
                 has_differences(model.features), model.trees.leaves, lowest, restarts,
                 is_open, score, depth,
@@ -177,8 +182,7 @@ class IcfDetector:
 
     def _buffer(self, size: int) -> NDArray[np.int32]:
         """Memory for integral images that was used before: new memory costs more than the sums."""
-        try:
-            buffer = self._buffers.get_nowait()
-        except Empty:
-            buffer = np.empty(0, np.int32)
-        return buffer if len(buffer) >= size else np.empty(size, np.int32)
+        with contextlib.suppress(Empty):
+            if len(buffer := self._buffers.get_nowait()) >= size:
+                return buffer
+        return np.empty(size, np.int32)

@@ -11,17 +11,18 @@ from numpy.typing import NDArray
 from nvcore.detectors.icf.cascade import floors, passes
 from nvcore.detectors.icf.channels import (
     Bytes,
+    PyramidLevel,
     blurred,
-    channel_planes,
     check_picture,
     equalised,
     integral_images,
+    levels,
+    planes_of,
     resized,
 )
 from nvcore.detectors.icf.detector import IcfDetector, ScoreMap
 from nvcore.detectors.icf.features import values_at
 from nvcore.detectors.icf.model import IcfModel
-from nvcore.detectors.icf.pyramid import PyramidLevel, levels, planes_of, rescaled
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.detectors.icf.windows import Scene, is_background
 from nvcore.errors import ParameterError
@@ -58,21 +59,6 @@ class CoarseMap:
     n_windows: int
     n_through: int
     n_features: int
-
-
-@dataclass(frozen=True, eq=False)
-class Preparation:
-    """A picture on its way to the channels, each (h, w) or (h, w, 3), uint8.
-
-    Attributes
-    ----------
-    resized, blurred, equalised
-        At the scale; after the Gaussian; after the equalisation of its brightness.
-    """
-
-    resized: Bytes
-    blurred: Bytes
-    equalised: Bytes
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,11 +115,11 @@ class Tree:
     root: Node
     left: Node
     right: Node
-    leaves: tuple[float, float, float, float]
+    leaves: tuple[float, ...]
 
 
-def preparation(model: IcfModel, picture: Picture, scale: float) -> Preparation:
-    """The picture before and after blur and equalisation, at one scale.
+def preparation(model: IcfModel, picture: Picture, scale: float) -> dict[str, Bytes]:
+    """The picture at one scale before and after blur and equalisation, those that there are.
 
     Raises
     ------
@@ -142,10 +128,14 @@ def preparation(model: IcfModel, picture: Picture, scale: float) -> Preparation:
     ParameterError
         If no window fits into the picture at that scale.
     """
-    level, picture = _at_scale(model, picture, scale)
+    (level, *_), picture = _group_of(model, picture, scale, alone=True)
     small = resized(picture, level.width, level.height)
-    smooth = blurred(small, model.settings)
-    return Preparation(small, smooth, equalised(smooth, model.settings))
+    steps = {"as it comes": small}
+    if model.settings.blur:
+        steps["after the blur"] = small = blurred(small, model.settings)
+    if model.settings.clahe_clip > 0:
+        steps["after CLAHE"] = equalised(small, model.settings)
+    return steps
 
 
 def channels_of(model: IcfModel, picture: Picture, scale: float) -> dict[str, Bytes]:
@@ -157,25 +147,6 @@ def channels_of(model: IcfModel, picture: Picture, scale: float) -> dict[str, By
     return dict(zip(model.channels, planes, strict=True))
 
 
-def approximation_error(
-    model: IcfModel, picture: Picture, scale: float, from_scale: float
-) -> dict[str, float]:
-    """How far channels made from those of another scale are from the computed ones.
-
-    Mean absolute difference over the mean of the computed channel, by the channel's name; 0 is
-    best, NaN where the channel is 0 everywhere. Errors as `preparation`.
-    """
-    level, pixels = _at_scale(model, picture, scale)
-    near, _ = _at_scale(model, picture, from_scale)
-    exact = channel_planes(resized(pixels, level.width, level.height), model.settings)
-    planes = channel_planes(resized(pixels, near.width, near.height), model.settings)
-    close = rescaled(planes, level.width, level.height, model.powers)
-    apart = np.abs(close.astype(float) - exact).mean(axis=(1, 2))
-    mean = exact.mean(axis=(1, 2))
-    ratio = np.divide(apart, mean, out=np.full(len(mean), np.nan), where=mean > 0)
-    return dict(zip(model.channels, ratio.tolist(), strict=True))
-
-
 def usable_scales(settings: IcfSettings, width: int, height: int) -> tuple[float, ...]:
     """Scales at which a picture of this size, px, holds a window; errors as `levels`."""
     return tuple(level.scale for group in levels(width, height, settings) for level in group)
@@ -183,20 +154,18 @@ def usable_scales(settings: IcfSettings, width: int, height: int) -> tuple[float
 
 def computed_scale(model: IcfModel, picture: Picture, scale: float) -> float:
     """Scale from whose channels a run makes those of another; errors as `preparation`."""
-    return _group_of(model, picture, scale)[0].scale
+    return _group_of(model, picture, scale)[0][0].scale
 
 
 def map_at(model: IcfModel, picture: Picture, scale: float) -> CoarseMap:
     """What becomes of the windows of one scale in a run; errors as `preparation`."""
-    scales = tuple(level.scale for level in _group_of(model, picture, scale))
-    return coarse_map(IcfDetector(model.run_with(scales=scales)).score_maps(picture)[-1])
+    return coarse_map(_windows_at(model, picture, scale))
 
 
 def coarse_map(score_map: ScoreMap, most: int = MOST_CELLS) -> CoarseMap:
     """The map with at most so many cells along each side."""
     step = max(1, -(-max(score_map.score.shape) // most))
-    score = np.where(np.isnan(score_map.score), -np.inf, score_map.score)
-    score = _highest(score, step, -np.inf)
+    score = _highest(np.nan_to_num(score_map.score, nan=-np.inf), step, -np.inf)
     return CoarseMap(
         level=score_map.level,
         step=step,
@@ -230,7 +199,7 @@ def window_path(
     lowest, _ = floors(model.settings, model.calibration)
     is_below = ~passes(model.settings, model.calibration, sums)[0]
     rejected = int(is_below.argmax()) + 1 if is_below.any() else None
-    return WindowPath(sums[0], lowest, rejected, _leaves(model, values[0]))
+    return WindowPath(sums[0], lowest, rejected, model.trees.leaves_of(values)[0])
 
 
 def truth_paths(model: IcfModel, picture: Picture, boxes: NDArray[np.float64]) -> list[WindowPath]:
@@ -251,7 +220,7 @@ def truth_paths(model: IcfModel, picture: Picture, boxes: NDArray[np.float64]) -
     for x, y, w, h in boxes.tolist():
         wide = h * settings.aspect
         scale, row, column = window_of(model, width, height, (x + (w - wide) / 2, y, wide))
-        level, _ = _at_scale(model, picture, scale)
+        ((level, *_), _) = _group_of(model, picture, scale, alone=True)
         window = level.boxes(np.array([row]), np.array([column]), settings)
         scene = Scene(picture, np.array([[x + (w - wide) / 2, y, wide, h]]))
         if not is_background(window, scene, most_shared=LEAST_IOU).any():
@@ -272,8 +241,7 @@ def rejected_paths(
     boxes
         As of `truth_paths`: windows on them are left out.
     """
-    scales = tuple(level.scale for level in _group_of(model, picture, scale))
-    windows = IcfDetector(model.run_with(scales=scales)).score_maps(picture)[-1]
+    windows = _windows_at(model, picture, scale)
     row, column = np.nonzero((windows.depth > 0) & np.isnan(windows.score))
     is_free = is_background(windows.level.boxes(row, column, model.settings), Scene(picture, boxes))
     row, column = row[is_free], column[is_free]
@@ -311,13 +279,9 @@ def window_of(
     rows, columns = level.grid(settings)
     across = (settings.window_width - settings.object_width) / 2
     down = (settings.window_height - settings.object_height) / 2
-    row = _within((top / level.down - down) / settings.stride, rows)
-    column = _within((left / level.across - across) / settings.stride, columns)
+    places = (top / level.down - down, rows), (left / level.across - across, columns)
+    row, column = (min(max(round(px / settings.stride), 0), n - 1) for px, n in places)
     return level.scale, row, column
-
-
-def _within(place: float, n: int) -> int:
-    return min(max(round(place), 0), n - 1)
 
 
 def tree(model: IcfModel, index: int) -> Tree:
@@ -331,34 +295,39 @@ def tree(model: IcfModel, index: int) -> Tree:
     if not 0 <= index < len(model.trees):
         raise ParameterError(f"tree {index}: there are {len(model.trees)}, counted from 0")
     root, left, right = (_node(model, index, k) for k in range(3))
-    a, b, c, d = (float(leaf) for leaf in model.trees.leaves[index])
-    return Tree(root, left, right, (a, b, c, d))
+    return Tree(root, left, right, tuple(model.trees.leaves[index].tolist()))
 
 
-def _at_scale(model: IcfModel, picture: Picture, scale: float) -> tuple[PyramidLevel, Bytes]:
-    """The level, its channels computed there, and the picture as the channels take it."""
+def _group_of(
+    model: IcfModel, picture: Picture, scale: float, *, alone: bool = False
+) -> tuple[tuple[PyramidLevel, ...], Bytes]:
+    """The level of a scale behind that from which a run makes its channels, and the picture.
+
+    Parameters
+    ----------
+    alone
+        Whether its channels are computed at the scale itself in any case.
+    """
     picture = check_picture(picture, model.is_colour)
-    single = model.run_with(scales=(float(scale),)).settings
-    groups = levels(picture.shape[1], picture.shape[0], single)
+    size = picture.shape[1], picture.shape[0]
+    groups = levels(*size, model.run_with(scales=(float(scale),)).settings)
     if not groups:
         raise ParameterError(f"scale {scale:g}: the picture is smaller than the window there")
-    return groups[0][0], picture
+    if not alone:
+        for first, *others in levels(*size, model.settings):
+            groups += [(first, level) for level in others if level.scale == scale]
+    return groups[-1], picture
 
 
-def _group_of(model: IcfModel, picture: Picture, scale: float) -> tuple[PyramidLevel, ...]:
-    """The level of a scale, behind that from which a run makes its channels, if there is one."""
-    alone, _ = _at_scale(model, picture, scale)
-    for group in levels(picture.shape[1], picture.shape[0], model.settings):
-        for level in group[1:]:
-            if level.scale == scale:
-                return group[0], level
-    return (alone,)
+def _windows_at(model: IcfModel, picture: Picture, scale: float) -> ScoreMap:
+    """What becomes of every window of a scale in a run."""
+    scales = tuple(level.scale for level in _group_of(model, picture, scale)[0])
+    return IcfDetector(model.run_with(scales=scales)).score_maps(picture)[-1]
 
 
 def _planes_at(model: IcfModel, picture: Picture, scale: float) -> tuple[PyramidLevel, Bytes]:
     """The level of a scale, and its channels as a run has them."""
-    group = _group_of(model, picture, scale)
-    pixels = check_picture(picture, model.is_colour)
+    group, pixels = _group_of(model, picture, scale)
     *_, last = planes_of(pixels, group, model.settings, model.powers)
     return last
 
@@ -372,18 +341,10 @@ def _highest(values: NDArray[Number], step: int, least: float) -> NDArray[Number
     return highest
 
 
-def _leaves(model: IcfModel, values: NDArray[np.int32]) -> NDArray[np.int64]:
-    is_right = values[model.trees.feature] >= model.trees.threshold
-    right = is_right[:, 0].astype(np.int64)
-    return 2 * right + np.where(is_right[:, 0], is_right[:, 2], is_right[:, 1])
-
-
 def _node(model: IcfModel, index: int, k: int) -> Node:
-    feature = model.features[model.trees.feature[index, k]]
-    channel, left, top, right, bottom, *second = (int(value) for value in feature)
-    area = (right - left) * (bottom - top)
-    minus = None
-    if second[0] >= 0:
-        minus = (model.channels[second[0]], second[1], second[2], second[3], second[4])
-    threshold = float(model.trees.threshold[index, k]) / (255 * area)
+    feature = model.features[model.trees.feature[index, k]].tolist()
+    (channel, *sides), (second, *other) = feature[:5], feature[5:]
+    left, top, right, bottom = sides
+    minus = None if second < 0 else (model.channels[second], *other)
+    threshold = float(model.trees.threshold[index, k]) / (255 * (right - left) * (bottom - top))
     return Node(model.channels[channel], left, top, right, bottom, minus, threshold)

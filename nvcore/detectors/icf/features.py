@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.detectors.base import DetectorError
-from nvcore.detectors.icf.kernels.training import feature_values
+from nvcore.detectors.icf.kernels import feature_values
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.metrics.kernels import over_ranges
 

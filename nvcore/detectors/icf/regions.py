@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.detectors.icf.channels import Bytes, integral_images
+from nvcore.detectors.icf.channels import Bytes, PyramidLevel, integral_images
 from nvcore.detectors.icf.settings import IcfSettings
 
 _SLACK: Final = 0.02
@@ -65,66 +65,47 @@ def learn_band(row: NDArray[np.float64], height: NDArray[np.float64]) -> Band:
     return Band(at_zero, slope, float(-apart.min()) + _SLACK, float(apart.max()) + _SLACK)
 
 
-@dataclass(frozen=True, eq=False)
-class OpenWindows:
-    """Which windows of a picture are looked at.
+def open_windows(
+    level: PyramidLevel,
+    size: tuple[int, int],
+    settings: IcfSettings,
+    band: Band,
+    red: NDArray[np.int32] | None,
+) -> NDArray[np.bool_]:
+    """Which windows of a level are looked at; bool, (rows, columns).
 
-    Attributes
+    Parameters
     ----------
-    settings, band
-        Of the detector.
-    width, height
-        Of the picture, px.
+    size
+        Width and height of the picture, px.
     red
-        Integral image of the red pixels (0 or 1), (h + 1, w + 1); None: not asked for.
+        Of `red_sums`.
     """
-
-    settings: IcfSettings
-    band: Band
-    width: int
-    height: int
-    red: NDArray[np.int32] | None
-
-    def are_open(
-        self, x: NDArray[np.float64], y: NDArray[np.float64], w: float, h: float
-    ) -> NDArray[np.bool_]:
-        """Windows of one size that are looked at.
-
-        Parameters
-        ----------
-        x, y
-            Left of each column and top of each row of windows, px of the picture.
-        w, h
-            Size of the windows, px of the picture.
-
-        Returns
-        -------
-        bool, (rows, columns).
-        """
-        across, down = (x + w / 2) / self.width, (y + h / 2) / self.height
-        is_open = np.ones((len(y), len(x)), np.bool_)
-        if self.settings.use_band:
-            object_height = h * self.settings.object_height / self.settings.window_height
-            is_open &= self.band.holds(down, object_height / self.height)[:, None]
-        if self.settings.region:
-            is_open &= in_polygon(across, down, self.settings.region)
-        if self.red is not None:
-            left, right = (np.clip(np.rint(x + d), 0, self.width).astype(int) for d in (0, w))
-            top, bottom = (np.clip(np.rint(y + d), 0, self.height).astype(int) for d in (0, h))
-            red = self.red
-            n = red[bottom][:, right] - red[bottom][:, left]
-            n = n - red[top][:, right] + red[top][:, left]
-            is_open &= n >= self.settings.red_share * w * h
-        return is_open
+    s, (width, height), (rows, columns) = settings, size, level.grid(settings)
+    x = np.arange(0.0, columns) * s.stride * level.across
+    y = np.arange(0.0, rows) * s.stride * level.down
+    w, h = s.window_width * level.across, s.window_height * level.down
+    across, down = (x + w / 2) / width, (y + h / 2) / height
+    is_open = np.ones((rows, columns), np.bool_)
+    if s.use_band:
+        is_open &= band.holds(down, h * s.object_height / s.window_height / height)[:, None]
+    if s.region:
+        is_open &= in_polygon(across, down, s.region)
+    if red is not None:
+        left, right = (np.clip(np.rint(x + d), 0, width).astype(int) for d in (0, w))
+        top, bottom = (np.clip(np.rint(y + d), 0, height).astype(int) for d in (0, h))
+        n = red[bottom][:, right] - red[bottom][:, left]
+        n = n - red[top][:, right] + red[top][:, left]
+        is_open &= n >= s.red_share * w * h
+    return is_open
 
 
-def places(picture: Bytes, settings: IcfSettings, band: Band) -> OpenWindows:
-    """Which windows of a picture are looked at; a grey one has no red places and is all open."""
-    height, width = picture.shape[:2]
-    red = None
-    if settings.proposals == "red" and picture.ndim == 3:
-        red = integral_images(is_red(picture).astype(np.uint8)[None])[0]
-    return OpenWindows(settings, band, width, height, red)
+def red_sums(picture: Bytes, settings: IcfSettings) -> NDArray[np.int32] | None:
+    """Integral image of the red pixels, (h + 1, w + 1); None where all windows are looked at."""
+    if settings.proposals == "none" or picture.ndim == 2:
+        return None
+    sums: NDArray[np.int32] = integral_images(is_red(picture).astype(np.uint8)[None])[0]
+    return sums
 
 
 def is_red(picture: Bytes) -> NDArray[np.bool_]:

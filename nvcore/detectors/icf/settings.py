@@ -298,10 +298,6 @@ AS_IN_REPORT: Final = IcfSettings(
     negatives_per_round=0,
     copies=0,
     cascade="constant",
-    rejection=-1.0,
-    scales=scale_steps(1.0, 1.7, 0.1),
-    stride=6,
-    overlap=0.5,
 )
 """The speed-sign detector of the Aalborg report (2015); what it does not say is a default."""
 
@@ -330,7 +326,6 @@ PEDESTRIANS: Final = IcfSettings(
     mirrored=True,
     scales=tuple(round(0.5 * 2 ** (i / 8), 4) for i in range(25)),
     stride=4,
-    overlap=0.5,
     overlap_of="smaller",
 )
 """Upright people of some 26 px and more."""

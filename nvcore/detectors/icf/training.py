@@ -12,22 +12,23 @@ from numpy.typing import NDArray
 
 from nvcore.dataset.provenance import TrainedOn
 from nvcore.detectors.base import DetectorError
-from nvcore.detectors.classifier import Classifier, train_classifier
+from nvcore.detectors.classifier import train_classifier
 from nvcore.detectors.icf.boosting import BoostingRound, boost
 from nvcore.detectors.icf.cascade import Calibration, calibrate, lower
-from nvcore.detectors.icf.channels import check_picture, has_colour, plane_names
-from nvcore.detectors.icf.features import draw_features
-from nvcore.detectors.icf.mining import MiningTask, mine
+from nvcore.detectors.icf.channels import check_picture, has_colour, plane_names, scaling_powers
+from nvcore.detectors.icf.detector import IcfDetector, ScoreMap
+from nvcore.detectors.icf.features import Features, draw_features, values_at
 from nvcore.detectors.icf.model import IcfModel
-from nvcore.detectors.icf.pyramid import scaling_powers
 from nvcore.detectors.icf.regions import Band, learn_band
-from nvcore.detectors.icf.settings import IcfSettings
+from nvcore.detectors.icf.settings import MAX_STRIDE, IcfSettings
 from nvcore.detectors.icf.windows import (
     LazyScenes,
     Scene,
+    is_background,
     object_values,
     random_background,
 )
+from nvcore.detectors.suppression import staying_boxes
 from nvcore.progress import Progress, no_progress, part_of
 
 HELD_OUT_SHARE: Final = 0.1
@@ -39,6 +40,53 @@ _WINDOWS: Final = 0.12
 """Shares of a training's time, about: pictures are read, objects cut out, background drawn."""
 _MINING: Final = 0.35
 """Share of a round's time that mining takes, about."""
+_PASSING: Final = 0.98
+"""Share of the training's objects that a round's own trace lets pass while it is mined with."""
+_SURPLUS: Final = 1.5
+"""Windows that are found for each one that is wanted."""
+_STEP: Final = 2
+_DIVERSE: Final = 0.6
+"""IoU from which two windows are one and the same background."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """What all steps of one training share; `backgrounds` are the scenes with background."""
+
+    scenes: Sequence[Scene]
+    backgrounds: Sequence[int]
+    settings: IcfSettings
+    features: Features
+    is_colour: bool
+    seed: int
+
+    def model(self, boosting: BoostingRound, calibration: Calibration) -> IcfModel:
+        """A model of these trees and the features they use, to look for hard background."""
+        used, index = np.unique(boosting.trees.feature, return_inverse=True)
+        feature = index.reshape(boosting.trees.feature.shape).astype(np.int32)
+        return IcfModel(
+            name="in training",
+            label="object",
+            settings=replace(
+                self.settings,
+                cascade="calibrated",
+                stride=min(_STEP * self.settings.stride, MAX_STRIDE),
+                scales_between=0,
+                region=(),
+                use_band=False,
+                proposals="none",
+            ),
+            is_colour=self.is_colour,
+            features=self.features[used],
+            trees=replace(boosting.trees, feature=feature),
+            calibration=calibration,
+            powers=np.zeros(len(plane_names(self.settings, self.is_colour))),
+            error=boosting.error,
+            round_ends=np.array([len(boosting.error)], np.int32),
+            n_objects=0,
+            n_background=0,
+            seed=self.seed,
+        )
 
 
 def train(
@@ -78,10 +126,9 @@ def train(
     """
     scenes, held_out = _split(scenes, held_out)
     reading, cutting = part_of(progress, 0.0, _READING), part_of(progress, _READING, _CUTTING)
-    survey = _survey(scenes, held_out, reading)
-    is_colour = survey.is_colour
+    is_colour, fingerprint, band, backgrounds, n_classes = _survey(scenes, held_out, reading)
     features = draw_features(settings, len(plane_names(settings, is_colour)), seed)
-    task = MiningTask(scenes, survey.backgrounds, settings, features, is_colour, seed)
+    task = _Task(scenes, backgrounds, settings, features, is_colour, seed)
     objects = object_values(_with_objects(scenes, cutting), settings, features, is_colour, seed)
     unseen = object_values(_with_objects(held_out), settings, features, is_colour, seed + 1)
     background = _first_background(task, part_of(progress, _CUTTING, _WINDOWS))
@@ -95,69 +142,29 @@ def train(
         )
     rounds, background = _rounds(task, objects, background, part_of(progress, _WINDOWS, 0.98))
     progress(0.98, "calibrating")
+    # boosting drives those trained on apart from the background: alone, they reject too early
+    calibrations = (
+        calibrate(rounds[-1].trees.running_sums(values), settings.kept_share, settings.slack)
+        for values in (objects, unseen)
+    )
+    some = backgrounds[:: max(1, -(-len(backgrounds) // _FOR_POWERS))]
+    pictures = (check_picture(scenes[i].picture, is_colour) for i in some)
+    labelled = (scene for scene in _with_objects(scenes) if scene.labels)
+    examples = ((scene.picture, scene.boxes, scene.labels) for scene in labelled)
     return replace(
-        task.model(rounds[-1], _calibration(rounds[-1], objects, unseen, settings)),
+        task.model(rounds[-1], lower(*calibrations)),
         name=name,
         label=label,
         settings=settings,
-        powers=scaling_powers(_some_pictures(task), settings, is_colour),
+        powers=scaling_powers(pictures, settings, is_colour),
         error=np.concatenate([boosting.error for boosting in rounds]),
         round_ends=np.cumsum([len(boosting.error) for boosting in rounds], dtype=np.int32),
         n_objects=len(objects),
         n_background=len(background),
-        band=survey.band,
-        trained_on=tuple(trained_on) or (TrainedOn(survey.fingerprint),),
-        classifier=_classifier(scenes, seed) if survey.n_classes > 1 else None,
+        band=band,
+        trained_on=tuple(trained_on) or (TrainedOn(fingerprint),),
+        classifier=train_classifier(examples, seed=seed) if n_classes > 1 else None,
     )
-
-
-def _calibration(
-    boosting: BoostingRound,
-    objects: NDArray[np.int32],
-    unseen: NDArray[np.int32],
-    settings: IcfSettings,
-) -> Calibration:
-    """What lets pass this share of the objects trained on, and of those held out by themselves.
-
-    Boosting drives those trained on apart from the background: alone, they reject too early.
-    """
-    of_objects, of_unseen = (
-        calibrate(boosting.trees.running_sums(values), settings.kept_share, settings.slack)
-        for values in (objects, unseen)
-    )
-    return lower(of_objects, of_unseen)
-
-
-def _classifier(scenes: Sequence[Scene], seed: int) -> Classifier | None:
-    """What tells the classes apart, where the objects are of several."""
-    labelled = (scene for scene in _with_objects(scenes) if scene.labels)
-    examples = ((scene.picture, scene.boxes, scene.labels) for scene in labelled)
-    return train_classifier(examples, seed=seed)
-
-
-@dataclass(frozen=True)
-class _Survey:
-    """What is learned of the pictures by reading them once.
-
-    Attributes
-    ----------
-    is_colour
-        Whether all are in colour, and any is not grey.
-    fingerprint
-        sha256 over pictures and boxes.
-    band
-        Where the boxes lie.
-    backgrounds
-        Places of the scenes with background.
-    n_classes
-        Of the objects to train on.
-    """
-
-    is_colour: bool
-    fingerprint: str
-    band: Band
-    backgrounds: list[int]
-    n_classes: int
 
 
 def _split(
@@ -182,8 +189,16 @@ def _with_objects(scenes: Sequence[Scene], progress: Progress = no_progress) -> 
             yield scene
 
 
-def _survey(scenes: Sequence[Scene], held_out: Sequence[Scene], progress: Progress) -> _Survey:
-    """Read everything once."""
+def _survey(
+    scenes: Sequence[Scene], held_out: Sequence[Scene], progress: Progress
+) -> tuple[bool, str, Band, list[int], int]:
+    """Read everything once.
+
+    Returns
+    -------
+    Whether all pictures are in colour, and any is not grey; sha256 over pictures and boxes; where
+    the boxes lie; places of the scenes with background; number of classes to train on.
+    """
     digest = hashlib.sha256()
     is_colour, any_colour = True, False
     classes: set[str] = set()
@@ -207,10 +222,10 @@ def _survey(scenes: Sequence[Scene], held_out: Sequence[Scene], progress: Progre
                 heights.append(scene.boxes[:, 3] / picture.shape[0])
     band = learn_band(np.concatenate(rows), np.concatenate(heights))
     is_colour &= any_colour
-    return _Survey(is_colour, digest.hexdigest(), band, backgrounds, len(classes - {""}))
+    return is_colour, digest.hexdigest(), band, backgrounds, len(classes - {""})
 
 
-def _first_background(task: MiningTask, progress: Progress) -> NDArray[np.int32]:
+def _first_background(task: _Task, progress: Progress) -> NDArray[np.int32]:
     """Windows of background drawn at random, about as many from each scene."""
     n_scenes = len(task.backgrounds)
     each = -(-task.settings.negatives // max(n_scenes, 1))
@@ -225,7 +240,7 @@ def _first_background(task: MiningTask, progress: Progress) -> NDArray[np.int32]
 
 
 def _rounds(
-    task: MiningTask, objects: NDArray[np.int32], background: NDArray[np.int32], progress: Progress
+    task: _Task, objects: NDArray[np.int32], background: NDArray[np.int32], progress: Progress
 ) -> tuple[list[BoostingRound], NDArray[np.int32]]:
     """What each round gave, and the background of the last.
 
@@ -241,7 +256,7 @@ def _rounds(
         start = 0.0
         if rounds:
             start = _MINING
-            hard = mine(task, rounds[-1], objects, part_of(of_round, 0.0, start))
+            hard = _mine(task, rounds[-1], objects, part_of(of_round, 0.0, start))
             background = np.concatenate([background, hard])
         boosting = boost(
             np.concatenate([objects, background]),
@@ -258,7 +273,71 @@ def _rounds(
     return rounds, background
 
 
-def _some_pictures(task: MiningTask) -> Iterator[NDArray[np.uint8]]:
-    """At most 20 scenes with background, evenly spread."""
-    for i in task.backgrounds[:: max(1, -(-len(task.backgrounds) // _FOR_POWERS))]:
-        yield check_picture(task.scenes[i].picture, task.is_colour)
+def _mine(
+    task: _Task, boosting: BoostingRound, objects: NDArray[np.int32], progress: Progress
+) -> NDArray[np.int32]:
+    """Background that the trees take for objects: the most confident windows that are found.
+
+    Scenes are visited in random order, until there are half as many more windows as are wanted:
+    a first round, with its few trees, is wrong about many. Every other window is looked at, both
+    ways: what is taken for an object is so in neighbouring windows, too.
+
+    Parameters
+    ----------
+    objects
+        Feature values of the training's objects; what few of them reach is not looked at.
+
+    Returns
+    -------
+    Feature values, int32, (n, n_features); n is at most `negatives_per_round`.
+    """
+    calibration = calibrate(boosting.trees.running_sums(objects), _PASSING)
+    detector = IcfDetector(task.model(boosting, calibration))
+    most = task.settings.negatives_per_round
+    rng = np.random.default_rng([task.seed, len(boosting.trees)])
+    order = rng.permutation(np.array(task.backgrounds, np.int64))
+    each = max(10, most // 40, -(-2 * most // max(len(order), 1)))
+    found = [(np.empty(0), np.empty((0, len(task.features)), np.int32))]
+    n_windows = 0
+    for n, i in enumerate(order):
+        progress(max(n / len(order), n_windows / (_SURPLUS * most)), "looking for hard background")
+        found.append(_hardest(detector, task.scenes[int(i)], task, each))
+        n_windows += len(found[-1][0])
+        if n_windows >= _SURPLUS * most:
+            break
+    score, values = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    return values[np.argsort(-score, kind="stable")[:most]]
+
+
+def _hardest(
+    detector: IcfDetector, scene: Scene, task: _Task, most: int
+) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Scores and values of the most confident windows of background that differ in place."""
+    nothing = np.empty((4, 0)), np.empty(0), np.empty((0, len(task.features)), np.int32)
+    parts = {0.0: nothing}
+    settings = detector.model.settings
+
+    def look(score_map: ScoreMap, sums: NDArray[np.int32]) -> None:
+        level = score_map.level
+        row, column = np.nonzero(~np.isnan(score_map.score))
+        boxes = level.boxes(row, column, settings)
+        score = score_map.score[row, column]
+        index = np.flatnonzero(is_background(boxes, scene))
+        index = index[_differing(boxes[:, index], score[index], most)]
+        base = (row[index] * (level.width + 1) + column[index]) * settings.stride
+        values = values_at(sums, base, task.features)
+        parts[level.scale] = boxes[:, index], score[index], values
+
+    detector.score_maps(scene.picture, look)
+    boxes, scores, values = zip(*(parts[scale] for scale in sorted(parts)), strict=True)
+    score = np.concatenate(scores)
+    index = _differing(np.concatenate(boxes, axis=1), score, most)
+    return score[index], np.concatenate(values)[index]
+
+
+def _differing(
+    boxes: NDArray[np.float64], score: NDArray[np.float64], most: int
+) -> NDArray[np.int64]:
+    """Indices of the most confident boxes that differ in place."""
+    order = np.argsort(-score, kind="stable")[: 50 * most]
+    return order[staying_boxes(boxes[:, order], _DIVERSE)][:most]

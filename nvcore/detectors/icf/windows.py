@@ -12,13 +12,15 @@ from numpy.typing import NDArray
 
 from nvcore.detectors.icf.channels import (
     Bytes,
+    PyramidLevel,
     channel_planes,
     check_picture,
     halved,
     integral_images,
+    levels,
+    planes_of,
 )
 from nvcore.detectors.icf.features import Features, values_at
-from nvcore.detectors.icf.pyramid import PyramidLevel, levels, planes_of
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.pictures import Picture
 
@@ -126,7 +128,9 @@ def window_values(
     windows: list[Bytes], settings: IcfSettings, features: Features
 ) -> NDArray[np.int32]:
     """Feature values of windows with a margin of 4 px; int32, (n, n_features)."""
-    sums = np.stack([_window_sums(np.ascontiguousarray(w), settings) for w in windows])
+    inside = slice(_MARGIN, -_MARGIN)
+    every = (channel_planes(np.ascontiguousarray(window), settings) for window in windows)
+    sums = np.stack([integral_images(planes[:, inside, inside].copy()) for planes in every])
     base = np.arange(len(windows), dtype=np.int64) * sums[0].size
     return values_at(sums, base, features)
 
@@ -207,13 +211,6 @@ def _shared(boxes: NDArray[np.float64], box: NDArray[np.float64]) -> NDArray[np.
     sides = np.maximum(ends - np.maximum(corner, box[:2, None]), 0.0)
     shared: NDArray[np.float64] = sides[0] * sides[1]
     return shared
-
-
-def _window_sums(window: Bytes, settings: IcfSettings) -> NDArray[np.int32]:
-    inside = slice(_MARGIN, -_MARGIN)
-    return integral_images(
-        np.ascontiguousarray(channel_planes(window, settings)[:, inside, inside])
-    )
 
 
 def _cut(

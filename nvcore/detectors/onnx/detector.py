@@ -99,21 +99,15 @@ def open_onnx(path: Path, given: Mapping[str, Setting]) -> OnnxDetector:
                 digest.update(hashlib.file_digest(stream, "sha256").digest())
     except OSError as error:
         raise DetectorError(f"cannot be opened ({error.strerror})", file=name) from error
-    with _plain_errors(name):
-        session = onnxruntime.InferenceSession(
-            str(path) if files else content,
-            sess_options=_options(settings.threads),
-            providers=["CPUExecutionProvider"],
-        )
-    return OnnxDetector(session, settings, path.stem, name, digest.hexdigest())
-
-
-def _options(n_threads: int) -> Any:
     onnxruntime.disable_telemetry_events()  # where another program has loaded it before
     options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads, options.inter_op_num_threads = n_threads, 1
+    options.intra_op_num_threads, options.inter_op_num_threads = settings.threads, 1
     options.log_severity_level = 4  # what goes wrong is raised
-    return options
+    with _plain_errors(name):
+        session = onnxruntime.InferenceSession(
+            str(path) if files else content, options, providers=["CPUExecutionProvider"]
+        )
+    return OnnxDetector(session, settings, path.stem, name, digest.hexdigest())
 
 
 @contextmanager
@@ -153,9 +147,10 @@ class OnnxDetector:
                 f"has {len(inputs)} inputs ({names}); expected one, the picture", file=name
             )
         self._input = inputs[0].name
-        form = _form(inputs[0], settings, name)
+        self._form = form = _form(inputs[0], settings, name)
         blank = np.zeros((form.size[1], form.size[0]), dtype=np.uint8)
-        outputs = self._run(network_input(blank, form)[0])
+        plain = replace(settings, fit="stretch", values="0..1", colour="rgb")
+        outputs = self._run(network_input(blank, form, plain)[0])
         key = recognise(outputs, form.size, name) if settings.layout == AUTO else settings.layout
         self._layout = layout = PRESETS[key]
         usual = {
@@ -172,7 +167,6 @@ class OnnxDetector:
             overlap=settings.overlap if settings.overlap >= 0 else overlap,
             **usual,
         )
-        self._form = replace(form, fit=settings.fit, values=settings.values, colour=settings.colour)
         self._classes = _classes(settings, layout, _names(session, settings), name)
         values: dict[str, Setting] = asdict(settings)
         # threads change the time, not the boxes
@@ -190,9 +184,11 @@ class OnnxDetector:
 
     def detect(self, picture: Picture) -> Detections:
         """See `Detector.detect`."""
-        array, fitting = network_input(picture, self._form)
+        array, fitting = network_input(picture, self._form, self.settings)
         box, score, number = self._chosen(self._read(self._run(array)))
-        if self._is_in_shares(box):
+        highest = np.abs(box).max(initial=0.0, where=np.isfinite(box))
+        unit = self.settings.unit
+        if unit == "shares" or (unit == AUTO and highest <= LARGEST_SHARE):
             box = box * np.tile(np.array(self._form.size, dtype=np.float64), 2)
         left, top, right, bottom = fitting.to_picture(box).T
         sides = np.column_stack([left, top, right - left, bottom - top])
@@ -252,11 +248,6 @@ class OnnxDetector:
             rows = rows[np.argsort(-score[rows], kind="stable")[:MOST_CANDIDATES]]
         return corners(candidates.box[rows], self.settings.box), score[rows], number[rows]
 
-    def _is_in_shares(self, box: NDArray[np.float64]) -> bool:
-        if self.settings.unit != AUTO:
-            return self.settings.unit == "shares"
-        return bool(np.abs(box).max(initial=0.0, where=np.isfinite(box)) <= LARGEST_SHARE)
-
 
 def _form(part: Any, settings: OnnxSettings, name: str) -> PictureForm:
     """What the network's input wants; DetectorError if it is no picture."""
@@ -287,11 +278,6 @@ def _form(part: Any, settings: OnnxSettings, name: str) -> PictureForm:
         is_last=is_last,
         has_batch=has_batch,
         dtype=np.dtype(dtype),
-        fit="stretch",
-        fill=settings.fill,
-        values="0..1",
-        colour="rgb",
-        stretch_8_bit=settings.stretch_8_bit,
     )
 
 

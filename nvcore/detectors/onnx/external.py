@@ -20,25 +20,18 @@ with needs("onnx", "ONNX models need"):
 MAX_BYTES: Final = (1 << 31) - 1
 """Of a model file: protobuf has no larger messages."""
 
-_MESSAGES: Final[dict[str, dict[int, tuple[str, str]]]] = {
-    "Model": {7: ("graph", "Graph"), 20: ("training", "Training"), 25: ("functions", "Function")},
-    "Training": {1: ("initialization", "Graph"), 2: ("algorithm", "Graph")},
-    "Function": {7: ("node", "Node"), 11: ("attribute", "Attribute")},
-    "Graph": {1: ("node", "Node"), 5: ("initializer", "Tensor"), 15: ("sparse", "Sparse")},
-    "Node": {5: ("attribute", "Attribute")},
-    "Attribute": {
-        5: ("t", "Tensor"),
-        6: ("g", "Graph"),
-        10: ("tensors", "Tensor"),
-        11: ("graphs", "Graph"),
-        22: ("sparse", "Sparse"),
-        23: ("sparses", "Sparse"),
-    },
-    "Sparse": {1: ("values", "Tensor"), 2: ("indices", "Tensor")},
-    "Tensor": {13: ("external_data", "Entry")},
-    "Entry": {1: ("key", ""), 2: ("value", "")},
+_MESSAGES: Final[dict[str, dict[int, str]]] = {
+    "Model": {7: "Graph", 20: "Training", 25: "Function"},
+    "Training": {1: "Graph", 2: "Graph"},
+    "Function": {7: "Node", 11: "Attribute"},
+    "Graph": {1: "Node", 5: "Tensor", 15: "Sparse"},
+    "Node": {5: "Attribute"},
+    "Attribute": {5: "Tensor", 6: "Graph", 10: "Tensor", 11: "Graph", 22: "Sparse", 23: "Sparse"},
+    "Sparse": {1: "Tensor", 2: "Tensor"},
+    "Tensor": {13: "Entry"},
+    "Entry": {1: "key", 2: "value"},
 }
-"""The parts of onnx.proto in which a tensor can be: number, name and message of each field."""
+"""The parts of onnx.proto in which a tensor can be: message of each field, or its name if bytes."""
 
 
 def external_files(content: bytes, path: Path, name: str) -> list[Path]:
@@ -66,8 +59,11 @@ def external_files(content: bytes, path: Path, name: str) -> list[Path]:
     folder = path.resolve().parent
     files = set()
     for location in sorted({*_locations(model)}):
-        file = _resolved(folder, location)
-        if file is None or Path(location).is_absolute() or not file.is_relative_to(folder):
+        try:
+            file = (folder / location).resolve()
+        except (OSError, ValueError):  # links in a circle; NUL
+            file = Path()  # relative, so in no folder
+        if Path(location).is_absolute() or not file.is_relative_to(folder):
             raise DetectorError(
                 f"keeps weights in {location!r}, outside its own folder, and is refused; export it "
                 "anew as one file",
@@ -77,13 +73,6 @@ def external_files(content: bytes, path: Path, name: str) -> list[Path]:
             raise DetectorError(f"keeps weights in {location!r}, which is not there", file=name)
         files.add(file)
     return sorted(files)
-
-
-def _resolved(folder: Path, location: str) -> Path | None:
-    try:
-        return (folder / location).resolve()
-    except (OSError, ValueError):  # links in a circle; NUL
-        return None
 
 
 def _locations(part: Any) -> Iterator[str]:
@@ -108,14 +97,15 @@ def _model_class() -> Any:
     )
     for title, parts in _MESSAGES.items():
         entry = file.message_type.add(name=title)
-        for number, (name, kind) in parts.items():
+        for number, kind in parts.items():
+            is_message = kind in _MESSAGES
             entry.field.add(
-                name=name,
+                name=f"part{number}" if is_message else kind,
                 number=number,
                 # a field that stands once may come twice: both count
-                label=kinds.LABEL_REPEATED if kind else kinds.LABEL_OPTIONAL,
-                type=kinds.TYPE_MESSAGE if kind else kinds.TYPE_BYTES,
-                type_name=f".nvcore.onnx.{kind}" if kind else None,
+                label=kinds.LABEL_REPEATED if is_message else kinds.LABEL_OPTIONAL,
+                type=kinds.TYPE_MESSAGE if is_message else kinds.TYPE_BYTES,
+                type_name=f".nvcore.onnx.{kind}" if is_message else None,
             )
     pool = descriptor_pool.DescriptorPool()
     pool.Add(file)

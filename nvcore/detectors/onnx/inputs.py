@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from nvcore.detectors.base import to_8_bits
 from nvcore.detectors.onnx.layouts import Size
+from nvcore.detectors.onnx.settings import OnnxSettings
 from nvcore.pictures import Picture
 
 MEAN: Final = (0.485, 0.456, 0.406)
@@ -20,7 +21,7 @@ SPREAD: Final = (0.229, 0.224, 0.225)
 
 @dataclass(frozen=True)
 class PictureForm:
-    """How a network wants its pictures; see `OnnxSettings`.
+    """The array that a network wants for a picture.
 
     Attributes
     ----------
@@ -39,11 +40,6 @@ class PictureForm:
     is_last: bool
     has_batch: bool
     dtype: np.dtype[Any]
-    fit: str
-    fill: int
-    values: str
-    colour: str
-    stretch_8_bit: bool
 
 
 @dataclass(frozen=True)
@@ -62,12 +58,20 @@ class Fitting:
         return sides
 
 
-def network_input(picture: Picture, form: PictureForm) -> tuple[NDArray[Any], Fitting]:
+def network_input(
+    picture: Picture, form: PictureForm, settings: OnnxSettings
+) -> tuple[NDArray[Any], Fitting]:
     """The array for a picture, and where the picture lies in it."""
-    picture = _coloured(to_8_bits(picture, always=form.stretch_8_bit), form)
-    resized, fitting = _resized(picture, form)
+    picture = to_8_bits(picture, always=settings.stretch_8_bit)
+    n_own = 1 if picture.ndim == 2 else 3
+    if n_own != form.n_channels:
+        code = cv2.COLOR_GRAY2RGB if n_own == 1 else cv2.COLOR_RGB2GRAY
+        picture = cv2.cvtColor(picture, code)
+    elif n_own == 3 and settings.colour == "bgr":
+        picture = picture[..., ::-1]
+    resized, fitting = _resized(picture, form.size, settings)
     values = resized.reshape(*resized.shape[:2], form.n_channels)
-    array = _scaled(values, form)
+    array = _scaled(values, form, settings)
     if not form.is_last:
         array = np.moveaxis(array, 2, 0)
     if form.has_batch:
@@ -75,40 +79,31 @@ def network_input(picture: Picture, form: PictureForm) -> tuple[NDArray[Any], Fi
     return np.ascontiguousarray(array, dtype=form.dtype), fitting
 
 
-def _coloured(picture: Picture, form: PictureForm) -> Picture:
-    n_own = 1 if picture.ndim == 2 else 3
-    if n_own == form.n_channels:
-        return picture[..., ::-1] if n_own == 3 and form.colour == "bgr" else picture
-    code = cv2.COLOR_GRAY2RGB if n_own == 1 else cv2.COLOR_RGB2GRAY
-    coloured: Picture = cv2.cvtColor(picture, code)
-    return coloured
-
-
-def _resized(picture: Picture, form: PictureForm) -> tuple[Picture, Fitting]:
-    (width, height), (own_height, own_width) = form.size, picture.shape[:2]
+def _resized(picture: Picture, size: Size, settings: OnnxSettings) -> tuple[Picture, Fitting]:
+    (width, height), (own_height, own_width) = size, picture.shape[:2]
     new = width, height
-    if form.fit != "stretch":
+    if settings.fit != "stretch":
         factor = min(width / own_width, height / own_height)
         new = max(1, round(own_width * factor)), max(1, round(own_height * factor))
     resized = np.ascontiguousarray(picture)
     if new != (own_width, own_height):
         resized = cv2.resize(resized, new, interpolation=cv2.INTER_LINEAR)
-    is_centred = form.fit == "letterbox"
+    is_centred = settings.fit == "letterbox"
     left, top = ((width - new[0]) // 2, (height - new[1]) // 2) if is_centred else (0, 0)
     if new != (width, height):
-        canvas = np.full((height, width, *resized.shape[2:]), form.fill, dtype=np.uint8)
+        canvas = np.full((height, width, *resized.shape[2:]), settings.fill, dtype=np.uint8)
         canvas[top : top + new[1], left : left + new[0]] = resized
         resized = canvas
     return resized, Fitting(new[0] / own_width, new[1] / own_height, left, top)
 
 
-def _scaled(values: NDArray[np.uint8], form: PictureForm) -> NDArray[Any]:
-    if form.values == "0..255" or form.dtype.kind == "u":
+def _scaled(values: NDArray[np.uint8], form: PictureForm, settings: OnnxSettings) -> NDArray[Any]:
+    if settings.values == "0..255" or form.dtype.kind == "u":
         return values
     shares = values.astype(np.float32) / np.float32(255)
-    if form.values == "0..1":
+    if settings.values == "0..1":
         return shares
     mean, spread = (np.array(numbers[: form.n_channels], np.float32) for numbers in (MEAN, SPREAD))
-    if form.colour == "bgr":
+    if settings.colour == "bgr":
         mean, spread = mean[::-1], spread[::-1]
     return (shares - mean) / spread

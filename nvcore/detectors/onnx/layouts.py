@@ -115,15 +115,19 @@ def recognise(outputs: Outputs, size: Size, name: str) -> str:
             return "yolov8"
         if columns >= 6 and rows > columns:
             return "yolov5"
-    shown = ", ".join(f"{key} {shape_text(array)}" for key, array in outputs.items())
     raise DetectorError(
-        f"its outputs ({shown}) are of no known layout; name it by the setting layout", file=name
+        f"its outputs ({_shapes(outputs)}) are of no known layout; name it by the setting layout",
+        file=name,
     )
 
 
 def shape_text(array: NDArray[Any]) -> str:
     """The shape of an output as models' documents write it: (1, 84, 8400)."""
     return f"({', '.join(map(str, array.shape))})"
+
+
+def _shapes(outputs: Outputs) -> str:
+    return ", ".join(f"{key} {shape_text(array)}" for key, array in outputs.items())
 
 
 def cell_count(size: Size, cells: Sequence[int]) -> int:
@@ -221,9 +225,8 @@ def _detr(outputs: Outputs, _size: Size) -> Candidates:
     logits, box = _named(outputs, "logits"), _named(outputs, "box")
     is_one = logits is not None and logits.ndim == 3 and logits.shape[0] == 1
     if logits is None or box is None or not is_one or box.shape != (*logits.shape[:2], 4):
-        shapes = ", ".join(f"{key} {shape_text(array)}" for key, array in outputs.items())
         raise DetectorError(
-            f"expected outputs logits (1, n, c) and boxes (1, n, 4), found {shapes}"
+            f"expected outputs logits (1, n, c) and boxes (1, n, 4), found {_shapes(outputs)}"
         )
     return Candidates(box[0].astype(np.float64), logits[0].astype(np.float64))
 
@@ -255,6 +258,9 @@ def corners(box: NDArray[np.float64], form: str) -> NDArray[np.float64]:
     return np.column_stack([b, a, d, c]) if form == "yxyx" else box
 
 
+_OF_TRANSFORMERS: Final[dict[str, Any]] = {
+    "fit": "stretch", "unit": "shares", "suppresses": True, "threshold": 0.5
+}  # fmt: skip
 PRESETS: Final[dict[str, OutputLayout]] = {
     "yolov5": OutputLayout(_yolov5),
     "yolov8": OutputLayout(_yolov8),
@@ -264,22 +270,8 @@ PRESETS: Final[dict[str, OutputLayout]] = {
         _ssd, box="xyxy", fit="stretch", unit="auto", suppresses=True, person=1, threshold=0.5
     ),
     "detr": OutputLayout(
-        _detr,
-        fit="stretch",
-        values="imagenet",
-        activation="softmax",
-        unit="shares",
-        suppresses=True,
-        person=1,
-        threshold=0.5,
+        _detr, values="imagenet", activation="softmax", person=1, **_OF_TRANSFORMERS
     ),
-    "rtdetr": OutputLayout(
-        _detr,
-        fit="stretch",
-        activation="sigmoid",
-        unit="shares",
-        suppresses=True,
-        threshold=0.5,
-    ),
+    "rtdetr": OutputLayout(_detr, activation="sigmoid", **_OF_TRANSFORMERS),
 }
 """What is usual for each layout."""

@@ -48,14 +48,9 @@ def test_a_tree_of_two_levels_learns_what_no_single_split_can():
     is_object = (x > 0) & (y > 0)
     boosted = boost(np.stack([x, y], axis=1), is_object, n_trees=5)
     assert len(boosted.trees) == 1  # without error, and the next would be the same
+    assert np.isfinite(boosted.trees.leaves).all()
     np.testing.assert_array_equal(boosted.trees.running_sums(np.stack([x, y], 1)) > 0,
                                   is_object[:, None])  # fmt: skip
-
-
-def test_the_confidence_of_a_tree_without_error_is_finite():
-    boosted = boost(column(1, 2, 8, 9), np.arange(4) > 1, n_trees=3)
-    assert boosted.error[0] == 0
-    assert np.isfinite(boosted.trees.leaves).all()
 
 
 def test_nothing_is_learned_from_features_that_are_all_equal():
@@ -70,8 +65,12 @@ def overlapping(seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
 
 def test_the_training_error_falls():
     values, kinds = overlapping()
-    error = boost(values, kinds, n_trees=60).error
+    boosted = boost(values, kinds, n_trees=60)
+    error = boosted.error
     assert error[-1] < 0.5 * error[0]
+    sums = boosted.trees.running_sums(values)  # of more windows than a block has
+    is_wrong = (sums > 0) != kinds[:, None]
+    np.testing.assert_array_equal(is_wrong.mean(axis=0), error)
 
 
 def test_a_round_ends_where_the_error_no_longer_falls():

@@ -13,8 +13,8 @@ from nvcore.detectors.base import Detector, DetectorError
 from nvcore.detectors.candidates import candidates, counting, open_loosened
 from nvcore.detectors.icf import AS_IN_REPORT, IcfDetector, write_model
 from nvcore.detectors.icf.cascade import Calibration, calibrate, floors, lower, passes
+from nvcore.detectors.icf.channels import levels
 from nvcore.detectors.icf.displays import window_path
-from nvcore.detectors.icf.pyramid import levels
 from nvcore.detectors.registry import open_detector
 
 SCALES_OF_HEADS = scale_steps(1.0, 2.4, 0.2)

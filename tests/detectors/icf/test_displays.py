@@ -10,7 +10,6 @@ import pytest
 from nvcore.detectors.icf import IcfDetector
 from nvcore.detectors.icf.channels import channel_planes
 from nvcore.detectors.icf.displays import (
-    approximation_error,
     channels_of,
     coarse_map,
     computed_scale,
@@ -29,11 +28,14 @@ from nvcore.errors import ParameterError
 def test_the_picture_is_shown_before_and_after_each_step(model, drawn):
     more = replace(model, settings=replace(model.settings, clahe_clip=4.0))
     steps = preparation(more, drawn(0).picture, 1.0)
-    np.testing.assert_array_equal(steps.resized, drawn(0).picture)
-    assert steps.blurred.std() < steps.resized.std()
-    assert (steps.equalised != steps.blurred).any()
+    whole, smooth, equalised = steps.values()
+    np.testing.assert_array_equal(whole, drawn(0).picture)
+    assert smooth.std() < whole.std()
+    assert (equalised != smooth).any()
     plain = preparation(model, drawn(0).picture, 2.0)
-    assert plain.equalised.shape == (60, 80, 3)
+    assert {name: step.shape for name, step in plain.items()} == dict.fromkeys(
+        ("as it comes", "after the blur"), (60, 80, 3)
+    )
 
 
 def test_channels_are_shown_by_name(model, drawn):
@@ -41,15 +43,6 @@ def test_channels_are_shown_by_name(model, drawn):
     assert tuple(planes) == model.channels
     expected = channel_planes(drawn(0).picture, model.settings)
     np.testing.assert_array_equal(np.stack(list(planes.values())), expected)
-
-
-def test_channels_of_the_same_scale_are_not_approximated(model, drawn):
-    picture = drawn(0).picture
-    same = approximation_error(model, picture, 1.0, 1.0)
-    near = approximation_error(model, picture, 1.1, 1.0)
-    far = approximation_error(model, picture, 2.0, 1.0)
-    assert set(same.values()) == {0.0}
-    assert 0 < near["gradient"] < far["gradient"]
 
 
 def test_the_leaves_of_a_path_add_up_to_its_confidence(model, drawn):

@@ -24,7 +24,7 @@ from nvcore.dataset.provenance import TrainedOn
 from nvcore.detectors.base import DetectorError
 from nvcore.detectors.classifier import N_VALUES, Classifier
 from nvcore.detectors.icf import IcfDetector, read_model, write_model
-from nvcore.detectors.icf.model_file import from_bytes, to_bytes
+from nvcore.detectors.icf.model import from_bytes, to_bytes
 from nvcore.detectors.icf.regions import Band
 
 

@@ -13,7 +13,7 @@ from streamlit.testing.v1 import AppTest
 
 from nvcore.auditing import audit
 from nvcore.dataset.provenance import read_provenance
-from nvcore.detectors.icf.model_file import fingerprint, from_bytes
+from nvcore.detectors.icf.model import fingerprint, from_bytes
 from nvcore.findings import Severity
 from pages import (
     FRAMES,
