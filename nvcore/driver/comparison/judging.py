@@ -16,10 +16,8 @@ import pandas as pd
 
 from nvcore.columns import Detectability
 from nvcore.dataset import Dataset
-from nvcore.driver.comparison.kernels import driver_frames
 from nvcore.driver.comparison.kinds import DriverRegion
-from nvcore.metrics.encounters import Encounters
-from nvcore.metrics.kernels import over_ranges
+from nvcore.metrics.encounters import RELEVANT_K, Encounters
 from nvcore.metrics.venn import Venn
 from nvcore.params import Params
 
@@ -70,39 +68,54 @@ def judge_driver(
     ----------
     ``docs/driver.md``, in the comparison; ``docs/decisions/050-driver-in-the-comparison.md``.
     """
-    n = len(encounters)
-    place, seen_row, confirmed_row, known_row = np.full((4, n), -1)
-    n_known, n_seen, n_outside = np.zeros((3, n), np.int64)
-    if not np.isnan(detectability.value).all():
-        over_ranges(
-            driver_frames,
-            n,
-            *(encounters.offsets, encounters.order, encounters.frame_index),
-            *(k_truth, detectability.value, detectability.is_outside),
-            float(params.driver_threshold),
-            *(place, n_known, n_seen, n_outside, seen_row, confirmed_row, known_row),
-        )
-    is_known = place >= 0
-    row = encounters.order[place[is_known]]
-    highest, sd, is_outside = np.full(n, np.nan), np.full(n, np.nan), np.zeros(n, bool)
-    highest[is_known], sd[is_known] = detectability.value[row], detectability.sd[row]
-    is_outside[is_known] = detectability.is_outside[row]
-    is_adapted = np.zeros(n, bool)
-    is_adapted[is_known] = detectability.is_adapted[row]
-    is_outside |= (seen_row < 0) & (n_outside > 0)
-    is_within_sd = np.abs(highest - params.driver_threshold) <= sd  # never where one is unknown
+    n, threshold, order = len(encounters), params.driver_threshold, encounters.order
+    encounter = np.repeat(np.arange(n), np.diff(encounters.offsets))
+    frame, value = encounters.frame_index, detectability.value[order]
+
+    def first(is_member: np.ndarray) -> np.ndarray:
+        """Return the first place of a member in each encounter, -1 for none."""
+        places = np.flatnonzero(is_member)
+        places = places[np.diff(encounter[places], prepend=-1) != 0]
+        place = np.full(n, -1)
+        place[encounter[places]] = places
+        return place
+
+    def row_of(place: np.ndarray) -> np.ndarray:
+        row: np.ndarray = np.append(frame, -1)[place]
+        return row
+
+    def n_frames(is_member: np.ndarray) -> np.ndarray:
+        of, at = encounter[is_member], frame[is_member]
+        is_new = (np.diff(of, prepend=-1) != 0) | (np.diff(at, prepend=-1) != 0)
+        return np.bincount(of[is_new], minlength=n)
+
+    relevant = row_of(first(k_truth[order] >= RELEVANT_K))[encounter]
+    is_known = ~np.isnan(value) & (relevant >= 0)
+    is_before, sees = is_known & (frame <= relevant), is_known & (value >= threshold)
+    highest = np.full(n, -np.inf)
+    np.maximum.at(highest, encounter[is_before], value[is_before])
+    place = first(is_before & (value == highest[encounter]))
+    highest[place < 0] = np.nan
+    row = np.append(order, -1)[place]
+    sd = np.where(place < 0, np.nan, np.append(detectability.sd, np.nan)[row])
+    is_outside, is_adapted = (
+        np.append(of_boxes, False)[row] & (place >= 0)
+        for of_boxes in (detectability.is_outside, detectability.is_adapted)
+    )
+    seen_row = row_of(first(sees & is_before))
+    n_outside = n_frames(is_before & detectability.is_outside[order])
     return pd.DataFrame(
         {
             "detectability": highest,
             "sd": sd,
-            "is_outside": is_outside,
+            "is_outside": is_outside | ((seen_row < 0) & (n_outside > 0)),
             "is_adapted": is_adapted,
-            "is_within_sd": is_within_sd,
-            "n_known": n_known,
-            "n_seen": n_seen,
+            "is_within_sd": np.abs(highest - threshold) <= sd,  # never where one is unknown
+            "n_known": n_frames(is_before),
+            "n_seen": n_frames(is_before & sees),
             "seen_row": seen_row,
-            "confirmed_row": confirmed_row,
-            "known_row": known_row,
+            "confirmed_row": row_of(first(sees)),
+            "known_row": row_of(first(is_known)),
         }
     )
 

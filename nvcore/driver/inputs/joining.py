@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, Final
@@ -147,12 +147,7 @@ def _joined(
         conversion=conversion,
         boxes=dataset.boxes.assign(**columns),
         left_out=pd.concat(rows, ignore_index=True).reindex(columns=list(dataset.left_out)),
-        findings=(
-            *_twice(dataset, columns["detectability"], name),
-            *_of_other_file(estimates),
-            *_of_doubtful_light(estimates),
-            *_of_doubtful_pictures(estimates),
-        ),
+        findings=_findings(dataset, estimates, columns["detectability"]),
         of_subjects={
             **dataset.of_subjects,
             "driver": _with_origins(
@@ -186,83 +181,57 @@ def _with_origins(
     )
 
 
-def _of_other_file(estimates: _Estimates) -> list[Finding]:
-    """A warning where the record is about another file."""
-    record = estimates.record
-    if record is None or not record.files or estimates.digest in record.files.values():
-        return []
-    return [
-        warning(
+def _findings(
+    dataset: Dataset, estimates: _Estimates, detectability: np.ndarray
+) -> Iterator[Finding]:
+    """Warnings about the file of estimates and its record.
+
+    Parameters
+    ----------
+    detectability
+        Of all boxes with that of the file, those of the truth first, shape (n_boxes,).
+    """
+    record, stated = estimates.record or EstimateRecord(), dataset.detectability.value
+    differs = ~np.isnan(stated) & (stated != detectability[: len(stated)])
+    is_other = bool(record.files) and estimates.digest not in record.files.values()
+    for code, n, message, advice in (
+        (
+            "detectability-twice",
+            int(differs.sum()),
+            "The ground truth states another detectability of these boxes than the file of "
+            "estimates; the file's is taken.",
+            "Leave one of the two out.",
+        ),
+        (
             "detectability-other-record",
-            1,
+            int(is_other),
             "The record of how detectability was estimated is about another file.",
             "Correct the path, or estimate anew: until then nobody knows how these came to be.",
-            role=DETECTABILITY,
-            file=estimates.file.name,
-        )
-    ]
-
-
-def _of_doubtful_light(estimates: _Estimates) -> list[Finding]:
-    """A warning where a light meter looks like one of another unit or clock."""
-    doubts = {} if estimates.record is None else estimates.record.light_doubts
-    if not doubts:
-        return []
-    return [
-        warning(
+        ),
+        (
             "doubtful-light-meter",
-            len(doubts),
+            len(record.light_doubts),
             "The light meter may be of another unit or clock, and with it how long the eyes have "
-            f"adapted: {_doubted(doubts)}.",
+            f"adapted: {_doubted(record.light_doubts)}.",
             "Give time_s in seconds of the recording and lux in lux, and estimate anew.",
-            role=DETECTABILITY,
-            file=estimates.file.name,
-        )
-    ]
-
-
-def _of_doubtful_pictures(estimates: _Estimates) -> list[Finding]:
-    """A warning where pictures or gaze look like those of something else."""
-    doubts = {} if estimates.record is None else estimates.record.picture_doubts
-    if not doubts:
-        return []
-    return [
-        warning(
+        ),
+        (
             "doubtful-visible-pictures",
-            len(doubts),
+            len(record.picture_doubts),
             "Pictures or gaze from which detectability was estimated may be of another view: "
-            f"{_doubted(doubts)}.",
+            f"{_doubted(record.picture_doubts)}.",
             "Look at the boxes in these pictures (page Driver). Correct the pictures, visible_map "
             "or the gaze, and estimate anew.",
-            role=DETECTABILITY,
-            file=estimates.file.name,
-        )
-    ]
+        ),
+    ):
+        if n:
+            yield warning(code, n, message, advice, role=DETECTABILITY, file=estimates.file.name)
 
 
 def _doubted(doubts: Mapping[str, str]) -> str:
     """The recordings with what is in doubt, which may be anything."""
     whose = [f"{one_line(name)} ({one_line(why)})" for name, why in doubts.items()]
     return listed([shortened(text, MOST_SHOWN) for text in whose], most=MOST_NAMED)
-
-
-def _twice(dataset: Dataset, detectability: np.ndarray, name: str) -> list[Finding]:
-    """A warning where the truth says something else of a box than the file."""
-    stated = dataset.detectability.value
-    differs = ~np.isnan(stated) & (stated != detectability[: len(stated)])
-    if not differs.any():
-        return []
-    return [
-        warning(
-            "detectability-twice",
-            int(differs.sum()),
-            "The ground truth states another detectability of these boxes than the file of "
-            "estimates; the file's is taken.",
-            "Leave one of the two out.",
-            role=DETECTABILITY,
-            file=name,
-        )
-    ]
 
 
 INPUT: Final = Input(

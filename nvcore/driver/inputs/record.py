@@ -172,29 +172,18 @@ def _named(names: Iterable[str]) -> str:
 
 def estimate_json(record: EstimateRecord) -> bytes:
     """Serialize the record as JSON. Equal records give equal bytes."""
-    estimator: dict[str, object] = {name: getattr(record, name) for name in _STATED}
-    if record.no_better_at_s:  # else as before there was such a thing
-        estimator["no_better_at_s"] = list(record.no_better_at_s)
-    if record.of_no_use:
-        estimator["of_no_use"] = True
-    if record.search:
-        estimator["search"] = record.search
-    estimates: dict[str, object] = {
-        "n": record.n_estimates,
-        "n_light_unknown": record.n_light_unknown,
-        "outside": dict(record.outside),
-    }
-    if record.other_width:
-        estimates["other_width"] = dict(record.other_width)
-    if record.light_doubts:
-        estimates["light_doubts"] = dict(record.light_doubts)
-    if record.picture_doubts:
-        estimates["picture_doubts"] = dict(record.picture_doubts)
+
+    def known(*names: str) -> dict[str, object]:  # earlier records have none of them
+        return {name: value for name in names if (value := getattr(record, name))}
+
+    estimates: dict[str, object] = {"n": record.n_estimates}
+    estimates |= {"n_light_unknown": record.n_light_unknown, "outside": record.outside}
     content = {
         "written_by": record.written_by,
-        "estimator": estimator,
-        "estimates": estimates,
-        "files": dict(record.files),
+        "estimator": {name: getattr(record, name) for name in _STATED}
+        | known("no_better_at_s", "of_no_use", "search"),
+        "estimates": estimates | known("other_width", "light_doubts", "picture_doubts"),
+        "files": record.files,
     }
     return (json.dumps(content, indent=1) + "\n").encode()
 
