@@ -25,7 +25,7 @@ SUBJECT = Subject(
     remarks="comparison.report:REMARKS",
     sections="comparison.section:SECTIONS",
     rules="comparison.gate:RULES",
-    models="estimators.listing:MODELS",
+    models="estimator_report:MODELS",
     formats={
         "nvcore-driver": "an estimator of what the driver sees, which nvcore driver estimate takes"
     },

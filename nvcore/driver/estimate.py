@@ -11,8 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from nvcore.driver.estimators import Estimator, fingerprint
-from nvcore.driver.estimators.words import LABELS, caution_of
-from nvcore.driver.features import FEATURE_KEYS, FEATURES, FeatureSettings
+from nvcore.driver.features import FEATURE_KEYS, FEATURES, LABELS, FeatureSettings
 from nvcore.driver.run import BOX_COLUMNS, FeatureRun
 from nvcore.driver.steps import Steps, steps_between_periods
 from nvcore.errors import InputError, ParameterError
@@ -92,7 +91,7 @@ class EstimateRun:
             self._lacking() if len(known) else None,
         ]
         simulated = self.estimator.origin.simulated
-        if caution := caution_of(self.estimator, simulated=simulated):
+        if caution := self.estimator.caution(simulated=simulated):
             notes.append(Note("driver.estimates", caution=caution))
         notes += self._other_width_notes()
         if self.estimator.feature_settings is None:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
+from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.driver.shapes import rows_of
 from nvcore.errors import ParameterError
 
@@ -255,6 +256,21 @@ class Estimator:
         """Whether the switched regressions are no better than a constant over all periods."""
         of_periods = self.qualities[:-1]
         return sum(q.error for q in of_periods) >= sum(q.constant_error for q in of_periods)
+
+    def caution(self, *, simulated: str = "") -> str:
+        """Return why estimates are doubtful whatever the pictures, or "" without a reason.
+
+        Parameters
+        ----------
+        simulated
+            As of its origin; empty: nothing is said of it.
+        """
+        return EstimateRecord(
+            simulated=simulated,
+            no_better_at_s=self.no_better_at_s,
+            of_no_use=self.is_of_no_use,
+            search=self.origin.search,
+        ).caution
 
     @property
     def features(self) -> tuple[str, ...]:

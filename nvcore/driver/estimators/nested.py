@@ -8,7 +8,7 @@ from concurrent.futures import CancelledError, ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -19,7 +19,6 @@ from nvcore.driver.estimators.search import (
     PAIRS,
     Check,
     Columns,
-    FeatureChoices,
     Search,
     choose,
     fit,
@@ -172,19 +171,13 @@ class OutOfFold:
     columns: tuple[tuple[Columns, ...], ...]
 
 
-@dataclass(frozen=True)
-class _Part:
-    """A regression of the nested cross-validation, with its training rows and test rows, if any."""
+class _Outcome(NamedTuple):
+    """A regression, and its estimates of the rows that were left out."""
 
-    train: NDArray[np.bool_]
     test: NDArray[np.bool_]
-    has_pairs: bool
-
-
-@dataclass(frozen=True)
-class _Outcome:
     regression: Regression
     estimate: NDArray[np.float64]
+    constant: float
     pairs: NDArray[np.float64]
 
 
@@ -198,9 +191,8 @@ def train_final(
     CancelledError
         If `progress` raises it.
     """
-    everything = np.ones(len(samples), dtype=np.bool_)
-    parts = _parts_of(samples, everything, ~everything, has_pairs=False)
-    outcomes = _run(samples, parts, search, n_threads, progress, "with all pedestrians")
+    nothing = np.zeros(len(samples), dtype=np.bool_)
+    (outcomes,) = _train(samples, [nothing], search, n_threads, progress, "with all pedestrians")
     return tuple(outcome.regression for outcome in outcomes)
 
 
@@ -229,40 +221,21 @@ def out_of_fold(
     CancelledError
         If `progress` raises it.
     """
-    numbers = np.unique(fold).tolist()
     _refuse_too_few(samples, fold)
-    by_fold = [
-        _parts_of(samples, fold != number, fold == number, has_pairs=has_pairs)
-        for number in numbers
-    ]
-    parts = [part for parts in by_fold for part in parts]
-    outcomes = _run(samples, parts, search, n_threads, progress, "with pedestrians left out")
-    n_regressions = len(samples.periods_s) + 1
-    empty = np.full((4, len(samples)), np.nan)
-    result = OutOfFold(
-        switched=empty[0],
-        single=empty[1],
-        constant=empty[2],
-        constant_of_all=empty[3],
-        pairs=np.full((len(samples), len(PAIRS)), np.nan),
-        columns=tuple(
-            tuple(
-                tuple(outcome.regression.columns.tolist())
-                for outcome in outcomes[start : start + n_regressions]
-            )
-            for start in range(0, len(outcomes), n_regressions)
-        ),
+    tests = [fold == number for number in np.unique(fold)]
+    how = "with pedestrians left out"
+    by_fold = _train(samples, tests, search, n_threads, progress, how, has_pairs=has_pairs)
+    switched, single, constant, constant_of_all = np.full((4, len(samples)), np.nan)
+    pairs = np.full((len(samples), len(PAIRS)), np.nan)
+    for *of_periods, of_all in by_fold:
+        single[of_all.test], constant_of_all[of_all.test] = of_all.estimate, of_all.constant
+        for of in of_periods:
+            switched[of.test], constant[of.test] = of.estimate, of.constant
+            pairs[of.test] = of.pairs
+    columns = tuple(
+        tuple(tuple(of.regression.columns.tolist()) for of in outcomes) for outcomes in by_fold
     )
-    for i, (part, outcome) in enumerate(zip(parts, outcomes, strict=True)):
-        mean = samples.target[part.train].mean()
-        if i % n_regressions == n_regressions - 1:
-            result.single[part.test] = outcome.estimate
-            result.constant_of_all[part.test] = mean
-        else:
-            result.switched[part.test] = outcome.estimate
-            result.constant[part.test] = mean
-            result.pairs[part.test] = outcome.pairs
-    return result
+    return OutOfFold(switched, single, constant, constant_of_all, pairs, columns)
 
 
 def _refuse_too_few(samples: Samples, fold: NDArray[np.int64]) -> None:
@@ -283,62 +256,59 @@ def _refuse_too_few(samples: Samples, fold: NDArray[np.int64]) -> None:
         )
 
 
-def _parts_of(
-    samples: Samples, train: NDArray[np.bool_], test: NDArray[np.bool_], *, has_pairs: bool
-) -> list[_Part]:
-    """Return the regressions to train: one for each period, then one for all periods."""
-    parts = []
-    for number in range(len(samples.periods_s)):
-        is_mine = samples.period == number
-        parts.append(_Part(train & is_mine, test & is_mine, has_pairs))
-    return [*parts, _Part(train, test, has_pairs=False)]
-
-
-def _run(
+def _train(
     samples: Samples,
-    parts: Sequence[_Part],
+    tests: Sequence[NDArray[np.bool_]],
     search: Search,
     n_threads: int,
     progress: Progress,
     how: str,
-) -> list[_Outcome]:
+    *,
+    has_pairs: bool = False,
+) -> list[list[_Outcome]]:
+    """Train without each set of rows: a regression for each period, then one for all periods."""
     is_cancelled = threading.Event()
 
     def check() -> None:
         if is_cancelled.is_set():
             raise CancelledError
 
-    jobs = [partial(_regression, samples, part, search, check) for part in parts]
-    what = f"{count_text(len(parts), 'search', 'searches')} {how}"
+    n_periods = len(samples.periods_s)
+    members = [samples.period == number for number in range(n_periods)]
+    members.append(np.ones(len(samples), dtype=np.bool_))
+    jobs = [
+        partial(_regression, samples, is_in & ~test, is_in & test, search, check, of_pairs)
+        for test in tests
+        for is_in, of_pairs in zip(members, [has_pairs] * n_periods + [False], strict=True)
+    ]
+    what = f"{count_text(len(jobs), 'search', 'searches')} {how}"
     with ThreadPoolExecutor(n_threads) as executor:
         try:
-            return run_steps(jobs, executor, progress, what)
+            outcomes = run_steps(jobs, executor, progress, what)
         finally:
             is_cancelled.set()  # stops the other regressions if `progress` raises
+    return [outcomes[at : at + n_periods + 1] for at in range(0, len(outcomes), n_periods + 1)]
 
 
-def _regression(samples: Samples, part: _Part, search: Search, check: Check) -> _Outcome:
+def _regression(
+    samples: Samples,
+    train: NDArray[np.bool_],
+    test: NDArray[np.bool_],
+    search: Search,
+    check: Check,
+    has_pairs: bool,
+) -> _Outcome:
     """Select and train one regression, then estimate the rows left out."""
-    features, target = samples.features[part.train], samples.target[part.train]
-    choice = choose(features, target, samples.group[part.train], search, check=check)
-    best = choice.best
-    regression = fit(features, target, choice.sets[best], choice.settings[best])
-    left_out = samples.features[part.test]
+    features, target, left_out = (
+        samples.features[train],
+        samples.target[train],
+        samples.features[test],
+    )
+    choice = choose(features, target, samples.group[train], search, check=check)
     pairs = np.full((len(left_out), len(PAIRS)), np.nan)
-    if part.has_pairs:
-        _estimate_pairs(pairs, left_out, features, target, choice)
-    return _Outcome(regression, regression.predict(left_out), pairs)
-
-
-def _estimate_pairs(
-    pairs: NDArray[np.float64],
-    left_out: NDArray[np.float64],
-    features: NDArray[np.float64],
-    target: NDArray[np.float64],
-    choice: FeatureChoices,
-) -> None:
-    """Estimate the left-out rows with a regression on each pair of features, into `pairs`."""
     for columns, settings in zip(choice.sets, choice.settings, strict=True):
-        if len(columns) == 2:
+        if has_pairs and len(columns) == 2:
             regression = fit(features, target, columns, settings)
             pairs[:, PAIRS.index(columns)] = regression.predict(left_out)
+    best = fit(features, target, choice.sets[choice.best], choice.settings[choice.best])
+    return _Outcome(test, best, best.predict(left_out), target.mean(), pairs)

@@ -137,24 +137,21 @@ def errors_by_period(samples: Samples, estimate: NDArray[np.float64]) -> NDArray
 
 def _qualities(samples: Samples, left_out: OutOfFold) -> tuple[Quality, ...]:
     """Return the quality of each period's regression, then of the one for all periods."""
-    errors = errors_by_period(samples, left_out.switched)
-    constant = errors_by_period(samples, left_out.constant)
-    of_periods = [
-        Quality(
-            n_rows=int(np.count_nonzero(samples.period == number)),
-            error=float(errors[number]),
-            constant=float(samples.target[samples.period == number].mean()),
-            constant_error=float(constant[number]),
-        )
-        for number in range(len(samples.periods_s))
-    ]
-    of_all = Quality(
-        n_rows=len(samples),
-        error=float(((left_out.single - samples.target) ** 2).mean()),
-        constant=float(samples.target.mean()),
-        constant_error=float(((left_out.constant_of_all - samples.target) ** 2).mean()),
+
+    def errors_of(
+        of_periods: NDArray[np.float64], of_all: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        squares = (of_all - samples.target) ** 2
+        return np.append(errors_by_period(samples, of_periods), squares.mean())
+
+    errors = errors_of(left_out.switched, left_out.single)
+    constant_errors = errors_of(left_out.constant, left_out.constant_of_all)
+    members = [samples.period == number for number in range(len(samples.periods_s))]
+    targets = [*(samples.target[is_in] for is_in in members), samples.target]
+    return tuple(
+        Quality(len(target), float(error), float(target.mean()), float(constant_error))
+        for target, error, constant_error in zip(targets, errors, constant_errors, strict=True)
     )
-    return (*of_periods, of_all)
 
 
 def origin_of(table: TrainingTable, search: Search) -> Origin:

@@ -13,13 +13,21 @@ from numpy.typing import NDArray
 from nvcore.extras import needs
 
 with needs("driver", "features of pictures need"):
-    from nvcore.driver.features.registry import FEATURE_KEYS, FEATURES, Feature
+    from nvcore.driver.features.registry import FEATURE_KEYS, FEATURES, LABELS, Feature, words_of
     from nvcore.driver.features.settings import FeatureSettings
     from nvcore.driver.features.view import view_of
     from nvcore.driver.shapes import check_picture
     from nvcore.pictures import Picture
 
-__all__ = ["FEATURES", "FEATURE_KEYS", "Feature", "FeatureSettings", "features_of"]
+__all__ = [
+    "FEATURES",
+    "FEATURE_KEYS",
+    "LABELS",
+    "Feature",
+    "FeatureSettings",
+    "features_of",
+    "words_of",
+]
 
 
 def features_of(

@@ -8,7 +8,7 @@ the Driver's Visual Adaptation to Illumination Change": the eight features.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -149,3 +149,16 @@ FEATURES: Final = (
 )
 """In the order of every table."""
 FEATURE_KEYS: Final = tuple(feature.key for feature in FEATURES)
+LABELS: Final = {feature.key: feature.label for feature in FEATURES}
+
+
+def words_of(keys: Sequence[str]) -> str:
+    """Describe a choice of features in words.
+
+    Examples
+    --------
+    >>> words_of(["width_px", "edge_contrast"])
+    'Width + Edge contrast'
+    """
+    labels = " + ".join(LABELS[key] for key in keys)
+    return "all eight" if len(keys) == len(FEATURE_KEYS) else labels
