@@ -85,7 +85,7 @@ def train(trials: Path, out: Path, **options: Any) -> None:
     """
     with needs("driver", "nvcore driver train needs"):
         from nvcore.driver.estimator_report import render_training
-        from nvcore.driver.trials.face import train_driver
+        from nvcore.driver.face import train_driver
 
     with ShareProgress() as progress:
         training = train_driver(trials, out=out, progress=progress, **_judged(options))
@@ -114,7 +114,7 @@ def evaluate(trials: Path, out: Path | None, html: Path | None, **options: Any) 
     """
     with needs("driver", "nvcore driver evaluate needs"):
         from nvcore.driver.estimator_report import render_evaluation
-        from nvcore.driver.trials.face import evaluate_driver
+        from nvcore.driver.face import evaluate_driver
 
     if html is not None:
         check_html_name("--html", html)

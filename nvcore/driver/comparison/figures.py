@@ -78,7 +78,7 @@ def detectability_course_plot(
         Light and adaptation of the pedestrian's recording; None: the light is unknown.
     simulated
         The course with `detectability` after a simulated change of light
-        (`nvcore.driver.simulation.simulate_change`), which `clock` then has, too.
+        (`nvcore.driver.estimate.simulate_change`), which `clock` then has, too.
     caution
         Origin of the estimates, if some of the answers behind them were simulated.
     """

@@ -324,7 +324,7 @@ def simulated_change(
     course
         Table of `nvcore.driver.comparison.encounters.detectability_course`.
     simulated
-        The same rows after `nvcore.driver.simulation.simulate_change`.
+        The same rows after `nvcore.driver.estimate.simulate_change`.
     threshold
         Detectability (0..1) from which the driver is assumed to see the pedestrian.
     change_s

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from nvcore.errors import ParameterError
+from nvcore.driver.shapes import check_ranges
 
 COLOUR_BINS: Final = 16
 """Bins of each colour's histogram, as in the paper."""
@@ -30,7 +30,4 @@ class FeatureSettings:
     bin_distance: float = 1.0
 
     def __post_init__(self) -> None:
-        for name, (low, high) in _RANGES.items():
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise ParameterError(f"{name}: expected {low:g} to {high:g}, found {value:g}")
+        check_ranges(self, _RANGES)

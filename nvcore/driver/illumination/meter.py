@@ -20,7 +20,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.driver.srgb import LINEAR
 from nvcore.inputs.readers.parse.table import read_series
 from nvcore.schema import SAME_S
 
@@ -32,6 +31,16 @@ PICTURE_LEAST: Final = 0.002
 """Mean luminance (share of the greatest) below which a picture counts as that dark."""
 _STEP: Final = 4
 """Every so many pixels across and down the mean luminance of a picture is taken."""
+
+
+def _linear() -> NDArray[np.float64]:
+    share = np.arange(256) / 255
+    bent: NDArray[np.float64] = ((share + 0.055) / 1.055) ** 2.4
+    return np.where(share <= 0.04045, share / 12.92, bent)
+
+
+LINEAR: Final = _linear()
+"""Share of the greatest intensity by 8-bit value of sRGB (IEC 61966-2-1), shape (256,)."""
 
 
 class LightSource(StrEnum):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from nvcore.driver.shapes import check_ranges
 from nvcore.errors import ParameterError
 from nvcore.records import decode
 
@@ -52,10 +52,7 @@ class LightSettings:
     least_lux: float = 0.1
 
     def __post_init__(self) -> None:
-        for name, (low, high) in _RANGES.items():
-            value = getattr(self, name)
-            if not (math.isfinite(value) and low <= value <= high):
-                raise ParameterError(f"{name}: expected {low:g} to {high:g}, found {value:g}")
+        check_ranges(self, _RANGES)
 
 
 def light_settings(content: Mapping[str, object]) -> LightSettings:
