@@ -5,17 +5,19 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.driver.fixation import FixedPoint, Gaze
+from nvcore.driver.fixation import Gaze
 from nvcore.driver.illumination import Light, LightSettings, LightSource
 from nvcore.driver.illumination.clock import AdaptationClock
 from nvcore.driver.illumination.meter import LEAST_HELD_S
-from nvcore.driver.recording import DriverRecording
 from nvcore.notes import Note
+
+if TYPE_CHECKING:
+    from nvcore.driver.recording import DriverRecording
 
 MANY_DARK: Final = 0.1
 """Minimum share of readings below `least_lux` for a warning about the unit. (Our choice.)"""
@@ -67,30 +69,20 @@ def other_frames(gaze: Gaze, frames: NDArray[np.int64]) -> Note | None:
     return Note("driver.gaze_of_other_frames", **ends, first=frames[0], last=frames[-1])
 
 
-def fixation_notes(
-    recording: DriverRecording,
-    assumed: FixedPoint,
-    frames: NDArray[np.int64],
-    with_boxes: NDArray[np.int64],
-) -> tuple[Note, Note | None]:
-    """Return a note on the driver's fixation, and a doubt about the gaze file or None.
-
-    Parameters
-    ----------
-    frames, with_boxes
-        Numbers of the recording's frames, and of its frames with pedestrians, ascending.
-    """
+def fixation_notes(recording: DriverRecording) -> tuple[Note, Note | None]:
+    """Return a note on the driver's fixation, and a doubt about the gaze file or None."""
+    assumed, with_boxes = recording.settings.fixation, recording.with_boxes
     gaze, size_px, n_outside, doubt = recording.gaze, recording.picture_px, 0, None
     if gaze is None:
         return Note("driver.fixation_assumed", x=assumed.x, y=assumed.y), None
     known = with_boxes[~np.isnan(gaze.at(with_boxes)[:, 0])]
     if size_px is not None:
-        points = recording.fixations(known, assumed, size_px)
+        points = recording.fixations(known, size_px)
         n_outside = int(((points < 0) | (points > size_px)).any(axis=1).sum())
     counts = {"n_outside": n_outside, "n_known": len(known)}
     if n_outside and n_outside >= MOST_OUTSIDE * len(known):
         doubt = Note("driver.gaze_outside", n_outside=n_outside, n=len(known))
-    if fault := other_frames(gaze, frames):
+    if fault := other_frames(gaze, recording.frame):
         return Note("driver.fixation_unknown", why=fault), doubt
     return Note("driver.fixation", n=len(with_boxes), **counts, size_px=size_px), doubt
 

@@ -16,39 +16,22 @@ from nvcore.driver.inputs.picture_boxes import (
     PEDESTRIAN,
     check_pedestrians,
     picture_boxes,
-    read_picture_boxes,
 )
 from nvcore.driver.inputs.trials import LONGEST_S, TRIAL_COLUMNS
-from nvcore.inputs.readers.parse.table import TextTable, parse_table, read_table
+from nvcore.inputs.readers.parse.table import read_table
 
 SIMULATED: Final = "simulated"
 """Device of trials that no person took."""
 
 
 def read_trials(path: Path) -> pd.DataFrame:
-    """Trials from a CSV file; see `parse_trials`.
+    """Trials from a CSV file, a row for each picture shown to a subject.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be opened, or is no table of trials; with the line.
-    """
-    return _trials(read_table(path, what="trials", required=TRIAL_COLUMNS))
-
-
-def parse_trials(content: bytes, *, name: str) -> pd.DataFrame:
-    """Trials from CSV text, a row for each picture shown to a subject.
-
-    Parameters
-    ----------
-    content
-        The columns `TRIAL_COLUMNS`, in any order, separated by commas, semicolons or tabs.
-        ``adaptation_asked_s`` is the time from the change of light to the picture's appearance,
-        ``adaptation_measured_s`` what it was by the clock. ``touch_x`` and ``touch_y`` are in
-        pixels of the picture, and empty where ``not_seen`` is 1. ``adaptation_measured_s``,
-        ``response_s`` and ``device`` may be empty.
-    name
-        Of the file, for errors.
+    The columns are `TRIAL_COLUMNS`, in any order, separated by commas, semicolons or tabs.
+    ``adaptation_asked_s`` is the time from the change of light to the picture's appearance,
+    ``adaptation_measured_s`` what it was by the clock. ``touch_x`` and ``touch_y`` are in pixels of
+    the picture, and empty where ``not_seen`` is 1. ``adaptation_measured_s``, ``response_s`` and
+    ``device`` may be empty.
 
     Returns
     -------
@@ -57,24 +40,19 @@ def parse_trials(content: bytes, *, name: str) -> pd.DataFrame:
 
     Raises
     ------
-    FormatError
-        If a column is missing, a field is not of its kind, a touch stands beside ``not_seen`` or
-        neither is there, or a subject has a picture twice at one time; with the line.
+    InputError
+        If the file cannot be opened, a column is missing, a field is not of its kind, a touch
+        stands beside ``not_seen`` or neither is there, or a subject has a picture twice at one
+        time; with the line.
     """
-    return _trials(parse_table(content, name=name, what="trials", required=TRIAL_COLUMNS))
-
-
-def _trials(table: TextTable) -> pd.DataFrame:
+    table = read_table(path, what="trials", required=TRIAL_COLUMNS)
     seconds = partial(table.numbers, low=0.0, high=LONGEST_S)
     values = partial(table.numbers, low=-LARGEST, high=LARGEST)
     trials = pd.DataFrame(
         {
             "subject": table.texts("subject"),
-            "run": table.whole_numbers("run"),
-            "position": table.whole_numbers("position"),
-            "order": table.whole_numbers("order"),
-            "image": table.texts("image"),
-            "pedestrian": table.texts("pedestrian"),
+            **{name: table.whole_numbers(name) for name in ("run", "position", "order")},
+            **{name: table.texts(name) for name in PEDESTRIAN},
             "adaptation_asked_s": seconds("adaptation_asked_s"),
             "adaptation_measured_s": seconds("adaptation_measured_s", may_be_empty=True),
             "touch_x": values("touch_x", may_be_empty=True),
@@ -107,29 +85,13 @@ def _trials(table: TextTable) -> pd.DataFrame:
     return trials
 
 
-def read_boxes(path: Path) -> pd.DataFrame:
-    """Where the pedestrians of the pictures are: ``image,pedestrian,x,y,w,h``.
-
-    Returns
-    -------
-    These columns: text, and pixels of the picture (float64).
-
-    Raises
-    ------
-    InputError
-        If the file cannot be opened or is no such table, a box has no size, or a pedestrian stands
-        there twice; with the line.
-    """
-    return picture_boxes(read_picture_boxes(path))
-
-
 def read_features(path: Path) -> tuple[pd.DataFrame, pd.DataFrame | None]:
     """Features of the pedestrians in the pictures, as ``nvcore driver features`` writes them.
 
     Returns
     -------
     ``image``, ``pedestrian`` and the features by their keys (float64, NaN: undefined); and the
-    boxes, as of `read_boxes`, if the file has them.
+    boxes, as of `picture_boxes`, if the file has them.
 
     Raises
     ------

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -11,15 +12,10 @@ import pandas as pd
 
 from nvcore.driver.feature_record import about_features
 from nvcore.driver.features import FeatureSettings
-from nvcore.driver.inputs.picture_boxes import PEDESTRIAN
+from nvcore.driver.inputs.picture_boxes import PEDESTRIAN, picture_boxes, read_picture_boxes
 from nvcore.driver.inputs.trials import LATE_S, NO_ANSWER, is_same_time
 from nvcore.driver.trials.judging import Judging, judge_trials
-from nvcore.driver.trials.reading import (
-    SIMULATED,
-    read_boxes,
-    read_features,
-    read_trials,
-)
+from nvcore.driver.trials.reading import SIMULATED, read_features, read_trials
 from nvcore.driver.trials.subjects import CELL, subjects_table
 from nvcore.errors import InputError
 from nvcore.findings import Remedy, Step
@@ -133,15 +129,14 @@ def training_table(
     """
     judging = judging or Judging()
     table, own_boxes = read_features(features)
-    if boxes is None and own_boxes is None:
+    places = own_boxes if boxes is None else picture_boxes(read_picture_boxes(boxes))
+    if places is None:
         raise InputError(
             "to judge the responses the boxes of the pedestrians are needed: columns x,y,w,h "
             "here, or a file of image,pedestrian,x,y,w,h",
             file=features,
             steps=(Step(Remedy.OPTION, "", "boxes"),),
         )
-    places = own_boxes if boxes is None else read_boxes(boxes)
-    assert places is not None
     responses = read_trials(trials)
     if responses.empty:
         raise InputError("there is no trial in it", file=trials)
@@ -204,15 +199,10 @@ def detectability_table(judged: pd.DataFrame) -> pd.DataFrame:
     counts = pd.DataFrame({"n_right": groups.sum(), "n_subjects": groups.size()}).reset_index()
     counts = counts.sort_values("period_s", kind="stable", ignore_index=True)
     pairs = counts[["n_right", "n_subjects"]].astype("int64")
-    shares = {pair: share_of(*pair) for pair in set(pairs.itertuples(index=False, name=None))}
-    of_rows = [shares[pair] for pair in pairs.itertuples(index=False, name=None)]
-    return counts[CELL].assign(
-        detectability=np.array([share.share for share in of_rows], dtype=np.float64),
-        n_right=pairs["n_right"],
-        n_subjects=pairs["n_subjects"],
-        low=np.array([share.low for share in of_rows], dtype=np.float64),
-        high=np.array([share.high for share in of_rows], dtype=np.float64),
-    )
+    of_pair = cache(share_of)
+    shares = [of_pair(*pair) for pair in pairs.itertuples(index=False, name=None)]
+    detectability, low, high = np.array([(of.share, of.low, of.high) for of in shares]).T
+    return counts[CELL].assign(detectability=detectability, **pairs, low=low, high=high)
 
 
 def _refuse_measured_times(responses: pd.DataFrame, trials: Path) -> None:
