@@ -10,6 +10,7 @@ import pandas as pd
 from nvcore.auditing import Checks
 from nvcore.auditing.cases import file_name, place, place_of_frame
 from nvcore.dataset import Dataset
+from nvcore.driver.comparison.judging import is_unknown
 from nvcore.driver.inputs.session import DETECTABILITY
 from nvcore.findings import Cases, Caveats, Finding, Severity
 from nvcore.wording import count_text
@@ -68,12 +69,11 @@ def _finding(
 
 def _boxes_without(dataset: Dataset) -> list[Finding]:
     """A note on pedestrians of whom the estimates say nothing."""
-    truth = dataset.truth
-    is_unknown = np.isnan(dataset.detectability.value) & ~truth.ignore
-    n = int(np.count_nonzero(is_unknown))
+    truth, is_missing = dataset.truth, is_unknown(dataset)
+    n = int(np.count_nonzero(is_missing))
     if not n:
         return []
-    row, noun = int(np.argmax(is_unknown)), dataset.objects.singular
+    row, noun = int(np.argmax(is_missing)), dataset.objects.singular
     boxes = count_text(n, f"{noun} box has", f"{noun} boxes have")
     return [
         Finding(
@@ -85,7 +85,7 @@ def _boxes_without(dataset: Dataset) -> list[Finding]:
             advice=f"Encounters in which it is unknown until the {noun} is near enough to count "
             "are counted apart.",
             example=place_of_frame(dataset, int(truth.frame_index[row])),
-            cases=Cases("boxes", np.flatnonzero(is_unknown) + truth.first_row),
+            cases=Cases("boxes", np.flatnonzero(is_missing) + truth.first_row),
         )
     ]
 

@@ -23,18 +23,9 @@ from nvcore.params import Params
 
 SELDOM: Final = 0.5
 """Share of the known frames below which seeing a pedestrian is called seldom (ours)."""
-_KNOWN: Final = (
-    DriverRegion.DRIVER_X_Y,
-    DriverRegion.DRIVER_X,
-    DriverRegion.DRIVER_Y,
-    DriverRegion.DRIVER,
-    DriverRegion.X_Y,
-    DriverRegion.X,
-    DriverRegion.Y,
-    DriverRegion.NOBODY,
-)
-"""The eight regions: the driver in the first four, X in the first two of each four, Y in each
-first of two."""
+_KNOWN: Final = tuple(DriverRegion)[:8]
+"""Regions of known detectability: the driver in the first four, X in the first two of each four, Y
+in each first of two."""
 
 
 def judge_driver(
@@ -136,13 +127,13 @@ def weigh_unseen(dataset: Dataset, params: Params) -> np.ndarray | None:
     return weights
 
 
-def count_unknown(dataset: Dataset) -> int:
-    """Count the pedestrian boxes of unknown detectability.
+def is_unknown(dataset: Dataset) -> np.ndarray:
+    """Return which truth boxes are pedestrians of unknown detectability, bool, shape (n_truth,).
 
     With `driver_weighting` they have full weight.
     """
-    is_unknown = np.isnan(dataset.detectability.value) & ~dataset.truth.ignore
-    return int(np.count_nonzero(is_unknown))
+    is_missing: np.ndarray = np.isnan(dataset.detectability.value) & ~dataset.truth.ignore
+    return is_missing
 
 
 @dataclass(frozen=True)
@@ -220,12 +211,14 @@ def split_unseen(venn: DriverVenn) -> Venn:
 class DriverView:
     """Encounters by whether the driver sees them unaided, and whether X and Y detect them.
 
+    Arrays have the shape (n_encounters,); masks are bool.
+
     Attributes
     ----------
     table
         Of `judge_driver`.
     is_near, by_x, by_y
-        Encounters that count, and those that X and Y detect; bool, shape (n_encounters,).
+        Encounters that count, and those that X and Y detect.
     """
 
     table: pd.DataFrame
@@ -235,10 +228,7 @@ class DriverView:
 
     @property
     def seen_row(self) -> np.ndarray:
-        """Row of the frame in which the driver confirms each encounter, int64, -1 for none.
-
-        Shape (n_encounters,).
-        """
+        """Row of the frame in which the driver confirms each encounter, int64, -1 for none."""
         row: np.ndarray = self.table["seen_row"].to_numpy()
         return row
 
@@ -255,15 +245,13 @@ class DriverView:
 
     @property
     def is_seen(self) -> np.ndarray:
-        """Mask of near encounters that the driver sees unaided, shape (n_encounters,)."""
-        is_seen: np.ndarray = self.is_known & (self.seen_row >= 0)
-        return is_seen
+        """Mask of near encounters that the driver sees unaided."""
+        return self._known(self.table["seen_row"] >= 0)
 
     @property
     def is_unseen(self) -> np.ndarray:
-        """Mask of near encounters that the driver is known not to see, shape (n_encounters,)."""
-        is_unseen: np.ndarray = self.is_known & (self.seen_row < 0)
-        return is_unseen
+        """Mask of near encounters that the driver is known not to see."""
+        return self._known(self.table["seen_row"] < 0)
 
     @cached_property
     def region(self) -> np.ndarray:
@@ -279,35 +267,32 @@ class DriverView:
     @property
     def has_sd(self) -> np.ndarray:
         """Mask of near encounters whose detectability has a standard deviation."""
-        has_sd: np.ndarray = ~np.isnan(self.table["sd"].to_numpy()) & self.is_known
-        return has_sd
+        return self._known(self.table["sd"].notna())
 
     @property
     def is_within_sd(self) -> np.ndarray:
         """Mask of near encounters whose detectability is within its sd of the threshold."""
-        is_within_sd: np.ndarray = self.table["is_within_sd"].to_numpy() & self.is_known
-        return is_within_sd
+        return self._known(self.table["is_within_sd"])
 
     @property
-    def n_outside(self) -> int:
-        """Number of near encounters decided by an estimate outside the training range."""
-        return int(np.count_nonzero(self.table["is_outside"].to_numpy() & self.is_known))
+    def is_outside(self) -> np.ndarray:
+        """Mask of near encounters decided by an estimate outside the training range."""
+        return self._known(self.table["is_outside"])
 
     @property
     def is_adapted(self) -> np.ndarray:
-        """Mask of near encounters decided by an estimate for adapted eyes.
+        """Mask of near encounters decided by an estimate for adapted eyes."""
+        return self._known(self.table["is_adapted"])
 
-        Shape (n_encounters,).
-        """
-        is_adapted: np.ndarray = self.table["is_adapted"].to_numpy() & self.is_known
-        return is_adapted
+    def _known(self, is_member: pd.Series) -> np.ndarray:
+        mask: np.ndarray = is_member.to_numpy() & self.is_known
+        return mask
 
     @property
     def is_seldom_seen(self) -> np.ndarray:
         """Mask of near encounters that the driver sees in less than `SELDOM` of their known frames.
 
-        bool, shape (n_encounters,); of the frames up to the first relevant one.
+        Of the frames up to the first relevant one.
         """
-        n_seen, n_known = (self.table[name].to_numpy() for name in ("n_seen", "n_known"))
-        is_seldom: np.ndarray = (n_seen < SELDOM * n_known) & self.is_seen
-        return is_seldom
+        is_seldom = self.table["n_seen"] < SELDOM * self.table["n_known"]
+        return self._known(is_seldom & (self.table["seen_row"] >= 0))

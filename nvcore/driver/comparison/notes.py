@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from nvcore.comparison import Result
 from nvcore.driver.comparison.in_time import count_in_time, is_judged_in_time, is_seen_too_late
-from nvcore.driver.comparison.judging import SELDOM, count_unknown
+from nvcore.driver.comparison.judging import SELDOM, is_unknown
 from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.settings import DRIVER
 from nvcore.driver.comparison.steps import driver_in
@@ -63,7 +63,7 @@ def weighting(result: Result) -> tuple[Note, ...]:
         return ()
     if not result.dataset.has_detectability:
         return (Note("driver.no_weighting"),)
-    return (Note("driver.weighting", n_unknown=count_unknown(result.dataset)),)
+    return (Note("driver.weighting", n_unknown=_n(is_unknown(result.dataset))),)
 
 
 def weighting_notes(result: Result) -> tuple[Note, ...]:
@@ -177,7 +177,7 @@ def source(result: Result) -> tuple[Note, ...]:
     note = Note("driver.source", threshold=threshold, **origin_of(result))
     values = result.dataset.detectability.value
     n_known = _n(~(np.isnan(values) | result.dataset.truth.ignore))
-    n_boxes = n_known + count_unknown(result.dataset)
+    n_boxes = n_known + _n(is_unknown(result.dataset))
     is_small = n_known < (1 - SMALL_SHARE) * n_boxes
     n_unknown = driver_in(result).venn.counts[DriverRegion.UNKNOWN]
     if not (is_small or n_unknown):
@@ -195,8 +195,8 @@ def _outside(result: Result) -> tuple[Note, ...]:
     record, values = result.dataset.of("driver"), result.dataset.detectability
     is_known = ~(np.isnan(values.value) | result.dataset.truth.ignore)
     n_known, n = _n(is_known), _n(is_known & values.is_outside)
-    driver = driver_in(result)
-    if not driver.n_outside and n <= SMALL_SHARE * n_known:
+    venn, n_deciding = driver_in(result).venn, _n(driver_in(result).is_outside)
+    if not n_deciding and n <= SMALL_SHARE * n_known:
         return ()
     names = [shortened(one_line(name), _SHOWN_NAME) for name in (record.outside if record else ())]
     return (
@@ -204,8 +204,8 @@ def _outside(result: Result) -> tuple[Note, ...]:
             "driver.outside",
             n=n,
             n_known=n_known,
-            n_deciding=driver.n_outside,
-            n_encounters=driver.venn.n_known,
+            n_deciding=n_deciding,
+            n_encounters=venn.n_known,
             features=listed(names, most=_MOST_NAMED) or None,
         ),
     )
@@ -260,9 +260,9 @@ def doubt_of_seen(result: Result) -> Note | None:
     if why := doubt_of_estimator(result):
         return why
     driver, threshold = driver_in(result), result.params.driver_threshold
-    n_known, is_unseen = driver.venn.n_known, driver.is_unseen
-    if driver.n_outside and driver.n_outside >= MOST_OUTSIDE * n_known:
-        return Note("driver.out_of_range", n=driver.n_outside, n_known=n_known)
+    n_known, is_unseen, n_outside = driver.venn.n_known, driver.is_unseen, _n(driver.is_outside)
+    if n_outside and n_outside >= MOST_OUTSIDE * n_known:
+        return Note("driver.out_of_range", n=n_outside, n_known=n_known)
     if are_all_open(result):
         return Note("driver.all_open", n=n_known, is_of_unseen=False, threshold=threshold)
     if is_unseen.any() and bool(driver.is_within_sd[is_unseen].all()):

@@ -315,8 +315,8 @@ class Estimator:
             )
         period = np.broadcast_to(period, len(features))
         below, above, share = self._regression_rows(period, interpolate=interpolate)
-        parts = [self._of_periods(features, index) for index in (below, above)]
-        (first, sd, outside), (second, second_sd, second_outside) = parts
+        first, sd, outside = self._of_periods(features, below)
+        second, second_sd, second_outside = self._of_periods(features, above)
         is_between = below != above
         detectability = np.where(is_between, (1 - share) * first + share * second, first)
         return Estimates(
@@ -343,12 +343,9 @@ class Estimator:
         period = np.where(np.isnan(period), np.inf, period)
         periods = self.periods_s
         after = np.searchsorted(periods, period)
-        below = np.clip(after - 1, 0, len(periods) - 1)
-        above = np.clip(after, 0, len(periods) - 1)
-        step = periods[above] - periods[below]
-        share = np.zeros(len(period))
-        inside = step > 0
-        share[inside] = (period[inside] - periods[below[inside]]) / step[inside]
+        below, above = (np.clip(at, 0, len(periods) - 1) for at in (after - 1, after))
+        step, share = periods[above] - periods[below], np.zeros(len(period))
+        np.divide(period - periods[below], step, out=share, where=step > 0)
         share = share.round(_DIGITS)
         if interpolate:
             return np.where(share < 1, below, above), np.where(share > 0, above, below), share
@@ -359,8 +356,7 @@ class Estimator:
         self, features: NDArray[np.float64], index: NDArray[np.int64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
         """Detectability, uncertainty and what is outside, by the regression of each row."""
-        detectability = np.full(len(features), np.nan)
-        sd = np.full(len(features), np.nan)
+        detectability, sd = np.full((2, len(features)), np.nan)
         outside = np.zeros(features.shape, dtype=np.bool_)
         for number in np.unique(index).tolist():  # a handful
             rows = index == number

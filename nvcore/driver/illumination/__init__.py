@@ -1,6 +1,6 @@
 """How bright it was, when it changed from bright to dark, and the time to adapt since then."""
 
-from nvcore.driver.illumination.changes import NO_CHANGES, Changes, changes_of
+from nvcore.driver.illumination.changes import Changes, changes_of
 from nvcore.driver.illumination.meter import (
     Light,
     LightSource,
@@ -10,7 +10,6 @@ from nvcore.driver.illumination.meter import (
 from nvcore.driver.illumination.settings import LightSettings, light_settings
 
 __all__ = [
-    "NO_CHANGES",
     "Changes",
     "Light",
     "LightSettings",

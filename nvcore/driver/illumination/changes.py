@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import pandas as pd
@@ -13,6 +13,9 @@ from nvcore.driver.illumination.kernels import find_changes
 from nvcore.driver.illumination.meter import PICTURE_LEAST, Light, LightSource
 from nvcore.driver.illumination.settings import LightSettings
 from nvcore.schema import SAME_S
+
+if TYPE_CHECKING:
+    from pandas.core.window import Rolling
 
 _APART_S: Final = 1000.0
 """Added to the length of each gap for windows over readings: more than any is wide."""
@@ -55,10 +58,6 @@ class Changes:
         return period_s
 
 
-NO_CHANGES = Changes(np.empty(0), np.empty(0))
-"""Where nothing is known of the light."""
-
-
 def changes_of(light: Light, settings: LightSettings) -> Changes:
     """When it became dark, and when the light was back.
 
@@ -93,7 +92,7 @@ def changes_of(light: Light, settings: LightSettings) -> Changes:
     [4.0]
     """
     if not len(light.time_s):
-        return NO_CHANGES
+        return Changes(np.empty(0), np.empty(0))
     is_meter = light.source is LightSource.METER
     level = _smooth(light, settings.smooth_s)
     level = np.maximum(level, settings.least_lux if is_meter else PICTURE_LEAST)
@@ -117,25 +116,23 @@ def _smooth(light: Light, width_s: float) -> NDArray[np.float64]:
     """Median of the readings at most half a width away."""
     if width_s <= 0:
         return light.level
-    times = pd.to_timedelta(_passed_s(light), unit="s")
-    window = pd.Series(light.level, index=times).rolling(
-        pd.Timedelta(seconds=width_s), center=True, closed="both"
-    )
-    return window.median().to_numpy()
-
-
-def _passed_s(light: Light) -> NDArray[np.float64]:
-    """Seconds since the first reading, with gaps so long that no window reaches over one."""
-    passed: NDArray[np.float64] = light.time_s - light.time_s[0]
-    return passed + _APART_S * (np.cumsum(light.is_first) - 1)
+    windows = _windows(light, light.level, width_s, center=True)
+    median: NDArray[np.float64] = windows.median().to_numpy(np.float64)
+    return median
 
 
 def _held(light: Light, level: NDArray[np.float64], width_s: float) -> NDArray[np.float64]:
     """Least level of the last seconds; NaN where the readings, or their stretch, began later."""
     if width_s <= 0:
         return level
-    window = pd.Series(level, index=pd.to_timedelta(_passed_s(light), unit="s")).rolling(
-        pd.Timedelta(seconds=width_s), closed="both"
-    )
     is_known = light.time_s - light.since_s(light.time_s) >= width_s * (1 - 1e-9)
-    return np.where(is_known, window.min().to_numpy(), np.nan)
+    return np.where(is_known, _windows(light, level, width_s).min().to_numpy(), np.nan)
+
+
+def _windows(
+    light: Light, level: NDArray[np.float64], width_s: float, *, center: bool = False
+) -> Rolling[pd.Series[float]]:
+    """Windows over levels by time, with gaps so long that no window reaches over one."""
+    passed_s = light.time_s - light.time_s[0] + _APART_S * (np.cumsum(light.is_first) - 1)
+    levels = pd.Series(level, index=pd.to_timedelta(passed_s, unit="s"))
+    return levels.rolling(pd.Timedelta(seconds=width_s), center=center, closed="both")

@@ -57,14 +57,17 @@ class AdaptationClock:
 
 
 def adaptation_clock(
-    light: Light, frame: NDArray[np.int64], fps: float, settings: LightSettings | None = None
+    light: Light | None,
+    frame: NDArray[np.int64],
+    fps: float,
+    settings: LightSettings | None = None,
 ) -> AdaptationClock:
     """Light and adaptation in the frames of a recording.
 
     Parameters
     ----------
     light
-        Readings over the recording, with times from frame 0.
+        Readings over the recording, with times from frame 0; None: nothing is known of the light.
     frame
         Numbers of its evaluated frames, int64, ascending, shape (n,).
     fps
@@ -73,6 +76,7 @@ def adaptation_clock(
         What counts as a change; None: our defaults.
     """
     settings = settings or LightSettings()
+    light = light or Light(np.empty(0), np.empty(0), LightSource.PICTURE)
     changes = changes_of(light, settings)
     begin_s, end_s = frame / fps, (frame + 1) / fps
     since_s = light.since_s(begin_s)
@@ -82,32 +86,13 @@ def adaptation_clock(
     is_in_time = begin_s >= since_s + settings.bright_for_s - SAME_S
     first_s = begin_s[0] if len(frame) else 0.0
     return AdaptationClock(
-        _from_first(frame, fps),
+        (frame - frame[:1].sum()) / fps,  # as a dataset says it
         light.at(begin_s),
         period_s,
         is_in_time | ~np.isnan(period_s),
         changes.start_s - first_s,
         light.source,
     )
-
-
-def unknown_clock(frame: NDArray[np.int64], fps: float) -> AdaptationClock:
-    """The clock where nothing is known of the light."""
-    nothing = np.full(len(frame), np.nan)
-    return AdaptationClock(
-        _from_first(frame, fps),
-        nothing,
-        nothing,
-        np.zeros(len(frame), bool),
-        np.empty(0),
-        LightSource.PICTURE,
-    )
-
-
-def _from_first(frame: NDArray[np.int64], fps: float) -> NDArray[np.float64]:
-    """When frames begin, as a dataset says it: seconds from the first of them."""
-    time_s: NDArray[np.float64] = (frame - frame[:1].sum()) / fps
-    return time_s
 
 
 def with_change(clock: AdaptationClock, fps: float, change_s: float) -> AdaptationClock:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pandas as pd
 import pytest
+from driver_trials import parsed_trials
 
-from nvcore.driver.trials import Judging, judge_trials, parse_trials, side_of_angle
+from nvcore.driver.trials import Judging, judge_trials, side_of_angle
 from nvcore.driver.trials.judging import screen_width_mm
 from nvcore.errors import InputError, ParameterError
 
@@ -23,7 +24,7 @@ BOXES = pd.DataFrame(
 def judged(x: float | str, y: float | str, judging: Judging | None = None, measured: str = "2.5"):
     seen = 1 if x == "" else 0
     row = f"S1,0,1,0,a.jpg,p1,2.5,{measured},{x},{y},1,{seen},d"
-    trials = parse_trials(f"{HEADER}\n{row}\n".encode(), name="trials.csv")
+    trials = parsed_trials(f"{HEADER}\n{row}\n".encode())
     return judge_trials(trials, BOXES, judging or Judging()).iloc[0]
 
 
@@ -66,7 +67,7 @@ def test_a_trial_off_by_more_than_50_ms_is_marked(measured: str, is_off: bool):
 
 def test_a_pedestrian_without_a_box_is_refused_with_the_line():
     row = "S1,0,1,0,b.jpg,p1,2.5,2.5,1,1,1,0,d"
-    trials = parse_trials(f"{HEADER}\n{row}\n".encode(), name="trials.csv")
+    trials = parsed_trials(f"{HEADER}\n{row}\n".encode())
     with pytest.raises(InputError, match=r"trials.csv, line 2: there is no box .* p1 .* b\.jpg"):
         judge_trials(trials, BOXES, Judging(), name="trials.csv")
 
