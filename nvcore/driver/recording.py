@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from nvcore.dataset import Dataset
 from nvcore.driver.features import FEATURE_KEYS, features_of
-from nvcore.driver.features.view import has_colour, luminance_of
+from nvcore.driver.features.compute import has_colour, luminance_of
 from nvcore.driver.fixation import Gaze, read_gaze
 from nvcore.driver.illumination import Light, LightSource, picture_level, read_light
 from nvcore.driver.illumination.clock import AdaptationClock, adaptation_clock

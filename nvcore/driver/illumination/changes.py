@@ -116,9 +116,7 @@ def _smooth(light: Light, width_s: float) -> NDArray[np.float64]:
     """Median of the readings at most half a width away."""
     if width_s <= 0:
         return light.level
-    windows = _windows(light, light.level, width_s, center=True)
-    median: NDArray[np.float64] = windows.median().to_numpy(np.float64)
-    return median
+    return np.asarray(_windows(light, light.level, width_s, center=True).median(), np.float64)
 
 
 def _held(light: Light, level: NDArray[np.float64], width_s: float) -> NDArray[np.float64]:
