@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-import pandas as pd
 
 from nvcore.auditing import Checks
 from nvcore.auditing.cases import file_name, place, place_of_frame
@@ -41,30 +40,24 @@ def audit_detectability(dataset: Dataset) -> list[Finding]:
             "Nothing to do if only some frames are evaluated; else check the frame numbers.",
         ),
     ):
-        if len(rows):
-            text = f"{count_text(len(rows), 'row is', 'rows are')} left out: {message}."
-            severity = Severity.WARNING if code.endswith("box") else Severity.NOTE
-            findings.append(_finding(dataset, severity, code, rows, text, advice))
+        if rows.empty:
+            continue
+        first = rows.iloc[0]
+        line = int(first["line"])
+        name = file_name(dataset, int(first["file"]), line)
+        finding = Finding(
+            severity=Severity.WARNING if code.endswith("box") else Severity.NOTE,
+            code=code,
+            subject=DETECTABILITY,
+            count=len(rows),
+            message=f"{count_text(len(rows), 'row is', 'rows are')} left out: {message}.",
+            advice=advice,
+            file=name,
+            example=place(first["recording"], int(first["frame"]), line=line, file=name),
+            cases=Cases("left_out", rows.index.to_numpy()),
+        )
+        findings.append(finding)
     return [*findings, *_boxes_without(dataset)]
-
-
-def _finding(
-    dataset: Dataset, severity: Severity, code: str, rows: pd.DataFrame, message: str, advice: str
-) -> Finding:
-    first = rows.iloc[0]
-    line = int(first["line"])
-    name = file_name(dataset, int(first["file"]), line)
-    return Finding(
-        severity=severity,
-        code=code,
-        subject=DETECTABILITY,
-        count=len(rows),
-        message=message,
-        advice=advice,
-        file=name,
-        example=place(first["recording"], int(first["frame"]), line=line, file=name),
-        cases=Cases("left_out", rows.index.to_numpy()),
-    )
 
 
 def _boxes_without(dataset: Dataset) -> list[Finding]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Final
@@ -87,7 +87,7 @@ class ImageFeatures:
 
     def record(self, contents: Mapping[str, bytes]) -> bytes:
         """Serialize settings, counts and the hashes of these files as JSON."""
-        values = self.settings.as_json()
+        values = asdict(self.settings)
         return record_bytes(
             contents,
             settings={name: values[name] for name in ("features", "fixation")},

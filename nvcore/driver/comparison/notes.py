@@ -15,6 +15,7 @@ from nvcore.driver.comparison.judging import SELDOM, is_unknown
 from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.settings import DRIVER
 from nvcore.driver.comparison.steps import driver_in
+from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.measures.entry import Measure
 from nvcore.notes import Note, phrase
 from nvcore.time_left.steps import time_left_in
@@ -48,7 +49,7 @@ def view_notes(result: Result) -> tuple[Note, ...]:
         notes.append(Note("driver.in_time", n=parts.n, **parts._asdict()))
         n_late = _n(is_seen_too_late(result))
         notes += [Note("driver.too_late", n=n_late)] if n_late else []
-    return (*notes, *_origin(result))
+    return (*notes, *source(result), *_outside(result), *_adapted(result))
 
 
 def no_claim(result: Result) -> tuple[Note, ...]:
@@ -158,8 +159,8 @@ def origin_of(result: Result) -> dict[str, Any]:
     (numbers of recordings with estimates and with values of the ground truth), and made_by and
     caution (None if unknown).
     """
-    estimate = result.dataset.of("driver")
-    if estimate is None or is_stated(result):
+    estimate = estimates_in(result)
+    if estimate is None:
         return {"origin": "truth"}
     n_estimated, n_stated = count_origins(result)
     return {
@@ -184,10 +185,6 @@ def source(result: Result) -> tuple[Note, ...]:
         return (note,)
     of_boxes = {"n_known": n_known, "n_boxes": n_boxes} if is_small else {}
     return (note, Note("driver.known_extent", n_unknown=n_unknown, **of_boxes))
-
-
-def _origin(result: Result) -> tuple[Note, ...]:
-    return (*source(result), *_outside(result), *_adapted(result))
 
 
 def _outside(result: Result) -> tuple[Note, ...]:
@@ -233,8 +230,8 @@ def _open(result: Result) -> tuple[Note, ...]:
 
 def _adapted(result: Result) -> tuple[Note, ...]:
     """Return notes on estimates for adapted eyes, if they are many or decide encounters."""
-    record = result.dataset.of("driver")
-    if record is None or is_stated(result):
+    record = estimates_in(result)
+    if record is None:
         return ()
     notes = []
     if record.n_light_unknown > SMALL_SHARE * record.n_estimates:
@@ -247,12 +244,11 @@ def _adapted(result: Result) -> tuple[Note, ...]:
 
 def doubt_of_estimator(result: Result) -> Note | None:
     """Return why no estimate can be trusted, None if there is no estimate or no reason."""
-    estimate = result.dataset.of("driver")
-    if estimate is None or is_stated(result):
-        return None
-    if estimate.of_no_use:
+    estimate = estimates_in(result)
+    if estimate is not None and estimate.of_no_use:
         return Note("driver.useless")
-    return Note("driver.simulated_subjects") if estimate.simulated == "all" else None
+    is_simulated = estimate is not None and estimate.simulated == "all"
+    return Note("driver.simulated_subjects") if is_simulated else None
 
 
 def doubt_of_seen(result: Result) -> Note | None:
@@ -280,10 +276,11 @@ def doubt_of(result: Result, measure: Measure) -> str:
     return phrase(why, result.objects) if why else ""
 
 
-def is_stated(result: Result) -> bool:
-    """Whether all detectability comes from the ground truth, despite a record of estimates."""
+def estimates_in(result: Result) -> EstimateRecord | None:
+    """Return the record of estimates, or None if all detectability is the ground truth's."""
+    estimate: EstimateRecord | None = result.dataset.of("driver")
     n_estimated, n_stated = count_origins(result)
-    return bool(n_stated and not n_estimated)
+    return None if n_stated and not n_estimated else estimate
 
 
 def count_origins(result: Result) -> tuple[int, int]:

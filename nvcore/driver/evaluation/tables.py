@@ -15,9 +15,14 @@ import pandas as pd
 import scipy
 from numpy.typing import NDArray
 
-from nvcore.driver.estimators.nested import OutOfFold, Samples, out_of_fold, samples_of
 from nvcore.driver.estimators.search import PAIRS, Search
-from nvcore.driver.estimators.training import errors_by_period
+from nvcore.driver.estimators.training import (
+    OutOfFold,
+    Samples,
+    errors_by_period,
+    out_of_fold,
+    samples_of,
+)
 from nvcore.driver.evaluation import published
 from nvcore.driver.features import FEATURE_KEYS, words_of
 from nvcore.driver.trials.table import TrainingTable

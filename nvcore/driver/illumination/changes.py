@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from nvcore.driver.illumination.kernels import find_changes
 from nvcore.driver.illumination.meter import PICTURE_LEAST, Light, LightSource
-from nvcore.driver.illumination.settings import LightSettings
+from nvcore.driver.shapes import check_ranges
 from nvcore.schema import SAME_S
 
 if TYPE_CHECKING:
@@ -19,6 +19,51 @@ if TYPE_CHECKING:
 
 _APART_S: Final = 1000.0
 """Added to the length of each gap for windows over readings: more than any is wide."""
+
+
+_RANGES: Final = {
+    "drop_factor": (1.1, 1e6),
+    "picture_drop_factor": (1.1, 1e6),
+    "within_s": (0.0, 60.0),
+    "bright_for_s": (0.0, 600.0),
+    "smooth_s": (0.0, 10.0),
+    "least_lux": (1e-6, 1e5),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class LightSettings:
+    """Criteria for a change of the light from bright to dark. All of them are our choice.
+
+    Attributes
+    ----------
+    drop_factor
+        By so much the light of a light meter falls at least: 1,000 lx to 100 lx with 10. (In the
+        paper's experiment it falls from 1,000 lx to 10 lx.)
+    picture_drop_factor
+        By so much the mean luminance of the picture falls, where it stands in for a light meter;
+        less, as the camera's exposure follows the light.
+    within_s
+        In so many seconds, or from one reading to the next where these are further apart.
+    bright_for_s
+        So long the light must have been there before: what passes sooner, such as an oncoming
+        lamp, is not what the eye was adapted to. After a change, the light must be back for as
+        long to end the adaptation.
+    smooth_s
+        Width of the running median that flicker and single shadows are taken out with.
+    least_lux
+        What a light meter reads below that counts as that.
+    """
+
+    drop_factor: float = 10.0
+    picture_drop_factor: float = 3.0
+    within_s: float = 2.0
+    bright_for_s: float = 3.0
+    smooth_s: float = 0.5
+    least_lux: float = 0.1
+
+    def __post_init__(self) -> None:
+        check_ranges(self, _RANGES)
 
 
 @dataclass(frozen=True)

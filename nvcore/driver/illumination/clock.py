@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.driver.illumination.changes import Changes, changes_of
+from nvcore.driver.illumination.changes import Changes, LightSettings, changes_of
 from nvcore.driver.illumination.meter import Light, LightSource
-from nvcore.driver.illumination.settings import LightSettings
 from nvcore.schema import SAME_S
 
 
