@@ -178,15 +178,13 @@ class EstimateRun:
         trained_px = self.estimator.origin.picture_px
         if trained_px is None or not self._labels_of_scale():
             return {}
-        widths = {
+        return {
             part.name: part.picture_px[0]
             for part in self.features.recordings
-            if part.picture_px is not None and not part.may_be_of_heat
-        }
-        return {
-            name: width
-            for name, width in widths.items()
-            if max(width, trained_px[0]) > WIDTH_FACTOR * min(width, trained_px[0])
+            if part.picture_px is not None
+            and not part.may_be_of_heat
+            and max(part.picture_px[0], trained_px[0])
+            > WIDTH_FACTOR * min(part.picture_px[0], trained_px[0])
         }
 
     def _other_width_notes(self) -> list[Note]:

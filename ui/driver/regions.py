@@ -13,7 +13,7 @@ from nvcore.driver.comparison.encounters import (
     over_driver_threshold,
 )
 from nvcore.driver.comparison.figures import driver_threshold_plot, driver_venn_plot
-from nvcore.driver.comparison.kinds import DriverRegion
+from nvcore.driver.comparison.judging import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.wording import capitalised
 from ui.session import state, store

@@ -14,8 +14,7 @@ from nvcore.driver.comparison.in_time import (
     is_judged_in_time,
     is_seen_too_late,
 )
-from nvcore.driver.comparison.judging import is_unknown
-from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
+from nvcore.driver.comparison.judging import DRIVER_REGION_TEXT, DriverRegion, is_unknown
 from nvcore.driver.comparison.measures import KNOWN
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.inputs.session import RecordingEntry, Session

@@ -9,7 +9,7 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.driver.comparison.in_time import is_in_time_alone
-from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
+from nvcore.driver.comparison.judging import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.notes import Note, say
@@ -155,14 +155,10 @@ def detectability_course(result: Result, encounter: int) -> pd.DataFrame:
     encounters, known = result.encounters, result.dataset.detectability
     places = slice(int(encounters.offsets[encounter]), int(encounters.offsets[encounter + 1]))
     truth_row, row = encounters.order[places], encounters.frame_index[places]
-    value = known.value[truth_row]
-    order = np.lexsort((-np.nan_to_num(value, nan=-1.0), row))
-    truth_row, row = truth_row[order], row[order]
-    row, first = np.unique(row, return_index=True)
-    truth_row = truth_row[first]
-    is_near = result.k_truth.k[encounters.order[places]] >= RELEVANT_K
-    relevant = encounters.frame_index[places][is_near]
-    last = int(relevant[0]) if len(relevant) else -1
+    relevant = row[result.k_truth.k[truth_row] >= RELEVANT_K]
+    order = np.lexsort((-np.nan_to_num(known.value[truth_row], nan=-1.0), row))
+    row, first = np.unique(row[order], return_index=True)
+    truth_row = truth_row[order][first]
     return pd.DataFrame(
         {
             "row": row,
@@ -171,7 +167,7 @@ def detectability_course(result: Result, encounter: int) -> pd.DataFrame:
             "detectability": known.value[truth_row],
             "sd": known.sd[truth_row],
             "is_outside": known.is_outside[truth_row],
-            "is_up_to_relevant": row <= last,
+            "is_up_to_relevant": row <= (relevant[0] if len(relevant) else -1),
         }
     )
 

@@ -9,8 +9,7 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.driver.comparison.judging import DriverVenn
-from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
+from nvcore.driver.comparison.judging import DRIVER_REGION_TEXT, DriverRegion, DriverVenn
 from nvcore.driver.illumination import LightSource
 from nvcore.driver.illumination.clock import AdaptationClock
 from nvcore.figures.curves import mark_value
@@ -290,7 +289,7 @@ def driver_venn_plot(
 ) -> go.Figure:
     """Draw a Venn diagram of the near encounters that the driver, X and Y see.
 
-    A click on a count gives its region (`nvcore.driver.comparison.kinds.DriverRegion`) as
+    A click on a count gives its region (`nvcore.driver.comparison.judging.DriverRegion`) as
     `customdata`. The circles are of one size: three counts and their overlaps cannot be areas of
     circles.
     """

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
+from enum import StrEnum
 from functools import cached_property
 from typing import Final
 
@@ -16,10 +17,38 @@ import pandas as pd
 
 from nvcore.columns import Detectability
 from nvcore.dataset import Dataset
-from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.metrics.encounters import RELEVANT_K, Encounters
 from nvcore.metrics.venn import Venn
 from nvcore.params import Params
+
+
+class DriverRegion(StrEnum):
+    """Region of the three-way Venn diagram of the encounters that the driver, X and Y see."""
+
+    DRIVER_X_Y = "driver_x_y"
+    DRIVER_X = "driver_x"
+    DRIVER_Y = "driver_y"
+    DRIVER = "driver"
+    X_Y = "x_y"
+    X = "x"
+    Y = "y"
+    NOBODY = "nobody"
+    UNKNOWN = "unknown"
+    DISTANT = "distant"
+
+
+DRIVER_REGION_TEXT: Final[dict[DriverRegion, str]] = {
+    DriverRegion.DRIVER_X_Y: "The driver and both systems: both warnings are redundant.",
+    DriverRegion.DRIVER_X: "The driver and X, not Y: the warning of X is redundant.",
+    DriverRegion.DRIVER_Y: "The driver and Y, not X: the warning of Y is redundant.",
+    DriverRegion.DRIVER: "The driver, but neither X nor Y: a warning would be redundant.",
+    DriverRegion.X_Y: "Not the driver, but both X and Y: either can warn.",
+    DriverRegion.X: "Neither the driver nor Y, but X: only X can warn.",
+    DriverRegion.Y: "Neither the driver nor X, but Y: only Y can warn.",
+    DriverRegion.NOBODY: "Neither the driver nor X nor Y: the {one} is unprotected.",
+    DriverRegion.UNKNOWN: "It is not known whether the driver sees the {one}.",
+    DriverRegion.DISTANT: "The {one} never came near enough to count.",
+}
 
 SELDOM: Final = 0.5
 """Share of the known frames below which seeing a pedestrian is called seldom (ours)."""

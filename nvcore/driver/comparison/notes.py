@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from nvcore.comparison import Result
 from nvcore.driver.comparison.in_time import count_in_time, is_judged_in_time, is_seen_too_late
-from nvcore.driver.comparison.judging import SELDOM, is_unknown
-from nvcore.driver.comparison.kinds import DriverRegion
+from nvcore.driver.comparison.judging import SELDOM, DriverRegion, is_unknown
 from nvcore.driver.comparison.settings import DRIVER
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.driver.inputs.record import EstimateRecord

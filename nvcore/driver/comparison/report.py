@@ -8,7 +8,7 @@ from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.driver.comparison.columns import driver_views
 from nvcore.driver.comparison.encounters import driver_venn_table, saved_encounters
-from nvcore.driver.comparison.kinds import DriverRegion
+from nvcore.driver.comparison.judging import DriverRegion
 from nvcore.driver.comparison.notes import (
     driver_notes,
     limits,

@@ -114,13 +114,10 @@ class Light:
         """
         is_last = np.append(self.is_first[1:], True)[: len(self.time_s)]
         held_until_s = np.where(is_last, self.time_s + self.held_s, np.inf)
-        begin_s = self.time_s[np.maximum.accumulate(self._rows * self.is_first)]
+        first = np.maximum.accumulate(np.arange(len(self.time_s)) * self.is_first)
+        begin_s = self.time_s[first]
         is_held = np.asarray(time_s) <= self._last(held_until_s, time_s)
         return np.where(is_held, self._last(begin_s, time_s), np.nan)
-
-    @property
-    def _rows(self) -> NDArray[np.int64]:
-        return np.arange(len(self.time_s))
 
     def _last(
         self, values: NDArray[np.float64], time_s: NDArray[np.float64]

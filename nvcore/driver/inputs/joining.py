@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any, Final
 
@@ -34,16 +34,6 @@ NO_SUCH_BOX: Final = "no such box"
 """Why a row of estimates is left out, beside `nvcore.inputs.placing.REASONS`."""
 
 
-@dataclass(frozen=True)
-class _Estimates:
-    """A file of estimates, read."""
-
-    file: SourceFile
-    digest: str
-    table: pd.DataFrame
-    record: EstimateRecord | None
-
-
 def with_detectability(dataset: Dataset, session: Session) -> Dataset:
     """The dataset with the detectability that its session names a file of.
 
@@ -58,17 +48,49 @@ def with_detectability(dataset: Dataset, session: Session) -> Dataset:
         If the file, or the record of how it came to be, cannot be used; with file and line.
     """
     name: str = session.driver.detectability
-    file = SourceFile(session.folder / name, name)
-    provenance = session.driver.provenance
-    record = None
+    file, provenance = SourceFile(session.folder / name, name), session.driver.provenance
+    record, told = EstimateRecord(), b""
     if provenance is not None:
         record = read_estimate_record(session.folder / provenance, provenance)
-    estimates = _Estimates(file, digest([file])[0], read_detectability(file), record)
+        told = estimate_json(record)
+    sha256, table = digest([file])[0], read_detectability(file)
     titles = {entry.name: entry.title for entry in session.recordings if entry.title is not None}
-    row_of, reason = _join(
-        dataset, _called(estimates.table["recording"], dataset, titles), estimates
+    recording = _called(table["recording"], dataset, titles)
+    row_of, reason = _join(dataset, table.assign(recording=recording))
+    is_joined = row_of >= 0
+    has_value = is_joined & table["detectability"].notna().to_numpy()
+    columns: dict[str, Any] = {}
+    for column in DETECTABILITY_COLUMNS:
+        columns[column] = dataset.boxes[column].to_numpy(copy=True)
+        columns[column][row_of[has_value]] = table[column].to_numpy()[has_value]
+    lost = table[~is_joined]
+    left_out = pd.DataFrame(
+        {
+            "subject": DETECTABILITY,
+            "recording": lost["recording"].astype(object),
+            "frame": lost["frame"],
+            "file": np.int32(len(dataset.inputs)),
+            "line": lost["line"].astype(np.int32),
+            "reason": reason[~is_joined],
+        }
     )
-    return _joined(dataset, session, estimates, row_of, reason)
+    joined = f"{int(is_joined.sum()):,} of {len(table):,} rows joined to boxes of the truth"
+    rows = [part for part in (dataset.left_out, left_out) if len(part)] or [dataset.left_out]
+    value = columns["detectability"]
+    own = _with_origins(record, dataset, value, row_of[has_value])
+    return with_files(
+        dataset,
+        session,
+        DETECTABILITY,
+        [name],
+        [sha256],
+        says=f"{DETECTABILITY} {sha256}\n".encode() + told,
+        conversion="; ".join(filter(None, (joined, record.made_by, record.caution))),
+        boxes=dataset.boxes.assign(**columns),
+        left_out=pd.concat(rows, ignore_index=True).reindex(columns=list(dataset.left_out)),
+        findings=_findings(dataset, record, sha256, value, name),
+        of_subjects={**dataset.of_subjects, "driver": own},
+    )
 
 
 def _called(recording: pd.Series[str], dataset: Dataset, titles: Mapping[str, str]) -> Any:
@@ -80,9 +102,8 @@ def _called(recording: pd.Series[str], dataset: Dataset, titles: Mapping[str, st
     return categories_of(place[recording.cat.codes.to_numpy()], unique)
 
 
-def _join(dataset: Dataset, recording: Any, estimates: _Estimates) -> tuple[np.ndarray, np.ndarray]:
+def _join(dataset: Dataset, table: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
     """Truth row of each estimate, -1 none, and why it has none; int64 and object, shape (n,)."""
-    table = estimates.table.assign(recording=recording)
     frames, truth = dataset.frame_columns, dataset.truth
     listed = [frames.frame[start:stop] for start, stop in pairwise(frames.first)]
     frame_row, fault = FramePlaces(dataset.recordings["name"], listed).of(table)
@@ -102,59 +123,6 @@ def _join(dataset: Dataset, recording: Any, estimates: _Estimates) -> tuple[np.n
     reason = np.array(REASONS, dtype=object)[fault]
     reason[placed[row < 0]] = NO_SUCH_BOX
     return row_of, reason
-
-
-def _joined(
-    dataset: Dataset,
-    session: Session,
-    estimates: _Estimates,
-    row_of: np.ndarray,
-    reason: np.ndarray,
-) -> Dataset:
-    table, name = estimates.table, estimates.file.name
-    is_joined = row_of >= 0
-    has_value = is_joined & table["detectability"].notna().to_numpy()
-    columns: dict[str, Any] = {}
-    for column in DETECTABILITY_COLUMNS:
-        columns[column] = dataset.boxes[column].to_numpy(copy=True)
-        columns[column][row_of[has_value]] = table[column].to_numpy()[has_value]
-    lost = table[~is_joined]
-    left_out = pd.DataFrame(
-        {
-            "subject": DETECTABILITY,
-            "recording": lost["recording"].astype(object),
-            "frame": lost["frame"],
-            "file": np.int32(len(dataset.inputs)),
-            "line": lost["line"].astype(np.int32),
-            "reason": reason[~is_joined],
-        }
-    )
-    says = f"{DETECTABILITY} {estimates.digest}\n".encode()
-    record = estimates.record
-    conversion = f"{int(is_joined.sum()):,} of {len(table):,} rows joined to boxes of the truth"
-    if record is not None:
-        says += estimate_json(record)
-        facts = (conversion, record.made_by, record.caution)
-        conversion = "; ".join(filter(None, facts))
-    rows = [part for part in (dataset.left_out, left_out) if len(part)] or [dataset.left_out]
-    return with_files(
-        dataset,
-        session,
-        DETECTABILITY,
-        [name],
-        [estimates.digest],
-        says=says,
-        conversion=conversion,
-        boxes=dataset.boxes.assign(**columns),
-        left_out=pd.concat(rows, ignore_index=True).reindex(columns=list(dataset.left_out)),
-        findings=_findings(dataset, estimates, columns["detectability"]),
-        of_subjects={
-            **dataset.of_subjects,
-            "driver": _with_origins(
-                record or EstimateRecord(), dataset, columns["detectability"], row_of[has_value]
-            ),
-        },
-    )
 
 
 def _with_origins(
@@ -182,7 +150,7 @@ def _with_origins(
 
 
 def _findings(
-    dataset: Dataset, estimates: _Estimates, detectability: np.ndarray
+    dataset: Dataset, record: EstimateRecord, sha256: str, detectability: np.ndarray, name: str
 ) -> Iterator[Finding]:
     """Warnings about the file of estimates and its record.
 
@@ -191,9 +159,9 @@ def _findings(
     detectability
         Of all boxes with that of the file, those of the truth first, shape (n_boxes,).
     """
-    record, stated = estimates.record or EstimateRecord(), dataset.detectability.value
+    stated = dataset.detectability.value
     differs = ~np.isnan(stated) & (stated != detectability[: len(stated)])
-    is_other = bool(record.files) and estimates.digest not in record.files.values()
+    is_other = bool(record.files) and sha256 not in record.files.values()
     for code, n, message, advice in (
         (
             "detectability-twice",
@@ -225,7 +193,7 @@ def _findings(
         ),
     ):
         if n:
-            yield warning(code, n, message, advice, role=DETECTABILITY, file=estimates.file.name)
+            yield warning(code, n, message, advice, role=DETECTABILITY, file=name)
 
 
 def _doubted(doubts: Mapping[str, str]) -> str:

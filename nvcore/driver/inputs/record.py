@@ -16,7 +16,7 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from nvcore.notes import Note, phrase
 from nvcore.objects import PEDESTRIAN
@@ -39,18 +39,20 @@ _PARTS: Final = {
     "files": Mapping[str, str],
     **dict.fromkeys(("estimator", "estimates", "settings"), Mapping[str, object]),
 }
-_OF_ESTIMATOR: Final = {
-    **dict.fromkeys(("name", "fingerprint", "simulated", "search"), str),
-    "n_subjects": int,
-    "no_better_at_s": tuple[float, ...],
-    "of_no_use": bool,
+_OF_PARTS: Final[dict[str, dict[str, Any]]] = {
+    "estimator": {
+        **dict.fromkeys(("name", "fingerprint", "simulated", "search"), str),
+        "n_subjects": int,
+        "no_better_at_s": tuple[float, ...],
+        "of_no_use": bool,
+    },
+    "estimates": {
+        **dict.fromkeys(("n", "n_light_unknown"), int),
+        **dict.fromkeys(("outside", "other_width"), Mapping[str, int]),
+        **dict.fromkeys(("light_doubts", "picture_doubts"), Mapping[str, str]),
+    },
+    "settings": {"light": Mapping[str, object]},
 }
-_OF_ESTIMATES: Final = {
-    **dict.fromkeys(("n", "n_light_unknown"), int),
-    **dict.fromkeys(("outside", "other_width"), Mapping[str, int]),
-    **dict.fromkeys(("light_doubts", "picture_doubts"), Mapping[str, str]),
-}
-_OF_SETTINGS: Final = {"light": Mapping[str, object]}
 
 
 @dataclass(frozen=True)
@@ -151,23 +153,20 @@ class EstimateRecord:
         if self.of_no_use or self.no_better_at_s:
             periods = listed([f"{period:g}" for period in self.no_better_at_s], most=MOST_NAMED)
             notes.append(Note("driver.no_better", at_s=None if self.of_no_use else periods))
-        if self.other_width:
-            notes.append(Note("driver.in_other_width", names=_named(self.other_width)))
-        if self.light_doubts:
-            notes.append(Note("driver.in_doubtful_light", names=_named(self.light_doubts)))
-        if self.picture_doubts:
-            notes.append(Note("driver.in_doubtful_pictures", names=_named(self.picture_doubts)))
+        for key, named in (
+            ("driver.in_other_width", self.other_width),
+            ("driver.in_doubtful_light", self.light_doubts),
+            ("driver.in_doubtful_pictures", self.picture_doubts),
+        ):
+            if named:
+                short = [shortened(one_line(name), _SHOWN_NAME) for name in named]
+                notes.append(Note(key, names=listed(short, most=MOST_NAMED)))
         return listed([phrase(note, PEDESTRIAN) for note in notes])
 
 
 def _check_counts(name: str, counts: Iterable[int], most: int = _MOST) -> None:
     if not all(0 <= n <= most for n in counts):
         raise ValueError(f"{name}: expected 0 to {most}")
-
-
-def _named(names: Iterable[str]) -> str:
-    """List names of recordings on one line, shortened since they may be any text."""
-    return listed([shortened(one_line(name), _SHOWN_NAME) for name in names], most=MOST_NAMED)
 
 
 def estimate_json(record: EstimateRecord) -> bytes:
@@ -206,10 +205,6 @@ def read_estimate_record(path: Path, name: str) -> EstimateRecord:
 
 def _record(content: object) -> EstimateRecord:
     record = values_of(_PARTS, content, "", known_only=False)
-    of_estimator = values_of(
-        _OF_ESTIMATOR, record.pop("estimator", {}), "estimator", known_only=False
-    )
-    estimates = values_of(_OF_ESTIMATES, record.pop("estimates", {}), "estimates", known_only=False)
-    light = values_of(_OF_SETTINGS, record.pop("settings", {}), "settings", known_only=False)
-    n = estimates.pop("n", 0)
-    return EstimateRecord(n_estimates=n, **of_estimator, **estimates, **light, **record)
+    for name, types in _OF_PARTS.items():
+        record |= values_of(types, record.pop(name, {}), name, known_only=False)
+    return EstimateRecord(n_estimates=record.pop("n", 0), **record)

@@ -10,8 +10,7 @@ import pytest
 from figure_parts import trace, words
 
 from nvcore.driver.comparison import figures
-from nvcore.driver.comparison.judging import DriverVenn
-from nvcore.driver.comparison.kinds import DriverRegion
+from nvcore.driver.comparison.judging import DriverRegion, DriverVenn
 from nvcore.driver.illumination import Light, LightSource
 from nvcore.driver.illumination.clock import adaptation_clock, with_change
 from nvcore.figures.style import LOOK

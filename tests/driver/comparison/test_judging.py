@@ -14,8 +14,12 @@ from hypothesis import strategies as st
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.driver.comparison.in_time import is_driver_in_time, is_in_time_alone, is_seen_too_late
-from nvcore.driver.comparison.judging import count_driver_regions, driver_regions, split_unseen
-from nvcore.driver.comparison.kinds import DriverRegion
+from nvcore.driver.comparison.judging import (
+    DriverRegion,
+    count_driver_regions,
+    driver_regions,
+    split_unseen,
+)
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.params import Params
 from nvcore.schema import Category

@@ -20,7 +20,7 @@ from nvcore.driver.comparison.encounters import (
     features_of_course,
     saved_encounters,
 )
-from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
+from nvcore.driver.comparison.judging import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.driver.comparison.notes import (
     driver_notes,
     no_claim,

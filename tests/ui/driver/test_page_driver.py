@@ -15,7 +15,7 @@ from held_estimate import FORM, Held, send, sent
 from picture_files import write_picture
 from streamlit.testing.v1 import AppTest
 
-from nvcore.driver.comparison.kinds import DriverRegion
+from nvcore.driver.comparison.judging import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.driver.face import estimate_driver
 from nvcore.driver.inputs.record import EstimateRecord
