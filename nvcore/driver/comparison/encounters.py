@@ -98,7 +98,7 @@ def driver_venn_table(result: Result) -> pd.DataFrame:
     for region, who in REGION_NAMES.items():
         is_here = driver_in(result).region == region.value
         of_x, of_y = (float(values[is_here].sum()) for values in severity_s)
-        n = driver_in(result).venn.counts[region]
+        n = driver_in(result).counts[region]
         meaning = result.objects.say(DRIVER_REGION_TEXT[region])
         rows.append((region.value, who, n, of_x, of_y, meaning))
     names = ["region", "who", "encounters", "severity_x", "severity_y", "meaning"]
@@ -119,7 +119,7 @@ def over_driver_threshold(result: Result) -> pd.DataFrame:
     nobody (neither the driver nor X nor Y; lower is better). No row where it is known of none.
     """
     driver = driver_in(result)
-    is_known, n_known = driver.is_known, driver.venn.n_known
+    is_known, n_known = driver.is_known, driver.n_known
     thresholds = DRIVER_THRESHOLDS if n_known else DRIVER_THRESHOLDS[:0]
     largest = driver.table["detectability"].to_numpy()[is_known]
     is_unseen = largest < thresholds[:, np.newaxis]

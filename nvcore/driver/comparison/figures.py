@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, Final
 
 import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.driver.comparison.judging import DRIVER_REGION_TEXT, DriverRegion, DriverVenn
+from nvcore.driver.comparison.judging import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.driver.illumination import LightSource
 from nvcore.driver.illumination.clock import AdaptationClock
 from nvcore.figures.curves import mark_value
@@ -285,7 +286,7 @@ def _own(
 
 
 def driver_venn_plot(
-    venn: DriverVenn, names: Names, *, theme: Theme, objects: Objects
+    counts: Mapping[DriverRegion, int], names: Names, *, theme: Theme, objects: Objects
 ) -> go.Figure:
     """Draw a Venn diagram of the near encounters that the driver, X and Y see.
 
@@ -294,27 +295,27 @@ def driver_venn_plot(
     circles.
     """
     look = LOOK[theme]
-    if not venn.n_known:
+    n_known = sum(counts[region] for region in PLACES)
+    if not n_known:
         return look.empty("It is not known of any encounter who sees it.")
     texts = [
-        f"{count_text(venn.counts[region], 'encounter')}<br>"
-        + objects.say(DRIVER_REGION_TEXT[region])
+        f"{count_text(counts[region], 'encounter')}<br>" + objects.say(DRIVER_REGION_TEXT[region])
         for region in PLACES
     ]
     x, y = zip(*PLACES.values(), strict=True)
     hidden = {"opacity": 0, "size": 44, "color": "#000"}
     points = marks(x, y, texts, customdata=[*PLACES], marker=hidden)
     numbers = [
-        written(f"<b>{venn.counts[region]:,}</b>", size=17, color=look.ink, x=x, y=y)
+        written(f"<b>{counts[region]:,}</b>", size=17, color=look.ink, x=x, y=y)
         for region, (x, y) in PLACES.items()
     ]
     n_unknown, n_distant = (
-        venn.counts[region] for region in (DriverRegion.UNKNOWN, DriverRegion.DISTANT)
+        counts[region] for region in (DriverRegion.UNKNOWN, DriverRegion.DISTANT)
     )
     return look.draw(
         points,
         title=f"Who sees the {objects.singular}",
-        subtitle=f"{count_text(venn.n_known, 'near encounter')} of which it is known; not drawn: "
+        subtitle=f"{count_text(n_known, 'near encounter')} of which it is known; not drawn: "
         f"{n_unknown:,} unknown, {n_distant:,} distant; circles are not to scale",
         height=400,
         showlegend=False,

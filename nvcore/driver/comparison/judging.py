@@ -52,9 +52,6 @@ DRIVER_REGION_TEXT: Final[dict[DriverRegion, str]] = {
 
 SELDOM: Final = 0.5
 """Share of the known frames below which seeing a pedestrian is called seldom (ours)."""
-_KNOWN: Final = tuple(DriverRegion)[:8]
-"""Regions of known detectability: the driver in the first four, X in the first two of each four, Y
-in each first of two."""
 
 
 def judge_driver(
@@ -165,77 +162,6 @@ def is_unknown(dataset: Dataset) -> np.ndarray:
     return is_missing
 
 
-@dataclass(frozen=True)
-class DriverVenn:
-    """Counts of encounters by who sees them: the driver unaided, X or Y.
-
-    Attributes
-    ----------
-    counts
-        Encounters of each region, unknown and distant ones too.
-    """
-
-    counts: dict[DriverRegion, int]
-
-    @property
-    def n_known(self) -> int:
-        """Number of near encounters with known detectability."""
-        return sum(self.counts[region] for region in _KNOWN)
-
-    @property
-    def n_seen(self) -> int:
-        """Number of near encounters that the driver sees unaided."""
-        return sum(self.counts[region] for region in _KNOWN[:4])
-
-    @property
-    def n_unseen(self) -> int:
-        """Number of near encounters that the driver is known not to see.
-
-        A system can warn of them.
-        """
-        return self.n_known - self.n_seen
-
-
-def driver_regions(
-    is_near: np.ndarray,
-    is_known: np.ndarray,
-    by_driver: np.ndarray,
-    by_x: np.ndarray,
-    by_y: np.ndarray,
-) -> np.ndarray:
-    """Return the region of each encounter in the Venn diagram of driver, X and Y.
-
-    All arguments bool, shape (n,). Encounters that are not near are `distant`, others of which it
-    is not known whether the driver sees them `unknown`.
-
-    Returns
-    -------
-    Values of `DriverRegion`, object, shape (n,).
-    """
-    code = 4 * ~by_driver + 2 * ~by_x + ~by_y
-    code = np.select([~is_near, ~is_known], [9, 8], default=code)
-    names = np.array([region.value for region in DriverRegion], dtype=object)
-    regions: np.ndarray = names[code]
-    return regions
-
-
-def count_driver_regions(region: np.ndarray) -> DriverVenn:
-    """Count the encounters in each of the regions that `driver_regions` returns."""
-    counts = Counter(region.tolist())
-    return DriverVenn({kind: counts[kind.value] for kind in DriverRegion})
-
-
-def split_unseen(venn: DriverVenn) -> Venn:
-    """Return the Venn diagram of X and Y for the encounters that the driver does not see.
-
-    All others count as distant.
-    """
-    of = venn.counts
-    both, x_only = of[DriverRegion.X_Y], of[DriverRegion.X]
-    y_only, neither = of[DriverRegion.Y], of[DriverRegion.NOBODY]
-    return Venn(both, x_only, y_only, neither, sum(of.values()) - venn.n_unseen)
-
-
 @dataclass(frozen=True, eq=False)
 class DriverView:
     """Encounters by whether the driver sees them unaided, and whether X and Y detect them.
@@ -284,14 +210,35 @@ class DriverView:
 
     @cached_property
     def region(self) -> np.ndarray:
-        """Region of each encounter from `driver_regions`, object, shape (n_encounters,)."""
-        seen = self.is_seen, self.by_x, self.by_y
-        return driver_regions(self.is_near, self.is_known, *seen)
+        """Region of each encounter in the Venn diagram, values of `DriverRegion`, object.
+
+        Encounters that are not near are `distant`, others without known detectability `unknown`.
+        """
+        code = 4 * ~self.is_seen + 2 * ~self.by_x + ~self.by_y
+        code = np.select([~self.is_near, ~self.is_known], [9, 8], default=code)
+        regions: np.ndarray = np.array([of.value for of in DriverRegion], dtype=object)[code]
+        return regions
 
     @cached_property
-    def venn(self) -> DriverVenn:
-        """Counts of encounters by who sees them: the driver unaided, X or Y."""
-        return count_driver_regions(self.region)
+    def counts(self) -> dict[DriverRegion, int]:
+        """Number of encounters in each region, unknown and distant ones too."""
+        counts = Counter(self.region.tolist())
+        return {kind: counts[kind.value] for kind in DriverRegion}
+
+    @property
+    def n_known(self) -> int:
+        """Number of near encounters with known detectability."""
+        return int(np.count_nonzero(self.is_known))
+
+    @property
+    def n_seen(self) -> int:
+        """Number of near encounters that the driver sees unaided."""
+        return int(np.count_nonzero(self.is_seen))
+
+    @property
+    def n_unseen(self) -> int:
+        """Number of near encounters that the driver is known not to see: to warn of."""
+        return self.n_known - self.n_seen
 
     @property
     def has_sd(self) -> np.ndarray:
@@ -325,3 +272,12 @@ class DriverView:
         """
         is_seldom = self.table["n_seen"] < SELDOM * self.table["n_known"]
         return self._known(is_seldom & (self.table["seen_row"] >= 0))
+
+
+def split_unseen(driver: DriverView) -> Venn:
+    """Return the Venn diagram of X and Y for the encounters that the driver does not see.
+
+    All others count as distant.
+    """
+    kinds = DriverRegion.X_Y, DriverRegion.X, DriverRegion.Y, DriverRegion.NOBODY
+    return Venn(*(driver.counts[of] for of in kinds), len(driver.region) - driver.n_unseen)

@@ -42,7 +42,7 @@ def view_notes(result: Result) -> tuple[Note, ...]:
         return (Note("driver.nothing_known"),) if result.dataset.has_detectability else ()
     notes = [seen_unaided(result)]
     if n_seldom := _n(driver.is_seldom_seen):
-        notes.append(Note("driver.seldom", n=n_seldom, n_seen=driver.venn.n_seen, share=SELDOM))
+        notes.append(Note("driver.seldom", n=n_seldom, n_seen=driver.n_seen, share=SELDOM))
     notes += _open(result)
     if (parts := count_in_time(result)).n:
         notes.append(Note("driver.in_time", n=parts.n, **parts._asdict()))
@@ -95,34 +95,33 @@ def limits(result: Result) -> tuple[Note, ...]:
 def seen_unaided(result: Result) -> Note:
     """Return a note on how many encounters the driver sees, and how many others X and Y detect."""
     driver = driver_in(result)
-    venn, count = driver.venn, driver.venn.counts
-    of: dict[str, Any] = {"by": by(result), "n_seen": venn.n_seen, "n_known": venn.n_known}
-    if not venn.n_unseen:
+    of: dict[str, Any] = {"by": by(result), "n_seen": driver.n_seen, "n_known": driver.n_known}
+    if not driver.n_unseen:
         is_open = doubt_of_seen(result) or driver.is_within_sd.any()
         is_redundant = not (is_open or is_seen_too_late(result).any())
         return Note("driver.seen_unaided", **of, is_redundant=is_redundant)
-    x, y, both = (count[of] for of in (DriverRegion.X, DriverRegion.Y, DriverRegion.X_Y))
+    x, y, both = (driver.counts[of] for of in (DriverRegion.X, DriverRegion.Y, DriverRegion.X_Y))
     return Note(
         "driver.seen_unaided",
         **of,
-        n_unseen=venn.n_unseen,
+        n_unseen=driver.n_unseen,
         useful_x=both + x,
         useful_y=both + y,
         x=x,
         y=y,
-        neither=count[DriverRegion.NOBODY],
+        neither=driver.counts[DriverRegion.NOBODY],
     )
 
 
 def counts(result: Result) -> Note:
     """Return a note on how many encounters are seen, unseen, unknown and distant."""
-    venn = driver_in(result).venn
-    unknown, distant = (venn.counts[of] for of in (DriverRegion.UNKNOWN, DriverRegion.DISTANT))
+    driver = driver_in(result)
+    unknown, distant = (driver.counts[of] for of in (DriverRegion.UNKNOWN, DriverRegion.DISTANT))
     return Note(
         "driver.counts",
-        n=venn.n_known + unknown + distant,
-        n_seen=venn.n_seen,
-        n_unseen=venn.n_unseen,
+        n=driver.n_known + unknown + distant,
+        n_seen=driver.n_seen,
+        n_unseen=driver.n_unseen,
         n_unknown=unknown,
         n_distant=distant,
     )
@@ -179,7 +178,7 @@ def source(result: Result) -> tuple[Note, ...]:
     n_known = _n(~(np.isnan(values) | result.dataset.truth.ignore))
     n_boxes = n_known + _n(is_unknown(result.dataset))
     is_small = n_known < (1 - SMALL_SHARE) * n_boxes
-    n_unknown = driver_in(result).venn.counts[DriverRegion.UNKNOWN]
+    n_unknown = driver_in(result).counts[DriverRegion.UNKNOWN]
     if not (is_small or n_unknown):
         return (note,)
     of_boxes = {"n_known": n_known, "n_boxes": n_boxes} if is_small else {}
@@ -191,7 +190,8 @@ def _outside(result: Result) -> tuple[Note, ...]:
     record, values = result.dataset.of("driver"), result.dataset.detectability
     is_known = ~(np.isnan(values.value) | result.dataset.truth.ignore)
     n_known, n = _n(is_known), _n(is_known & values.is_outside)
-    venn, n_deciding = driver_in(result).venn, _n(driver_in(result).is_outside)
+    driver = driver_in(result)
+    n_deciding = _n(driver.is_outside)
     if not n_deciding and n <= SMALL_SHARE * n_known:
         return ()
     names = [shortened(one_line(name), _SHOWN_NAME) for name in (record.outside if record else ())]
@@ -201,7 +201,7 @@ def _outside(result: Result) -> tuple[Note, ...]:
             n=n,
             n_known=n_known,
             n_deciding=n_deciding,
-            n_encounters=venn.n_known,
+            n_encounters=driver.n_known,
             features=listed(names, most=_MOST_NAMED) or None,
         ),
     )
@@ -218,10 +218,10 @@ def _open(result: Result) -> tuple[Note, ...]:
         Note(
             "driver.open",
             n=n,
-            n_known=driver.venn.n_known,
-            is_least=_n(driver.has_sd) < driver.venn.n_known,
+            n_known=driver.n_known,
+            is_least=_n(driver.has_sd) < driver.n_known,
             n_open_unseen=_n(driver.is_within_sd & driver.is_unseen),
-            n_unseen=driver.venn.n_unseen,
+            n_unseen=driver.n_unseen,
             threshold=result.params.driver_threshold,
         ),
     )
@@ -237,7 +237,7 @@ def _adapted(result: Result) -> tuple[Note, ...]:
         share = record.n_light_unknown / record.n_estimates
         notes.append(Note("driver.light_unknown", share=share))
     if n_adapted := _n(driver_in(result).is_adapted):
-        notes.append(Note("driver.adapted", n=n_adapted, n_known=driver_in(result).venn.n_known))
+        notes.append(Note("driver.adapted", n=n_adapted, n_known=driver_in(result).n_known))
     return tuple(notes)
 
 
@@ -255,7 +255,7 @@ def doubt_of_seen(result: Result) -> Note | None:
     if why := doubt_of_estimator(result):
         return why
     driver, threshold = driver_in(result), result.params.driver_threshold
-    n_known, is_unseen, n_outside = driver.venn.n_known, driver.is_unseen, _n(driver.is_outside)
+    n_known, is_unseen, n_outside = driver.n_known, driver.is_unseen, _n(driver.is_outside)
     if n_outside and n_outside >= MOST_OUTSIDE * n_known:
         return Note("driver.out_of_range", n=n_outside, n_known=n_known)
     if are_all_open(result):
@@ -299,7 +299,7 @@ def is_weighted(result: Result) -> bool:
 def are_all_open(result: Result) -> bool:
     """Whether every known detectability is within one standard deviation of the threshold."""
     driver = driver_in(result)
-    n_known = driver.venn.n_known
+    n_known = driver.n_known
     return n_known > 0 and _n(driver.is_within_sd) == n_known
 
 

@@ -10,7 +10,7 @@ import pytest
 from figure_parts import trace, words
 
 from nvcore.driver.comparison import figures
-from nvcore.driver.comparison.judging import DriverRegion, DriverVenn
+from nvcore.driver.comparison.judging import DriverRegion
 from nvcore.driver.illumination import Light, LightSource
 from nvcore.driver.illumination.clock import adaptation_clock, with_change
 from nvcore.figures.style import LOOK
@@ -46,7 +46,7 @@ plot_counts = partial(
 
 
 def plot_venn(**counts: int):
-    venn = DriverVenn({region: counts.get(region.value, 0) for region in DriverRegion})
+    venn = {region: counts.get(region.value, 0) for region in DriverRegion}
     return figures.driver_venn_plot(venn, ("A", "<B>"), theme="dark", objects=PEDESTRIAN)
 
 

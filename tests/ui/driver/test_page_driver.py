@@ -516,7 +516,7 @@ def test_an_estimate_that_ends_while_another_page_is_open_is_taken_over_there(he
     n_opened = held.space.n_opened
     held.ends()
     checked(page.run())
-    assert driver_in(held.space.result).venn.n_known == 2
+    assert driver_in(held.space.result).n_known == 2
     assert [item.value for item in page.title] == ["Export"]
     # nothing that was chosen is lost, and a reset still goes back to what the session says
     assert page.slider(key="alpha").value == 0.25
