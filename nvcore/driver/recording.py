@@ -17,7 +17,6 @@ from nvcore.driver.fixation import Gaze, read_gaze
 from nvcore.driver.illumination import Light, LightSource, picture_level, read_light
 from nvcore.driver.illumination.clock import AdaptationClock, adaptation_clock
 from nvcore.driver.recording_notes import (
-    boxes_outside,
     fixation_notes,
     light_doubt,
     light_note,
@@ -166,12 +165,6 @@ class DriverRecording:
         self.features = np.full((len(self.box), len(FEATURE_KEYS)), np.nan)
         self.level = np.full(len(self.frame), np.nan)
 
-    def boxes_in_picture(self, boxes: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Convert boxes (n, 4) x, y, w, h from pixels of the recording to those of the picture."""
-        across, down, right, lower = self.to_picture
-        scaled: NDArray[np.float64] = boxes * [across, down, across, down] + [right, lower, 0, 0]
-        return scaled
-
     def fixations(self, frames: NDArray[np.int64], size: tuple[int, int]) -> NDArray[np.float64]:
         """Return fixations in these frames, px of the picture, float64, shape (n, 2).
 
@@ -206,7 +199,10 @@ class DriverRecording:
         is_seen = is_seen[self.frame_of_box]
         n_seen, n_unseen = int(is_seen.sum()), int((~is_seen).sum())
         n_outside = int(np.isnan(self.features[is_seen, FEATURE_KEYS.index("width_px")]).sum())
-        outside = boxes_outside(self, n_outside, n_seen)
+        outside = None
+        if n_outside:
+            counts = {"n_outside": n_outside, "n": n_seen}
+            outside = Note("driver.boxes_outside", has_map=self.has_map, **counts)
         why_missing = {}
         if n_seen and n_outside == n_seen:
             why_missing = dict.fromkeys(FEATURE_KEYS, self._say(outside))
@@ -244,7 +240,8 @@ class DriverRecording:
         boxes = slice(*self.first[row : row + 2].tolist())
         if boxes.stop > boxes.start:
             point = self.fixations(self.frame[row : row + 1], (picture.shape[1], picture.shape[0]))
-            in_picture = self.boxes_in_picture(self.box[boxes])
+            across, down, right, lower = self.to_picture
+            in_picture = self.box[boxes] * [across, down, across, down] + [right, lower, 0, 0]
             self.features[boxes] = features_of(picture, in_picture, point, self.settings.features)
         if self.needs_light:
             self.level[row] = picture_level(luminance_of(picture))

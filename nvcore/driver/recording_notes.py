@@ -52,13 +52,6 @@ def picture_notes(recording: DriverRecording, faults: list[str], n_unseen: int) 
     return notes
 
 
-def boxes_outside(recording: DriverRecording, n_outside: int, n_seen: int) -> Note | None:
-    """Return a clause on how many boxes lie outside the picture of their frame, or None."""
-    if not n_outside:
-        return None
-    return Note("driver.boxes_outside", has_map=recording.has_map, n_outside=n_outside, n=n_seen)
-
-
 def other_frames(gaze: Gaze, frames: NDArray[np.int64]) -> Note | None:
     """Return a clause on why no gaze point belongs to any of these frames (n,), or None."""
     if not len(gaze.frame):

@@ -205,9 +205,7 @@ def features_of_course(
     is_ignored = truth.ignore[truth_row]
     if not (is_same | is_ignored).all():
         return None
-    if is_ignored.any():
-        own = own.mask(is_ignored)
-    return own
+    return own.mask(is_ignored) if is_ignored.any() else own
 
 
 def saved_encounters(result: Result) -> pd.DataFrame:

@@ -280,4 +280,5 @@ def split_unseen(driver: DriverView) -> Venn:
     All others count as distant.
     """
     kinds = DriverRegion.X_Y, DriverRegion.X, DriverRegion.Y, DriverRegion.NOBODY
-    return Venn(*(driver.counts[of] for of in kinds), len(driver.region) - driver.n_unseen)
+    both, x_only, y_only, neither = (driver.counts[kind] for kind in kinds)
+    return Venn(both, x_only, y_only, neither, len(driver.region) - driver.n_unseen)

@@ -37,10 +37,6 @@ Members = Callable[[Result, SystemResult], np.ndarray]
 """Encounters of a kind; bool, shape (n_encounters,)."""
 
 
-def _is_known(result: Result) -> np.ndarray:
-    return driver_in(result).is_known
-
-
 def _is_detected(system: SystemResult) -> np.ndarray:
     is_detected: np.ndarray = system.encounters["is_detected"].to_numpy(dtype=bool)
     return is_detected
@@ -49,11 +45,6 @@ def _is_detected(system: SystemResult) -> np.ndarray:
 def _useful(result: Result, system: SystemResult) -> np.ndarray:
     useful: np.ndarray = driver_in(result).is_unseen & _is_detected(system)
     return useful
-
-
-def _useful_parts(result: Result, system: SystemResult) -> Parts:
-    """Return one summand per useful alert: 1, in the first frame of its encounter."""
-    return Parts(result.encounters.first_row[_useful(result, system)], None)
 
 
 def _count(
@@ -66,7 +57,7 @@ def _count(
     part: str = "",
     stages: tuple[Stage, ...] = (ENCOUNTERS, DRIVER),
     leads: bool = False,
-    is_judged: Callable[[Result], np.ndarray] = _is_known,
+    is_judged: Callable[[Result], np.ndarray] = lambda result: driver_in(result).is_known,
     empty_by_recording: str = "it is known of no encounter whether the driver sees it",
     inference: Inference | None = None,
 ) -> Measure:
@@ -131,7 +122,10 @@ MEASURES: Final[tuple[Measure, ...]] = (
         inference=Inference(
             test="units",
             scale=_SHARE,
-            parts=_useful_parts,
+            # 1 for each useful alert, in the first frame of its encounter
+            parts=lambda result, system: Parts(
+                result.encounters.first_row[_useful(result, system)], None
+            ),
             per="n_unseen",
             noun="useful alerts (by the given detectability)",
         ),
