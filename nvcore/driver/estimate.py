@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from nvcore.driver.estimators import Estimator, fingerprint
 from nvcore.driver.features import FEATURE_KEYS, FEATURES, LABELS, FeatureSettings
 from nvcore.driver.illumination.clock import period_after
-from nvcore.driver.recording import BOX_COLUMNS
-from nvcore.driver.run import FeatureRun
+from nvcore.driver.run import BOX_COLUMNS, FeatureRun
 from nvcore.errors import InputError, ParameterError
 from nvcore.notes import Note, phrase
 from nvcore.objects import PEDESTRIAN
@@ -398,7 +397,7 @@ def simulate_change(
     Parameters
     ----------
     features
-        Rows of one recording of a features file (`nvcore.driver.recording.FEATURE_COLUMNS`), of
+        Rows of one recording of a features file (`nvcore.driver.run.FEATURE_COLUMNS`), of
         pictures of visible light: unlike `run_estimate`, it is not asked here what they are of.
     end_s
         When the frame of each row ends, seconds from the recording's first frame, as the dataset

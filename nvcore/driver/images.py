@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from nvcore import objects
 from nvcore.driver.feature_record import record_bytes
 from nvcore.driver.features import FEATURE_KEYS, features_of
-from nvcore.driver.inputs.picture_boxes import (
+from nvcore.driver.inputs.study_tables import (
     BOX,
     LARGEST,
     PEDESTRIAN,

@@ -17,7 +17,7 @@ from nvcore.driver.illumination.meter import LEAST_HELD_S
 from nvcore.notes import Note
 
 if TYPE_CHECKING:
-    from nvcore.driver.recording import DriverRecording
+    from nvcore.driver.run import DriverRecording
 
 MANY_DARK: Final = 0.1
 """Minimum share of readings below `least_lux` for a warning about the unit. (Our choice.)"""

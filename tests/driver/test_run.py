@@ -14,8 +14,7 @@ from nvcore.driver import recording_notes
 from nvcore.driver.features import FEATURE_KEYS, features_of
 from nvcore.driver.illumination import LightSettings, read_light
 from nvcore.driver.illumination.clock import adaptation_clock
-from nvcore.driver.recording import FEATURE_COLUMNS, open_recordings
-from nvcore.driver.run import FeatureRun, run_features
+from nvcore.driver.run import FEATURE_COLUMNS, FeatureRun, open_recordings, run_features
 from nvcore.driver.settings import DriverViewSettings, settings_from
 from nvcore.errors import FormatError, InputError, ParameterError
 from nvcore.inputs.load import load

@@ -10,7 +10,7 @@ import pandas as pd
 from nvcore.driver.estimate import EstimateRun
 from nvcore.driver.estimators import Estimator
 from nvcore.driver.features import FEATURE_KEYS, FEATURES
-from nvcore.driver.recording import RecordingFeatures
+from nvcore.driver.run import RecordingFeatures
 from nvcore.wording import listed
 
 MOST_DIGITS: Final = 6

@@ -12,7 +12,7 @@ from nvcore.driver.estimate import EstimateRun
 from nvcore.driver.filter import as_the_driver_sees
 from nvcore.driver.illumination import LightSettings
 from nvcore.driver.illumination.clock import AdaptationClock
-from nvcore.driver.recording import RecordingFeatures
+from nvcore.driver.run import RecordingFeatures
 from nvcore.errors import NvcoreError
 from nvcore.inputs.session import Session
 from nvcore.records import decode

@@ -182,7 +182,7 @@ def features_of_course(
     course
         Of `detectability_course`.
     features
-        Of the recording (`nvcore.driver.recording.FEATURE_COLUMNS`): a row for each of its boxes
+        Of the recording (`nvcore.driver.run.FEATURE_COLUMNS`): a row for each of its boxes
         that is not ignored.
 
     Returns

@@ -22,8 +22,8 @@ from nvcore.driver.estimators.model import (
 )
 from nvcore.driver.feature_record import picture_px_from_json, settings_from_json
 from nvcore.driver.features import FEATURE_KEYS
-from nvcore.driver.inputs.picture_boxes import LARGEST
 from nvcore.driver.inputs.record import SEARCHES
+from nvcore.driver.inputs.study_tables import LARGEST
 from nvcore.errors import EstimatorError
 from nvcore.output.files import write_whole
 from nvcore.output.model_files import Array, BadModelError, ModelFormat, check_name, format_of

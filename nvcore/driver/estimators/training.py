@@ -28,8 +28,7 @@ from nvcore.driver.estimators.search import (
     folds_of,
 )
 from nvcore.driver.features import FEATURE_KEYS
-from nvcore.driver.inputs.picture_boxes import PEDESTRIAN
-from nvcore.driver.inputs.trials import LEAST_PEDESTRIANS
+from nvcore.driver.inputs.study_tables import LEAST_PEDESTRIANS, PEDESTRIAN
 from nvcore.driver.trials.table import TrainingTable
 from nvcore.errors import InputError
 from nvcore.notes import Note

@@ -1,6 +1,6 @@
 """Trials with people: who saw which pedestrian how long after the light changed."""
 
-from nvcore.driver.inputs.trials import TRIAL_COLUMNS
+from nvcore.driver.inputs.study_tables import TRIAL_COLUMNS
 from nvcore.driver.trials.judging import Judging, judge_trials, side_of_angle
 from nvcore.driver.trials.table import TrainingTable, training_table
 

@@ -9,8 +9,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.driver.inputs.picture_boxes import BOX, PEDESTRIAN
-from nvcore.driver.inputs.trials import is_off_time
+from nvcore.driver.inputs.study_tables import BOX, PEDESTRIAN, is_off_time
 from nvcore.errors import InputError, ParameterError
 
 DISPLAY_S: Final = 0.5

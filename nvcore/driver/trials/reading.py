@@ -10,14 +10,15 @@ import numpy as np
 import pandas as pd
 
 from nvcore.driver.features import FEATURE_KEYS
-from nvcore.driver.inputs.picture_boxes import (
+from nvcore.driver.inputs.study_tables import (
     BOX,
     LARGEST,
+    LONGEST_S,
     PEDESTRIAN,
+    TRIAL_COLUMNS,
     check_pedestrians,
     picture_boxes,
 )
-from nvcore.driver.inputs.trials import LONGEST_S, TRIAL_COLUMNS
 from nvcore.inputs.readers.parse.table import read_table
 
 SIMULATED: Final = "simulated"

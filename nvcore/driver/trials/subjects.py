@@ -9,7 +9,7 @@ import pandas as pd
 import scipy
 
 from nvcore import objects
-from nvcore.driver.inputs.picture_boxes import PEDESTRIAN
+from nvcore.driver.inputs.study_tables import PEDESTRIAN
 from nvcore.driver.trials.judging import Judging
 from nvcore.metrics.shares import share_of
 from nvcore.notes import Note, phrase

@@ -12,8 +12,14 @@ import pandas as pd
 
 from nvcore.driver.feature_record import about_features
 from nvcore.driver.features import FeatureSettings
-from nvcore.driver.inputs.picture_boxes import PEDESTRIAN, picture_boxes, read_picture_boxes
-from nvcore.driver.inputs.trials import LATE_S, NO_ANSWER, is_same_time
+from nvcore.driver.inputs.study_tables import (
+    LATE_S,
+    NO_ANSWER,
+    PEDESTRIAN,
+    is_same_time,
+    picture_boxes,
+    read_picture_boxes,
+)
 from nvcore.driver.trials.judging import Judging, judge_trials
 from nvcore.driver.trials.reading import SIMULATED, read_features, read_trials
 from nvcore.driver.trials.subjects import CELL, subjects_table
@@ -111,7 +117,7 @@ def training_table(
     Parameters
     ----------
     trials
-        File of `nvcore.driver.inputs.trials.TRIAL_COLUMNS`.
+        File of `nvcore.driver.inputs.study_tables.TRIAL_COLUMNS`.
     features
         File of ``image,pedestrian`` and the eight features.
     boxes

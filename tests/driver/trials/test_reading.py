@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from driver_trials import parsed_trials
 
-from nvcore.driver.inputs.picture_boxes import picture_boxes, read_picture_boxes
+from nvcore.driver.inputs.study_tables import picture_boxes, read_picture_boxes
 from nvcore.driver.trials import TRIAL_COLUMNS
 from nvcore.driver.trials.reading import read_features, read_trials
 from nvcore.errors import FormatError, InputError
