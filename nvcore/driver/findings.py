@@ -57,19 +57,11 @@ def audit_detectability(dataset: Dataset) -> list[Finding]:
             cases=Cases("left_out", rows.index.to_numpy()),
         )
         findings.append(finding)
-    return [*findings, *_boxes_without(dataset)]
-
-
-def _boxes_without(dataset: Dataset) -> list[Finding]:
-    """A note on pedestrians of whom the estimates say nothing."""
     truth, is_missing = dataset.truth, is_unknown(dataset)
-    n = int(np.count_nonzero(is_missing))
-    if not n:
-        return []
-    row, noun = int(np.argmax(is_missing)), dataset.objects.singular
-    boxes = count_text(n, f"{noun} box has", f"{noun} boxes have")
-    return [
-        Finding(
+    if n := int(np.count_nonzero(is_missing)):
+        row, noun = int(np.argmax(is_missing)), dataset.objects.singular
+        boxes = count_text(n, f"{noun} box has", f"{noun} boxes have")
+        finding = Finding(
             severity=Severity.NOTE,
             code="boxes-without-detectability",
             subject=DETECTABILITY,
@@ -80,7 +72,8 @@ def _boxes_without(dataset: Dataset) -> list[Finding]:
             example=place_of_frame(dataset, int(truth.frame_index[row])),
             cases=Cases("boxes", np.flatnonzero(is_missing) + truth.first_row),
         )
-    ]
+        findings.append(finding)
+    return findings
 
 
 CHECKS: Final = Checks(inputs=(audit_detectability,))

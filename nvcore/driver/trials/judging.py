@@ -65,7 +65,7 @@ def side_of_angle(
     distance_mm
         From the eye to the screen.
     shown_width_mm
-        Width of the picture on the screen; see `screen_width_mm`.
+        Width of the picture on the screen.
     picture_width_px
         Width of the picture in its own pixels.
 
@@ -78,11 +78,7 @@ def side_of_angle(
     --------
     The paper's screen, on which 5 degrees are 200 px at 27 cm:
 
-    >>> width_mm = screen_width_mm(10.5, 2560, 1600)
-    >>> side = side_of_angle(
-    ...     distance_mm=270, shown_width_mm=width_mm, picture_width_px=1920
-    ... )
-    >>> round(side)
+    >>> round(side_of_angle(distance_mm=270, shown_width_mm=226.2, picture_width_px=1920))
     200
     """
     if not 0 < degrees <= 90:
@@ -97,11 +93,6 @@ def side_of_angle(
             raise ParameterError(f"{name}: expected a length above 0, got {length:g}")
     side_mm = 2 * distance_mm * math.tan(math.radians(degrees) / 2)
     return side_mm * picture_width_px / shown_width_mm
-
-
-def screen_width_mm(diagonal_inch: float, width_px: float, height_px: float) -> float:
-    """Width of a screen from its diagonal, mm."""
-    return 25.4 * diagonal_inch * width_px / math.hypot(width_px, height_px)
 
 
 def judge_trials(

@@ -161,6 +161,8 @@ def training_table(
     _refuse_without_features(rows, used, trials, features)
     is_simulated = used["device"].str.casefold() == SIMULATED
     feature_settings, picture_px = about_features(features)
+    touch = used[["touch_x", "touch_y"]].to_numpy(np.float64)
+    is_outside = (touch < 0) | (touch > (picture_px or np.inf))
     return TrainingTable(
         rows=rows.drop(columns="_merge"),
         subjects=subjects,
@@ -174,16 +176,8 @@ def training_table(
         features_file=features,
         picture_px=picture_px,
         n_unanswered=int(used["device"].str.contains(NO_ANSWER, regex=False).sum()),
-        n_outside=_count_outside(used, picture_px),
+        n_outside=0 if picture_px is None else int(is_outside.any(axis=1).sum()),
     )
-
-
-def _count_outside(responses: pd.DataFrame, picture_px: tuple[int, int] | None) -> int:
-    """Touches that lie outside the picture."""
-    if picture_px is None:
-        return 0
-    touch = responses[["touch_x", "touch_y"]].to_numpy(np.float64)
-    return int(np.count_nonzero(((touch < 0) | (touch > picture_px)).any(axis=1)))
 
 
 def detectability_table(judged: pd.DataFrame) -> pd.DataFrame:

@@ -7,7 +7,8 @@ import time
 import numpy as np
 import pytest
 
-from nvcore.driver.illumination import Light, LightSettings, LightSource, changes_of
+from nvcore.driver.illumination import Light, LightSettings, LightSource
+from nvcore.driver.illumination.clock import changes_of
 from nvcore.errors import ParameterError
 
 RATE = 20
