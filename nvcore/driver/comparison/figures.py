@@ -326,8 +326,8 @@ def driver_venn_plot(
 
 
 def _circle(who: str, look: ChartLook) -> dict[str, Any]:
-    colour = look.muted if who == "driver" else look.of(who)
-    dash = "dot" if who == "driver" else look.dash(who)
+    is_driver = who == "driver"
+    colour, dash = (look.muted, "dot") if is_driver else (look.of(who), look.dash(who))
     line = {"color": colour, "width": 2.5, "dash": dash}
     x, y = CENTRES[who]
     box = Frame(x - RADIUS, x + RADIUS, y - RADIUS, y + RADIUS)

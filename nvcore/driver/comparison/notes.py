@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -37,18 +37,62 @@ def driver_notes(result: Result) -> tuple[Note, ...]:
 
 def view_notes(result: Result) -> tuple[Note, ...]:
     """Return `driver_notes` without the note that nothing is claimed."""
+    if driver_in(result).has_any:
+        return (*_seen(result), *source(result), *_estimated(result))
+    return (Note("driver.nothing_known"),) if result.dataset.has_detectability else ()
+
+
+def _seen(result: Result) -> Iterator[Note]:
+    """Yield notes on whom the driver sees, and when."""
     driver = driver_in(result)
-    if not driver.has_any:
-        return (Note("driver.nothing_known"),) if result.dataset.has_detectability else ()
-    notes = [seen_unaided(result)]
+    yield seen_unaided(result)
     if n_seldom := _n(driver.is_seldom_seen):
-        notes.append(Note("driver.seldom", n=n_seldom, n_seen=driver.n_seen, share=SELDOM))
-    notes += _open(result)
+        yield Note("driver.seldom", n=n_seldom, n_seen=driver.n_seen, share=SELDOM)
+    n_open = _n(driver.is_within_sd)
+    is_said = are_all_open(result) and not doubt_of_estimator(result)  # by `no_claim`
+    if n_open and not is_said:
+        yield Note(
+            "driver.open",
+            n=n_open,
+            n_known=driver.n_known,
+            is_least=_n(driver.has_sd) < driver.n_known,
+            n_open_unseen=_n(driver.is_within_sd & driver.is_unseen),
+            n_unseen=driver.n_unseen,
+            threshold=result.params.driver_threshold,
+        )
     if (parts := count_in_time(result)).n:
-        notes.append(Note("driver.in_time", n=parts.n, **parts._asdict()))
-        n_late = _n(is_seen_too_late(result))
-        notes += [Note("driver.too_late", n=n_late)] if n_late else []
-    return (*notes, *source(result), *_outside(result), *_adapted(result))
+        yield Note("driver.in_time", n=parts.n, **parts._asdict())
+        if n_late := _n(is_seen_too_late(result)):
+            yield Note("driver.too_late", n=n_late)
+
+
+def _estimated(result: Result) -> Iterator[Note]:
+    """Yield notes on estimates outside the training range or for adapted eyes.
+
+    They are worth a note if they are many or decide encounters.
+    """
+    record, values = result.dataset.of("driver"), result.dataset.detectability
+    is_known = ~(np.isnan(values.value) | result.dataset.truth.ignore)
+    n_known, n = _n(is_known), _n(is_known & values.is_outside)
+    driver = driver_in(result)
+    n_deciding = _n(driver.is_outside)
+    if n_deciding or n > SMALL_SHARE * n_known:
+        outside = record.outside if record else ()
+        names = [shortened(one_line(name), _SHOWN_NAME) for name in outside]
+        yield Note(
+            "driver.outside",
+            n=n,
+            n_known=n_known,
+            n_deciding=n_deciding,
+            n_encounters=driver.n_known,
+            features=listed(names, most=_MOST_NAMED) or None,
+        )
+    if (record := estimates_in(result)) is None:
+        return
+    if record.n_light_unknown > SMALL_SHARE * record.n_estimates:
+        yield Note("driver.light_unknown", share=record.n_light_unknown / record.n_estimates)
+    if n_adapted := _n(driver.is_adapted):
+        yield Note("driver.adapted", n=n_adapted, n_known=driver.n_known)
 
 
 def no_claim(result: Result) -> tuple[Note, ...]:
@@ -183,62 +227,6 @@ def source(result: Result) -> tuple[Note, ...]:
         return (note,)
     of_boxes = {"n_known": n_known, "n_boxes": n_boxes} if is_small else {}
     return (note, Note("driver.known_extent", n_unknown=n_unknown, **of_boxes))
-
-
-def _outside(result: Result) -> tuple[Note, ...]:
-    """Return a note on estimates outside the training range and on encounters that they decide."""
-    record, values = result.dataset.of("driver"), result.dataset.detectability
-    is_known = ~(np.isnan(values.value) | result.dataset.truth.ignore)
-    n_known, n = _n(is_known), _n(is_known & values.is_outside)
-    driver = driver_in(result)
-    n_deciding = _n(driver.is_outside)
-    if not n_deciding and n <= SMALL_SHARE * n_known:
-        return ()
-    names = [shortened(one_line(name), _SHOWN_NAME) for name in (record.outside if record else ())]
-    return (
-        Note(
-            "driver.outside",
-            n=n,
-            n_known=n_known,
-            n_deciding=n_deciding,
-            n_encounters=driver.n_known,
-            features=listed(names, most=_MOST_NAMED) or None,
-        ),
-    )
-
-
-def _open(result: Result) -> tuple[Note, ...]:
-    """Return a note on encounters within one standard deviation of the threshold, if any."""
-    driver = driver_in(result)
-    n = _n(driver.is_within_sd)
-    is_said = are_all_open(result) and not doubt_of_estimator(result)  # by `no_claim`
-    if not n or is_said:
-        return ()
-    return (
-        Note(
-            "driver.open",
-            n=n,
-            n_known=driver.n_known,
-            is_least=_n(driver.has_sd) < driver.n_known,
-            n_open_unseen=_n(driver.is_within_sd & driver.is_unseen),
-            n_unseen=driver.n_unseen,
-            threshold=result.params.driver_threshold,
-        ),
-    )
-
-
-def _adapted(result: Result) -> tuple[Note, ...]:
-    """Return notes on estimates for adapted eyes, if they are many or decide encounters."""
-    record = estimates_in(result)
-    if record is None:
-        return ()
-    notes = []
-    if record.n_light_unknown > SMALL_SHARE * record.n_estimates:
-        share = record.n_light_unknown / record.n_estimates
-        notes.append(Note("driver.light_unknown", share=share))
-    if n_adapted := _n(driver_in(result).is_adapted):
-        notes.append(Note("driver.adapted", n=n_adapted, n_known=driver_in(result).n_known))
-    return tuple(notes)
 
 
 def doubt_of_estimator(result: Result) -> Note | None:

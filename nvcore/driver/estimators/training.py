@@ -11,7 +11,7 @@ from concurrent.futures import CancelledError, ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -113,6 +113,10 @@ def samples_of(table: TrainingTable) -> Samples:
             file=table.trials_file,
         )
     _refuse_equal(table.rows[is_whole], table.trials_file)
+    unknown = [key for key, known in zip(FEATURE_KEYS, is_known, strict=True) if not known]
+    notes = [Note("driver.features_not_used", features=unknown)] if unknown else []
+    if n_lost := len(np.unique(group[~is_whole])):
+        notes.append(Note("driver.pedestrians_left_out", n=n_lost))
     return Samples(
         features=features[is_whole],
         target=table.rows["detectability"].to_numpy(dtype=np.float64)[is_whole],
@@ -120,7 +124,7 @@ def samples_of(table: TrainingTable) -> Samples:
         group=group[is_whole],
         row=np.flatnonzero(is_whole),
         periods_s=periods_s.astype(np.float64),
-        notes=_notes(is_known, group, is_whole),
+        notes=tuple(notes),
         trials_file=table.trials_file,
     )
 
@@ -140,15 +144,6 @@ def _refuse_equal(rows: pd.DataFrame, trials_file: Path | None) -> None:
         "pictures?",
         file=trials_file,
     )
-
-
-def _notes(
-    is_known: NDArray[Any], group: NDArray[np.int64], is_whole: NDArray[Any]
-) -> tuple[Note, ...]:
-    unknown = [key for key, known in zip(FEATURE_KEYS, is_known, strict=True) if not known]
-    n_lost = len(np.unique(group[~is_whole]))
-    notes = [Note("driver.features_not_used", features=unknown)] if unknown else []
-    return (*notes, *([Note("driver.pedestrians_left_out", n=n_lost)] if n_lost else []))
 
 
 @dataclass(frozen=True)
@@ -310,13 +305,14 @@ def _regression(
         samples.target[train],
         samples.features[test],
     )
-    choice = choose(features, target, samples.group[train], search, check=check)
+    choices = choose(features, target, samples.group[train], search, check=check)
     pairs = np.full((len(left_out), len(PAIRS)), np.nan)
-    for columns, settings in zip(choice.sets, choice.settings, strict=True):
+    for columns, settings, _ in choices:
         if has_pairs and len(columns) == 2:
             regression = fit(features, target, columns, settings)
             pairs[:, PAIRS.index(columns)] = regression.predict(left_out)
-    best = fit(features, target, choice.sets[choice.best], choice.settings[choice.best])
+    chosen = min(choices, key=lambda choice: choice.error)
+    best = fit(features, target, chosen.columns, chosen.settings)
     return _Outcome(test, best, best.predict(left_out), target.mean(), pairs)
 
 
