@@ -32,8 +32,6 @@ SEPARATOR: Final = ";"
 
 WIDTH_FACTOR: Final = 1.1
 """Factor above which the widths of pictures count as different. (Our choice.)"""
-
-
 _WHOSE: Final = ["recording", "track"]
 
 
@@ -371,11 +369,9 @@ def _names(outside: NDArray[np.bool_]) -> NDArray[np.object_]:
 
     Empty if no feature of the row is outside.
     """
-    bits = 1 << np.arange(len(FEATURE_KEYS))
-    choices, place = np.unique(outside @ bits, return_inverse=True)
-    keys = np.array(FEATURE_KEYS)
-    names = [SEPARATOR.join(keys[(choice & bits) > 0].tolist()) for choice in choices]
-    of_rows: NDArray[np.object_] = np.array(names, dtype=object)[place]
+    keys = np.array([f"{key}{SEPARATOR}" for key in FEATURE_KEYS], dtype=object)
+    joined = pd.Series(np.where(outside, keys, "").sum(axis=1), dtype=object)
+    of_rows: NDArray[np.object_] = joined.str.removesuffix(SEPARATOR).to_numpy(object)
     return of_rows
 
 

@@ -246,8 +246,7 @@ def _check_values(arrays: Mapping[str, NDArray[Any]]) -> None:
 
 def _regression(arrays: Mapping[str, NDArray[Any]], row: int) -> Regression:
     columns = np.flatnonzero(arrays["is_used"][row])
-    end = int(arrays["vector_ends"][row])
-    start = int(arrays["vector_ends"][row - 1]) if row else 0
+    start, end = np.append(0, arrays["vector_ends"])[row : row + 2]
     settings = {name: float(arrays[name][row]) for name in _OF_SETTINGS}
     return Regression(
         columns=columns,
