@@ -10,11 +10,17 @@ import pytest
 from picture_files import write_numbered_video, write_picture
 
 from nvcore.dataset import Dataset
-from nvcore.driver import recording_notes
 from nvcore.driver.features import FEATURE_KEYS, features_of
 from nvcore.driver.illumination import LightSettings, read_light
 from nvcore.driver.illumination.clock import adaptation_clock
-from nvcore.driver.run import FEATURE_COLUMNS, FeatureRun, open_recordings, run_features
+from nvcore.driver.run import (
+    FEATURE_COLUMNS,
+    FeatureRun,
+    light_doubt,
+    light_note,
+    open_recordings,
+    run_features,
+)
 from nvcore.driver.settings import DriverViewSettings, settings_from
 from nvcore.errors import FormatError, InputError, ParameterError
 from nvcore.inputs.load import load
@@ -273,8 +279,8 @@ def light_of(folder: Path, rows: list[str], frames: range = range(N_FRAMES)) -> 
     light, frame, settings = read_light(folder / "lux.csv"), np.array(frames), LightSettings()
     clock = adaptation_clock(light, frame, FPS, settings)
     notes = (
-        recording_notes.light_note(light, clock, frame, FPS, settings),
-        recording_notes.light_doubt(light, frame, FPS, settings),
+        light_note(light, clock, frame, FPS, settings),
+        light_doubt(light, frame, FPS, settings),
     )
     note, doubt = ("" if note is None else phrase(note, PEDESTRIAN) for note in notes)
     return note, doubt.replace("\xa0", " ")

@@ -9,11 +9,7 @@ import numpy as np
 
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
-from nvcore.driver.comparison.in_time import (
-    is_driver_in_time,
-    is_judged_in_time,
-    is_seen_too_late,
-)
+from nvcore.driver.comparison.in_time import is_driver_in_time, is_judged_in_time, is_seen_too_late
 from nvcore.driver.comparison.judging import DRIVER_REGION_TEXT, DriverRegion, is_unknown
 from nvcore.driver.comparison.measures import KNOWN
 from nvcore.driver.comparison.steps import driver_in

@@ -20,8 +20,8 @@ from nvcore.driver.estimators.model import (
     Regression,
     SvrSettings,
 )
-from nvcore.driver.feature_record import picture_px_from_json, settings_from_json
-from nvcore.driver.features import FEATURE_KEYS
+from nvcore.driver.feature_record import SETTINGS, picture_px_from_json
+from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
 from nvcore.driver.inputs.record import SEARCHES
 from nvcore.driver.inputs.study_tables import LARGEST
 from nvcore.errors import EstimatorError
@@ -217,7 +217,9 @@ def _estimator(about: _About, arrays: dict[str, NDArray[Any]]) -> Estimator:
             for row in range(n_regressions)
         ),
         origin=_origin(about.origin),
-        feature_settings=None if features is None else settings_from_json(features),
+        feature_settings=None
+        if features is None
+        else decode(FeatureSettings, features, SETTINGS, complete=True),
     )
 
 

@@ -18,15 +18,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from nvcore.driver.estimators.model import Estimator, Origin, Quality, Regression
-from nvcore.driver.estimators.search import (
-    PAIRS,
-    Check,
-    Columns,
-    Search,
-    choose,
-    fit,
-    folds_of,
-)
+from nvcore.driver.estimators.search import PAIRS, Check, Columns, Search, choose, fit, folds_of
 from nvcore.driver.features import FEATURE_KEYS
 from nvcore.driver.inputs.study_tables import LEAST_PEDESTRIANS, PEDESTRIAN
 from nvcore.driver.trials.table import TrainingTable

@@ -18,15 +18,7 @@ from nvcore.driver.estimator_report import (
     learning,
 )
 from nvcore.driver.estimators.training import origin_of
-from nvcore.driver.evaluation import Evaluation, evaluation_tables
-from nvcore.driver.evaluation.figures import (
-    detectability_histograms_plot,
-    detectability_plot,
-    estimates_plot,
-    estimator_errors_plot,
-    feature_pairs_plot,
-    pair_ranks_plot,
-)
+from nvcore.driver.evaluation import Evaluation, evaluation_tables, figures
 from nvcore.driver.evaluation.tables import errors_table
 from nvcore.notes import Note, say
 from nvcore.objects import PEDESTRIAN
@@ -43,16 +35,20 @@ def _period(otherwise: str) -> Callable[[Row], str]:
 
 
 _CHARTS: Final[dict[str, tuple[Callable[..., Any], str, str]]] = {
-    "errors": (estimator_errors_plot, "errors", "Errors by period."),
-    "estimates": (estimates_plot, "estimates", "Detectability over its estimate."),
-    "periods": (detectability_plot, "periods", "Mean detectability by period."),
+    "errors": (figures.estimator_errors_plot, "errors", "Errors by period."),
+    "estimates": (figures.estimates_plot, "estimates", "Detectability over its estimate."),
+    "periods": (figures.detectability_plot, "periods", "Mean detectability by period."),
     "histograms": (
-        detectability_histograms_plot,
+        figures.detectability_histograms_plot,
         "histograms",
         "Histograms of detectability by period.",
     ),
-    "pairs": (feature_pairs_plot, "pairs", "Error and rank of every pair of features."),
-    "ranks": (pair_ranks_plot, "pair_ranks", "Rank correlations of the pairs between periods."),
+    "pairs": (figures.feature_pairs_plot, "pairs", "Error and rank of every pair of features."),
+    "ranks": (
+        figures.pair_ranks_plot,
+        "pair_ranks",
+        "Rank correlations of the pairs between periods.",
+    ),
 }
 """Figure, table that it shows, and description, by identifier within the page."""
 _COLUMNS: Final[dict[str, Columns]] = {

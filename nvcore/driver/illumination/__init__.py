@@ -1,12 +1,7 @@
 """How bright it was, when it changed from bright to dark, and the time to adapt since then."""
 
 from nvcore.driver.illumination.clock import LightSettings
-from nvcore.driver.illumination.meter import (
-    Light,
-    LightSource,
-    picture_level,
-    read_light,
-)
+from nvcore.driver.illumination.meter import Light, LightSource, picture_level, read_light
 
 __all__ = [
     "Light",

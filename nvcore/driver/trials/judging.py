@@ -106,7 +106,7 @@ def judge_trials(
     Parameters
     ----------
     trials
-        Of `nvcore.driver.trials.reading.read_trials`.
+        Of `nvcore.driver.trials.table.read_trials`.
     boxes
         ``image,pedestrian,x,y,w,h``, pixels of the picture; one row for each pedestrian.
     name

@@ -10,7 +10,7 @@ from driver_trials import parsed_trials
 
 from nvcore.driver.inputs.study_tables import picture_boxes, read_picture_boxes
 from nvcore.driver.trials import TRIAL_COLUMNS
-from nvcore.driver.trials.reading import read_features, read_trials
+from nvcore.driver.trials.table import read_features, read_trials
 from nvcore.errors import FormatError, InputError
 
 HEADER = ",".join(TRIAL_COLUMNS)
