@@ -241,11 +241,6 @@ class Estimator:
     feature_settings: FeatureSettings | None = None
 
     @property
-    def single(self) -> Regression:
-        """The regression for all periods."""
-        return self.regressions[-1]
-
-    @property
     def no_better_at_s(self) -> tuple[float, ...]:
         """Periods whose regression is no better than a constant on pedestrians left out."""
         of_periods = zip(self.periods_s.tolist(), self.qualities[:-1], strict=True)

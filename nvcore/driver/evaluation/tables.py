@@ -59,11 +59,6 @@ class Evaluation:
     seconds: float
 
     @property
-    def periods_s(self) -> NDArray[np.float64]:
-        """Adaptation periods, ascending, float64, shape (p,)."""
-        return self.samples.periods_s
-
-    @property
     def rows(self) -> pd.DataFrame:
         """The rows of the training table that were evaluated."""
         return self.table.rows.iloc[self.samples.row].reset_index(drop=True)
@@ -151,7 +146,7 @@ def choices_table(evaluation: Evaluation) -> pd.DataFrame:
     out for which they were chosen, ``share``; the most frequent first.
     """
     by_regression = zip(*evaluation.estimates.columns, strict=True)
-    periods = [*evaluation.periods_s.tolist(), np.nan]
+    periods = [*evaluation.samples.periods_s.tolist(), np.nan]
     rows = []
     for period_s, choices in zip(periods, by_regression, strict=True):
         for columns, n in Counter(choices).most_common():
@@ -181,7 +176,7 @@ def pairs_table(evaluation: Evaluation) -> pd.DataFrame:
     ``published_error`` where the paper prints it: its three best pairs.
     """
     parts = []
-    for period_s, errors in zip(evaluation.periods_s, pair_errors(evaluation), strict=True):
+    for period_s, errors in zip(evaluation.samples.periods_s, pair_errors(evaluation), strict=True):
         of_paper = published.PAIRS.get(round(float(period_s), 6), {})
         names = [(FEATURE_KEYS[first], FEATURE_KEYS[second]) for first, second in PAIRS]
         part = pd.DataFrame(names, columns=["feature_1", "feature_2"])
@@ -204,7 +199,7 @@ def pair_ranks_table(evaluation: Evaluation) -> pd.DataFrame:
     """
     errors = pair_errors(evaluation)
     errors = errors[:, ~np.isnan(errors).any(axis=0)]
-    periods = evaluation.periods_s.tolist()
+    periods = evaluation.samples.periods_s.tolist()
     rows = []
     for first, second in combinations(range(len(periods)), 2):
         of = errors[[first, second]]
@@ -251,7 +246,7 @@ def histograms_table(evaluation: Evaluation) -> pd.DataFrame:
     n_bars = min(int(rows["n_subjects"].max()) + 1, MOST_BARS)
     bar = np.floor(rows["detectability"].to_numpy() * (n_bars - 1) + 0.5).astype(np.int64)
     parts = []
-    for period_s in evaluation.periods_s.tolist():
+    for period_s in evaluation.samples.periods_s.tolist():
         counts = np.bincount(bar[rows["period_s"].to_numpy() == period_s], minlength=n_bars)
         middle = np.arange(n_bars) / (n_bars - 1)
         parts.append(pd.DataFrame({"period_s": period_s, "detectability": middle, "n": counts}))

@@ -33,13 +33,8 @@ _STEP: Final = 4
 """Every so many pixels across and down the mean luminance of a picture is taken."""
 
 
-def _linear() -> NDArray[np.float64]:
-    share = np.arange(256) / 255
-    bent: NDArray[np.float64] = ((share + 0.055) / 1.055) ** 2.4
-    return np.where(share <= 0.04045, share / 12.92, bent)
-
-
-LINEAR: Final = _linear()
+_SHARE: Final = np.arange(256) / 255
+LINEAR: Final = np.where(_SHARE <= 0.04045, _SHARE / 12.92, ((_SHARE + 0.055) / 1.055) ** 2.4)
 """Share of the greatest intensity by 8-bit value of sRGB (IEC 61966-2-1), shape (256,)."""
 
 

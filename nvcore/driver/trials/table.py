@@ -170,7 +170,10 @@ def subjects_table(judged: pd.DataFrame, judging: Judging) -> pd.DataFrame:
     ``share_chance``, ``share_one_place``, ``share_there`` (of the pedestrians in that place; NaN
     without touches), ``n_off_time``, and ``odd``: why, as text; empty: nothing is.
     """
-    expected = _expected(judged)
+    groups = judged.groupby(CELL)["is_right"]
+    n_others = groups.transform("size") - 1
+    by_others = groups.transform("sum") - judged["is_right"]
+    expected = (by_others / n_others.where(n_others > 0)).astype(float)  # NaN without others
     rows = []
     for subject, trials in judged.groupby("subject", sort=False):
         right = share_of(int(trials["is_right"].sum()), len(trials))
@@ -191,14 +194,6 @@ def subjects_table(judged: pd.DataFrame, judging: Judging) -> pd.DataFrame:
         }
         rows.append({**row, "odd": _odd(row)})
     return pd.DataFrame(rows)
-
-
-def _expected(judged: pd.DataFrame) -> pd.Series:
-    """Return for each trial the share of other subjects who are right, NaN without others."""
-    groups = judged.groupby(CELL)["is_right"]
-    n_others = groups.transform("size") - 1
-    n_right = groups.transform("sum") - judged["is_right"]
-    return (n_right / n_others.where(n_others > 0)).astype(float)
 
 
 def _of_touches(trials: pd.DataFrame, judging: Judging) -> dict[str, float]:
