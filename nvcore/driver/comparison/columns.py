@@ -153,7 +153,7 @@ def _of_encounters(result: Result) -> dict[str, Any]:
         "within_sd": truth_values(driver.is_within_sd, driver.has_sd),
         "driver_sees": truth_values(driver.is_seen, is_known),
         "driver_seen_frames": integers_of(table["n_seen"].to_numpy(), is_known),
-        "driver_frame": frame_numbers(result, driver.seen_row),
+        "driver_frame": frame_numbers(result, table["seen_row"].to_numpy()),
         "driver_in_time": truth_values(is_driver_in_time(result), is_judged_in_time(result)),
         "driver_region": driver.region,
     }

@@ -88,6 +88,7 @@ def judge_driver(
     n, threshold, order = len(encounters), params.driver_threshold, encounters.order
     encounter = np.repeat(np.arange(n), np.diff(encounters.offsets))
     frame, value = encounters.frame_index, detectability.value[order]
+    frame_at = np.append(frame, -1)  # at place -1: none
 
     def first(is_member: np.ndarray) -> np.ndarray:
         """Return the first place of a member in each encounter, -1 for none."""
@@ -97,16 +98,12 @@ def judge_driver(
         place[encounter[places]] = places
         return place
 
-    def row_of(place: np.ndarray) -> np.ndarray:
-        row: np.ndarray = np.append(frame, -1)[place]
-        return row
-
     def n_frames(is_member: np.ndarray) -> np.ndarray:
         of, at = encounter[is_member], frame[is_member]
         is_new = (np.diff(of, prepend=-1) != 0) | (np.diff(at, prepend=-1) != 0)
         return np.bincount(of[is_new], minlength=n)
 
-    relevant = row_of(first(k_truth[order] >= RELEVANT_K))[encounter]
+    relevant = frame_at[first(k_truth[order] >= RELEVANT_K)][encounter]
     is_known = ~np.isnan(value) & (relevant >= 0)
     is_before, sees = is_known & (frame <= relevant), is_known & (value >= threshold)
     highest = np.full(n, -np.inf)
@@ -119,7 +116,7 @@ def judge_driver(
         np.append(of_boxes, False)[row] & (place >= 0)
         for of_boxes in (detectability.is_outside, detectability.is_adapted)
     )
-    seen_row = row_of(first(sees & is_before))
+    seen_row = frame_at[first(sees & is_before)]
     n_outside = n_frames(is_before & detectability.is_outside[order])
     return pd.DataFrame(
         {
@@ -131,8 +128,8 @@ def judge_driver(
             "n_known": n_frames(is_before),
             "n_seen": n_frames(is_before & sees),
             "seen_row": seen_row,
-            "confirmed_row": row_of(first(sees)),
-            "known_row": row_of(first(is_known)),
+            "confirmed_row": frame_at[first(sees)],
+            "known_row": frame_at[first(is_known)],
         }
     )
 
@@ -180,12 +177,6 @@ class DriverView:
     is_near: np.ndarray
     by_x: np.ndarray
     by_y: np.ndarray
-
-    @property
-    def seen_row(self) -> np.ndarray:
-        """Row of the frame in which the driver confirms each encounter, int64, -1 for none."""
-        row: np.ndarray = self.table["seen_row"].to_numpy()
-        return row
 
     @cached_property
     def is_known(self) -> np.ndarray:

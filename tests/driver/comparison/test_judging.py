@@ -49,10 +49,10 @@ def test_the_largest_detectability_up_to_the_first_relevant_frame_counts():
 def test_the_first_frame_at_the_threshold_is_his_confirmation():
     truth = walk((FAR, 0.1), (FAR, 0.5), (FAR, 0.4), (NEAR, 0.8))
     result = judged(truth)
-    assert driver_in(result).seen_row.tolist() == [1]
+    assert driver_in(result).table["seen_row"].tolist() == [1]
     assert driver_in(result).table["detectability"].tolist() == [0.8]
     assert driver_in(result).table["n_seen"].tolist() == [2]
-    assert driver_in(judged(truth, driver_threshold=0.6)).seen_row.tolist() == [3]
+    assert driver_in(judged(truth, driver_threshold=0.6)).table["seen_row"].tolist() == [3]
     assert driver_in(judged(truth, driver_threshold=0.9)).is_unseen.tolist() == [True]
 
 
