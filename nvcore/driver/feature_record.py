@@ -23,9 +23,6 @@ _ENTRIES: Final = {
 SETTINGS: Final = "settings of the features"
 """What they are called in errors."""
 _LONGEST_SIDE: Final = 2**32
-_EXPECTED: Final = (
-    "expected the record that nvcore driver features writes (docs/driver-reference.md)"
-)
 
 
 def record_beside(features: Path) -> Path:
@@ -53,9 +50,10 @@ def about_features(features: Path) -> tuple[FeatureSettings | None, tuple[int, i
     if not features.is_file():
         return None, None
     parse = partial(_parse, name=features.name, digest=sha256(features.read_bytes()).hexdigest())
+    expected = "expected the record that nvcore driver features writes (docs/driver-reference.md)"
     for path in (record_beside(features), features.with_name(RECORD_FILE)):
         if path.is_file():
-            about = read_record(path, path.name, parse, expected=_EXPECTED)
+            about = read_record(path, path.name, parse, expected=expected)
             if about is not None:
                 return about
     return None, None

@@ -203,7 +203,6 @@ FEATURE_COLUMNS: Final = (
     *("period_s", "illumination", "illumination_by", "picture"),
 )
 """Columns of a features file, one row per truth box that is not ignored."""
-_HOW_TO_NAME: Final = 'visible = "drive.mp4", or pictures = "drive.mp4",'
 _LOOKED_AT: Final = (0.5, 0.1, 0.9)
 """Relative positions of the pictures that are checked for colour."""
 
@@ -460,7 +459,8 @@ def open_recordings(
     if not any((recording.index >= 0).any() for recording in recordings):
         visible_pictures.close()
         own_pictures.close()
-        raise InputError(visible_pictures.why_none(own_pictures, how=_HOW_TO_NAME))
+        how = 'visible = "drive.mp4", or pictures = "drive.mp4",'
+        raise InputError(visible_pictures.why_none(own_pictures, how=how))
     return recordings
 
 

@@ -33,8 +33,6 @@ KNOWN: Final = Condition(
     lambda result: result.dataset.each_alone or driver_in(result).has_any, "without detectability"
 )
 """Condition: detectability is known of at least one near encounter."""
-Members = Callable[[Result, SystemResult], np.ndarray]
-"""Encounters of a kind; bool, shape (n_encounters,)."""
 
 
 def _is_detected(system: SystemResult) -> np.ndarray:
@@ -49,7 +47,7 @@ def _useful(result: Result, system: SystemResult) -> np.ndarray:
 
 def _count(
     key: str,
-    members: Members,
+    members: Callable[[Result, SystemResult], np.ndarray],
     label: str,
     better: Better,
     meaning: str,

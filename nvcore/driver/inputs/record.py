@@ -27,13 +27,8 @@ SIMULATED: Final = ("no", "some", "all", "")
 """Of how many subjects the answers were simulated; empty: not known."""
 SEARCHES: Final = ("", "quick")
 """How its features and settings were chosen; empty: as by default, or not known."""
-_EXPECTED: Final = (
-    "expected the record that nvcore driver estimate writes (docs/driver-reference.md)"
-)
 _MOST: Final = 2**53
 _SHOWN_NAME: Final = 40
-_STATED: Final = ("name", "fingerprint", "simulated", "n_subjects")
-"""Facts of the estimator that every record has."""
 _PARTS: Final = {
     "written_by": str,
     "files": Mapping[str, str],
@@ -171,6 +166,7 @@ def _check_counts(name: str, counts: Iterable[int], most: int = _MOST) -> None:
 
 def estimate_json(record: EstimateRecord) -> bytes:
     """Serialize the record as JSON. Equal records give equal bytes."""
+    stated = ("name", "fingerprint", "simulated", "n_subjects")  # by every record
 
     def known(*names: str) -> dict[str, object]:  # earlier records have none of them
         return {name: value for name in names if (value := getattr(record, name))}
@@ -179,7 +175,7 @@ def estimate_json(record: EstimateRecord) -> bytes:
     estimates |= {"n_light_unknown": record.n_light_unknown, "outside": record.outside}
     content = {
         "written_by": record.written_by,
-        "estimator": {name: getattr(record, name) for name in _STATED}
+        "estimator": {name: getattr(record, name) for name in stated}
         | known("no_better_at_s", "of_no_use", "search"),
         "estimates": estimates | known("other_width", "light_doubts", "picture_doubts"),
         "files": record.files,
@@ -200,7 +196,8 @@ def read_estimate_record(path: Path, name: str) -> EstimateRecord:
     InputError
         If it cannot be opened, or is no such record; it is never half believed.
     """
-    return read_record(path, name, _record, expected=_EXPECTED)
+    expected = "expected the record that nvcore driver estimate writes (docs/driver-reference.md)"
+    return read_record(path, name, _record, expected=expected)
 
 
 def _record(content: object) -> EstimateRecord:
