@@ -21,7 +21,6 @@ _ENTRIES: Final = {
     "picture_px": object,
 }
 SETTINGS: Final = "settings of the features"
-"""What they are called in errors."""
 _LONGEST_SIDE: Final = 2**32
 
 
