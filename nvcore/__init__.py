@@ -79,8 +79,13 @@ if TYPE_CHECKING:
     from nvcore.dataset import Dataset
     from nvcore.dataset.tables import dataset_from_tables
     from nvcore.detectors.face import detect, train
-    from nvcore.driver.face import driver_features, estimate_driver, image_features
-    from nvcore.driver.trials.face import evaluate_driver, train_driver
+    from nvcore.driver.face import (
+        driver_features,
+        estimate_driver,
+        evaluate_driver,
+        image_features,
+        train_driver,
+    )
     from nvcore.errors import NvcoreError
     from nvcore.inputs.conversion import convert
     from nvcore.inputs.session import Session, Source, SystemSource

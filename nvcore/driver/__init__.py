@@ -23,18 +23,18 @@ SUBJECT = Subject(
     entries="comparison.columns:ENTRIES",
     points="comparison.report:POINTS",
     remarks="comparison.report:REMARKS",
-    sections="comparison.section:SECTIONS",
+    sections="comparison.report:SECTIONS",
     rules="comparison.gate:RULES",
-    models="estimators.listing:MODELS",
+    models="estimator_report:MODELS",
     formats={
         "nvcore-driver": "an estimator of what the driver sees, which nvcore driver estimate takes"
     },
     names={
         "driver_features": "face:driver_features",
         "estimate_driver": "face:estimate_driver",
-        "evaluate_driver": "trials.face:evaluate_driver",
+        "evaluate_driver": "face:evaluate_driver",
         "image_features": "face:image_features",
-        "train_driver": "trials.face:train_driver",
+        "train_driver": "face:train_driver",
     },
     extras={"driver": ("av", "cv2", "sklearn")},
     ui="ui.driver",

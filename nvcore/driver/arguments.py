@@ -109,8 +109,7 @@ class TrialArguments:
         Which responses are right; None: a square of 200 px around the touch overlaps the middle
         half of the pedestrian.
     progress
-        Called with the share done, and the time left in words. It may raise `CancelledError`:
-        nothing is then written.
+        As of `driver_features`.
     """
 
     trials: PathLike

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import asdict, dataclass
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
 from nvcore.driver.estimators import Estimator, fingerprint
-from nvcore.driver.estimators.words import LABELS, caution_of
-from nvcore.driver.features import FEATURE_KEYS, FEATURES, FeatureSettings
+from nvcore.driver.features import FEATURE_KEYS, FEATURES, LABELS, FeatureSettings
+from nvcore.driver.illumination.clock import period_after
 from nvcore.driver.run import BOX_COLUMNS, FeatureRun
-from nvcore.driver.steps import Steps, steps_between_periods
 from nvcore.errors import InputError, ParameterError
 from nvcore.notes import Note, phrase
 from nvcore.objects import PEDESTRIAN
@@ -33,6 +32,23 @@ SEPARATOR: Final = ";"
 
 WIDTH_FACTOR: Final = 1.1
 """Factor above which the widths of pictures count as different. (Our choice.)"""
+_WHOSE: Final = ["recording", "track"]
+
+
+class Steps(NamedTuple):
+    """Numbers of pedestrians whose estimates switch from one period's estimator to the next.
+
+    Attributes
+    ----------
+    n_crossing
+        Pedestrians (tracks) for whom the estimator of another period is taken from some frame on.
+    n_jumping
+        Those of them for whom the two estimators differ by more than the sd of each, on the
+        features of the same frame, so coming nearer does not count as a jump.
+    """
+
+    n_crossing: int = 0
+    n_jumping: int = 0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -92,7 +108,7 @@ class EstimateRun:
             self._lacking() if len(known) else None,
         ]
         simulated = self.estimator.origin.simulated
-        if caution := caution_of(self.estimator, simulated=simulated):
+        if caution := self.estimator.caution(simulated=simulated):
             notes.append(Note("driver.estimates", caution=caution))
         notes += self._other_width_notes()
         if self.estimator.feature_settings is None:
@@ -159,15 +175,13 @@ class EstimateRun:
         trained_px = self.estimator.origin.picture_px
         if trained_px is None or not self._labels_of_scale():
             return {}
-        widths = {
+        return {
             part.name: part.picture_px[0]
             for part in self.features.recordings
-            if part.picture_px is not None and not part.may_be_of_heat
-        }
-        return {
-            name: width
-            for name, width in widths.items()
-            if max(width, trained_px[0]) > WIDTH_FACTOR * min(width, trained_px[0])
+            if part.picture_px is not None
+            and not part.may_be_of_heat
+            and max(part.picture_px[0], trained_px[0])
+            > WIDTH_FACTOR * min(part.picture_px[0], trained_px[0])
         }
 
     def _other_width_notes(self) -> list[Note]:
@@ -295,6 +309,55 @@ def run_estimate(
     return EstimateRun(features, own[list(DETECTABILITY_COLUMNS)], estimator, interpolate, steps)
 
 
+def steps_between_periods(
+    estimator: Estimator,
+    features: NDArray[np.float64],
+    table: pd.DataFrame,
+    taken_s: NDArray[np.float64],
+) -> Steps:
+    """Count pedestrians whose estimates switch to another period's estimator as the eyes adapt.
+
+    A new change of light does not count.
+
+    Parameters
+    ----------
+    features
+        Of each row, as of `Estimator.estimate`, float64, shape (n, 8).
+    table
+        Of `EstimateRun`; boxes without a track are left out.
+    taken_s
+        The period whose estimator was taken for each row, seconds, float64, shape (n,); NaN: none,
+        such rows are left out.
+
+    Examples
+    --------
+    >>> from nvcore.driver.estimators import estimator_path, read_estimator
+    >>> estimator = read_estimator(estimator_path("sample"))
+    >>> features = np.tile([30, 80, 20, 15, 8, 12, 2, 150.0], (2, 1))
+    >>> period_s = np.array([0.9, 1.1])  # the nearest are those of 0.5 s and of 1.5 s
+    >>> estimates = estimator.estimate(features, period_s)
+    >>> table = pd.DataFrame({
+    ...     "recording": "drive", "track": 7, "frame": [17, 21], "period_s": period_s,
+    ...     "detectability": estimates.detectability, "sd": estimates.sd,
+    ... })
+    >>> steps_between_periods(estimator, features, table, estimates.period_s).n_crossing
+    1
+    """
+    rows = table.assign(taken_s=taken_s, row=np.arange(len(table)))
+    needed = ["track", "detectability", "period_s", "taken_s"]
+    rows = rows[rows[needed].notna().all(axis=1)].sort_values([*_WHOSE, "frame"], kind="stable")
+    before = rows.shift()
+    is_same = (rows[_WHOSE] == before[_WHOSE]).all(axis=1)
+    is_step = is_same & (rows["taken_s"] > before["taken_s"])
+    steps = rows[is_step]
+    former = estimator.estimate(
+        features[steps["row"].to_numpy()], before.loc[is_step, "taken_s"].to_numpy(np.float64)
+    )
+    change = (steps["detectability"] - former.detectability).abs()
+    jumps = steps[change > np.fmax(steps["sd"], former.sd)]
+    return Steps(*(len(part[_WHOSE].drop_duplicates()) for part in (steps, jumps)))
+
+
 def _is_of_heat(features: FeatureRun) -> NDArray[np.bool_]:
     """Return whether the picture of each row may be far infrared."""
     parts = [np.full(len(part.table), part.may_be_of_heat) for part in features.recordings]
@@ -306,9 +369,66 @@ def _names(outside: NDArray[np.bool_]) -> NDArray[np.object_]:
 
     Empty if no feature of the row is outside.
     """
-    bits = 1 << np.arange(len(FEATURE_KEYS))
-    choices, place = np.unique(outside @ bits, return_inverse=True)
-    keys = np.array(FEATURE_KEYS)
-    names = [SEPARATOR.join(keys[(choice & bits) > 0].tolist()) for choice in choices]
-    of_rows: NDArray[np.object_] = np.array(names, dtype=object)[place]
+    keys = np.array([f"{key}{SEPARATOR}" for key in FEATURE_KEYS], dtype=object)
+    joined = pd.Series(np.where(outside, keys, "").sum(axis=1), dtype=object)
+    of_rows: NDArray[np.object_] = joined.str.removesuffix(SEPARATOR).to_numpy(object)
     return of_rows
+
+
+def simulate_change(
+    features: pd.DataFrame,
+    end_s: NDArray[np.float64],
+    change_s: float,
+    estimator: Estimator,
+    *,
+    interpolate: bool = False,
+    real_s: NDArray[np.float64] | None = None,
+) -> pd.DataFrame:
+    """Estimates as they would be, had it become dark at `change_s` of a recording.
+
+    The pictures, and with them the features, stay what they are: only the time that the eyes have
+    had to adapt is another. Frames that end before the change keep their period; of the later ones
+    it runs from the change, until a real change comes after it.
+
+    Parameters
+    ----------
+    features
+        Rows of one recording of a features file (`nvcore.driver.run.FEATURE_COLUMNS`), of
+        pictures of visible light: unlike `run_estimate`, it is not asked here what they are of.
+    end_s
+        When the frame of each row ends, seconds from the recording's first frame, as the dataset
+        counts them, shape (n,).
+    change_s
+        On the same axis.
+    interpolate
+        As in `Estimator.estimate`.
+    real_s
+        When it really became dark, on the same axis, float64 (`AdaptationClock.change_s`); None:
+        only what the periods of the rows say of it. A change that began and ended between two rows
+        is then not known.
+
+    Returns
+    -------
+    One row per row, with its index: period_s (NaN: adapted), detectability, sd (0..1, NaN
+    unknown), is_outside, is_simulated (whether the period is that of the simulated change).
+
+    Raises
+    ------
+    ParameterError
+        Unless the time is finite.
+    """
+    if not np.isfinite(change_s):
+        raise ParameterError(f"change: expected seconds from the first frame, found {change_s:g}")
+    known_s = features["period_s"].to_numpy(np.float64)
+    period_s, is_simulated = period_after(known_s, end_s, change_s, real_s=real_s)
+    estimates = estimator.estimate(
+        features[list(FEATURE_KEYS)].to_numpy(np.float64), period_s, interpolate=interpolate
+    )
+    columns = {
+        "period_s": period_s,
+        "detectability": estimates.detectability,
+        "sd": estimates.sd,
+        "is_outside": estimates.is_outside & ~np.isnan(estimates.detectability),
+        "is_simulated": is_simulated,
+    }
+    return pd.DataFrame(columns, index=features.index)

@@ -2,34 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Final
 
+import click
 import numpy as np
 import pandas as pd
 
+from nvcore.cli.models import Models
 from nvcore.driver.estimators.model import Estimator, Origin
-from nvcore.driver.estimators.model_file import SAMPLE_NAME, fingerprint
+from nvcore.driver.estimators.model_file import (
+    SAMPLE_NAME,
+    estimator_path,
+    fingerprint,
+    is_estimator_file,
+    read_estimator,
+)
 from nvcore.driver.estimators.training import Training
-from nvcore.driver.estimators.words import caution_of, words_of
 from nvcore.driver.evaluation import PUBLISHED_NOTE, Evaluation, evaluation_tables
-from nvcore.driver.evaluation.tables import errors_table
+from nvcore.driver.evaluation.tables import TABLES, errors_table
+from nvcore.driver.features import words_of
 from nvcore.driver.trials import TrainingTable
 from nvcore.notes import Note, phrase, say
 from nvcore.objects import PEDESTRIAN
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.wording import MOST_NAMED, duration_text, number, one_line
 
-TABLES: Final = (
-    *("errors", "choices", "pairs", "pair_ranks"),
-    *("periods", "histograms", "estimates", "subjects"),
-)
-"""Names of the tables of an evaluation."""
 SUMMARY: Final = "summary.txt"
 EVALUATION_FILES: Final = (*(f"{name}.csv" for name in TABLES), SUMMARY)
 """What an evaluation writes into its folder."""
 ERROR: Final = ".4f"
 """Format of a mean squared error."""
+ERROR_TITLES: Final = {
+    "own": "estimator",
+    "own_constant": "constant",
+    "switched": "switched",
+    "single": "single",
+    "constant": "constant",
+    "sampling": "few subjects",
+    "published_switched": "paper, switched",
+    "published_single": "paper, single",
+}
+"""Titles of the columns of errors."""
 
 
 def render_table(table: TrainingTable) -> list[str]:
@@ -118,13 +132,12 @@ def render_estimator(estimator: Estimator) -> str:
             "own_constant": [quality.constant_error for quality in estimator.qualities],
         }
     )
-    caution = caution_of(estimator)
     about = [
         Note("driver.pictures_of_training", size_px=origin.picture_px),
         Note("driver.square", side_px=origin.square_px, centre_share=origin.centre_share),
         *_feature_settings(estimator),
     ]
-    caution = caution_of(estimator)
+    caution = estimator.caution()
     lines = [
         f"{one_line(estimator.name)}: estimates what the driver sees unaided "
         "(nvcore driver estimate)",
@@ -140,12 +153,21 @@ def render_estimator(estimator: Estimator) -> str:
     return "\n".join(lines)
 
 
-def render_estimators() -> str:
-    """Render the list of built-in estimators."""
-    return (
+def _describe(model: str, settings: Mapping[str, str]) -> str:
+    if settings:
+        raise click.UsageError("--set: an estimator has no settings")
+    return render_estimator(read_estimator(estimator_path(model)))
+
+
+MODELS: Final = Models(
+    list_all=lambda: (
         "driver: estimators of what the driver sees (.npz), as nvcore driver estimate takes them\n"
         f"  {SAMPLE_NAME:14} of a simulated observer, on the sample's drawings: not of people"
-    )
+    ),
+    has=lambda model: is_estimator_file(estimator_path(model)),
+    describe=_describe,
+)
+"""Entries on estimators for ``nvcore models``."""
 
 
 def _feature_settings(estimator: Estimator) -> list[Note]:
@@ -159,18 +181,8 @@ def _errors(errors: pd.DataFrame, last: str = "mean") -> list[str]:
 
     `last` labels the row that has no period.
     """
-    titles = {
-        "own": "estimator",
-        "own_constant": "constant",
-        "switched": "switched",
-        "single": "single",
-        "constant": "constant",
-        "sampling": "few subjects",
-        "published_switched": "paper, switched",
-        "published_single": "paper, single",
-    }
-    shown = [name for name in titles if name in errors and errors[name].notna().any()]
-    lines = ["  period   " + "  ".join(f"{titles[name]:>15}" for name in shown)]
+    shown = [name for name in ERROR_TITLES if name in errors and errors[name].notna().any()]
+    lines = ["  period   " + "  ".join(f"{ERROR_TITLES[name]:>15}" for name in shown)]
     for row in errors.to_dict("records"):
         period = f"{last:6}" if pd.isna(row["period_s"]) else f"{row['period_s']:g} s "
         cells = "  ".join(f"{number(row[name], ERROR):>15}" for name in shown)

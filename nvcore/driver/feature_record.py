@@ -20,10 +20,8 @@ _ENTRIES: Final = {
     "settings": Mapping[str, object],
     "picture_px": object,
 }
+SETTINGS: Final = "settings of the features"
 _LONGEST_SIDE: Final = 2**32
-_EXPECTED: Final = (
-    "expected the record that nvcore driver features writes (docs/driver-reference.md)"
-)
 
 
 def record_beside(features: Path) -> Path:
@@ -51,9 +49,10 @@ def about_features(features: Path) -> tuple[FeatureSettings | None, tuple[int, i
     if not features.is_file():
         return None, None
     parse = partial(_parse, name=features.name, digest=sha256(features.read_bytes()).hexdigest())
+    expected = "expected the record that nvcore driver features writes (docs/driver-reference.md)"
     for path in (record_beside(features), features.with_name(RECORD_FILE)):
         if path.is_file():
-            about = read_record(path, path.name, parse, expected=_EXPECTED)
+            about = read_record(path, path.name, parse, expected=expected)
             if about is not None:
                 return about
     return None, None
@@ -73,17 +72,6 @@ def picture_px_from_json(content: object) -> tuple[int, int] | None:
     return sides
 
 
-def settings_from_json(content: object) -> FeatureSettings:
-    """Parse feature settings from values as `dataclasses.asdict` gives them.
-
-    Raises
-    ------
-    ValueError
-        If one is missing, unknown, no number or outside its range.
-    """
-    return decode(FeatureSettings, content, "settings of the features", complete=True)
-
-
 def _parse(
     content: object, name: str, digest: str
 ) -> tuple[FeatureSettings, tuple[int, int] | None] | None:
@@ -91,5 +79,6 @@ def _parse(
     record = values_of(_ENTRIES, content, "", known_only=False)
     if record.get("files", {}).get(name) != digest:
         return None
-    settings = settings_from_json(record.get("settings", {}).get("features", {}))
+    given = record.get("settings", {}).get("features", {})
+    settings = decode(FeatureSettings, given, SETTINGS, complete=True)
     return settings, picture_px_from_json(record.get("picture_px"))

@@ -33,7 +33,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.driver.shapes import check_picture
+from nvcore.driver.shapes import check_picture, check_ranges
 from nvcore.errors import ParameterError
 from nvcore.extras import needs
 
@@ -93,10 +93,7 @@ class FilterSettings:
     veil_level: float = 4.0
 
     def __post_init__(self) -> None:
-        for name, (low, high) in _RANGES.items():
-            value = getattr(self, name)
-            if not low <= value <= high:  # nan is within nothing
-                raise ParameterError(f"{name}: expected {low:g} to {high:g}, found {value:g}")
+        check_ranges(self, _RANGES)
 
 
 def contrast_threshold(period_s: float, settings: FilterSettings | None = None) -> float:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-import pandas as pd
 
 from nvcore.auditing import Checks
 from nvcore.auditing.cases import file_name, place, place_of_frame
 from nvcore.dataset import Dataset
+from nvcore.driver.comparison.judging import is_unknown
 from nvcore.driver.inputs.session import DETECTABILITY
 from nvcore.findings import Cases, Caveats, Finding, Severity
 from nvcore.wording import count_text
@@ -40,43 +40,28 @@ def audit_detectability(dataset: Dataset) -> list[Finding]:
             "Nothing to do if only some frames are evaluated; else check the frame numbers.",
         ),
     ):
-        if len(rows):
-            text = f"{count_text(len(rows), 'row is', 'rows are')} left out: {message}."
-            severity = Severity.WARNING if code.endswith("box") else Severity.NOTE
-            findings.append(_finding(dataset, severity, code, rows, text, advice))
-    return [*findings, *_boxes_without(dataset)]
-
-
-def _finding(
-    dataset: Dataset, severity: Severity, code: str, rows: pd.DataFrame, message: str, advice: str
-) -> Finding:
-    first = rows.iloc[0]
-    line = int(first["line"])
-    name = file_name(dataset, int(first["file"]), line)
-    return Finding(
-        severity=severity,
-        code=code,
-        subject=DETECTABILITY,
-        count=len(rows),
-        message=message,
-        advice=advice,
-        file=name,
-        example=place(first["recording"], int(first["frame"]), line=line, file=name),
-        cases=Cases("left_out", rows.index.to_numpy()),
-    )
-
-
-def _boxes_without(dataset: Dataset) -> list[Finding]:
-    """A note on pedestrians of whom the estimates say nothing."""
-    truth = dataset.truth
-    is_unknown = np.isnan(dataset.detectability.value) & ~truth.ignore
-    n = int(np.count_nonzero(is_unknown))
-    if not n:
-        return []
-    row, noun = int(np.argmax(is_unknown)), dataset.objects.singular
-    boxes = count_text(n, f"{noun} box has", f"{noun} boxes have")
-    return [
-        Finding(
+        if rows.empty:
+            continue
+        first = rows.iloc[0]
+        line = int(first["line"])
+        name = file_name(dataset, int(first["file"]), line)
+        finding = Finding(
+            severity=Severity.WARNING if code.endswith("box") else Severity.NOTE,
+            code=code,
+            subject=DETECTABILITY,
+            count=len(rows),
+            message=f"{count_text(len(rows), 'row is', 'rows are')} left out: {message}.",
+            advice=advice,
+            file=name,
+            example=place(first["recording"], int(first["frame"]), line=line, file=name),
+            cases=Cases("left_out", rows.index.to_numpy()),
+        )
+        findings.append(finding)
+    truth, is_missing = dataset.truth, is_unknown(dataset)
+    if n := int(np.count_nonzero(is_missing)):
+        row, noun = int(np.argmax(is_missing)), dataset.objects.singular
+        boxes = count_text(n, f"{noun} box has", f"{noun} boxes have")
+        finding = Finding(
             severity=Severity.NOTE,
             code="boxes-without-detectability",
             subject=DETECTABILITY,
@@ -85,9 +70,10 @@ def _boxes_without(dataset: Dataset) -> list[Finding]:
             advice=f"Encounters in which it is unknown until the {noun} is near enough to count "
             "are counted apart.",
             example=place_of_frame(dataset, int(truth.frame_index[row])),
-            cases=Cases("boxes", np.flatnonzero(is_unknown) + truth.first_row),
+            cases=Cases("boxes", np.flatnonzero(is_missing) + truth.first_row),
         )
-    ]
+        findings.append(finding)
+    return findings
 
 
 CHECKS: Final = Checks(inputs=(audit_detectability,))

@@ -17,7 +17,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.driver.inputs.picture_boxes import LARGEST
+from nvcore.driver.inputs.study_tables import LARGEST
 from nvcore.errors import FormatError, ParameterError
 from nvcore.inputs.readers.parse.table import read_table
 from nvcore.inputs.readers.parse.text import MAX_INTEGER

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Final
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from nvcore import objects
 from nvcore.driver.feature_record import record_bytes
 from nvcore.driver.features import FEATURE_KEYS, features_of
-from nvcore.driver.inputs.picture_boxes import (
+from nvcore.driver.inputs.study_tables import (
     BOX,
     LARGEST,
     PEDESTRIAN,
@@ -87,7 +87,7 @@ class ImageFeatures:
 
     def record(self, contents: Mapping[str, bytes]) -> bytes:
         """Serialize settings, counts and the hashes of these files as JSON."""
-        values = self.settings.as_json()
+        values = asdict(self.settings)
         return record_bytes(
             contents,
             settings={name: values[name] for name in ("features", "fixation")},

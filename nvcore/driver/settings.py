@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 from nvcore.driver.features import FeatureSettings
@@ -28,10 +28,6 @@ class DriverViewSettings:
     features: FeatureSettings = field(default_factory=FeatureSettings)
     light: LightSettings = field(default_factory=LightSettings)
     fixation: FixedPoint = field(default_factory=FixedPoint)
-
-    def as_json(self) -> dict[str, Any]:
-        """All values, for a record."""
-        return asdict(self)
 
 
 def settings_from(

@@ -1,6 +1,8 @@
-"""Arrays that callers hand over: refused unless they are of the shape that is asked for."""
+"""Checks of arrays and settings that callers hand over."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -52,3 +54,17 @@ def rows_of(values: ArrayLike, n_columns: int, name: str) -> NDArray[np.float64]
     if np.isinf(rows).any():
         raise ParameterError(f"{name}: expected numbers, or NaN for not known, found infinity")
     return rows
+
+
+def check_ranges(settings: object, ranges: Mapping[str, tuple[float, float]]) -> None:
+    """Refuse settings outside their ranges, and NaN.
+
+    Raises
+    ------
+    ParameterError
+        With the name of the field, its range and its value.
+    """
+    for name, (low, high) in ranges.items():
+        value = getattr(settings, name)
+        if not low <= value <= high:
+            raise ParameterError(f"{name}: expected {low:g} to {high:g}, found {value:g}")

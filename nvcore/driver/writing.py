@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -99,7 +99,7 @@ def _record(run: FeatureRun, contents: dict[str, bytes], **more: Any) -> bytes:
     return record_bytes(
         contents,
         **more,
-        settings=run.settings.as_json(),
+        settings=asdict(run.settings),
         recordings=[
             {
                 "name": recording.name,

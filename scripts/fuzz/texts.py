@@ -32,8 +32,8 @@ from nvcore.dataset.provenance import provenance_json, read_provenance
 from nvcore.driver.features import FEATURE_KEYS
 from nvcore.driver.fixation import read_gaze
 from nvcore.driver.illumination.meter import read_light
-from nvcore.driver.inputs.reading import read_detectability
-from nvcore.driver.inputs.trials import TRIAL_COLUMNS
+from nvcore.driver.inputs.joining import read_detectability
+from nvcore.driver.inputs.study_tables import TRIAL_COLUMNS
 from nvcore.driver.study.pictures import read_pictures
 from nvcore.driver.trials.table import training_table
 from nvcore.fleet.location import Location

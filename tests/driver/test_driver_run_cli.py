@@ -16,7 +16,7 @@ from inputs import nvcore
 from picture_files import write_picture
 from places import SAMPLE
 
-from nvcore.driver.commands.run import features
+from nvcore.driver.commands import features
 from nvcore.driver.estimators import write_estimator
 from nvcore.driver.feature_record import about_features
 from nvcore.driver.features import FeatureSettings

@@ -17,12 +17,17 @@ from picture_files import write_picture
 
 from nvcore.comparison import compare
 from nvcore.driver.comparison.notes import source
-from nvcore.driver.estimate import DETECTABILITY_COLUMNS, EstimateRun, run_estimate
+from nvcore.driver.estimate import (
+    DETECTABILITY_COLUMNS,
+    EstimateRun,
+    Steps,
+    run_estimate,
+    steps_between_periods,
+)
 from nvcore.driver.estimators import Estimator, Quality, write_estimator
 from nvcore.driver.face import estimate_driver
 from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
 from nvcore.driver.run import FeatureRun, run_features
-from nvcore.driver.steps import Steps, steps_between_periods
 from nvcore.errors import InputError, ParameterError
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session

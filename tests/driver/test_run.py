@@ -10,13 +10,18 @@ import pytest
 from picture_files import write_numbered_video, write_picture
 
 from nvcore.dataset import Dataset
-from nvcore.driver import recording_notes
 from nvcore.driver.features import FEATURE_KEYS, features_of
 from nvcore.driver.illumination import LightSettings, read_light
 from nvcore.driver.illumination.clock import adaptation_clock
-from nvcore.driver.recording import open_recordings
-from nvcore.driver.run import FEATURE_COLUMNS, FeatureRun, run_features
-from nvcore.driver.settings import settings_from
+from nvcore.driver.run import (
+    FEATURE_COLUMNS,
+    FeatureRun,
+    light_doubt,
+    light_note,
+    open_recordings,
+    run_features,
+)
+from nvcore.driver.settings import DriverViewSettings, settings_from
 from nvcore.errors import FormatError, InputError, ParameterError
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
@@ -148,7 +153,7 @@ def test_a_video_of_another_number_of_pictures_is_doubted(
     write_truth(tmp_path)
     write_numbered_video(tmp_path / "visible.mp4", n=n)
     dataset = opened(tmp_path, f'visible = "visible.mp4"\n{more}')
-    (part,) = open_recordings(dataset.settings, dataset)
+    (part,) = open_recordings(dataset.settings, dataset, DriverViewSettings())
     part.pictures.close()
     doubt = (
         f"visible.mp4 has {n} pictures and the recording has frames 0 to 39. Do they belong "
@@ -161,7 +166,7 @@ def test_frames_of_a_sample_may_count_from_1(tmp_path: Path):
     (tmp_path / "truth.csv").write_text("recording,frame,x,y,w,h\ndrive,1,20,10,8,16\n")
     write_numbered_video(tmp_path / "visible.mp4", n=39)
     dataset = opened(tmp_path, 'visible = "visible.mp4"\nframes = "1:39:2"\n')
-    (part,) = open_recordings(dataset.settings, dataset)
+    (part,) = open_recordings(dataset.settings, dataset, DriverViewSettings())
     part.pictures.close()
     assert part.doubts == ()
 
@@ -274,8 +279,8 @@ def light_of(folder: Path, rows: list[str], frames: range = range(N_FRAMES)) -> 
     light, frame, settings = read_light(folder / "lux.csv"), np.array(frames), LightSettings()
     clock = adaptation_clock(light, frame, FPS, settings)
     notes = (
-        recording_notes.light_note(light, clock, frame, FPS, settings),
-        recording_notes.light_doubt(light, frame, FPS, settings),
+        light_note(light, clock, frame, FPS, settings),
+        light_doubt(light, frame, FPS, settings),
     )
     note, doubt = ("" if note is None else phrase(note, PEDESTRIAN) for note in notes)
     return note, doubt.replace("\xa0", " ")

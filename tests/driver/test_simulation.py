@@ -9,9 +9,9 @@ import pandas as pd
 import pytest
 from driver_estimators import origin, regression
 
+from nvcore.driver.estimate import simulate_change
 from nvcore.driver.estimators import Estimator, Quality
 from nvcore.driver.features import FEATURE_KEYS
-from nvcore.driver.simulation import simulate_change
 from nvcore.errors import ParameterError
 
 END_S = np.array([1.0, 2.0, 3.0, 8.0])

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pandas as pd
 
 from nvcore.driver.trials import TRIAL_COLUMNS, TrainingTable, training_table
+from nvcore.driver.trials.table import read_trials
 
 PERIODS_S = (0.5, 1.5, 3.0, 4.5, 6.0, 7.5)
 SUBJECTS = tuple(f"S{number}" for number in range(20))
@@ -94,3 +96,11 @@ def write_trials(
 def made_table(folder: Path, n: int = 51, seed: int = 1) -> TrainingTable:
     """What estimators learn of them."""
     return training_table(*write_trials(folder, n, seed=seed))
+
+
+def parsed_trials(content: bytes) -> pd.DataFrame:
+    """Read trials from the content of a file ``trials.csv``."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "trials.csv"
+        path.write_bytes(content)
+        return read_trials(path)

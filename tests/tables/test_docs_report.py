@@ -21,7 +21,7 @@ from places import ROOT
 
 from nvcore.codes import CodedInterval
 from nvcore.comparison import compare
-from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT
+from nvcore.driver.comparison.judging import DRIVER_REGION_TEXT
 from nvcore.evidence.pairwise import pairwise_table
 from nvcore.findings import Cases, Finding, Severity
 from nvcore.inputs.load import load

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from nvcore.dataset import Dataset
 from nvcore.driver.estimate import EstimateRun, run_estimate
 from nvcore.driver.estimators import Estimator, fingerprint, read_estimator
-from nvcore.driver.estimators.words import LABELS, caution_of
+from nvcore.driver.features import LABELS
 from nvcore.driver.illumination import LightSettings, read_light
 from nvcore.driver.illumination.clock import AdaptationClock, adaptation_clock
 from nvcore.driver.run import run_features
@@ -114,7 +114,7 @@ def on_estimator(spec: EstimatorSpec, function: Callable[[Estimator], T]) -> T:
 
 def describe_estimator(estimator: Estimator) -> str:
     """Describe an estimator as Markdown: its training, features and fingerprint."""
-    origin, caution = estimator.origin, caution_of(estimator)
+    origin, caution = estimator.origin, estimator.caution()
     doubts = SIMULATED.get(origin.simulated, "")
     doubts += f" Its estimates are {caution}." if caution else ""
     labels = plain(listed([LABELS[key] for key in estimator.features]))

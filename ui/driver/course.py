@@ -10,7 +10,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.driver.comparison.encounters import detectability_course, features_of_course
 from nvcore.driver.comparison.figures import detectability_course_plot
-from nvcore.driver.illumination.clock import AdaptationClock, unknown_clock, with_change
+from nvcore.driver.illumination.clock import AdaptationClock, adaptation_clock, with_change
 from nvcore.figures.style import plain as figure_text
 from ui.driver import basis, panel, tunnel
 from ui.driver.known import (
@@ -129,7 +129,7 @@ def _clock(result: Result, recording: int, change: tunnel.Change | None) -> Adap
     frames = result.dataset.frame_columns
     fps = float(frames.fps[recording])
     if clock is None:
-        clock = unknown_clock(frames.frame[frames.rows_of(recording)], fps)
+        clock = adaptation_clock(None, frames.frame[frames.rows_of(recording)], fps)
     return with_change(clock, fps, change.time_s)
 
 

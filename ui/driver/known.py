@@ -10,11 +10,12 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.driver.estimate import EstimateRun
 from nvcore.driver.filter import as_the_driver_sees
-from nvcore.driver.illumination import LightSettings, light_settings
+from nvcore.driver.illumination import LightSettings
 from nvcore.driver.illumination.clock import AdaptationClock
 from nvcore.driver.run import RecordingFeatures
-from nvcore.errors import NvcoreError, ParameterError
+from nvcore.errors import NvcoreError
 from nvcore.inputs.session import Session
+from nvcore.records import decode
 from ui.driver.confined import EstimatorSpec, clock_by_meter
 from ui.session import state
 from ui.session.opening import public_text, recording_entry
@@ -130,8 +131,8 @@ def recorded_light() -> LightSettings | None:
     if record is None or not record.light:
         return None
     try:
-        return light_settings(record.light)
-    except ParameterError:  # of another version, or by hand: as if it said nothing
+        return decode(LightSettings, record.light, "settings of the light", complete=True)
+    except ValueError:  # of another version, or by hand: as if it said nothing
         return None
 
 

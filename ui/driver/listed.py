@@ -10,7 +10,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.driver.comparison.encounters import REGION_NAMES, detectability_course
-from nvcore.driver.comparison.kinds import DriverRegion
+from nvcore.driver.comparison.judging import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.schema import Category
 from nvcore.tables.result import encounters_table

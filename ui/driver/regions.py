@@ -13,7 +13,7 @@ from nvcore.driver.comparison.encounters import (
     over_driver_threshold,
 )
 from nvcore.driver.comparison.figures import driver_threshold_plot, driver_venn_plot
-from nvcore.driver.comparison.kinds import DriverRegion
+from nvcore.driver.comparison.judging import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.wording import capitalised
 from ui.session import state, store
@@ -37,13 +37,13 @@ def draw(result: Result) -> DriverRegion | None:
     names = result.names
     with left:
         figure = driver_venn_plot(
-            driver_in(result).venn, names, theme=state.theme(), objects=result.objects
+            driver_in(result).counts, names, theme=state.theme(), objects=result.objects
         )
         clicked = clicked_chart(figure, "driver_venn")
     if clicked in [*DriverRegion]:
         store.DRIVER_REGION.set(DriverRegion(clicked))
     table = driver_venn_table(result)
-    has_unknown = driver_in(result).venn.counts[DriverRegion.UNKNOWN] > 0
+    has_unknown = driver_in(result).counts[DriverRegion.UNKNOWN] > 0
     table = table if has_unknown else table[table["region"] != DriverRegion.UNKNOWN]
     with right:
         draw_table(table, COLUMNS, key="driver_regions", name="Who sees", is_sortable=False)

@@ -11,7 +11,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.driver.comparison.notes import simulated_change
-from nvcore.driver.simulation import simulate_change
+from nvcore.driver.estimate import simulate_change
 from nvcore.errors import NvcoreError
 from nvcore.figures.over_time import end_of
 from ui.driver.confined import on_estimator

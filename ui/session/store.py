@@ -19,7 +19,7 @@ from ui.session.workspace import Caching
 if TYPE_CHECKING:
     import pandas as pd
 
-    from nvcore.driver.comparison.kinds import DriverRegion
+    from nvcore.driver.comparison.judging import DriverRegion
     from nvcore.params import Params
     from nvcore.settings import OperatingPoint
     from nvcore.stages import Stage

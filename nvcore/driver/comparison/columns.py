@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any, Final
 
 import numpy as np
 
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
-from nvcore.driver.comparison.in_time import (
-    is_driver_in_time,
-    is_judged_in_time,
-    is_seen_too_late,
-)
-from nvcore.driver.comparison.judging import count_unknown
-from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
+from nvcore.driver.comparison.in_time import is_driver_in_time, is_judged_in_time, is_seen_too_late
+from nvcore.driver.comparison.judging import DRIVER_REGION_TEXT, DriverRegion, is_unknown
 from nvcore.driver.comparison.measures import KNOWN
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.inputs.session import RecordingEntry, Session
@@ -148,19 +142,20 @@ _KNOWN: Final = (
 
 def _of_encounters(result: Result) -> dict[str, Any]:
     """What is known of the driver's own view of each encounter."""
-    table, is_known = driver_in(result).table, driver_in(result).is_known
+    driver = driver_in(result)
+    table, is_known = driver.table, driver.is_known
     return {
         "detectability": table["detectability"],
         "detectability_sd": table["sd"],
         "detectability_frames": table["n_known"],
         "outside_training": truth_values(table["is_outside"].to_numpy(), is_known),
-        "adapted_eyes": truth_values(driver_in(result).is_adapted, is_known),
-        "within_sd": truth_values(driver_in(result).is_within_sd, driver_in(result).has_sd),
-        "driver_sees": truth_values(driver_in(result).is_seen, is_known),
+        "adapted_eyes": truth_values(driver.is_adapted, is_known),
+        "within_sd": truth_values(driver.is_within_sd, driver.has_sd),
+        "driver_sees": truth_values(driver.is_seen, is_known),
         "driver_seen_frames": integers_of(table["n_seen"].to_numpy(), is_known),
-        "driver_frame": frame_numbers(result, driver_in(result).seen_row),
+        "driver_frame": frame_numbers(result, table["seen_row"].to_numpy()),
         "driver_in_time": truth_values(is_driver_in_time(result), is_judged_in_time(result)),
-        "driver_region": driver_in(result).region,
+        "driver_region": driver.region,
     }
 
 
@@ -199,101 +194,98 @@ COLUMNS: Final = (
 """Columns of the CSV files."""
 
 _NOBODY_URGENT: Final = "it is known of no urgent encounter whether the driver sees it"
-
-
-def _count_region(result: Result, *, region: DriverRegion) -> int:
-    return driver_in(result).venn.counts[region]
-
-
-def _count_within_sd(result: Result) -> int | None:
-    driver = driver_in(result)
-    return int(np.count_nonzero(driver.is_within_sd)) if driver.has_sd.any() else None
-
-
-def _count_urgent(result: Result, is_member: np.ndarray) -> int | None:
-    """How many, so that no rule passes because nobody is urgent."""
-    return int(np.count_nonzero(is_member)) if is_judged_in_time(result).any() else None
+Members = Callable[[Result], np.ndarray]
+"""Encounters of a kind; bool, shape (n_encounters,)."""
 
 
 def _entry(
     key: str,
     meaning: str,
-    of: Callable[[Result], int | None],
+    members: Members,
     *,
+    of: Members | None = None,
     unit: str = "encounters",
     empty: str = "",
 ) -> SummaryEntry:
+    """Count encounters, or return None unless there are some `of` which they are."""
+
+    def count(result: Result) -> int | None:
+        is_defined = of is None or of(result).any()
+        return int(np.count_nonzero(members(result))) if is_defined else None
+
     column = Column(key, CellKind.INTEGER, unit, meaning, empty=empty, only_if=KNOWN)
-    return SummaryEntry(column, of)
+    return SummaryEntry(column, count)
+
+
+def _region_entry(region: DriverRegion) -> SummaryEntry:
+    meaning = DRIVER_REGION_TEXT[region]
+    return _entry(
+        f"driver_venn.{region.value}", meaning, lambda result: driver_in(result).region == region
+    )
 
 
 ENTRIES: Final = (
     _entry(
         "driver.seen",
         "Encounters that the driver sees unaided.",
-        lambda result: driver_in(result).venn.n_seen,
+        lambda result: driver_in(result).is_seen,
     ),
     _entry(
         "driver.unseen",
         "Encounters that the driver is known not to see.",
-        lambda result: driver_in(result).venn.n_unseen,
+        lambda result: driver_in(result).is_unseen,
     ),
     _entry(
         "driver.outside_training",
         "Of both, those decided by an estimate outside the range of the training: by the largest "
         "up to the first frame that counts, and where that is below `driver_threshold` by any.",
-        lambda result: driver_in(result).n_outside,
+        lambda result: driver_in(result).is_outside,
     ),
     _entry(
         "driver.adapted",
         "Of both, those decided by an estimate for adapted eyes, since no change from bright to "
         "dark is known before.",
-        lambda result: int(np.count_nonzero(driver_in(result).is_adapted)),
+        lambda result: driver_in(result).is_adapted,
     ),
     _entry(
         "driver.within_sd",
         "Of both, those whose largest one is no further than its standard deviation from "
         "`driver_threshold`: whether the driver sees them is open.",
-        _count_within_sd,
+        lambda result: driver_in(result).is_within_sd,
+        of=lambda result: driver_in(result).has_sd,
         empty="no encounter has a standard deviation",
     ),
     _entry(
         "driver.seldom",
         "Of those seen, the ones that the driver sees in fewer than half of the frames up to the "
         "first that counts in which it is known.",
-        lambda result: int(np.count_nonzero(driver_in(result).is_seldom_seen)),
+        lambda result: driver_in(result).is_seldom_seen,
     ),
     _entry(
         "driver.urgent",
         "Urgent encounters of which it is known whether the driver sees them.",
-        lambda result: int(np.count_nonzero(is_judged_in_time(result))),
+        is_judged_in_time,
     ),
     _entry(
         "driver.in_time",
         "Of these, the ones that the driver sees while the car can still stop.",
-        lambda result: _count_urgent(result, is_driver_in_time(result)),
+        is_driver_in_time,
+        of=is_judged_in_time,  # so that no rule passes because nobody is urgent
         empty=_NOBODY_URGENT,
     ),
     _entry(
         "driver.too_late",
         "Of these, the ones that the driver sees, but only when the car can no longer stop.",
-        lambda result: _count_urgent(result, is_seen_too_late(result)),
+        is_seen_too_late,
+        of=is_judged_in_time,
         empty=_NOBODY_URGENT,
     ),
     _entry(
         "driver.boxes_without_detectability",
         "{One} boxes of unknown detectability; with `driver_weighting` they weigh in full.",
-        lambda result: count_unknown(result.dataset),
+        lambda result: is_unknown(result.dataset),
         unit="boxes",
     ),
-    *(
-        _entry(
-            f"driver_venn.{region.value}",
-            DRIVER_REGION_TEXT[region],
-            partial(_count_region, region=region),
-        )
-        for region in DriverRegion
-        if region is not DriverRegion.DISTANT
-    ),
+    *map(_region_entry, tuple(DriverRegion)[:-1]),
 )
 """Keys of ``summary.json``."""

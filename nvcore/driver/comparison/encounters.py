@@ -9,7 +9,7 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.driver.comparison.in_time import is_in_time_alone
-from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
+from nvcore.driver.comparison.judging import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.notes import Note, say
@@ -98,7 +98,7 @@ def driver_venn_table(result: Result) -> pd.DataFrame:
     for region, who in REGION_NAMES.items():
         is_here = driver_in(result).region == region.value
         of_x, of_y = (float(values[is_here].sum()) for values in severity_s)
-        n = driver_in(result).venn.counts[region]
+        n = driver_in(result).counts[region]
         meaning = result.objects.say(DRIVER_REGION_TEXT[region])
         rows.append((region.value, who, n, of_x, of_y, meaning))
     names = ["region", "who", "encounters", "severity_x", "severity_y", "meaning"]
@@ -119,7 +119,7 @@ def over_driver_threshold(result: Result) -> pd.DataFrame:
     nobody (neither the driver nor X nor Y; lower is better). No row where it is known of none.
     """
     driver = driver_in(result)
-    is_known, n_known = driver.is_known, driver.venn.n_known
+    is_known, n_known = driver.is_known, driver.n_known
     thresholds = DRIVER_THRESHOLDS if n_known else DRIVER_THRESHOLDS[:0]
     largest = driver.table["detectability"].to_numpy()[is_known]
     is_unseen = largest < thresholds[:, np.newaxis]
@@ -155,14 +155,10 @@ def detectability_course(result: Result, encounter: int) -> pd.DataFrame:
     encounters, known = result.encounters, result.dataset.detectability
     places = slice(int(encounters.offsets[encounter]), int(encounters.offsets[encounter + 1]))
     truth_row, row = encounters.order[places], encounters.frame_index[places]
-    value = known.value[truth_row]
-    order = np.lexsort((-np.nan_to_num(value, nan=-1.0), row))
-    truth_row, row = truth_row[order], row[order]
-    row, first = np.unique(row, return_index=True)
-    truth_row = truth_row[first]
-    is_near = result.k_truth.k[encounters.order[places]] >= RELEVANT_K
-    relevant = encounters.frame_index[places][is_near]
-    last = int(relevant[0]) if len(relevant) else -1
+    relevant = row[result.k_truth.k[truth_row] >= RELEVANT_K]
+    order = np.lexsort((-np.nan_to_num(known.value[truth_row], nan=-1.0), row))
+    row, first = np.unique(row[order], return_index=True)
+    truth_row = truth_row[order][first]
     return pd.DataFrame(
         {
             "row": row,
@@ -171,7 +167,7 @@ def detectability_course(result: Result, encounter: int) -> pd.DataFrame:
             "detectability": known.value[truth_row],
             "sd": known.sd[truth_row],
             "is_outside": known.is_outside[truth_row],
-            "is_up_to_relevant": row <= last,
+            "is_up_to_relevant": row <= (relevant[0] if len(relevant) else -1),
         }
     )
 
@@ -186,8 +182,8 @@ def features_of_course(
     course
         Of `detectability_course`.
     features
-        Of the recording (`nvcore.driver.run.FEATURE_COLUMNS`): a row for each of its boxes that is
-        not ignored.
+        Of the recording (`nvcore.driver.run.FEATURE_COLUMNS`): a row for each of its boxes
+        that is not ignored.
 
     Returns
     -------
@@ -209,9 +205,7 @@ def features_of_course(
     is_ignored = truth.ignore[truth_row]
     if not (is_same | is_ignored).all():
         return None
-    if is_ignored.any():
-        own = own.mask(is_ignored)
-    return own
+    return own.mask(is_ignored) if is_ignored.any() else own
 
 
 def saved_encounters(result: Result) -> pd.DataFrame:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, Final
 
 import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.driver.comparison.judging import DriverVenn
-from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
+from nvcore.driver.comparison.judging import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.driver.illumination import LightSource
 from nvcore.driver.illumination.clock import AdaptationClock
 from nvcore.figures.curves import mark_value
@@ -78,7 +78,7 @@ def detectability_course_plot(
         Light and adaptation of the pedestrian's recording; None: the light is unknown.
     simulated
         The course with `detectability` after a simulated change of light
-        (`nvcore.driver.simulation.simulate_change`), which `clock` then has, too.
+        (`nvcore.driver.estimate.simulate_change`), which `clock` then has, too.
     caution
         Origin of the estimates, if some of the answers behind them were simulated.
     """
@@ -286,36 +286,36 @@ def _own(
 
 
 def driver_venn_plot(
-    venn: DriverVenn, names: Names, *, theme: Theme, objects: Objects
+    counts: Mapping[DriverRegion, int], names: Names, *, theme: Theme, objects: Objects
 ) -> go.Figure:
     """Draw a Venn diagram of the near encounters that the driver, X and Y see.
 
-    A click on a count gives its region (`nvcore.driver.comparison.kinds.DriverRegion`) as
+    A click on a count gives its region (`nvcore.driver.comparison.judging.DriverRegion`) as
     `customdata`. The circles are of one size: three counts and their overlaps cannot be areas of
     circles.
     """
     look = LOOK[theme]
-    if not venn.n_known:
+    n_known = sum(counts[region] for region in PLACES)
+    if not n_known:
         return look.empty("It is not known of any encounter who sees it.")
     texts = [
-        f"{count_text(venn.counts[region], 'encounter')}<br>"
-        + objects.say(DRIVER_REGION_TEXT[region])
+        f"{count_text(counts[region], 'encounter')}<br>" + objects.say(DRIVER_REGION_TEXT[region])
         for region in PLACES
     ]
     x, y = zip(*PLACES.values(), strict=True)
     hidden = {"opacity": 0, "size": 44, "color": "#000"}
     points = marks(x, y, texts, customdata=[*PLACES], marker=hidden)
     numbers = [
-        written(f"<b>{venn.counts[region]:,}</b>", size=17, color=look.ink, x=x, y=y)
+        written(f"<b>{counts[region]:,}</b>", size=17, color=look.ink, x=x, y=y)
         for region, (x, y) in PLACES.items()
     ]
     n_unknown, n_distant = (
-        venn.counts[region] for region in (DriverRegion.UNKNOWN, DriverRegion.DISTANT)
+        counts[region] for region in (DriverRegion.UNKNOWN, DriverRegion.DISTANT)
     )
     return look.draw(
         points,
         title=f"Who sees the {objects.singular}",
-        subtitle=f"{count_text(venn.n_known, 'near encounter')} of which it is known; not drawn: "
+        subtitle=f"{count_text(n_known, 'near encounter')} of which it is known; not drawn: "
         f"{n_unknown:,} unknown, {n_distant:,} distant; circles are not to scale",
         height=400,
         showlegend=False,
@@ -326,8 +326,8 @@ def driver_venn_plot(
 
 
 def _circle(who: str, look: ChartLook) -> dict[str, Any]:
-    colour = look.muted if who == "driver" else look.of(who)
-    dash = "dot" if who == "driver" else look.dash(who)
+    is_driver = who == "driver"
+    colour, dash = (look.muted, "dot") if is_driver else (look.of(who), look.dash(who))
     line = {"color": colour, "width": 2.5, "dash": dash}
     x, y = CENTRES[who]
     box = Frame(x - RADIUS, x + RADIUS, y - RADIUS, y + RADIUS)

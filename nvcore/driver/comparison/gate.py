@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.driver.comparison.kinds import DriverRegion
+from nvcore.driver.comparison.judging import DriverRegion
 from nvcore.driver.comparison.measures import KNOWN
 from nvcore.driver.comparison.notes import (
     doubt_of,

@@ -1,4 +1,7 @@
-"""Classify urgent encounters by who confirms them in time: the driver, X or Y."""
+"""Classify urgent encounters by who confirms them in time: the driver, X or Y.
+
+Masks are bool, shape (n_encounters,).
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ from nvcore.time_left.steps import is_in_time, time_left_in
 
 
 def is_judged_in_time(result: Result) -> np.ndarray:
-    """Return which urgent encounters have known detectability, bool, shape (n_encounters,)."""
+    """Return which urgent encounters have known detectability."""
     is_judged: np.ndarray = time_left_in(result).is_urgent & driver_in(result).is_known
     return is_judged
 
@@ -22,11 +25,8 @@ def is_driver_in_time(result: Result) -> np.ndarray:
     """Return which urgent encounters the driver sees unaided while the car can still stop.
 
     The driver confirms in the first frame in which detectability reaches `driver_threshold`, even
-    if that is after the first relevant one (docs/decisions/055-driver-in-time.md).
-
-    Returns
-    -------
-    bool, shape (n_encounters,); False, too, where it is not known (`is_judged_in_time`).
+    if that is after the first relevant one (docs/decisions/055-driver-in-time.md). False, too,
+    where it is not known (`is_judged_in_time`).
     """
     row = driver_in(result).table["confirmed_row"].to_numpy()
     is_before = (row >= 0) & (row < time_left_in(result).urgency["urgent_row"].to_numpy())
@@ -35,24 +35,16 @@ def is_driver_in_time(result: Result) -> np.ndarray:
 
 
 def is_seen_too_late(result: Result) -> np.ndarray:
-    """Return which urgent encounters the driver sees only when the car can no longer stop.
-
-    Returns
-    -------
-    bool, shape (n_encounters,).
-    """
-    too_late: np.ndarray = (
-        time_left_in(result).is_urgent & driver_in(result).is_seen & ~is_driver_in_time(result)
-    )
+    """Return which urgent encounters the driver sees only when the car can no longer stop."""
+    is_seen = time_left_in(result).is_urgent & driver_in(result).is_seen
+    too_late: np.ndarray = is_seen & ~is_driver_in_time(result)
     return too_late
 
 
 def is_in_time_alone(result: Result, system: SystemResult) -> np.ndarray:
     """Return which urgent encounters only this system confirms in time, and not the driver.
 
-    Returns
-    -------
-    bool, shape (n_encounters,); False where it is not known of the driver.
+    False where it is not known of the driver.
     """
     (other,) = (side for _, side in result.sides if side is not system)
     by_others = is_driver_in_time(result) | is_in_time(other)

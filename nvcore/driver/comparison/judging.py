@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
+from enum import StrEnum
 from functools import cached_property
 from typing import Final
 
@@ -16,27 +17,41 @@ import pandas as pd
 
 from nvcore.columns import Detectability
 from nvcore.dataset import Dataset
-from nvcore.driver.comparison.kernels import driver_frames
-from nvcore.driver.comparison.kinds import DriverRegion
-from nvcore.metrics.encounters import Encounters
-from nvcore.metrics.kernels import over_ranges
+from nvcore.metrics.encounters import RELEVANT_K, Encounters
 from nvcore.metrics.venn import Venn
 from nvcore.params import Params
 
+
+class DriverRegion(StrEnum):
+    """Region of the three-way Venn diagram of the encounters that the driver, X and Y see."""
+
+    DRIVER_X_Y = "driver_x_y"
+    DRIVER_X = "driver_x"
+    DRIVER_Y = "driver_y"
+    DRIVER = "driver"
+    X_Y = "x_y"
+    X = "x"
+    Y = "y"
+    NOBODY = "nobody"
+    UNKNOWN = "unknown"
+    DISTANT = "distant"
+
+
+DRIVER_REGION_TEXT: Final[dict[DriverRegion, str]] = {
+    DriverRegion.DRIVER_X_Y: "The driver and both systems: both warnings are redundant.",
+    DriverRegion.DRIVER_X: "The driver and X, not Y: the warning of X is redundant.",
+    DriverRegion.DRIVER_Y: "The driver and Y, not X: the warning of Y is redundant.",
+    DriverRegion.DRIVER: "The driver, but neither X nor Y: a warning would be redundant.",
+    DriverRegion.X_Y: "Not the driver, but both X and Y: either can warn.",
+    DriverRegion.X: "Neither the driver nor Y, but X: only X can warn.",
+    DriverRegion.Y: "Neither the driver nor X, but Y: only Y can warn.",
+    DriverRegion.NOBODY: "Neither the driver nor X nor Y: the {one} is unprotected.",
+    DriverRegion.UNKNOWN: "It is not known whether the driver sees the {one}.",
+    DriverRegion.DISTANT: "The {one} never came near enough to count.",
+}
+
 SELDOM: Final = 0.5
 """Share of the known frames below which seeing a pedestrian is called seldom (ours)."""
-_KNOWN: Final = (
-    DriverRegion.DRIVER_X_Y,
-    DriverRegion.DRIVER_X,
-    DriverRegion.DRIVER_Y,
-    DriverRegion.DRIVER,
-    DriverRegion.X_Y,
-    DriverRegion.X,
-    DriverRegion.Y,
-    DriverRegion.NOBODY,
-)
-"""The eight regions: the driver in the first four, X in the first two of each four, Y in each
-first of two."""
 
 
 def judge_driver(
@@ -70,39 +85,51 @@ def judge_driver(
     ----------
     ``docs/driver.md``, in the comparison; ``docs/decisions/050-driver-in-the-comparison.md``.
     """
-    n = len(encounters)
-    place, seen_row, confirmed_row, known_row = np.full((4, n), -1)
-    n_known, n_seen, n_outside = np.zeros((3, n), np.int64)
-    if not np.isnan(detectability.value).all():
-        over_ranges(
-            driver_frames,
-            n,
-            *(encounters.offsets, encounters.order, encounters.frame_index),
-            *(k_truth, detectability.value, detectability.is_outside),
-            float(params.driver_threshold),
-            *(place, n_known, n_seen, n_outside, seen_row, confirmed_row, known_row),
-        )
-    is_known = place >= 0
-    row = encounters.order[place[is_known]]
-    highest, sd, is_outside = np.full(n, np.nan), np.full(n, np.nan), np.zeros(n, bool)
-    highest[is_known], sd[is_known] = detectability.value[row], detectability.sd[row]
-    is_outside[is_known] = detectability.is_outside[row]
-    is_adapted = np.zeros(n, bool)
-    is_adapted[is_known] = detectability.is_adapted[row]
-    is_outside |= (seen_row < 0) & (n_outside > 0)
-    is_within_sd = np.abs(highest - params.driver_threshold) <= sd  # never where one is unknown
+    n, threshold, order = len(encounters), params.driver_threshold, encounters.order
+    encounter = np.repeat(np.arange(n), np.diff(encounters.offsets))
+    frame, value = encounters.frame_index, detectability.value[order]
+    frame_at = np.append(frame, -1)  # at place -1: none
+
+    def first(is_member: np.ndarray) -> np.ndarray:
+        """Return the first place of a member in each encounter, -1 for none."""
+        places = np.flatnonzero(is_member)
+        places = places[np.diff(encounter[places], prepend=-1) != 0]
+        place = np.full(n, -1)
+        place[encounter[places]] = places
+        return place
+
+    def n_frames(is_member: np.ndarray) -> np.ndarray:
+        of, at = encounter[is_member], frame[is_member]
+        is_new = (np.diff(of, prepend=-1) != 0) | (np.diff(at, prepend=-1) != 0)
+        return np.bincount(of[is_new], minlength=n)
+
+    relevant = frame_at[first(k_truth[order] >= RELEVANT_K)][encounter]
+    is_known = ~np.isnan(value) & (relevant >= 0)
+    is_before, sees = is_known & (frame <= relevant), is_known & (value >= threshold)
+    highest = np.full(n, -np.inf)
+    np.maximum.at(highest, encounter[is_before], value[is_before])
+    place = first(is_before & (value == highest[encounter]))
+    highest[place < 0] = np.nan
+    row = np.append(order, -1)[place]
+    sd = np.where(place < 0, np.nan, np.append(detectability.sd, np.nan)[row])
+    is_outside, is_adapted = (
+        np.append(of_boxes, False)[row] & (place >= 0)
+        for of_boxes in (detectability.is_outside, detectability.is_adapted)
+    )
+    seen_row = frame_at[first(sees & is_before)]
+    n_outside = n_frames(is_before & detectability.is_outside[order])
     return pd.DataFrame(
         {
             "detectability": highest,
             "sd": sd,
-            "is_outside": is_outside,
+            "is_outside": is_outside | ((seen_row < 0) & (n_outside > 0)),
             "is_adapted": is_adapted,
-            "is_within_sd": is_within_sd,
-            "n_known": n_known,
-            "n_seen": n_seen,
+            "is_within_sd": np.abs(highest - threshold) <= sd,  # never where one is unknown
+            "n_known": n_frames(is_before),
+            "n_seen": n_frames(is_before & sees),
             "seen_row": seen_row,
-            "confirmed_row": confirmed_row,
-            "known_row": known_row,
+            "confirmed_row": frame_at[first(sees)],
+            "known_row": frame_at[first(is_known)],
         }
     )
 
@@ -123,111 +150,33 @@ def weigh_unseen(dataset: Dataset, params: Params) -> np.ndarray | None:
     return weights
 
 
-def count_unknown(dataset: Dataset) -> int:
-    """Count the pedestrian boxes of unknown detectability.
+def is_unknown(dataset: Dataset) -> np.ndarray:
+    """Return which truth boxes are pedestrians of unknown detectability, bool, shape (n_truth,).
 
     With `driver_weighting` they have full weight.
     """
-    is_unknown = np.isnan(dataset.detectability.value) & ~dataset.truth.ignore
-    return int(np.count_nonzero(is_unknown))
-
-
-@dataclass(frozen=True)
-class DriverVenn:
-    """Counts of encounters by who sees them: the driver unaided, X or Y.
-
-    Attributes
-    ----------
-    counts
-        Encounters of each region, unknown and distant ones too.
-    """
-
-    counts: dict[DriverRegion, int]
-
-    @property
-    def n_known(self) -> int:
-        """Number of near encounters with known detectability."""
-        return sum(self.counts[region] for region in _KNOWN)
-
-    @property
-    def n_seen(self) -> int:
-        """Number of near encounters that the driver sees unaided."""
-        return sum(self.counts[region] for region in _KNOWN[:4])
-
-    @property
-    def n_unseen(self) -> int:
-        """Number of near encounters that the driver is known not to see.
-
-        A system can warn of them.
-        """
-        return self.n_known - self.n_seen
-
-
-def driver_regions(
-    is_near: np.ndarray,
-    is_known: np.ndarray,
-    by_driver: np.ndarray,
-    by_x: np.ndarray,
-    by_y: np.ndarray,
-) -> np.ndarray:
-    """Return the region of each encounter in the Venn diagram of driver, X and Y.
-
-    All arguments bool, shape (n,). Encounters that are not near are `distant`, others of which it
-    is not known whether the driver sees them `unknown`.
-
-    Returns
-    -------
-    Values of `DriverRegion`, object, shape (n,).
-    """
-    code = 4 * ~by_driver + 2 * ~by_x + ~by_y
-    code = np.select([~is_near, ~is_known], [9, 8], default=code)
-    names = np.array([region.value for region in DriverRegion], dtype=object)
-    regions: np.ndarray = names[code]
-    return regions
-
-
-def count_driver_regions(region: np.ndarray) -> DriverVenn:
-    """Count the encounters in each of the regions that `driver_regions` returns."""
-    counts = Counter(region.tolist())
-    return DriverVenn({kind: counts[kind.value] for kind in DriverRegion})
-
-
-def split_unseen(venn: DriverVenn) -> Venn:
-    """Return the Venn diagram of X and Y for the encounters that the driver does not see.
-
-    All others count as distant.
-    """
-    of = venn.counts
-    both, x_only = of[DriverRegion.X_Y], of[DriverRegion.X]
-    y_only, neither = of[DriverRegion.Y], of[DriverRegion.NOBODY]
-    return Venn(both, x_only, y_only, neither, sum(of.values()) - venn.n_unseen)
+    is_missing: np.ndarray = np.isnan(dataset.detectability.value) & ~dataset.truth.ignore
+    return is_missing
 
 
 @dataclass(frozen=True, eq=False)
 class DriverView:
     """Encounters by whether the driver sees them unaided, and whether X and Y detect them.
 
+    Arrays have the shape (n_encounters,); masks are bool.
+
     Attributes
     ----------
     table
         Of `judge_driver`.
     is_near, by_x, by_y
-        Encounters that count, and those that X and Y detect; bool, shape (n_encounters,).
+        Encounters that count, and those that X and Y detect.
     """
 
     table: pd.DataFrame
     is_near: np.ndarray
     by_x: np.ndarray
     by_y: np.ndarray
-
-    @property
-    def seen_row(self) -> np.ndarray:
-        """Row of the frame in which the driver confirms each encounter, int64, -1 for none.
-
-        Shape (n_encounters,).
-        """
-        row: np.ndarray = self.table["seen_row"].to_numpy()
-        return row
 
     @cached_property
     def is_known(self) -> np.ndarray:
@@ -242,59 +191,85 @@ class DriverView:
 
     @property
     def is_seen(self) -> np.ndarray:
-        """Mask of near encounters that the driver sees unaided, shape (n_encounters,)."""
-        is_seen: np.ndarray = self.is_known & (self.seen_row >= 0)
-        return is_seen
+        """Mask of near encounters that the driver sees unaided."""
+        return self._known(self.table["seen_row"] >= 0)
 
     @property
     def is_unseen(self) -> np.ndarray:
-        """Mask of near encounters that the driver is known not to see, shape (n_encounters,)."""
-        is_unseen: np.ndarray = self.is_known & (self.seen_row < 0)
-        return is_unseen
+        """Mask of near encounters that the driver is known not to see."""
+        return self._known(self.table["seen_row"] < 0)
 
     @cached_property
     def region(self) -> np.ndarray:
-        """Region of each encounter from `driver_regions`, object, shape (n_encounters,)."""
-        seen = self.is_seen, self.by_x, self.by_y
-        return driver_regions(self.is_near, self.is_known, *seen)
+        """Region of each encounter in the Venn diagram, values of `DriverRegion`, object.
+
+        Encounters that are not near are `distant`, others without known detectability `unknown`.
+        """
+        code = 4 * ~self.is_seen + 2 * ~self.by_x + ~self.by_y
+        code = np.select([~self.is_near, ~self.is_known], [9, 8], default=code)
+        regions: np.ndarray = np.array([of.value for of in DriverRegion], dtype=object)[code]
+        return regions
 
     @cached_property
-    def venn(self) -> DriverVenn:
-        """Counts of encounters by who sees them: the driver unaided, X or Y."""
-        return count_driver_regions(self.region)
+    def counts(self) -> dict[DriverRegion, int]:
+        """Number of encounters in each region, unknown and distant ones too."""
+        counts = Counter(self.region.tolist())
+        return {kind: counts[kind.value] for kind in DriverRegion}
+
+    @property
+    def n_known(self) -> int:
+        """Number of near encounters with known detectability."""
+        return int(np.count_nonzero(self.is_known))
+
+    @property
+    def n_seen(self) -> int:
+        """Number of near encounters that the driver sees unaided."""
+        return int(np.count_nonzero(self.is_seen))
+
+    @property
+    def n_unseen(self) -> int:
+        """Number of near encounters that the driver is known not to see: to warn of."""
+        return self.n_known - self.n_seen
 
     @property
     def has_sd(self) -> np.ndarray:
         """Mask of near encounters whose detectability has a standard deviation."""
-        has_sd: np.ndarray = ~np.isnan(self.table["sd"].to_numpy()) & self.is_known
-        return has_sd
+        return self._known(self.table["sd"].notna())
 
     @property
     def is_within_sd(self) -> np.ndarray:
         """Mask of near encounters whose detectability is within its sd of the threshold."""
-        is_within_sd: np.ndarray = self.table["is_within_sd"].to_numpy() & self.is_known
-        return is_within_sd
+        return self._known(self.table["is_within_sd"])
 
     @property
-    def n_outside(self) -> int:
-        """Number of near encounters decided by an estimate outside the training range."""
-        return int(np.count_nonzero(self.table["is_outside"].to_numpy() & self.is_known))
+    def is_outside(self) -> np.ndarray:
+        """Mask of near encounters decided by an estimate outside the training range."""
+        return self._known(self.table["is_outside"])
 
     @property
     def is_adapted(self) -> np.ndarray:
-        """Mask of near encounters decided by an estimate for adapted eyes.
+        """Mask of near encounters decided by an estimate for adapted eyes."""
+        return self._known(self.table["is_adapted"])
 
-        Shape (n_encounters,).
-        """
-        is_adapted: np.ndarray = self.table["is_adapted"].to_numpy() & self.is_known
-        return is_adapted
+    def _known(self, is_member: pd.Series) -> np.ndarray:
+        mask: np.ndarray = is_member.to_numpy() & self.is_known
+        return mask
 
     @property
     def is_seldom_seen(self) -> np.ndarray:
         """Mask of near encounters that the driver sees in less than `SELDOM` of their known frames.
 
-        bool, shape (n_encounters,); of the frames up to the first relevant one.
+        Of the frames up to the first relevant one.
         """
-        n_seen, n_known = (self.table[name].to_numpy() for name in ("n_seen", "n_known"))
-        is_seldom: np.ndarray = (n_seen < SELDOM * n_known) & self.is_seen
-        return is_seldom
+        is_seldom = self.table["n_seen"] < SELDOM * self.table["n_known"]
+        return self._known(is_seldom & (self.table["seen_row"] >= 0))
+
+
+def split_unseen(driver: DriverView) -> Venn:
+    """Return the Venn diagram of X and Y for the encounters that the driver does not see.
+
+    All others count as distant.
+    """
+    kinds = DriverRegion.X_Y, DriverRegion.X, DriverRegion.Y, DriverRegion.NOBODY
+    both, x_only, y_only, neither = (driver.counts[kind] for kind in kinds)
+    return Venn(both, x_only, y_only, neither, len(driver.region) - driver.n_unseen)

@@ -33,12 +33,6 @@ KNOWN: Final = Condition(
     lambda result: result.dataset.each_alone or driver_in(result).has_any, "without detectability"
 )
 """Condition: detectability is known of at least one near encounter."""
-Members = Callable[[Result, SystemResult], np.ndarray]
-"""Encounters of a kind; bool, shape (n_encounters,)."""
-
-
-def _is_known(result: Result) -> np.ndarray:
-    return driver_in(result).is_known
 
 
 def _is_detected(system: SystemResult) -> np.ndarray:
@@ -51,14 +45,9 @@ def _useful(result: Result, system: SystemResult) -> np.ndarray:
     return useful
 
 
-def _useful_parts(result: Result, system: SystemResult) -> Parts:
-    """Return one summand per useful alert: 1, in the first frame of its encounter."""
-    return Parts(result.encounters.first_row[_useful(result, system)], None)
-
-
 def _count(
     key: str,
-    members: Members,
+    members: Callable[[Result, SystemResult], np.ndarray],
     label: str,
     better: Better,
     meaning: str,
@@ -66,7 +55,7 @@ def _count(
     part: str = "",
     stages: tuple[Stage, ...] = (ENCOUNTERS, DRIVER),
     leads: bool = False,
-    is_judged: Callable[[Result], np.ndarray] = _is_known,
+    is_judged: Callable[[Result], np.ndarray] = lambda result: driver_in(result).is_known,
     empty_by_recording: str = "it is known of no encounter whether the driver sees it",
     inference: Inference | None = None,
 ) -> Measure:
@@ -113,7 +102,7 @@ MEASURES: Final[tuple[Measure, ...]] = (
             scale=_SHARE,
             label="share detected of {what} the driver does not see, within these recordings",
             form=".1%",
-            split=lambda result: split_unseen(driver_in(result).venn),
+            split=lambda result: split_unseen(driver_in(result)),
             per="n_unseen",
             repeats="useful_alerts_by_unit",
             split_in_group="those that the driver does not see",
@@ -131,7 +120,10 @@ MEASURES: Final[tuple[Measure, ...]] = (
         inference=Inference(
             test="units",
             scale=_SHARE,
-            parts=_useful_parts,
+            # 1 for each useful alert, in the first frame of its encounter
+            parts=lambda result, system: Parts(
+                result.encounters.first_row[_useful(result, system)], None
+            ),
             per="n_unseen",
             noun="useful alerts (by the given detectability)",
         ),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from nvcore.comparison import Result
 from nvcore.driver.comparison.in_time import count_in_time, is_judged_in_time, is_seen_too_late
-from nvcore.driver.comparison.judging import SELDOM, count_unknown
-from nvcore.driver.comparison.kinds import DriverRegion
+from nvcore.driver.comparison.judging import SELDOM, DriverRegion, is_unknown
 from nvcore.driver.comparison.settings import DRIVER
 from nvcore.driver.comparison.steps import driver_in
+from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.measures.entry import Measure
 from nvcore.notes import Note, phrase
 from nvcore.time_left.steps import time_left_in
@@ -37,18 +37,62 @@ def driver_notes(result: Result) -> tuple[Note, ...]:
 
 def view_notes(result: Result) -> tuple[Note, ...]:
     """Return `driver_notes` without the note that nothing is claimed."""
+    if driver_in(result).has_any:
+        return (*_seen(result), *source(result), *_estimated(result))
+    return (Note("driver.nothing_known"),) if result.dataset.has_detectability else ()
+
+
+def _seen(result: Result) -> Iterator[Note]:
+    """Yield notes on whom the driver sees, and when."""
     driver = driver_in(result)
-    if not driver.has_any:
-        return (Note("driver.nothing_known"),) if result.dataset.has_detectability else ()
-    notes = [seen_unaided(result)]
+    yield seen_unaided(result)
     if n_seldom := _n(driver.is_seldom_seen):
-        notes.append(Note("driver.seldom", n=n_seldom, n_seen=driver.venn.n_seen, share=SELDOM))
-    notes += _open(result)
+        yield Note("driver.seldom", n=n_seldom, n_seen=driver.n_seen, share=SELDOM)
+    n_open = _n(driver.is_within_sd)
+    is_said = are_all_open(result) and not doubt_of_estimator(result)  # by `no_claim`
+    if n_open and not is_said:
+        yield Note(
+            "driver.open",
+            n=n_open,
+            n_known=driver.n_known,
+            is_least=_n(driver.has_sd) < driver.n_known,
+            n_open_unseen=_n(driver.is_within_sd & driver.is_unseen),
+            n_unseen=driver.n_unseen,
+            threshold=result.params.driver_threshold,
+        )
     if (parts := count_in_time(result)).n:
-        notes.append(Note("driver.in_time", n=parts.n, **parts._asdict()))
-        n_late = _n(is_seen_too_late(result))
-        notes += [Note("driver.too_late", n=n_late)] if n_late else []
-    return (*notes, *_origin(result))
+        yield Note("driver.in_time", n=parts.n, **parts._asdict())
+        if n_late := _n(is_seen_too_late(result)):
+            yield Note("driver.too_late", n=n_late)
+
+
+def _estimated(result: Result) -> Iterator[Note]:
+    """Yield notes on estimates outside the training range or for adapted eyes.
+
+    They are worth a note if they are many or decide encounters.
+    """
+    record, values = result.dataset.of("driver"), result.dataset.detectability
+    is_known = ~(np.isnan(values.value) | result.dataset.truth.ignore)
+    n_known, n = _n(is_known), _n(is_known & values.is_outside)
+    driver = driver_in(result)
+    n_deciding = _n(driver.is_outside)
+    if n_deciding or n > SMALL_SHARE * n_known:
+        outside = record.outside if record else ()
+        names = [shortened(one_line(name), _SHOWN_NAME) for name in outside]
+        yield Note(
+            "driver.outside",
+            n=n,
+            n_known=n_known,
+            n_deciding=n_deciding,
+            n_encounters=driver.n_known,
+            features=listed(names, most=_MOST_NAMED) or None,
+        )
+    if (record := estimates_in(result)) is None:
+        return
+    if record.n_light_unknown > SMALL_SHARE * record.n_estimates:
+        yield Note("driver.light_unknown", share=record.n_light_unknown / record.n_estimates)
+    if n_adapted := _n(driver.is_adapted):
+        yield Note("driver.adapted", n=n_adapted, n_known=driver.n_known)
 
 
 def no_claim(result: Result) -> tuple[Note, ...]:
@@ -63,7 +107,7 @@ def weighting(result: Result) -> tuple[Note, ...]:
         return ()
     if not result.dataset.has_detectability:
         return (Note("driver.no_weighting"),)
-    return (Note("driver.weighting", n_unknown=count_unknown(result.dataset)),)
+    return (Note("driver.weighting", n_unknown=_n(is_unknown(result.dataset))),)
 
 
 def weighting_notes(result: Result) -> tuple[Note, ...]:
@@ -95,34 +139,33 @@ def limits(result: Result) -> tuple[Note, ...]:
 def seen_unaided(result: Result) -> Note:
     """Return a note on how many encounters the driver sees, and how many others X and Y detect."""
     driver = driver_in(result)
-    venn, count = driver.venn, driver.venn.counts
-    of: dict[str, Any] = {"by": by(result), "n_seen": venn.n_seen, "n_known": venn.n_known}
-    if not venn.n_unseen:
+    of: dict[str, Any] = {"by": by(result), "n_seen": driver.n_seen, "n_known": driver.n_known}
+    if not driver.n_unseen:
         is_open = doubt_of_seen(result) or driver.is_within_sd.any()
         is_redundant = not (is_open or is_seen_too_late(result).any())
         return Note("driver.seen_unaided", **of, is_redundant=is_redundant)
-    x, y, both = (count[of] for of in (DriverRegion.X, DriverRegion.Y, DriverRegion.X_Y))
+    x, y, both = (driver.counts[of] for of in (DriverRegion.X, DriverRegion.Y, DriverRegion.X_Y))
     return Note(
         "driver.seen_unaided",
         **of,
-        n_unseen=venn.n_unseen,
+        n_unseen=driver.n_unseen,
         useful_x=both + x,
         useful_y=both + y,
         x=x,
         y=y,
-        neither=count[DriverRegion.NOBODY],
+        neither=driver.counts[DriverRegion.NOBODY],
     )
 
 
 def counts(result: Result) -> Note:
     """Return a note on how many encounters are seen, unseen, unknown and distant."""
-    venn = driver_in(result).venn
-    unknown, distant = (venn.counts[of] for of in (DriverRegion.UNKNOWN, DriverRegion.DISTANT))
+    driver = driver_in(result)
+    unknown, distant = (driver.counts[of] for of in (DriverRegion.UNKNOWN, DriverRegion.DISTANT))
     return Note(
         "driver.counts",
-        n=venn.n_known + unknown + distant,
-        n_seen=venn.n_seen,
-        n_unseen=venn.n_unseen,
+        n=driver.n_known + unknown + distant,
+        n_seen=driver.n_seen,
+        n_unseen=driver.n_unseen,
         n_unknown=unknown,
         n_distant=distant,
     )
@@ -158,8 +201,8 @@ def origin_of(result: Result) -> dict[str, Any]:
     (numbers of recordings with estimates and with values of the ground truth), and made_by and
     caution (None if unknown).
     """
-    estimate = result.dataset.of("driver")
-    if estimate is None or is_stated(result):
+    estimate = estimates_in(result)
+    if estimate is None:
         return {"origin": "truth"}
     n_estimated, n_stated = count_origins(result)
     return {
@@ -177,82 +220,22 @@ def source(result: Result) -> tuple[Note, ...]:
     note = Note("driver.source", threshold=threshold, **origin_of(result))
     values = result.dataset.detectability.value
     n_known = _n(~(np.isnan(values) | result.dataset.truth.ignore))
-    n_boxes = n_known + count_unknown(result.dataset)
+    n_boxes = n_known + _n(is_unknown(result.dataset))
     is_small = n_known < (1 - SMALL_SHARE) * n_boxes
-    n_unknown = driver_in(result).venn.counts[DriverRegion.UNKNOWN]
+    n_unknown = driver_in(result).counts[DriverRegion.UNKNOWN]
     if not (is_small or n_unknown):
         return (note,)
     of_boxes = {"n_known": n_known, "n_boxes": n_boxes} if is_small else {}
     return (note, Note("driver.known_extent", n_unknown=n_unknown, **of_boxes))
 
 
-def _origin(result: Result) -> tuple[Note, ...]:
-    return (*source(result), *_outside(result), *_adapted(result))
-
-
-def _outside(result: Result) -> tuple[Note, ...]:
-    """Return a note on estimates outside the training range and on encounters that they decide."""
-    record, values = result.dataset.of("driver"), result.dataset.detectability
-    is_known = ~(np.isnan(values.value) | result.dataset.truth.ignore)
-    n_known, n = _n(is_known), _n(is_known & values.is_outside)
-    driver = driver_in(result)
-    if not driver.n_outside and n <= SMALL_SHARE * n_known:
-        return ()
-    names = [shortened(one_line(name), _SHOWN_NAME) for name in (record.outside if record else ())]
-    return (
-        Note(
-            "driver.outside",
-            n=n,
-            n_known=n_known,
-            n_deciding=driver.n_outside,
-            n_encounters=driver.venn.n_known,
-            features=listed(names, most=_MOST_NAMED) or None,
-        ),
-    )
-
-
-def _open(result: Result) -> tuple[Note, ...]:
-    """Return a note on encounters within one standard deviation of the threshold, if any."""
-    driver = driver_in(result)
-    n = _n(driver.is_within_sd)
-    is_said = are_all_open(result) and not doubt_of_estimator(result)  # by `no_claim`
-    if not n or is_said:
-        return ()
-    return (
-        Note(
-            "driver.open",
-            n=n,
-            n_known=driver.venn.n_known,
-            is_least=_n(driver.has_sd) < driver.venn.n_known,
-            n_open_unseen=_n(driver.is_within_sd & driver.is_unseen),
-            n_unseen=driver.venn.n_unseen,
-            threshold=result.params.driver_threshold,
-        ),
-    )
-
-
-def _adapted(result: Result) -> tuple[Note, ...]:
-    """Return notes on estimates for adapted eyes, if they are many or decide encounters."""
-    record = result.dataset.of("driver")
-    if record is None or is_stated(result):
-        return ()
-    notes = []
-    if record.n_light_unknown > SMALL_SHARE * record.n_estimates:
-        share = record.n_light_unknown / record.n_estimates
-        notes.append(Note("driver.light_unknown", share=share))
-    if n_adapted := _n(driver_in(result).is_adapted):
-        notes.append(Note("driver.adapted", n=n_adapted, n_known=driver_in(result).venn.n_known))
-    return tuple(notes)
-
-
 def doubt_of_estimator(result: Result) -> Note | None:
     """Return why no estimate can be trusted, None if there is no estimate or no reason."""
-    estimate = result.dataset.of("driver")
-    if estimate is None or is_stated(result):
-        return None
-    if estimate.of_no_use:
+    estimate = estimates_in(result)
+    if estimate is not None and estimate.of_no_use:
         return Note("driver.useless")
-    return Note("driver.simulated_subjects") if estimate.simulated == "all" else None
+    is_simulated = estimate is not None and estimate.simulated == "all"
+    return Note("driver.simulated_subjects") if is_simulated else None
 
 
 def doubt_of_seen(result: Result) -> Note | None:
@@ -260,9 +243,9 @@ def doubt_of_seen(result: Result) -> Note | None:
     if why := doubt_of_estimator(result):
         return why
     driver, threshold = driver_in(result), result.params.driver_threshold
-    n_known, is_unseen = driver.venn.n_known, driver.is_unseen
-    if driver.n_outside and driver.n_outside >= MOST_OUTSIDE * n_known:
-        return Note("driver.out_of_range", n=driver.n_outside, n_known=n_known)
+    n_known, is_unseen, n_outside = driver.n_known, driver.is_unseen, _n(driver.is_outside)
+    if n_outside and n_outside >= MOST_OUTSIDE * n_known:
+        return Note("driver.out_of_range", n=n_outside, n_known=n_known)
     if are_all_open(result):
         return Note("driver.all_open", n=n_known, is_of_unseen=False, threshold=threshold)
     if is_unseen.any() and bool(driver.is_within_sd[is_unseen].all()):
@@ -280,10 +263,11 @@ def doubt_of(result: Result, measure: Measure) -> str:
     return phrase(why, result.objects) if why else ""
 
 
-def is_stated(result: Result) -> bool:
-    """Whether all detectability comes from the ground truth, despite a record of estimates."""
+def estimates_in(result: Result) -> EstimateRecord | None:
+    """Return the record of estimates, or None if all detectability is the ground truth's."""
+    estimate: EstimateRecord | None = result.dataset.of("driver")
     n_estimated, n_stated = count_origins(result)
-    return bool(n_stated and not n_estimated)
+    return None if n_stated and not n_estimated else estimate
 
 
 def count_origins(result: Result) -> tuple[int, int]:
@@ -303,7 +287,7 @@ def is_weighted(result: Result) -> bool:
 def are_all_open(result: Result) -> bool:
     """Whether every known detectability is within one standard deviation of the threshold."""
     driver = driver_in(result)
-    n_known = driver.venn.n_known
+    n_known = driver.n_known
     return n_known > 0 and _n(driver.is_within_sd) == n_known
 
 
@@ -324,7 +308,7 @@ def simulated_change(
     course
         Table of `nvcore.driver.comparison.encounters.detectability_course`.
     simulated
-        The same rows after `nvcore.driver.simulation.simulate_change`.
+        The same rows after `nvcore.driver.estimate.simulate_change`.
     threshold
         Detectability (0..1) from which the driver is assumed to see the pedestrian.
     change_s

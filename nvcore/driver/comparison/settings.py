@@ -14,8 +14,6 @@ DRIVER: Final = Stage(
 RESULTS: Final = (DRIVER,)
 """The stages whose results are shown."""
 
-DriverWeighting = Literal["off", "on"]
-
 
 def _has_detectability(dataset: Any) -> bool:
     return bool(dataset.has_detectability)
@@ -36,7 +34,7 @@ class DriverSettings:
         is_advanced=True,
         applies=_has_detectability,
     )
-    driver_weighting: DriverWeighting = setting(
+    driver_weighting: Literal["off", "on"] = setting(
         MISS_WEIGHTS,
         "off",
         heading=DRIVER.group,

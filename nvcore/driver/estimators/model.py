@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
+from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.driver.shapes import rows_of
 from nvcore.errors import ParameterError
 
@@ -240,11 +241,6 @@ class Estimator:
     feature_settings: FeatureSettings | None = None
 
     @property
-    def single(self) -> Regression:
-        """The regression for all periods."""
-        return self.regressions[-1]
-
-    @property
     def no_better_at_s(self) -> tuple[float, ...]:
         """Periods whose regression is no better than a constant on pedestrians left out."""
         of_periods = zip(self.periods_s.tolist(), self.qualities[:-1], strict=True)
@@ -255,6 +251,21 @@ class Estimator:
         """Whether the switched regressions are no better than a constant over all periods."""
         of_periods = self.qualities[:-1]
         return sum(q.error for q in of_periods) >= sum(q.constant_error for q in of_periods)
+
+    def caution(self, *, simulated: str = "") -> str:
+        """Return why estimates are doubtful whatever the pictures, or "" without a reason.
+
+        Parameters
+        ----------
+        simulated
+            As of its origin; empty: nothing is said of it.
+        """
+        return EstimateRecord(
+            simulated=simulated,
+            no_better_at_s=self.no_better_at_s,
+            of_no_use=self.is_of_no_use,
+            search=self.origin.search,
+        ).caution
 
     @property
     def features(self) -> tuple[str, ...]:
@@ -299,8 +310,8 @@ class Estimator:
             )
         period = np.broadcast_to(period, len(features))
         below, above, share = self._regression_rows(period, interpolate=interpolate)
-        parts = [self._of_periods(features, index) for index in (below, above)]
-        (first, sd, outside), (second, second_sd, second_outside) = parts
+        first, sd, outside = self._of_periods(features, below)
+        second, second_sd, second_outside = self._of_periods(features, above)
         is_between = below != above
         detectability = np.where(is_between, (1 - share) * first + share * second, first)
         return Estimates(
@@ -327,12 +338,9 @@ class Estimator:
         period = np.where(np.isnan(period), np.inf, period)
         periods = self.periods_s
         after = np.searchsorted(periods, period)
-        below = np.clip(after - 1, 0, len(periods) - 1)
-        above = np.clip(after, 0, len(periods) - 1)
-        step = periods[above] - periods[below]
-        share = np.zeros(len(period))
-        inside = step > 0
-        share[inside] = (period[inside] - periods[below[inside]]) / step[inside]
+        below, above = (np.clip(at, 0, len(periods) - 1) for at in (after - 1, after))
+        step, share = periods[above] - periods[below], np.zeros(len(period))
+        np.divide(period - periods[below], step, out=share, where=step > 0)
         share = share.round(_DIGITS)
         if interpolate:
             return np.where(share < 1, below, above), np.where(share > 0, above, below), share
@@ -343,8 +351,7 @@ class Estimator:
         self, features: NDArray[np.float64], index: NDArray[np.int64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
         """Detectability, uncertainty and what is outside, by the regression of each row."""
-        detectability = np.full(len(features), np.nan)
-        sd = np.full(len(features), np.nan)
+        detectability, sd = np.full((2, len(features)), np.nan)
         outside = np.zeros(features.shape, dtype=np.bool_)
         for number in np.unique(index).tolist():  # a handful
             rows = index == number

@@ -20,10 +20,10 @@ from nvcore.driver.estimators.model import (
     Regression,
     SvrSettings,
 )
-from nvcore.driver.feature_record import picture_px_from_json, settings_from_json
-from nvcore.driver.features import FEATURE_KEYS
-from nvcore.driver.inputs.picture_boxes import LARGEST
+from nvcore.driver.feature_record import SETTINGS, picture_px_from_json
+from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
 from nvcore.driver.inputs.record import SEARCHES
+from nvcore.driver.inputs.study_tables import LARGEST
 from nvcore.errors import EstimatorError
 from nvcore.output.files import write_whole
 from nvcore.output.model_files import Array, BadModelError, ModelFormat, check_name, format_of
@@ -56,13 +56,8 @@ class _About:
             raise ValueError("features: expected those of this program; train the model again")
 
 
-def _per_regression(low: float, high: float, dtype: str = "<f8") -> Array:
-    return Array(dtype, ("regressions",), low, high)
-
-
-def _per_feature(low: float, high: float, dtype: str = "<f8") -> Array:
-    return Array(dtype, ("regressions", N_FEATURES), low, high)
-
+_PER_REGRESSION: Final = ("regressions",)
+_PER_FEATURE: Final = ("regressions", N_FEATURES)
 
 FORMAT: Final = ModelFormat(
     name="nvcore-driver",
@@ -73,23 +68,23 @@ FORMAT: Final = ModelFormat(
     # ranges: what training can write, or more; within them nothing that is computed is infinite
     arrays={
         "periods_s": Array("<f8", ("periods",), 0, 3660),  # of trials and the display of a picture
-        "is_used": _per_feature(0, 1, "|u1"),
-        "centre": _per_feature(-LARGEST, LARGEST),
-        "scale": _per_feature(-np.inf, np.inf),  # of features in use within _SCALE
-        "low": _per_feature(-LARGEST, LARGEST),
-        "high": _per_feature(-LARGEST, LARGEST),
-        "kernel": _per_regression(0, 255, "|u1"),
-        "cost": _per_regression(0, 1000),
-        "epsilon": _per_regression(0, 1),
-        "gamma": _per_regression(0, 1000),
-        "offset": _per_regression(-LARGEST, LARGEST),
-        "vector_ends": _per_regression(-(2**31), 2**31 - 1, "<i4"),
+        "is_used": Array("|u1", _PER_FEATURE, 0, 1),
+        "centre": Array("<f8", _PER_FEATURE, -LARGEST, LARGEST),
+        "scale": Array("<f8", _PER_FEATURE, -np.inf, np.inf),  # of features in use within _SCALE
+        "low": Array("<f8", _PER_FEATURE, -LARGEST, LARGEST),
+        "high": Array("<f8", _PER_FEATURE, -LARGEST, LARGEST),
+        "kernel": Array("|u1", _PER_REGRESSION, 0, 255),
+        "cost": Array("<f8", _PER_REGRESSION, 0, 1000),
+        "epsilon": Array("<f8", _PER_REGRESSION, 0, 1),
+        "gamma": Array("<f8", _PER_REGRESSION, 0, 1000),
+        "offset": Array("<f8", _PER_REGRESSION, -LARGEST, LARGEST),
+        "vector_ends": Array("<i4", _PER_REGRESSION, -(2**31), 2**31 - 1),
         "vectors": Array("<f8", ("vectors", N_FEATURES), -1000, 1000),  # standard deviations
         "weights": Array("<f8", ("vectors",)),
-        "n_rows": _per_regression(1, 1_000_000, "<i4"),
-        "error": _per_regression(0, 1),
-        "constant": _per_regression(0, 1),
-        "constant_error": _per_regression(0, 1),
+        "n_rows": Array("<i4", _PER_REGRESSION, 1, 1_000_000),
+        "error": Array("<f8", _PER_REGRESSION, 0, 1),
+        "constant": Array("<f8", _PER_REGRESSION, 0, 1),
+        "constant_error": Array("<f8", _PER_REGRESSION, 0, 1),
     },
     longest={"periods": 1000, "regressions": 1001, "vectors": 200_000},
     may_be_empty=frozenset({"vectors"}),
@@ -222,7 +217,9 @@ def _estimator(about: _About, arrays: dict[str, NDArray[Any]]) -> Estimator:
             for row in range(n_regressions)
         ),
         origin=_origin(about.origin),
-        feature_settings=None if features is None else settings_from_json(features),
+        feature_settings=None
+        if features is None
+        else decode(FeatureSettings, features, SETTINGS, complete=True),
     )
 
 
@@ -251,8 +248,7 @@ def _check_values(arrays: Mapping[str, NDArray[Any]]) -> None:
 
 def _regression(arrays: Mapping[str, NDArray[Any]], row: int) -> Regression:
     columns = np.flatnonzero(arrays["is_used"][row])
-    end = int(arrays["vector_ends"][row])
-    start = int(arrays["vector_ends"][row - 1]) if row else 0
+    start, end = np.append(0, arrays["vector_ends"])[row : row + 2]
     settings = {name: float(arrays[name][row]) for name in _OF_SETTINGS}
     return Regression(
         columns=columns,

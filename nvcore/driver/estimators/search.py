@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -156,28 +156,12 @@ def folds_of(groups: NDArray[np.int64], n_folds: int, seed: int) -> NDArray[np.i
     return (order % min(n_folds, len(numbers)))[rows]
 
 
-@dataclass(frozen=True)
-class FeatureChoices:
-    """What the inner cross-validation says of each choice of features.
+class Choice(NamedTuple):
+    """A choice of features, its best settings, and their mean squared error out of fold."""
 
-    Attributes
-    ----------
-    sets
-        Columns of each choice.
-    settings
-        The best settings of each.
-    errors
-        Mean squared error with them out of the inner folds, float64, shape (n sets,).
-    """
-
-    sets: tuple[Columns, ...]
-    settings: tuple[SvrSettings, ...]
-    errors: NDArray[np.float64]
-
-    @property
-    def best(self) -> int:
-        """Number of the choice with the least error."""
-        return int(self.errors.argmin())
+    columns: Columns
+    settings: SvrSettings
+    error: float
 
 
 def choose(
@@ -187,7 +171,7 @@ def choose(
     search: Search,
     *,
     check: Check,
-) -> FeatureChoices:
+) -> list[Choice]:
     """The best settings for each choice of features, by cross-validation.
 
     Parameters
@@ -213,5 +197,5 @@ def choose(
                 regression = fit(features[train], target[train], columns, settings)
                 residual = regression.predict(features[test]) - target[test]
                 squares[i, j] += residual @ residual
-    best = squares.argmin(axis=1)
-    return FeatureChoices(sets, tuple(drawn[j] for j in best), squares.min(axis=1) / len(target))
+    best, errors = squares.argmin(axis=1).tolist(), squares.min(axis=1) / len(target)
+    return [Choice(*of) for of in zip(sets, (drawn[j] for j in best), errors, strict=True)]

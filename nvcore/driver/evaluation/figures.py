@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.driver.estimators.words import words_of
+from nvcore.driver.features import words_of
 from nvcore.extras import needs
 from nvcore.palette import Theme
 from nvcore.wording import count_text, minus, number, percent

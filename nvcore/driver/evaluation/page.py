@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
@@ -12,38 +12,71 @@ import pandas as pd
 from nvcore import __version__
 from nvcore.driver.estimator_report import (
     ERROR,
+    ERROR_TITLES,
     basis_of_errors,
     describe_evaluated,
     learning,
 )
 from nvcore.driver.estimators.training import origin_of
-from nvcore.driver.evaluation import Evaluation, evaluation_tables
-from nvcore.driver.evaluation.figures import (
-    detectability_histograms_plot,
-    detectability_plot,
-    estimates_plot,
-    estimator_errors_plot,
-    feature_pairs_plot,
-    pair_ranks_plot,
-)
+from nvcore.driver.evaluation import Evaluation, evaluation_tables, figures
 from nvcore.driver.evaluation.tables import errors_table
 from nvcore.notes import Note, say
 from nvcore.objects import PEDESTRIAN
 from nvcore.output.files import write_whole
 from nvcore.report.html.page import render_page
-from nvcore.report.section import Chart, Columns, Paragraphs, Row, Section, listing
+from nvcore.report.section import Block, Chart, Columns, Paragraphs, Row, Section, Table, listing
 from nvcore.wording import capitalised, percent
 
 TITLE: Final = "How well estimators know whom the driver sees"
-_ERROR_TITLES: Final = {
-    "switched": "Switched",
-    "single": "Single",
-    "constant": "Constant",
-    "sampling": "Few subjects",
-    "published_switched": "Paper, switched",
-    "published_single": "Paper, single",
+
+
+def _period(otherwise: str) -> Callable[[Row], str]:
+    return lambda row: otherwise if pd.isna(row["period_s"]) else f"{row['period_s']:g}"
+
+
+_CHARTS: Final[dict[str, tuple[Callable[..., Any], str, str]]] = {
+    "errors": (figures.estimator_errors_plot, "errors", "Errors by period."),
+    "estimates": (figures.estimates_plot, "estimates", "Detectability over its estimate."),
+    "periods": (figures.detectability_plot, "periods", "Mean detectability by period."),
+    "histograms": (
+        figures.detectability_histograms_plot,
+        "histograms",
+        "Histograms of detectability by period.",
+    ),
+    "pairs": (figures.feature_pairs_plot, "pairs", "Error and rank of every pair of features."),
+    "ranks": (
+        figures.pair_ranks_plot,
+        "pair_ranks",
+        "Rank correlations of the pairs between periods.",
+    ),
 }
-"""Columns of errors, with their titles."""
+"""Figure, table that it shows, and description, by identifier within the page."""
+_COLUMNS: Final[dict[str, Columns]] = {
+    "errors": {"Period (s)": (_period("mean"), ""), "Pedestrians": ("n", "d")},
+    "periods": {
+        "Period (s)": (_period("mean"), ""),
+        "Pedestrians": ("n", "d"),
+        "Mean": ("mean", ".2f"),
+        "Standard deviation": ("sd", ".2f"),
+        "Seen by nobody": (lambda row: percent(row["share_zero"]), ""),
+        "Seen by everybody": (lambda row: percent(row["share_one"]), ""),
+    },
+    "choices": {
+        "Period (s)": (_period("single"), ""),
+        "Features": "features",
+        "Pedestrians": ("n", "d"),
+        "Share": (lambda row: percent(row["share"]), ""),
+    },
+    "subjects": {
+        "Subject": "subject",
+        "Trials": ("n", "d"),
+        "Right": ("share", ".2f"),
+        "Expected from the others": ("share_expected", ".2f"),
+        "Off time": ("n_off_time", "d"),
+        "Odd": "odd",
+    },
+}
+"""Columns that the page shows of a table."""
 
 
 def write_evaluation_html(evaluation: Evaluation, path: Path) -> None:
@@ -70,10 +103,9 @@ def write_evaluation_html(evaluation: Evaluation, path: Path) -> None:
 
 def _summary(evaluation: Evaluation) -> list[str]:
     """Return sentences on the mean errors, then on the data behind them."""
-    mean = errors_table(evaluation).iloc[-1]
-    of = {name: mean[name] for name in ("switched", "single", "constant")}
+    mean = errors_table(evaluation).iloc[-1][["switched", "single", "constant"]]
     return [
-        say(Note("driver.mean_errors", **of), PEDESTRIAN),
+        say(Note("driver.mean_errors", **mean), PEDESTRIAN),
         *(f"{capitalised(text)}." for text in describe_evaluated(evaluation)),
     ]
 
@@ -83,109 +115,44 @@ def _sections(evaluation: Evaluation) -> list[Section]:
     errors = tables["errors"]
     learned = learning(errors) or [Note("driver.all_learned")]
     texts = tuple(f"{say(note, PEDESTRIAN)}." for note in learned)
-    n: tuple[str, str] = ("n", "d")
     of_errors: Columns = {
-        "Period (s)": (_period("mean"), ""),
-        "Pedestrians": n,
-        **{of: (name, ERROR) for name, of in _ERROR_TITLES.items() if errors[name].notna().any()},
+        capitalised(title): (name, ERROR)
+        for name, title in ERROR_TITLES.items()
+        if name in errors and errors[name].notna().any()
     }
-    of_periods: Columns = {
-        "Period (s)": (_period("mean"), ""),
-        "Pedestrians": n,
-        "Mean": ("mean", ".2f"),
-        "Standard deviation": ("sd", ".2f"),
-        "Seen by nobody": (lambda row: percent(row["share_zero"]), ""),
-        "Seen by everybody": (lambda row: percent(row["share_one"]), ""),
+
+    def chart(name: str) -> Chart:
+        plot, table, words = _CHARTS[name]
+        return Chart(name, partial(plot, tables[table], theme="light"), words)
+
+    def rows(
+        title: str, name: str, more: Columns | None = None, notes: Sequence[str] = ()
+    ) -> Table:
+        return listing(title, tables[name], {**_COLUMNS[name], **(more or {})}, notes=notes)
+
+    blocks: dict[tuple[str, str], tuple[Block, ...]] = {
+        ("errors", "Error on pedestrians left out"): (
+            Paragraphs(texts),
+            chart("errors"),
+            rows("Mean squared error; 0 is best", "errors", of_errors, basis_of_errors(errors)),
+            chart("estimates"),
+        ),
+        ("seen", "What the subjects saw"): (
+            chart("periods"),
+            chart("histograms"),
+            rows("Detectability", "periods"),
+        ),
+        ("features", "Which features"): (
+            rows(
+                "Features that were chosen, and for how many of the pedestrians left out",
+                "choices",
+            ),
+            chart("pairs"),
+            chart("ranks"),
+        ),
+        ("subjects", "Subjects"): (rows("How each subject responded", "subjects"),),
     }
-    of_choices: Columns = {
-        "Period (s)": (_period("single"), ""),
-        "Features": "features",
-        "Pedestrians": n,
-        "Share": (lambda row: percent(row["share"]), ""),
-    }
-    of_subjects: Columns = {
-        "Subject": "subject",
-        "Trials": n,
-        "Right": ("share", ".2f"),
-        "Expected from the others": ("share_expected", ".2f"),
-        "Off time": ("n_off_time", "d"),
-        "Odd": "odd",
-    }
-    chosen = "Features that were chosen, and for how many of the pedestrians left out"
     return [
-        Section(
-            "errors",
-            "Error on pedestrians left out",
-            Note("driver.errors_section"),
-            (
-                Paragraphs(texts),
-                _chart("errors", estimator_errors_plot, errors, "Errors by period."),
-                listing(
-                    "Mean squared error; 0 is best",
-                    errors,
-                    of_errors,
-                    notes=basis_of_errors(errors),
-                ),
-                _chart(
-                    "estimates",
-                    estimates_plot,
-                    tables["estimates"],
-                    "Detectability over its estimate.",
-                ),
-            ),
-        ),
-        Section(
-            "seen",
-            "What the subjects saw",
-            Note("driver.seen_section"),
-            (
-                _chart(
-                    "periods",
-                    detectability_plot,
-                    tables["periods"],
-                    "Mean detectability by period.",
-                ),
-                _chart(
-                    "histograms",
-                    detectability_histograms_plot,
-                    tables["histograms"],
-                    "Histograms of detectability by period.",
-                ),
-                listing("Detectability", tables["periods"], of_periods),
-            ),
-        ),
-        Section(
-            "features",
-            "Which features",
-            Note("driver.features_section"),
-            (
-                listing(chosen, tables["choices"], of_choices),
-                _chart(
-                    "pairs",
-                    feature_pairs_plot,
-                    tables["pairs"],
-                    "Error and rank of every pair of features.",
-                ),
-                _chart(
-                    "ranks",
-                    pair_ranks_plot,
-                    tables["pair_ranks"],
-                    "Rank correlations of the pairs between periods.",
-                ),
-            ),
-        ),
-        Section(
-            "subjects",
-            "Subjects",
-            Note("driver.subjects_section"),
-            (listing("How each subject responded", tables["subjects"], of_subjects),),
-        ),
+        Section(name, title, Note(f"driver.{name}_section"), of)
+        for (name, title), of in blocks.items()
     ]
-
-
-def _chart(name: str, plot: Callable[..., Any], table: pd.DataFrame, words: str) -> Chart:
-    return Chart(name, partial(plot, table, theme="light"), words)
-
-
-def _period(otherwise: str) -> Callable[[Row], str]:
-    return lambda row: otherwise if pd.isna(row["period_s"]) else f"{row['period_s']:g}"

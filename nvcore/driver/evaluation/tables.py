@@ -1,8 +1,13 @@
-"""Tables of an evaluation."""
+"""Evaluate estimators by leaving out one pedestrian at a time, and tabulate the results."""
 
 from __future__ import annotations
 
+import os
+import time
 from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import combinations
 from typing import Final
 
 import numpy as np
@@ -10,29 +15,82 @@ import pandas as pd
 import scipy
 from numpy.typing import NDArray
 
-from nvcore.driver.estimators.search import PAIRS
-from nvcore.driver.estimators.training import errors_by_period
-from nvcore.driver.estimators.words import words_of
+from nvcore.driver.estimators.search import PAIRS, Search
+from nvcore.driver.estimators.training import (
+    OutOfFold,
+    Samples,
+    errors_by_period,
+    out_of_fold,
+    samples_of,
+)
 from nvcore.driver.evaluation import published
-from nvcore.driver.evaluation.run import Evaluation
-from nvcore.driver.features import FEATURE_KEYS
+from nvcore.driver.features import FEATURE_KEYS, words_of
+from nvcore.driver.trials.table import TrainingTable
+from nvcore.progress import Progress, no_progress, with_time_left
 
 MOST_BARS: Final = 11
 """Bars of a histogram."""
 
 
-def evaluation_tables(evaluation: Evaluation) -> dict[str, pd.DataFrame]:
-    """Return all tables of an evaluation by file name without extension."""
-    return {
-        "errors": errors_table(evaluation),
-        "choices": choices_table(evaluation),
-        "pairs": pairs_table(evaluation),
-        "pair_ranks": pair_ranks_table(evaluation),
-        "periods": periods_table(evaluation),
-        "histograms": histograms_table(evaluation),
-        "estimates": estimates_table(evaluation),
-        "subjects": evaluation.table.subjects,
-    }
+@dataclass(frozen=True)
+class Evaluation:
+    """Result of an evaluation: each pedestrian estimated by regressions trained on all others.
+
+    `evaluation_tables` makes tables of it.
+
+    Attributes
+    ----------
+    table
+        What was evaluated on.
+    samples
+        Its rows that could be used, as arrays.
+    estimates
+        Of each of them, by regressions that were chosen and trained without the pedestrian.
+    search
+        How features and settings were chosen.
+    seconds
+        How long it took.
+    """
+
+    table: TrainingTable
+    samples: Samples
+    estimates: OutOfFold
+    search: Search
+    seconds: float
+
+    @property
+    def rows(self) -> pd.DataFrame:
+        """The rows of the training table that were evaluated."""
+        return self.table.rows.iloc[self.samples.row].reset_index(drop=True)
+
+
+def evaluate_estimators(
+    table: TrainingTable,
+    *,
+    search: Search | None = None,
+    n_threads: int | None = None,
+    progress: Progress = no_progress,
+) -> Evaluation:
+    """Estimate each pedestrian by estimators chosen and trained on all others.
+
+    Nested: for each pedestrian, features and settings are chosen anew by five-fold
+    cross-validation over the others (`nvcore.driver.estimators.train_estimator`). With 51
+    pedestrians and 6 periods these are two million small regressions.
+
+    Parameters and errors are those of `nvcore.driver.estimators.train_estimator`.
+    """
+    began = time.perf_counter()
+    search = search or Search()
+    samples = samples_of(table)
+    estimates = out_of_fold(
+        samples,
+        samples.group,
+        search,
+        n_threads=n_threads or os.cpu_count() or 1,
+        progress=with_time_left(progress),
+        has_pairs=True,
+    )
+    return Evaluation(table, samples, estimates, search, time.perf_counter() - began)
 
 
 def errors_table(evaluation: Evaluation) -> pd.DataFrame:
@@ -50,6 +108,10 @@ def errors_table(evaluation: Evaluation) -> pd.DataFrame:
     which is not the mean of its row (`nvcore.driver.evaluation.PUBLISHED_NOTE`).
     """
     samples, estimates = evaluation.samples, evaluation.estimates
+    share = evaluation.rows["detectability"]
+    others = (evaluation.rows["n_subjects"] - 1).replace(0, np.nan)
+    variance = (share * (1 - share) / others).to_numpy(np.float64)
+    n = np.bincount(samples.period)
     of_paper = pd.DataFrame(
         {"published_switched": published.SWITCHED, "published_single": published.SINGLE},
         index=list(published.PERIODS_S),
@@ -57,11 +119,11 @@ def errors_table(evaluation: Evaluation) -> pd.DataFrame:
     table = pd.DataFrame(
         {
             "period_s": samples.periods_s,
-            "n": np.bincount(samples.period),
+            "n": n,
             "switched": errors_by_period(samples, estimates.switched),
             "single": errors_by_period(samples, estimates.single),
             "constant": errors_by_period(samples, estimates.constant),
-            "sampling": _sampling(evaluation),
+            "sampling": np.bincount(samples.period, variance) / n,
             **{name: of_paper[name].to_numpy() for name in of_paper},
         }
     )
@@ -75,17 +137,6 @@ def errors_table(evaluation: Evaluation) -> pd.DataFrame:
     return table
 
 
-def _sampling(evaluation: Evaluation) -> NDArray[np.float64]:
-    """Return the mean sampling variance of detectability at each period, due to few subjects."""
-    rows = evaluation.rows
-    share = rows["detectability"]
-    variance = share * (1 - share) / (rows["n_subjects"] - 1).replace(0, np.nan)
-    of_rows = variance.to_numpy(dtype=np.float64)
-    period = evaluation.samples.period
-    sampling: NDArray[np.float64] = np.bincount(period, of_rows) / np.bincount(period)
-    return sampling
-
-
 def choices_table(evaluation: Evaluation) -> pd.DataFrame:
     """Count how often each choice of features was made at each period.
 
@@ -95,7 +146,7 @@ def choices_table(evaluation: Evaluation) -> pd.DataFrame:
     out for which they were chosen, ``share``; the most frequent first.
     """
     by_regression = zip(*evaluation.estimates.columns, strict=True)
-    periods = [*evaluation.periods_s.tolist(), np.nan]
+    periods = [*evaluation.samples.periods_s.tolist(), np.nan]
     rows = []
     for period_s, choices in zip(periods, by_regression, strict=True):
         for columns, n in Counter(choices).most_common():
@@ -125,7 +176,7 @@ def pairs_table(evaluation: Evaluation) -> pd.DataFrame:
     ``published_error`` where the paper prints it: its three best pairs.
     """
     parts = []
-    for period_s, errors in zip(evaluation.periods_s, pair_errors(evaluation), strict=True):
+    for period_s, errors in zip(evaluation.samples.periods_s, pair_errors(evaluation), strict=True):
         of_paper = published.PAIRS.get(round(float(period_s), 6), {})
         names = [(FEATURE_KEYS[first], FEATURE_KEYS[second]) for first, second in PAIRS]
         part = pd.DataFrame(names, columns=["feature_1", "feature_2"])
@@ -148,19 +199,14 @@ def pair_ranks_table(evaluation: Evaluation) -> pd.DataFrame:
     """
     errors = pair_errors(evaluation)
     errors = errors[:, ~np.isnan(errors).any(axis=0)]
-    periods = evaluation.periods_s.tolist()
-    rows = [
-        (periods[i], periods[j], _spearman(errors[i], errors[j]))
-        for i in range(len(periods))
-        for j in range(i + 1, len(periods))
-    ]
+    periods = evaluation.samples.periods_s.tolist()
+    rows = []
+    for first, second in combinations(range(len(periods)), 2):
+        of = errors[[first, second]]
+        is_defined = of.shape[1] >= 3 and np.ptp(of, axis=1).all()
+        rank = float(scipy.stats.spearmanr(*of).statistic) if is_defined else np.nan
+        rows.append((periods[first], periods[second], rank))
     return pd.DataFrame(rows, columns=["period_1_s", "period_2_s", "spearman"])
-
-
-def _spearman(first: NDArray[np.float64], second: NDArray[np.float64]) -> float:
-    if len(first) < 3 or np.ptp(first) == 0 or np.ptp(second) == 0:
-        return np.nan
-    return float(scipy.stats.spearmanr(first, second).statistic)
 
 
 def periods_table(evaluation: Evaluation) -> pd.DataFrame:
@@ -178,8 +224,8 @@ def periods_table(evaluation: Evaluation) -> pd.DataFrame:
             "n": groups.size(),
             "mean": groups.mean(),
             "sd": groups.std(),
-            "share_zero": (rows["detectability"] == 0).groupby(rows["period_s"]).mean(),
-            "share_one": (rows["detectability"] == 1).groupby(rows["period_s"]).mean(),
+            "share_zero": groups.agg(lambda of: (of == 0).mean()),
+            "share_one": groups.agg(lambda of: (of == 1).mean()),
         }
     )
     return table.reset_index()
@@ -200,7 +246,7 @@ def histograms_table(evaluation: Evaluation) -> pd.DataFrame:
     n_bars = min(int(rows["n_subjects"].max()) + 1, MOST_BARS)
     bar = np.floor(rows["detectability"].to_numpy() * (n_bars - 1) + 0.5).astype(np.int64)
     parts = []
-    for period_s in evaluation.periods_s.tolist():
+    for period_s in evaluation.samples.periods_s.tolist():
         counts = np.bincount(bar[rows["period_s"].to_numpy() == period_s], minlength=n_bars)
         middle = np.arange(n_bars) / (n_bars - 1)
         parts.append(pd.DataFrame({"period_s": period_s, "detectability": middle, "n": counts}))
@@ -220,3 +266,21 @@ def estimates_table(evaluation: Evaluation) -> pd.DataFrame:
     return evaluation.rows[columns].assign(
         switched=estimates.switched, single=estimates.single, constant=estimates.constant
     )
+
+
+TABLES: Final[dict[str, Callable[[Evaluation], pd.DataFrame]]] = {
+    "errors": errors_table,
+    "choices": choices_table,
+    "pairs": pairs_table,
+    "pair_ranks": pair_ranks_table,
+    "periods": periods_table,
+    "histograms": histograms_table,
+    "estimates": estimates_table,
+    "subjects": lambda evaluation: evaluation.table.subjects,
+}
+"""Tables of an evaluation by file name without extension."""
+
+
+def evaluation_tables(evaluation: Evaluation) -> dict[str, pd.DataFrame]:
+    """Return all tables of an evaluation by file name without extension."""
+    return {name: table(evaluation) for name, table in TABLES.items()}

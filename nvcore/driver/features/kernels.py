@@ -98,7 +98,7 @@ def colour_sums(picture, inner, outer, shift, linear, to_place, lines, curved, h
     shift
         By so many bits a value is shifted to its bin.
     linear, to_place, lines
-        Tables of `nvcore.driver.features.colour`.
+        Tables of `nvcore.driver.features.compute`.
     curved
         Out: (n, 2, 3), pedestrian and surround.
     histogram

@@ -1,22 +1,12 @@
 """How bright it was, when it changed from bright to dark, and the time to adapt since then."""
 
-from nvcore.driver.illumination.changes import NO_CHANGES, Changes, changes_of
-from nvcore.driver.illumination.meter import (
-    Light,
-    LightSource,
-    picture_level,
-    read_light,
-)
-from nvcore.driver.illumination.settings import LightSettings, light_settings
+from nvcore.driver.illumination.clock import LightSettings
+from nvcore.driver.illumination.meter import Light, LightSource, picture_level, read_light
 
 __all__ = [
-    "NO_CHANGES",
-    "Changes",
     "Light",
     "LightSettings",
     "LightSource",
-    "changes_of",
-    "light_settings",
     "picture_level",
     "read_light",
 ]

@@ -20,7 +20,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.driver.srgb import LINEAR
 from nvcore.inputs.readers.parse.table import read_series
 from nvcore.schema import SAME_S
 
@@ -32,6 +31,11 @@ PICTURE_LEAST: Final = 0.002
 """Mean luminance (share of the greatest) below which a picture counts as that dark."""
 _STEP: Final = 4
 """Every so many pixels across and down the mean luminance of a picture is taken."""
+
+
+_SHARE: Final = np.arange(256) / 255
+LINEAR: Final = np.where(_SHARE <= 0.04045, _SHARE / 12.92, ((_SHARE + 0.055) / 1.055) ** 2.4)
+"""Share of the greatest intensity by 8-bit value of sRGB (IEC 61966-2-1), shape (256,)."""
 
 
 class LightSource(StrEnum):
@@ -105,13 +109,10 @@ class Light:
         """
         is_last = np.append(self.is_first[1:], True)[: len(self.time_s)]
         held_until_s = np.where(is_last, self.time_s + self.held_s, np.inf)
-        begin_s = self.time_s[np.maximum.accumulate(self._rows * self.is_first)]
+        first = np.maximum.accumulate(np.arange(len(self.time_s)) * self.is_first)
+        begin_s = self.time_s[first]
         is_held = np.asarray(time_s) <= self._last(held_until_s, time_s)
         return np.where(is_held, self._last(begin_s, time_s), np.nan)
-
-    @property
-    def _rows(self) -> NDArray[np.int64]:
-        return np.arange(len(self.time_s))
 
     def _last(
         self, values: NDArray[np.float64], time_s: NDArray[np.float64]

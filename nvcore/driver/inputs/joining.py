@@ -1,9 +1,9 @@
-"""Estimates put to the truth's boxes that they are about."""
+"""Read a file of estimates, and join them to the truth's boxes that they are about."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any, Final
 
@@ -12,19 +12,102 @@ import pandas as pd
 
 from nvcore.columns import offsets_of
 from nvcore.dataset import Dataset
-from nvcore.driver.inputs.reading import read_detectability
 from nvcore.driver.inputs.record import EstimateRecord, estimate_json, read_estimate_record
 from nvcore.driver.inputs.session import DETECTABILITY
 from nvcore.findings import Finding
 from nvcore.inputs.added import Input, with_files
 from nvcore.inputs.files import digest
 from nvcore.inputs.placing import REASONS, FramePlaces
-from nvcore.inputs.readers.base import SourceFile, warning
+from nvcore.inputs.readers.base import Lines, SourceFile, warning
+from nvcore.inputs.readers.csv_columns import Header, csv_content, read_columns, read_header
+from nvcore.inputs.readers.meaning.values import checked_detectability, checked_numbers
+from nvcore.inputs.readers.parse.text import whole_numbers
 from nvcore.inputs.session import Session
 from nvcore.metrics.kernels import over_ranges
 from nvcore.metrics.kernels.joining import join_frames
-from nvcore.schema import DETECTABILITY_COLUMNS, categories_of
+from nvcore.schema import DETECTABILITY_COLUMNS, NO_TRACK, categories_of, names_as_categories
 from nvcore.wording import MOST_NAMED, listed, one_line, shortened
+
+NEEDED: Final = ("recording", "frame", "x", "y", "w", "h", "detectability")
+OPTIONAL: Final = ("track", "sd", "is_outside", "period_s")
+_CALLED: Final = {"sd": "detectability_sd"}
+"""What some columns are called in a dataset."""
+
+
+def read_detectability(file: SourceFile) -> pd.DataFrame:
+    """Read a file of estimates: ``recording,frame,x,y,w,h,detectability`` and more.
+
+    Columns may stand in any order; track, sd, is_outside and period_s may be missing, others are
+    not read. An empty detectability is unknown; where period_s is empty, no change of light is.
+
+    Returns
+    -------
+    Columns recording (category), frame, x, y, w, h (px), track (`NO_TRACK`: none), detectability,
+    detectability_sd, is_outside, is_adapted, line (1-based); one row per row of the file.
+
+    Raises
+    ------
+    FormatError
+        With file and line of what is missing, is no number, or is outside 0 to 1.
+    """
+    content = csv_content(file, role="truth")
+    header = _header(file, content)
+    names = list(header.place)
+    columns, line, _ = read_columns(file, header, content, names)
+    lines = Lines.of(file, line)
+    recording = names_as_categories(columns["recording"], len(lines))
+    if "" in recording.categories:
+        is_empty = np.asarray(recording == "")
+        if is_empty.any():
+            message = "expected the name of a recording, found an empty field"
+            raise lines.fault(int(np.argmax(is_empty)), message)
+    table: dict[str, object] = {
+        "recording": recording,
+        "frame": whole_numbers(columns["frame"].to_numpy(), lines, "frame"),
+        **{name: columns[name].to_numpy() for name in "xywh"},
+        "track": _tracks(columns, lines),
+        "detectability": checked_detectability(columns["detectability"].to_numpy(), lines),
+        "detectability_sd": np.full(len(lines), np.nan),
+        "is_outside": np.zeros(len(lines), dtype=bool),
+        "is_adapted": np.zeros(len(lines), dtype=bool),
+        "line": line,
+    }
+    if "detectability_sd" in columns:
+        sd = checked_numbers(columns["detectability_sd"].to_numpy(), lines, "sd")
+        table["detectability_sd"] = sd
+    if "is_outside" in columns:
+        table["is_outside"] = columns["is_outside"].to_numpy(dtype=bool)
+    if "period_s" in columns:
+        period_s = checked_numbers(columns["period_s"].to_numpy(), lines, "period_s")
+        table["is_adapted"] = np.isnan(period_s)
+    return pd.DataFrame(table, copy=False)
+
+
+def _header(file: SourceFile, content: bytes) -> Header:
+    line = read_header(content[: content.find(b"\n")].decode())
+    place = {name.lower(): number for number, name in reversed([*enumerate(line.names)])}
+    missing = [name for name in NEEDED if name not in place]
+    if missing:
+        expected = f"{','.join(NEEDED)}[,{','.join(OPTIONAL)}]"
+        raise file.fault(
+            f"expected a header line with the columns {expected}; found {', '.join(line.names)}; "
+            f"missing: {', '.join(missing)}",
+            1,
+        )
+    known = {_CALLED.get(name, name): place[name] for name in (*NEEDED, *OPTIONAL) if name in place}
+    return Header(line.names, line.delimiter, known)
+
+
+def _tracks(columns: pd.DataFrame, lines: Lines) -> np.ndarray:
+    """Track of each row; `NO_TRACK` where there is none, or ids are text."""
+    none = np.full(len(lines), NO_TRACK)
+    if "track" not in columns or isinstance(columns["track"].dtype, pd.CategoricalDtype):
+        return none
+    track = columns["track"].to_numpy(dtype=float)
+    is_known = ~np.isnan(track)
+    none[is_known] = whole_numbers(track[is_known], lines[is_known], "track")
+    return none
+
 
 TOLERANCE_PX: Final = 1e-3 * (1 + 1e-6)
 """Largest difference of a coordinate of an estimate and of its box."""
@@ -32,16 +115,6 @@ MOST_SHOWN: Final = 160
 """Characters of a recording's name with its doubt."""
 NO_SUCH_BOX: Final = "no such box"
 """Why a row of estimates is left out, beside `nvcore.inputs.placing.REASONS`."""
-
-
-@dataclass(frozen=True)
-class _Estimates:
-    """A file of estimates, read."""
-
-    file: SourceFile
-    digest: str
-    table: pd.DataFrame
-    record: EstimateRecord | None
 
 
 def with_detectability(dataset: Dataset, session: Session) -> Dataset:
@@ -58,17 +131,49 @@ def with_detectability(dataset: Dataset, session: Session) -> Dataset:
         If the file, or the record of how it came to be, cannot be used; with file and line.
     """
     name: str = session.driver.detectability
-    file = SourceFile(session.folder / name, name)
-    provenance = session.driver.provenance
-    record = None
+    file, provenance = SourceFile(session.folder / name, name), session.driver.provenance
+    record, told = EstimateRecord(), b""
     if provenance is not None:
         record = read_estimate_record(session.folder / provenance, provenance)
-    estimates = _Estimates(file, digest([file])[0], read_detectability(file), record)
+        told = estimate_json(record)
+    sha256, table = digest([file])[0], read_detectability(file)
     titles = {entry.name: entry.title for entry in session.recordings if entry.title is not None}
-    row_of, reason = _join(
-        dataset, _called(estimates.table["recording"], dataset, titles), estimates
+    recording = _called(table["recording"], dataset, titles)
+    row_of, reason = _join(dataset, table.assign(recording=recording))
+    is_joined = row_of >= 0
+    has_value = is_joined & table["detectability"].notna().to_numpy()
+    columns: dict[str, Any] = {}
+    for column in DETECTABILITY_COLUMNS:
+        columns[column] = dataset.boxes[column].to_numpy(copy=True)
+        columns[column][row_of[has_value]] = table[column].to_numpy()[has_value]
+    lost = table[~is_joined]
+    left_out = pd.DataFrame(
+        {
+            "subject": DETECTABILITY,
+            "recording": lost["recording"].astype(object),
+            "frame": lost["frame"],
+            "file": np.int32(len(dataset.inputs)),
+            "line": lost["line"].astype(np.int32),
+            "reason": reason[~is_joined],
+        }
     )
-    return _joined(dataset, session, estimates, row_of, reason)
+    joined = f"{int(is_joined.sum()):,} of {len(table):,} rows joined to boxes of the truth"
+    rows = [part for part in (dataset.left_out, left_out) if len(part)] or [dataset.left_out]
+    value = columns["detectability"]
+    own = _with_origins(record, dataset, value, row_of[has_value])
+    return with_files(
+        dataset,
+        session,
+        DETECTABILITY,
+        [name],
+        [sha256],
+        says=f"{DETECTABILITY} {sha256}\n".encode() + told,
+        conversion="; ".join(filter(None, (joined, record.made_by, record.caution))),
+        boxes=dataset.boxes.assign(**columns),
+        left_out=pd.concat(rows, ignore_index=True).reindex(columns=list(dataset.left_out)),
+        findings=_findings(dataset, record, sha256, value, name),
+        of_subjects={**dataset.of_subjects, "driver": own},
+    )
 
 
 def _called(recording: pd.Series[str], dataset: Dataset, titles: Mapping[str, str]) -> Any:
@@ -80,9 +185,8 @@ def _called(recording: pd.Series[str], dataset: Dataset, titles: Mapping[str, st
     return categories_of(place[recording.cat.codes.to_numpy()], unique)
 
 
-def _join(dataset: Dataset, recording: Any, estimates: _Estimates) -> tuple[np.ndarray, np.ndarray]:
+def _join(dataset: Dataset, table: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
     """Truth row of each estimate, -1 none, and why it has none; int64 and object, shape (n,)."""
-    table = estimates.table.assign(recording=recording)
     frames, truth = dataset.frame_columns, dataset.truth
     listed = [frames.frame[start:stop] for start, stop in pairwise(frames.first)]
     frame_row, fault = FramePlaces(dataset.recordings["name"], listed).of(table)
@@ -102,64 +206,6 @@ def _join(dataset: Dataset, recording: Any, estimates: _Estimates) -> tuple[np.n
     reason = np.array(REASONS, dtype=object)[fault]
     reason[placed[row < 0]] = NO_SUCH_BOX
     return row_of, reason
-
-
-def _joined(
-    dataset: Dataset,
-    session: Session,
-    estimates: _Estimates,
-    row_of: np.ndarray,
-    reason: np.ndarray,
-) -> Dataset:
-    table, name = estimates.table, estimates.file.name
-    is_joined = row_of >= 0
-    has_value = is_joined & table["detectability"].notna().to_numpy()
-    columns: dict[str, Any] = {}
-    for column in DETECTABILITY_COLUMNS:
-        columns[column] = dataset.boxes[column].to_numpy(copy=True)
-        columns[column][row_of[has_value]] = table[column].to_numpy()[has_value]
-    lost = table[~is_joined]
-    left_out = pd.DataFrame(
-        {
-            "subject": DETECTABILITY,
-            "recording": lost["recording"].astype(object),
-            "frame": lost["frame"],
-            "file": np.int32(len(dataset.inputs)),
-            "line": lost["line"].astype(np.int32),
-            "reason": reason[~is_joined],
-        }
-    )
-    says = f"{DETECTABILITY} {estimates.digest}\n".encode()
-    record = estimates.record
-    conversion = f"{int(is_joined.sum()):,} of {len(table):,} rows joined to boxes of the truth"
-    if record is not None:
-        says += estimate_json(record)
-        facts = (conversion, record.made_by, record.caution)
-        conversion = "; ".join(filter(None, facts))
-    rows = [part for part in (dataset.left_out, left_out) if len(part)] or [dataset.left_out]
-    return with_files(
-        dataset,
-        session,
-        DETECTABILITY,
-        [name],
-        [estimates.digest],
-        says=says,
-        conversion=conversion,
-        boxes=dataset.boxes.assign(**columns),
-        left_out=pd.concat(rows, ignore_index=True).reindex(columns=list(dataset.left_out)),
-        findings=(
-            *_twice(dataset, columns["detectability"], name),
-            *_of_other_file(estimates),
-            *_of_doubtful_light(estimates),
-            *_of_doubtful_pictures(estimates),
-        ),
-        of_subjects={
-            **dataset.of_subjects,
-            "driver": _with_origins(
-                record or EstimateRecord(), dataset, columns["detectability"], row_of[has_value]
-            ),
-        },
-    )
 
 
 def _with_origins(
@@ -186,83 +232,57 @@ def _with_origins(
     )
 
 
-def _of_other_file(estimates: _Estimates) -> list[Finding]:
-    """A warning where the record is about another file."""
-    record = estimates.record
-    if record is None or not record.files or estimates.digest in record.files.values():
-        return []
-    return [
-        warning(
+def _findings(
+    dataset: Dataset, record: EstimateRecord, sha256: str, detectability: np.ndarray, name: str
+) -> Iterator[Finding]:
+    """Warnings about the file of estimates and its record.
+
+    Parameters
+    ----------
+    detectability
+        Of all boxes with that of the file, those of the truth first, shape (n_boxes,).
+    """
+    stated = dataset.detectability.value
+    differs = ~np.isnan(stated) & (stated != detectability[: len(stated)])
+    is_other = bool(record.files) and sha256 not in record.files.values()
+    for code, n, message, advice in (
+        (
+            "detectability-twice",
+            int(differs.sum()),
+            "The ground truth states another detectability of these boxes than the file of "
+            "estimates; the file's is taken.",
+            "Leave one of the two out.",
+        ),
+        (
             "detectability-other-record",
-            1,
+            int(is_other),
             "The record of how detectability was estimated is about another file.",
             "Correct the path, or estimate anew: until then nobody knows how these came to be.",
-            role=DETECTABILITY,
-            file=estimates.file.name,
-        )
-    ]
-
-
-def _of_doubtful_light(estimates: _Estimates) -> list[Finding]:
-    """A warning where a light meter looks like one of another unit or clock."""
-    doubts = {} if estimates.record is None else estimates.record.light_doubts
-    if not doubts:
-        return []
-    return [
-        warning(
+        ),
+        (
             "doubtful-light-meter",
-            len(doubts),
+            len(record.light_doubts),
             "The light meter may be of another unit or clock, and with it how long the eyes have "
-            f"adapted: {_doubted(doubts)}.",
+            f"adapted: {_doubted(record.light_doubts)}.",
             "Give time_s in seconds of the recording and lux in lux, and estimate anew.",
-            role=DETECTABILITY,
-            file=estimates.file.name,
-        )
-    ]
-
-
-def _of_doubtful_pictures(estimates: _Estimates) -> list[Finding]:
-    """A warning where pictures or gaze look like those of something else."""
-    doubts = {} if estimates.record is None else estimates.record.picture_doubts
-    if not doubts:
-        return []
-    return [
-        warning(
+        ),
+        (
             "doubtful-visible-pictures",
-            len(doubts),
+            len(record.picture_doubts),
             "Pictures or gaze from which detectability was estimated may be of another view: "
-            f"{_doubted(doubts)}.",
+            f"{_doubted(record.picture_doubts)}.",
             "Look at the boxes in these pictures (page Driver). Correct the pictures, visible_map "
             "or the gaze, and estimate anew.",
-            role=DETECTABILITY,
-            file=estimates.file.name,
-        )
-    ]
+        ),
+    ):
+        if n:
+            yield warning(code, n, message, advice, role=DETECTABILITY, file=name)
 
 
 def _doubted(doubts: Mapping[str, str]) -> str:
     """The recordings with what is in doubt, which may be anything."""
     whose = [f"{one_line(name)} ({one_line(why)})" for name, why in doubts.items()]
     return listed([shortened(text, MOST_SHOWN) for text in whose], most=MOST_NAMED)
-
-
-def _twice(dataset: Dataset, detectability: np.ndarray, name: str) -> list[Finding]:
-    """A warning where the truth says something else of a box than the file."""
-    stated = dataset.detectability.value
-    differs = ~np.isnan(stated) & (stated != detectability[: len(stated)])
-    if not differs.any():
-        return []
-    return [
-        warning(
-            "detectability-twice",
-            int(differs.sum()),
-            "The ground truth states another detectability of these boxes than the file of "
-            "estimates; the file's is taken.",
-            "Leave one of the two out.",
-            role=DETECTABILITY,
-            file=name,
-        )
-    ]
 
 
 INPUT: Final = Input(

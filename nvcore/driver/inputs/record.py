@@ -16,7 +16,7 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from nvcore.notes import Note, phrase
 from nvcore.objects import PEDESTRIAN
@@ -27,33 +27,27 @@ SIMULATED: Final = ("no", "some", "all", "")
 """Of how many subjects the answers were simulated; empty: not known."""
 SEARCHES: Final = ("", "quick")
 """How its features and settings were chosen; empty: as by default, or not known."""
-_EXPECTED: Final = (
-    "expected the record that nvcore driver estimate writes (docs/driver-reference.md)"
-)
 _MOST: Final = 2**53
 _SHOWN_NAME: Final = 40
-_STATED: Final = ("name", "fingerprint", "simulated", "n_subjects")
-"""Facts of the estimator that every record has."""
-_IF_KNOWN: Final = ("no_better_at_s", "of_no_use", "search")
-_DOUBTS: Final = ("other_width", "light_doubts", "picture_doubts")
-"""Facts of the estimator, and of its estimates, that are left out if they are empty."""
 _PARTS: Final = {
     "written_by": str,
     "files": Mapping[str, str],
     **dict.fromkeys(("estimator", "estimates", "settings"), Mapping[str, object]),
 }
-_OF_ESTIMATOR: Final = {
-    **dict.fromkeys(("name", "fingerprint", "simulated", "search"), str),
-    "n_subjects": int,
-    "no_better_at_s": tuple[float, ...],
-    "of_no_use": bool,
+_OF_PARTS: Final[dict[str, dict[str, Any]]] = {
+    "estimator": {
+        **dict.fromkeys(("name", "fingerprint", "simulated", "search"), str),
+        "n_subjects": int,
+        "no_better_at_s": tuple[float, ...],
+        "of_no_use": bool,
+    },
+    "estimates": {
+        **dict.fromkeys(("n", "n_light_unknown"), int),
+        **dict.fromkeys(("outside", "other_width"), Mapping[str, int]),
+        **dict.fromkeys(("light_doubts", "picture_doubts"), Mapping[str, str]),
+    },
+    "settings": {"light": Mapping[str, object]},
 }
-_OF_ESTIMATES: Final = {
-    **dict.fromkeys(("n", "n_light_unknown"), int),
-    **dict.fromkeys(("outside", "other_width"), Mapping[str, int]),
-    **dict.fromkeys(("light_doubts", "picture_doubts"), Mapping[str, str]),
-}
-_OF_SETTINGS: Final = {"light": Mapping[str, object]}
 
 
 @dataclass(frozen=True)
@@ -154,12 +148,14 @@ class EstimateRecord:
         if self.of_no_use or self.no_better_at_s:
             periods = listed([f"{period:g}" for period in self.no_better_at_s], most=MOST_NAMED)
             notes.append(Note("driver.no_better", at_s=None if self.of_no_use else periods))
-        if self.other_width:
-            notes.append(Note("driver.in_other_width", names=_named(self.other_width)))
-        if self.light_doubts:
-            notes.append(Note("driver.in_doubtful_light", names=_named(self.light_doubts)))
-        if self.picture_doubts:
-            notes.append(Note("driver.in_doubtful_pictures", names=_named(self.picture_doubts)))
+        for key, named in (
+            ("driver.in_other_width", self.other_width),
+            ("driver.in_doubtful_light", self.light_doubts),
+            ("driver.in_doubtful_pictures", self.picture_doubts),
+        ):
+            if named:
+                short = [shortened(one_line(name), _SHOWN_NAME) for name in named]
+                notes.append(Note(key, names=listed(short, most=MOST_NAMED)))
         return listed([phrase(note, PEDESTRIAN) for note in notes])
 
 
@@ -168,25 +164,21 @@ def _check_counts(name: str, counts: Iterable[int], most: int = _MOST) -> None:
         raise ValueError(f"{name}: expected 0 to {most}")
 
 
-def _named(names: Iterable[str]) -> str:
-    """List names of recordings on one line, shortened since they may be any text."""
-    return listed([shortened(one_line(name), _SHOWN_NAME) for name in names], most=MOST_NAMED)
-
-
 def estimate_json(record: EstimateRecord) -> bytes:
     """Serialize the record as JSON. Equal records give equal bytes."""
-    known = {name: value for name in _IF_KNOWN if (value := getattr(record, name))}
-    estimates = {
-        "n": record.n_estimates,
-        "n_light_unknown": record.n_light_unknown,
-        "outside": dict(record.outside),
-        **{name: dict(value) for name in _DOUBTS if (value := getattr(record, name))},
-    }
+    stated = ("name", "fingerprint", "simulated", "n_subjects")  # by every record
+
+    def known(*names: str) -> dict[str, object]:  # earlier records have none of them
+        return {name: value for name in names if (value := getattr(record, name))}
+
+    estimates: dict[str, object] = {"n": record.n_estimates}
+    estimates |= {"n_light_unknown": record.n_light_unknown, "outside": record.outside}
     content = {
         "written_by": record.written_by,
-        "estimator": {name: getattr(record, name) for name in _STATED} | known,
-        "estimates": estimates,
-        "files": dict(record.files),
+        "estimator": {name: getattr(record, name) for name in stated}
+        | known("no_better_at_s", "of_no_use", "search"),
+        "estimates": estimates | known("other_width", "light_doubts", "picture_doubts"),
+        "files": record.files,
     }
     return (json.dumps(content, indent=1) + "\n").encode()
 
@@ -204,15 +196,12 @@ def read_estimate_record(path: Path, name: str) -> EstimateRecord:
     InputError
         If it cannot be opened, or is no such record; it is never half believed.
     """
-    return read_record(path, name, _record, expected=_EXPECTED)
+    expected = "expected the record that nvcore driver estimate writes (docs/driver-reference.md)"
+    return read_record(path, name, _record, expected=expected)
 
 
 def _record(content: object) -> EstimateRecord:
     record = values_of(_PARTS, content, "", known_only=False)
-    of_estimator = values_of(
-        _OF_ESTIMATOR, record.pop("estimator", {}), "estimator", known_only=False
-    )
-    estimates = values_of(_OF_ESTIMATES, record.pop("estimates", {}), "estimates", known_only=False)
-    light = values_of(_OF_SETTINGS, record.pop("settings", {}), "settings", known_only=False)
-    n = estimates.pop("n", 0)
-    return EstimateRecord(n_estimates=n, **of_estimator, **estimates, **light, **record)
+    for name, types in _OF_PARTS.items():
+        record |= values_of(types, record.pop(name, {}), name, known_only=False)
+    return EstimateRecord(n_estimates=record.pop("n", 0), **record)

@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.driver.inputs.picture_boxes import picture_boxes, read_picture_boxes
+from nvcore.driver.inputs.study_tables import picture_boxes, read_picture_boxes
 from nvcore.errors import InputError, MediaError
 from nvcore.file_kinds import IMAGE_SUFFIXES
 from nvcore.inputs.readers.parse.table import TextTable

@@ -95,7 +95,7 @@ def plan_trials(
         )
     rng = np.random.default_rng([SEED, participant])
     draw = _every_time if design == "all" else _latin_square
-    runs = _in_order(draw(n_pictures, participant, times, rng), rng)
+    runs = _in_order(draw(n_pictures, participant, timing.pairs, rng), rng)
     places = [
         (run, position, *shown)
         for run, pictures in enumerate(runs, start=1)
@@ -106,15 +106,13 @@ def plan_trials(
 
 _Run = list[tuple[int, float]]
 """Picture and time of each trial of a run."""
+_Times = list[tuple[float, float]]
 
 
-def _every_time(
-    n: int, _participant: int, times: Sequence[float], rng: np.random.Generator
-) -> list[_Run]:
+def _every_time(n: int, _participant: int, times: _Times, rng: np.random.Generator) -> list[_Run]:
     """Draw every picture at every time: first and second pictures are one order, shifted."""
-    half = len(times) // 2
     runs: list[_Run] = []
-    for first_s, second_s in zip(times[:half], times[half:], strict=True):
+    for first_s, second_s in times:
         first = rng.permutation(n)
         second = np.roll(first, int(rng.integers(1, n)))
         pairs = zip(first.tolist(), second.tolist(), strict=True)
@@ -122,21 +120,17 @@ def _every_time(
     return runs
 
 
-def _latin_square(
-    n: int, participant: int, times: Sequence[float], rng: np.random.Generator
-) -> list[_Run]:
+def _latin_square(n: int, participant: int, times: _Times, rng: np.random.Generator) -> list[_Run]:
     """Draw every picture once. Neighbours in the list of pictures are of one kind of run."""
-    half = len(times) // 2
-    cycle = [index for k in range(half) for index in (k, k + half)]
-    at_time: list[list[int]] = [[] for _ in times]
+    at_time: list[list[int]] = [[] for _ in range(2 * len(times))]
     for picture in range(n):
-        at_time[cycle[(picture + participant) % len(times)]].append(picture)
+        at_time[(picture + participant) % len(at_time)].append(picture)
     runs: list[_Run] = []
-    for k in range(half):
-        first, second = (rng.permutation(at_time[i]).tolist() for i in (k, k + half))
+    for k, (first_s, second_s) in enumerate(times):
+        first, second = (rng.permutation(at_time[i]).tolist() for i in (2 * k, 2 * k + 1))
         for place in range(max(len(first), len(second))):
-            run = [(int(a), times[k]) for a in first[place : place + 1]]
-            run += [(int(b), times[k + half]) for b in second[place : place + 1]]
+            run = [(int(a), first_s) for a in first[place : place + 1]]
+            run += [(int(b), second_s) for b in second[place : place + 1]]
             runs.append(run)
     return runs
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields
 from itertools import pairwise
 from typing import Any, Final, Literal
 
-from nvcore.driver.inputs.trials import LATE_S, is_same_time
+from nvcore.driver.inputs.study_tables import LATE_S, is_same_time
 from nvcore.errors import InputError
 from nvcore.people.form import KEPT_DAYS, check_terms, form_of
 from nvcore.records import decode

@@ -12,8 +12,14 @@ from typing import Any, ClassVar, Final
 
 import pandas as pd
 
-from nvcore.driver.inputs.picture_boxes import BOX, PEDESTRIAN
-from nvcore.driver.inputs.trials import LONGEST_S, NO_ANSWER, TRIAL_COLUMNS, is_off_time
+from nvcore.driver.inputs.study_tables import (
+    BOX,
+    LONGEST_S,
+    NO_ANSWER,
+    PEDESTRIAN,
+    TRIAL_COLUMNS,
+    is_off_time,
+)
 from nvcore.driver.study.pictures import StudyPicture
 from nvcore.driver.study.plan import Trial, plan_trials
 from nvcore.driver.study.settings import StudySettings, Timing

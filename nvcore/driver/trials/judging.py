@@ -9,8 +9,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.driver.inputs.picture_boxes import BOX, PEDESTRIAN
-from nvcore.driver.inputs.trials import is_off_time
+from nvcore.driver.inputs.study_tables import BOX, PEDESTRIAN, is_off_time
 from nvcore.errors import InputError, ParameterError
 
 DISPLAY_S: Final = 0.5
@@ -66,7 +65,7 @@ def side_of_angle(
     distance_mm
         From the eye to the screen.
     shown_width_mm
-        Width of the picture on the screen; see `screen_width_mm`.
+        Width of the picture on the screen.
     picture_width_px
         Width of the picture in its own pixels.
 
@@ -79,11 +78,7 @@ def side_of_angle(
     --------
     The paper's screen, on which 5 degrees are 200 px at 27 cm:
 
-    >>> width_mm = screen_width_mm(10.5, 2560, 1600)
-    >>> side = side_of_angle(
-    ...     distance_mm=270, shown_width_mm=width_mm, picture_width_px=1920
-    ... )
-    >>> round(side)
+    >>> round(side_of_angle(distance_mm=270, shown_width_mm=226.2, picture_width_px=1920))
     200
     """
     if not 0 < degrees <= 90:
@@ -100,11 +95,6 @@ def side_of_angle(
     return side_mm * picture_width_px / shown_width_mm
 
 
-def screen_width_mm(diagonal_inch: float, width_px: float, height_px: float) -> float:
-    """Width of a screen from its diagonal, mm."""
-    return 25.4 * diagonal_inch * width_px / math.hypot(width_px, height_px)
-
-
 def judge_trials(
     trials: pd.DataFrame, boxes: pd.DataFrame, judging: Judging, *, name: str = "trials"
 ) -> pd.DataFrame:
@@ -116,7 +106,7 @@ def judge_trials(
     Parameters
     ----------
     trials
-        Of `nvcore.driver.trials.reading.read_trials`.
+        Of `nvcore.driver.trials.table.read_trials`.
     boxes
         ``image,pedestrian,x,y,w,h``, pixels of the picture; one row for each pedestrian.
     name

@@ -4,27 +4,245 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache, partial
 from pathlib import Path
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
+import scipy
 
+from nvcore import objects
 from nvcore.driver.feature_record import about_features
-from nvcore.driver.features import FeatureSettings
-from nvcore.driver.inputs.picture_boxes import PEDESTRIAN
-from nvcore.driver.inputs.trials import LATE_S, NO_ANSWER, is_same_time
-from nvcore.driver.trials.judging import Judging, judge_trials
-from nvcore.driver.trials.reading import (
-    SIMULATED,
-    read_boxes,
-    read_features,
-    read_trials,
+from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
+from nvcore.driver.inputs.study_tables import (
+    BOX,
+    LARGEST,
+    LATE_S,
+    LONGEST_S,
+    NO_ANSWER,
+    PEDESTRIAN,
+    TRIAL_COLUMNS,
+    check_pedestrians,
+    is_same_time,
+    picture_boxes,
+    read_picture_boxes,
 )
-from nvcore.driver.trials.subjects import CELL, subjects_table
+from nvcore.driver.trials.judging import Judging, judge_trials
 from nvcore.errors import InputError
 from nvcore.findings import Remedy, Step
+from nvcore.inputs.readers.parse.table import read_table
 from nvcore.metrics.shares import share_of
+from nvcore.notes import Note, phrase
 from nvcore.wording import count_text, did_you_mean, listed
+
+SIMULATED: Final = "simulated"
+"""Device of trials that no person took."""
+
+
+def read_trials(path: Path) -> pd.DataFrame:
+    """Trials from a CSV file, a row for each picture shown to a subject.
+
+    The columns are `TRIAL_COLUMNS`, in any order, separated by commas, semicolons or tabs.
+    ``adaptation_asked_s`` is the time from the change of light to the picture's appearance,
+    ``adaptation_measured_s`` what it was by the clock. ``touch_x`` and ``touch_y`` are in pixels of
+    the picture, and empty where ``not_seen`` is 1. ``adaptation_measured_s``, ``response_s`` and
+    ``device`` may be empty.
+
+    Returns
+    -------
+    The columns in the order of `TRIAL_COLUMNS`, and ``line``: text, whole numbers (int64), seconds
+    and pixels (float64, NaN: empty), ``not_seen`` as bool.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be opened, a column is missing, a field is not of its kind, a touch
+        stands beside ``not_seen`` or neither is there, or a subject has a picture twice at one
+        time; with the line.
+    """
+    table = read_table(path, what="trials", required=TRIAL_COLUMNS)
+    seconds = partial(table.numbers, low=0.0, high=LONGEST_S)
+    values = partial(table.numbers, low=-LARGEST, high=LARGEST)
+    trials = pd.DataFrame(
+        {
+            "subject": table.texts("subject"),
+            **{name: table.whole_numbers(name) for name in ("run", "position", "order")},
+            **{name: table.texts(name) for name in PEDESTRIAN},
+            "adaptation_asked_s": seconds("adaptation_asked_s"),
+            "adaptation_measured_s": seconds("adaptation_measured_s", may_be_empty=True),
+            "touch_x": values("touch_x", may_be_empty=True),
+            "touch_y": values("touch_y", may_be_empty=True),
+            "response_s": seconds("response_s", may_be_empty=True),
+            "not_seen": table.flags("not_seen"),
+            "device": table.texts("device", may_be_empty=True),
+            "line": table.lines,
+        }
+    )
+    has_touch = trials[["touch_x", "touch_y"]].notna()
+    not_seen = trials["not_seen"].to_numpy()
+    is_wrong = np.where(not_seen, has_touch.any(axis=1), ~has_touch.all(axis=1))
+    if is_wrong.any():
+        row = int(np.argmax(is_wrong))
+        expected = "no touch where not_seen is 1" if not_seen[row] else "touch_x and touch_y"
+        raise table.fault(row, f"expected {expected}; or change not_seen")
+    shown = trials[["subject", *PEDESTRIAN, "adaptation_asked_s"]]
+    twice = shown.duplicated().to_numpy()
+    if twice.any():
+        row = int(np.argmax(twice))
+        trial = shown.iloc[row]
+        first = int(np.argmax((shown == trial).all(axis=1)))
+        raise table.repeated(
+            row,
+            first,
+            f"{trial['subject']} is shown the picture {trial['image']} after "
+            f"{trial['adaptation_asked_s']:g} s a second time",
+        )
+    return trials
+
+
+def read_features(path: Path) -> tuple[pd.DataFrame, pd.DataFrame | None]:
+    """Features of the pedestrians in the pictures, as ``nvcore driver features`` writes them.
+
+    Returns
+    -------
+    ``image``, ``pedestrian`` and the features by their keys (float64, NaN: undefined); and the
+    boxes, as of `picture_boxes`, if the file has them.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be opened or is no such table, or a pedestrian stands there twice; with
+        the line.
+    """
+    table = read_table(path, what="features", required=(*PEDESTRIAN, *FEATURE_KEYS))
+    check_pedestrians(table)
+    values = partial(table.numbers, low=-LARGEST, high=LARGEST, may_be_empty=True)
+    features = pd.DataFrame(
+        {name: table.texts(name) for name in PEDESTRIAN}
+        | {name: values(name) for name in FEATURE_KEYS}
+    )
+    return features, picture_boxes(table) if all(name in table for name in BOX) else None
+
+
+LEAST_TRIALS: Final = 10
+"""Fewer say nothing about a subject."""
+FAR: Final = 0.25
+"""A share right is far from the others' if it differs by more than this."""
+EASY: Final = 0.9
+"""A trial is easy if this share of the others or more is right."""
+MOST_EASY: Final = 0.75
+"""Who is right in fewer of the easy trials does not attend."""
+AT_CHANCE_P: Final = 0.05
+"""Touches are at chance unless they are better with this p-value."""
+SAME_PLACE: Final = 0.5
+"""Touches are always in one place if this share of them lies in one square, and not more than half
+as many of the pedestrians."""
+_MOST: Final = 2000
+"""Touches that are compared with each other; of more, every so many."""
+CELL: Final = [*PEDESTRIAN, "period_s"]
+"""What trials of several subjects are of the same."""
+
+
+def subjects_table(judged: pd.DataFrame, judging: Judging) -> pd.DataFrame:
+    """Summarize each subject's responses and why they are odd. All subjects are kept.
+
+    A subject is odd for any of these reasons (all limits are ours, and need 10 trials):
+
+    - the share right is more than 0.25 from what the others' responses to the same pictures at the
+      same periods let expect, which also lies outside the Wilson interval of the share;
+    - they miss more than a quarter of what nine tenths of the others see;
+    - their touches are not better than on other pictures (one-sided binomial test, 0.05);
+    - half of their touches or more are in one place that has less than half as many pedestrians;
+    - they never touch.
+
+    Parameters
+    ----------
+    judged
+        Of `nvcore.driver.trials.judging.judge_trials`.
+
+    Returns
+    -------
+    A row for each subject, in the order of the file: ``subject``, ``n``, ``n_right``, ``share``
+    with its interval ``low`` and ``high``, ``share_expected`` (from the others; NaN: there are
+    none), ``n_easy`` and ``share_easy`` (trials in which nine tenths of the others are right, and
+    the share right of these; NaN without any), ``n_touches``, ``share_touches_right``,
+    ``share_chance``, ``share_one_place``, ``share_there`` (of the pedestrians in that place; NaN
+    without touches), ``n_off_time``, and ``odd``: why, as text; empty: nothing is.
+    """
+    groups = judged.groupby(CELL)["is_right"]
+    n_others = groups.transform("size") - 1
+    by_others = groups.transform("sum") - judged["is_right"]
+    expected = (by_others / n_others.where(n_others > 0)).astype(float)  # NaN without others
+    rows = []
+    for subject, trials in judged.groupby("subject", sort=False):
+        right = share_of(int(trials["is_right"].sum()), len(trials))
+        is_easy = expected[trials.index] >= EASY
+        easy = share_of(int(trials["is_right"][is_easy].sum()), int(is_easy.sum()))
+        row: dict[str, Any] = {
+            "subject": subject,
+            "n": right.n,
+            "n_right": right.n_right,
+            "share": right.share,
+            "low": right.low,
+            "high": right.high,
+            "share_expected": float(expected[trials.index].mean()),
+            "n_easy": easy.n,
+            "share_easy": easy.share,
+            **_of_touches(trials[~trials["not_seen"]], judging),
+            "n_off_time": int(trials["is_off_time"].sum()),
+        }
+        rows.append({**row, "odd": _odd(row)})
+    return pd.DataFrame(rows)
+
+
+def _of_touches(trials: pd.DataFrame, judging: Judging) -> dict[str, float]:
+    """Summarize the touches of one subject."""
+    n = len(trials)
+    if n == 0:
+        unknown = ("share_touches_right", "share_chance", "share_one_place", "share_there")
+        return {"n_touches": 0, **dict.fromkeys(unknown, np.nan)}
+    some = trials.iloc[:: -(-n // _MOST)]
+    touch = some[["touch_x", "touch_y"]].to_numpy()
+    size = some[["w", "h"]].to_numpy()
+    centre = some[["x", "y"]].to_numpy() + size / 2
+    half = judging.square_px / 2
+    reach = half + judging.centre_share * size / 2
+    is_right = (np.abs(touch[:, None] - centre) < reach).all(axis=2)
+    n_pairs = len(some) * (len(some) - 1)
+    chance = (is_right.sum() - np.trace(is_right)) / n_pairs if n_pairs else np.nan
+    is_near = (np.abs(touch[:, None] - touch) <= half).all(axis=2).mean(axis=1)
+    place = touch[int(is_near.argmax())]
+    return {
+        "n_touches": n,
+        "share_touches_right": float(trials["is_right"].mean()),
+        "share_chance": float(chance),
+        "share_one_place": float(is_near.max()),
+        "share_there": float((np.abs(centre - place) <= half).all(axis=1).mean()),
+    }
+
+
+def _odd(row: dict[str, Any]) -> str:
+    """Return why a subject's responses are odd, or "" if they are not."""
+    if row["n"] < LEAST_TRIALS:
+        return ""
+    keys = []
+    share, expected = row["share"], row["share_expected"]
+    if abs(share - expected) > FAR and not row["low"] <= expected <= row["high"]:
+        keys.append("driver.unlike_others")
+    if row["n_easy"] >= LEAST_TRIALS and row["share_easy"] < MOST_EASY:
+        keys.append("driver.misses_easy")
+    n = int(row["n_touches"])
+    if n == 0:
+        keys.append("driver.never_touches")
+    if n >= LEAST_TRIALS:
+        n_right = round(row["share_touches_right"] * n)
+        test = scipy.stats.binomtest(n_right, n, row["share_chance"], alternative="greater")
+        if test.pvalue > AT_CHANCE_P:
+            keys.append("driver.at_chance")
+        if row["share_one_place"] >= SAME_PLACE and row["share_one_place"] > 2 * row["share_there"]:
+            keys.append("driver.in_one_place")
+    return "; ".join(phrase(Note(key, **row), objects.PEDESTRIAN) for key in keys)
 
 
 @dataclass(frozen=True)
@@ -38,7 +256,7 @@ class TrainingTable:
         ``detectability`` (0..1), ``n_right``, ``n_subjects``, ``low``, ``high`` (Wilson), and the
         features by their keys (float64, NaN: undefined).
     subjects
-        Of `nvcore.driver.trials.subjects.subjects_table`, those left out as well.
+        Of `subjects_table`, those left out as well.
     left_out
         Names of subjects whose responses are not in it.
     n_trials, n_off_time
@@ -115,7 +333,7 @@ def training_table(
     Parameters
     ----------
     trials
-        File of `nvcore.driver.inputs.trials.TRIAL_COLUMNS`.
+        File of `nvcore.driver.inputs.study_tables.TRIAL_COLUMNS`.
     features
         File of ``image,pedestrian`` and the eight features.
     boxes
@@ -133,15 +351,14 @@ def training_table(
     """
     judging = judging or Judging()
     table, own_boxes = read_features(features)
-    if boxes is None and own_boxes is None:
+    places = own_boxes if boxes is None else picture_boxes(read_picture_boxes(boxes))
+    if places is None:
         raise InputError(
             "to judge the responses the boxes of the pedestrians are needed: columns x,y,w,h "
             "here, or a file of image,pedestrian,x,y,w,h",
             file=features,
             steps=(Step(Remedy.OPTION, "", "boxes"),),
         )
-    places = own_boxes if boxes is None else read_boxes(boxes)
-    assert places is not None
     responses = read_trials(trials)
     if responses.empty:
         raise InputError("there is no trial in it", file=trials)
@@ -160,6 +377,8 @@ def training_table(
     _refuse_without_features(rows, used, trials, features)
     is_simulated = used["device"].str.casefold() == SIMULATED
     feature_settings, picture_px = about_features(features)
+    touch = used[["touch_x", "touch_y"]].to_numpy(np.float64)
+    is_outside = (touch < 0) | (touch > (picture_px or np.inf))
     return TrainingTable(
         rows=rows.drop(columns="_merge"),
         subjects=subjects,
@@ -173,16 +392,8 @@ def training_table(
         features_file=features,
         picture_px=picture_px,
         n_unanswered=int(used["device"].str.contains(NO_ANSWER, regex=False).sum()),
-        n_outside=_count_outside(used, picture_px),
+        n_outside=0 if picture_px is None else int(is_outside.any(axis=1).sum()),
     )
-
-
-def _count_outside(responses: pd.DataFrame, picture_px: tuple[int, int] | None) -> int:
-    """Touches that lie outside the picture."""
-    if picture_px is None:
-        return 0
-    touch = responses[["touch_x", "touch_y"]].to_numpy(np.float64)
-    return int(np.count_nonzero(((touch < 0) | (touch > picture_px)).any(axis=1)))
 
 
 def detectability_table(judged: pd.DataFrame) -> pd.DataFrame:
@@ -204,15 +415,10 @@ def detectability_table(judged: pd.DataFrame) -> pd.DataFrame:
     counts = pd.DataFrame({"n_right": groups.sum(), "n_subjects": groups.size()}).reset_index()
     counts = counts.sort_values("period_s", kind="stable", ignore_index=True)
     pairs = counts[["n_right", "n_subjects"]].astype("int64")
-    shares = {pair: share_of(*pair) for pair in set(pairs.itertuples(index=False, name=None))}
-    of_rows = [shares[pair] for pair in pairs.itertuples(index=False, name=None)]
-    return counts[CELL].assign(
-        detectability=np.array([share.share for share in of_rows], dtype=np.float64),
-        n_right=pairs["n_right"],
-        n_subjects=pairs["n_subjects"],
-        low=np.array([share.low for share in of_rows], dtype=np.float64),
-        high=np.array([share.high for share in of_rows], dtype=np.float64),
-    )
+    of_pair = cache(share_of)
+    shares = [of_pair(*pair) for pair in pairs.itertuples(index=False, name=None)]
+    detectability, low, high = np.array([(of.share, of.low, of.high) for of in shares]).T
+    return counts[CELL].assign(detectability=detectability, **pairs, low=low, high=high)
 
 
 def _refuse_measured_times(responses: pd.DataFrame, trials: Path) -> None:

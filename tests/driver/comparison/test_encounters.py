@@ -110,11 +110,11 @@ def test_each_row_is_what_a_comparison_at_that_threshold_counts(shares, threshol
     anew = driver_in(compare(result.dataset, replace(result.params, driver_threshold=threshold)))
     table = over_driver_threshold(result)
     (row,) = table[table["driver_threshold"] == threshold].to_dict("records")
-    counts = anew.venn.counts
+    counts = anew.counts
     assert row == {
         "driver_threshold": threshold,
-        "known": anew.venn.n_known,
-        "seen": anew.venn.n_seen,
+        "known": anew.n_known,
+        "seen": anew.n_seen,
         "useful_x": counts["x_y"] + counts["x"],
         "useful_y": counts["x_y"] + counts["y"],
         "nobody": counts["nobody"],

@@ -10,10 +10,9 @@ import pytest
 from figure_parts import trace, words
 
 from nvcore.driver.comparison import figures
-from nvcore.driver.comparison.judging import DriverVenn
-from nvcore.driver.comparison.kinds import DriverRegion
+from nvcore.driver.comparison.judging import DriverRegion
 from nvcore.driver.illumination import Light, LightSource
-from nvcore.driver.illumination.clock import adaptation_clock, unknown_clock, with_change
+from nvcore.driver.illumination.clock import adaptation_clock, with_change
 from nvcore.figures.style import LOOK
 from nvcore.objects import PEDESTRIAN
 
@@ -47,7 +46,7 @@ plot_counts = partial(
 
 
 def plot_venn(**counts: int):
-    venn = DriverVenn({region: counts.get(region.value, 0) for region in DriverRegion})
+    venn = {region: counts.get(region.value, 0) for region in DriverRegion}
     return figures.driver_venn_plot(venn, ("A", "<B>"), theme="dark", objects=PEDESTRIAN)
 
 
@@ -139,7 +138,7 @@ def test_light_and_clock_stand_below_the_course_with_changes_marked(source, told
 
 
 def test_where_nothing_is_known_of_the_light_a_simulated_change_is_drawn_all_the_same():
-    clock = with_change(unknown_clock(np.arange(20), 10), 10, 0.55)
+    clock = with_change(adaptation_clock(None, np.arange(20), 10), 10, 0.55)
     figure = plot_course(COURSE, clock=clock)
     assert "nothing is known of the light" in figure.layout.title.text
     assert 0.55 in [shape.x0 for shape in figure.layout.shapes]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
+import pandas as pd
 import pytest
 from approach import approach, only
 from builders import NAN, Box, at, make_dataset, result_of
@@ -14,8 +15,7 @@ from hypothesis import strategies as st
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.driver.comparison.in_time import is_driver_in_time, is_in_time_alone, is_seen_too_late
-from nvcore.driver.comparison.judging import count_driver_regions, driver_regions, split_unseen
-from nvcore.driver.comparison.kinds import DriverRegion
+from nvcore.driver.comparison.judging import DriverRegion, DriverView, split_unseen
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.params import Params
 from nvcore.schema import Category
@@ -49,10 +49,10 @@ def test_the_largest_detectability_up_to_the_first_relevant_frame_counts():
 def test_the_first_frame_at_the_threshold_is_his_confirmation():
     truth = walk((FAR, 0.1), (FAR, 0.5), (FAR, 0.4), (NEAR, 0.8))
     result = judged(truth)
-    assert driver_in(result).seen_row.tolist() == [1]
+    assert driver_in(result).table["seen_row"].tolist() == [1]
     assert driver_in(result).table["detectability"].tolist() == [0.8]
     assert driver_in(result).table["n_seen"].tolist() == [2]
-    assert driver_in(judged(truth, driver_threshold=0.6)).seen_row.tolist() == [3]
+    assert driver_in(judged(truth, driver_threshold=0.6)).table["seen_row"].tolist() == [3]
     assert driver_in(judged(truth, driver_threshold=0.9)).is_unseen.tolist() == [True]
 
 
@@ -71,8 +71,8 @@ def test_known_only_later_is_unknown_and_counted_apart():
     truth = [*walk((NEAR, NAN), (NEAR, 0.9)), *walk((NEAR, 0.9), track=2, centre=20)]
     result = judged(truth)
     assert driver_in(result).is_known.tolist() == [False, True]
-    assert driver_in(result).venn.counts[DriverRegion.UNKNOWN] == 1
-    assert driver_in(result).venn.n_known == 1
+    assert driver_in(result).counts[DriverRegion.UNKNOWN] == 1
+    assert driver_in(result).n_known == 1
 
 
 def test_of_a_distant_encounter_nothing_is_judged():
@@ -116,13 +116,13 @@ def test_each_of_the_eight_regions_has_its_encounter_and_the_unknown_stands_apar
     result = eight()
     expected = ["driver_x_y", "driver_x", "driver_y", "driver", "x_y", "x", "y", "nobody"]
     assert driver_in(result).region.tolist() == [*expected, "unknown"]
-    assert [driver_in(result).venn.counts[DriverRegion(name)] for name in expected] == [1] * 8
-    venn = driver_in(result).venn
+    assert [driver_in(result).counts[DriverRegion(name)] for name in expected] == [1] * 8
+    venn = driver_in(result)
     assert (venn.n_known, venn.n_seen, venn.n_unseen) == (8, 4, 4)
 
 
 def test_of_whom_the_driver_does_not_see_the_two_systems_split_as_in_their_own_diagram():
-    split = split_unseen(driver_in(eight()).venn)
+    split = split_unseen(driver_in(eight()))
     assert (split.both, split.x_only, split.y_only, split.neither) == (1, 1, 1, 1)
     assert split.distant == 5
 
@@ -133,13 +133,13 @@ flags = st.lists(st.tuples(*[st.booleans()] * 5), max_size=30)
 @given(flags)
 def test_the_regions_add_up_to_the_categories_of_the_two_systems(rows):
     near, known, driver, x, y = np.array(rows, dtype=bool).reshape(-1, 5).T
-    region = driver_regions(near, known, driver & known, x, y)
-    venn = count_driver_regions(region)
-    assert sum(venn.counts.values()) == len(rows)
-    assert venn.counts[DriverRegion.DISTANT] == np.count_nonzero(~near)
-    both = venn.counts[DriverRegion.DRIVER_X_Y] + venn.counts[DriverRegion.X_Y]
+    table = {"detectability": np.where(known, 0.5, np.nan), "seen_row": np.where(driver, 7, -1)}
+    view = DriverView(pd.DataFrame(table), near, x, y)
+    assert sum(view.counts.values()) == len(rows)
+    assert view.counts[DriverRegion.DISTANT] == np.count_nonzero(~near)
+    both = view.counts[DriverRegion.DRIVER_X_Y] + view.counts[DriverRegion.X_Y]
     assert both == np.count_nonzero(near & known & x & y)
-    assert venn.n_seen + venn.n_unseen + venn.counts[DriverRegion.UNKNOWN] == near.sum()
+    assert view.n_seen + view.n_unseen + view.counts[DriverRegion.UNKNOWN] == near.sum()
 
 
 def test_a_higher_threshold_never_makes_him_see_more():

@@ -20,7 +20,7 @@ from nvcore.driver.comparison.encounters import (
     features_of_course,
     saved_encounters,
 )
-from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
+from nvcore.driver.comparison.judging import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.driver.comparison.notes import (
     driver_notes,
     no_claim,
@@ -29,7 +29,7 @@ from nvcore.driver.comparison.notes import (
     weighting,
     weighting_notes,
 )
-from nvcore.driver.comparison.section import driver_section
+from nvcore.driver.comparison.report import driver_section
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.evidence.measures import significance_table

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from driver_trials import made_table
 
-from nvcore.driver.commands.train import say_how_to_leave_out
+from nvcore.driver.commands import say_how_to_leave_out
 from nvcore.driver.estimator_report import render_table, render_training
 from nvcore.driver.estimators import Search, Training, train_estimator
 from nvcore.notes import Note

@@ -171,7 +171,7 @@ def test_each_row_has_its_own_period(estimator: Estimator):
 
 
 def test_the_single_one_takes_no_period(estimator: Estimator):
-    assert estimator.single.predict(INSIDE) == pytest.approx([0.6])
+    assert estimator.regressions[-1].predict(INSIDE) == pytest.approx([0.6])
     assert estimator.qualities[-1].sd == pytest.approx(0.4)
 
 

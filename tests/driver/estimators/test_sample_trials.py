@@ -16,9 +16,16 @@ from places import SAMPLE
 
 from nvcore.driver.estimators import Search, read_estimator
 from nvcore.driver.estimators.model_file import SAMPLE_ESTIMATOR
-from nvcore.driver.estimators.nested import OutOfFold, Samples, out_of_fold, samples_of
 from nvcore.driver.estimators.search import folds_of
-from nvcore.driver.estimators.training import OUTER_FOLDS, errors_by_period, origin_of
+from nvcore.driver.estimators.training import (
+    OUTER_FOLDS,
+    OutOfFold,
+    Samples,
+    errors_by_period,
+    origin_of,
+    out_of_fold,
+    samples_of,
+)
 from nvcore.driver.feature_record import record_beside
 from nvcore.driver.images import image_features
 from nvcore.driver.trials import TrainingTable, training_table

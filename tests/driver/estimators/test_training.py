@@ -18,8 +18,8 @@ from driver_trials import (
 
 from nvcore.driver.estimators import Search, Training, train_estimator
 from nvcore.driver.estimators.model_file import to_bytes
-from nvcore.driver.estimators.nested import out_of_fold, samples_of
 from nvcore.driver.estimators.search import draw_settings, feature_sets, folds_of
+from nvcore.driver.estimators.training import out_of_fold, samples_of
 from nvcore.driver.features import FEATURE_KEYS
 from nvcore.driver.trials import TrainingTable
 from nvcore.errors import InputError, ParameterError

@@ -46,10 +46,6 @@ def test_the_eight_features_stand_in_the_order_of_the_tables():
         *("width_px", "height_px", "luminance_sd", "luminance_contrast", "lab_distance"),
         *("edge_contrast", "colour_emd", "fixation_distance_px"),
     ) == FEATURE_KEYS
-    assert [feature.key for feature in FEATURES if feature.needs_colour] == [
-        "lab_distance",
-        "colour_emd",
-    ]
 
 
 def test_width_and_height_are_those_of_the_part_in_the_picture():

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import time
-from dataclasses import asdict
 
 import numpy as np
 import pytest
 
-from nvcore.driver.illumination import Light, LightSettings, LightSource, changes_of, light_settings
+from nvcore.driver.illumination import Light, LightSettings, LightSource
+from nvcore.driver.illumination.clock import changes_of
 from nvcore.errors import ParameterError
 
 RATE = 20
@@ -168,20 +168,6 @@ def test_a_million_readings_take_seconds():
 def test_settings_outside_their_range_are_refused(given: dict[str, float]):
     with pytest.raises(ParameterError, match=f"{next(iter(given))}: expected"):
         LightSettings(**given)
-
-
-def test_settings_of_a_record_come_back():
-    settings = LightSettings(drop_factor=5.0)
-    assert light_settings(asdict(settings)) == settings
-
-
-@pytest.mark.parametrize("value", ["ten", True, None, 10**400, float("nan")])
-def test_a_record_with_other_settings_is_refused(value: object):
-    content = {**asdict(LightSettings()), "drop_factor": value}
-    with pytest.raises(ParameterError, match="drop_factor: expected"):
-        light_settings(content)
-    with pytest.raises(ParameterError, match="light: expected a picture_drop_factor"):
-        light_settings({"drop_factor": 10.0})
 
 
 def without(given: Light, from_s: float, to_s: float) -> Light:

@@ -13,7 +13,6 @@ from nvcore.driver.illumination.clock import (
     AdaptationClock,
     adaptation_clock,
     period_after,
-    unknown_clock,
     with_change,
 )
 
@@ -70,7 +69,7 @@ def test_a_simulated_change_does_not_come_back_after_a_real_one_is_over():
 
 
 def test_where_nothing_is_known_of_the_light_only_the_simulated_change_is():
-    clock = with_change(unknown_clock(FRAMES, FPS), FPS, 3.0)
+    clock = with_change(adaptation_clock(None, FRAMES, FPS), FPS, 3.0)
     assert np.isnan(clock.level).all()
     assert np.isnan(clock.period_s[:30]).all()
     assert clock.period_s[99] == pytest.approx(7.0)
@@ -121,7 +120,7 @@ def test_times_are_those_of_the_dataset_which_begin_with_the_first_frame(first: 
     assert clock.level[[99, 100]].tolist() == [1000.0, 10.0]
     assert np.isnan(clock.period_s[99])
     assert clock.period_s[100] == pytest.approx(0.05)
-    assert unknown_clock(frames, 20.0).time_s.tolist() == listed.tolist()
+    assert adaptation_clock(None, frames, 20.0).time_s.tolist() == listed.tolist()
     simulated = with_change(clock, 20.0, float(listed[40]))
     assert np.isnan(simulated.period_s[39])
     assert simulated.period_s[[40, 99, 100]] == pytest.approx([0.05, 3.0, 0.05])
@@ -148,7 +147,7 @@ def test_only_frames_from_the_simulated_change_to_a_real_one_are_simulated():
     clock = with_change(adaptation_clock(light(), FRAMES, FPS), FPS, 2.0)
     assert clock.is_simulated is not None
     assert np.flatnonzero(clock.is_simulated[:90]).tolist() == list(range(20, 50))
-    nothing = with_change(unknown_clock(FRAMES, FPS), FPS, 3.0)
+    nothing = with_change(adaptation_clock(None, FRAMES, FPS), FPS, 3.0)
     assert nothing.is_known.tolist() == (FRAMES >= 30).tolist()
     assert np.isnan(nothing.seen_s[:30]).all()
 

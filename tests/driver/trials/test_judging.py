@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import pandas as pd
 import pytest
+from driver_trials import parsed_trials
 
-from nvcore.driver.trials import Judging, judge_trials, parse_trials, side_of_angle
-from nvcore.driver.trials.judging import screen_width_mm
+from nvcore.driver.trials import Judging, judge_trials, side_of_angle
 from nvcore.errors import InputError, ParameterError
 
 HEADER = (
@@ -23,7 +25,7 @@ BOXES = pd.DataFrame(
 def judged(x: float | str, y: float | str, judging: Judging | None = None, measured: str = "2.5"):
     seen = 1 if x == "" else 0
     row = f"S1,0,1,0,a.jpg,p1,2.5,{measured},{x},{y},1,{seen},d"
-    trials = parse_trials(f"{HEADER}\n{row}\n".encode(), name="trials.csv")
+    trials = parsed_trials(f"{HEADER}\n{row}\n".encode())
     return judge_trials(trials, BOXES, judging or Judging()).iloc[0]
 
 
@@ -66,14 +68,14 @@ def test_a_trial_off_by_more_than_50_ms_is_marked(measured: str, is_off: bool):
 
 def test_a_pedestrian_without_a_box_is_refused_with_the_line():
     row = "S1,0,1,0,b.jpg,p1,2.5,2.5,1,1,1,0,d"
-    trials = parse_trials(f"{HEADER}\n{row}\n".encode(), name="trials.csv")
+    trials = parsed_trials(f"{HEADER}\n{row}\n".encode())
     with pytest.raises(InputError, match=r"trials.csv, line 2: there is no box .* p1 .* b\.jpg"):
         judge_trials(trials, BOXES, Judging(), name="trials.csv")
 
 
 def test_200_px_are_5_degrees_at_20_cm_in_display_pixels_and_at_27_in_those_of_the_picture():
     """The paper: a display of 10.5 inches and 2560 x 1600 px, pictures of 1920 px."""
-    width_mm = screen_width_mm(10.5, 2560, 1600)
+    width_mm = 25.4 * 10.5 * 2560 / math.hypot(2560, 1600)
     assert width_mm == pytest.approx(226.2, abs=0.05)
     of_display = side_of_angle(5, distance_mm=202.4, shown_width_mm=width_mm, picture_width_px=2560)
     of_picture = side_of_angle(5, distance_mm=269.8, shown_width_mm=width_mm, picture_width_px=1920)

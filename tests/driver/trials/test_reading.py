@@ -6,9 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from driver_trials import parsed_trials
 
-from nvcore.driver.trials import TRIAL_COLUMNS, parse_trials, read_boxes, read_trials
-from nvcore.driver.trials.reading import read_features
+from nvcore.driver.inputs.study_tables import picture_boxes, read_picture_boxes
+from nvcore.driver.trials import TRIAL_COLUMNS
+from nvcore.driver.trials.table import read_features, read_trials
 from nvcore.errors import FormatError, InputError
 
 HEADER = ",".join(TRIAL_COLUMNS)
@@ -17,7 +19,7 @@ NOT_SEEN = "S1,0,2,3,b.jpg,p1,5.5,,,,,1,"
 
 
 def parsed(*rows: str, header: str = HEADER):
-    return parse_trials("\n".join([header, *rows]).encode(), name="trials.csv")
+    return parsed_trials("\n".join([header, *rows]).encode())
 
 
 def test_trials_are_read_with_their_kinds():
@@ -79,7 +81,7 @@ def test_a_wrong_row_is_refused_with_its_line(row: str, line: int, told: str):
     first = "S0,0,1,3,a.jpg,p1,2.5,2.5,1,1,1,0,x"
     with pytest.raises(FormatError, match=told) as caught:
         parsed(first, row)
-    assert (caught.value.file, caught.value.line) == ("trials.csv", line)
+    assert (Path(caught.value.file).name, caught.value.line) == ("trials.csv", line)
 
 
 @pytest.mark.parametrize(
@@ -94,7 +96,7 @@ def test_a_wrong_row_is_refused_with_its_line(row: str, line: int, told: str):
 )
 def test_what_is_no_table_of_trials_is_refused(content: bytes, told: str):
     with pytest.raises(FormatError, match=told):
-        parse_trials(content, name="trials.csv")
+        parsed_trials(content)
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path: Path):
@@ -105,17 +107,17 @@ def test_a_file_that_is_not_there_is_named(tmp_path: Path):
 def test_a_box_needs_a_size_and_stands_once(tmp_path: Path):
     boxes = tmp_path / "boxes.csv"
     boxes.write_text("image,pedestrian,x,y,w,h\na.jpg,p1,-5,2,3,4\n")
-    assert read_boxes(boxes).to_dict("records") == [
+    assert picture_boxes(read_picture_boxes(boxes)).to_dict("records") == [
         {"image": "a.jpg", "pedestrian": "p1", "x": -5.0, "y": 2.0, "w": 3.0, "h": 4.0}
     ]
     boxes.write_text("image,pedestrian,x,y,w,h\na.jpg,p1,1,2,0,4\n")
     with pytest.raises(FormatError, match="line 2: w: expected"):
-        read_boxes(boxes)
+        picture_boxes(read_picture_boxes(boxes))
     boxes.write_text("image,pedestrian,x,y,w,h\na.jpg,p1,1,2,3,4\na.jpg,p1,1,2,3,4\n")
     with pytest.raises(
         FormatError, match=r"line 3: the picture a\.jpg has the pedestrian p1 a sec"
     ):
-        read_boxes(boxes)
+        picture_boxes(read_picture_boxes(boxes))
 
 
 def test_undefined_features_are_empty_and_boxes_may_stand_beside_them(tmp_path: Path):

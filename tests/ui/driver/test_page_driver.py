@@ -15,7 +15,7 @@ from held_estimate import FORM, Held, send, sent
 from picture_files import write_picture
 from streamlit.testing.v1 import AppTest
 
-from nvcore.driver.comparison.kinds import DriverRegion
+from nvcore.driver.comparison.judging import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.driver.face import estimate_driver
 from nvcore.driver.inputs.record import EstimateRecord
@@ -516,7 +516,7 @@ def test_an_estimate_that_ends_while_another_page_is_open_is_taken_over_there(he
     n_opened = held.space.n_opened
     held.ends()
     checked(page.run())
-    assert driver_in(held.space.result).venn.n_known == 2
+    assert driver_in(held.space.result).n_known == 2
     assert [item.value for item in page.title] == ["Export"]
     # nothing that was chosen is lost, and a reset still goes back to what the session says
     assert page.slider(key="alpha").value == 0.25

@@ -7,7 +7,7 @@ from typing import Final
 
 import streamlit as st
 
-from nvcore.driver.inputs.trials import LEAST_PEDESTRIANS
+from nvcore.driver.inputs.study_tables import LEAST_PEDESTRIANS
 from nvcore.driver.study.pictures import BOXES_FILE, StudyPicture, read_pictures
 from nvcore.driver.study.plan import duration_s, plan_trials
 from nvcore.driver.study.settings import (

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import streamlit as st
 
-from nvcore.driver.inputs.trials import LATE_S, LEAST_PEDESTRIANS
+from nvcore.driver.inputs.study_tables import LATE_S, LEAST_PEDESTRIANS
 from nvcore.driver.study.pictures import PRACTICE_SIZE
 from nvcore.driver.study.plan import duration_s
 from nvcore.driver.study.touch_task import (
