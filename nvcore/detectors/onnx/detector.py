@@ -220,6 +220,12 @@ class OnnxDetector:
             raise DetectorError(
                 f"{error.message} (layout {self.settings.layout})", file=self._name
             ) from error
+        if candidates.label is not None and self.settings.activation == "softmax":
+            raise DetectorError(
+                f"layout {self.settings.layout} has one score for each box; expected none or "
+                "sigmoid (setting activation), as softmax needs the scores of all classes",
+                file=self._name,
+            )
         score = activated(candidates.score, self.settings.activation)
         return replace(candidates, score=score)
 

@@ -106,8 +106,7 @@ def judge_driver(
     relevant = frame_at[first(k_truth[order] >= RELEVANT_K)][encounter]
     is_known = ~np.isnan(value) & (relevant >= 0)
     is_before, sees = is_known & (frame <= relevant), is_known & (value >= threshold)
-    highest = np.full(n, -np.inf)
-    np.maximum.at(highest, encounter[is_before], value[is_before])
+    highest = np.maximum.reduceat(np.where(is_before, value, -np.inf), encounters.offsets[:-1])
     place = first(is_before & (value == highest[encounter]))
     highest[place < 0] = np.nan
     row = np.append(order, -1)[place]

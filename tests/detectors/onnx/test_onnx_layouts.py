@@ -112,6 +112,13 @@ def test_a_layout_that_it_has_not_is_refused(layout: str, words: str, tmp_path: 
         open_onnx(path, {"layout": layout})
 
 
+@pytest.mark.parametrize("layout", ["ssd", "end_to_end"])
+def test_softmax_of_one_score_a_box_is_refused(layout: str, tmp_path: Path):
+    path = fixed_model(tmp_path / "model.onnx", CASES[layout][0])
+    with pytest.raises(DetectorError, match="softmax needs the scores of all classes"):
+        open_onnx(path, {"layout": layout, "activation": "softmax"}).detect(PICTURE)
+
+
 def test_every_layout_has_its_case():
     assert [*CASES] == [*PRESETS]
 
