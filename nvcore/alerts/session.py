@@ -29,5 +29,6 @@ class SystemAlerts:
         "CSV of the alerts that {system} itself gave, for alerts by its own log: start_s,end_s,kind"
         "[,track][,recording]. Default: the session's, or a column alerted of its detections.",
         label="Its own log of alerts (CSV: start_s,end_s,kind)",
+        is_of_run=True,
     )
     alert_policy: str | None = path_field(label="Its policy of alerts (TOML)")

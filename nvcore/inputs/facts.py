@@ -15,6 +15,7 @@ from nvcore.errors import InputError, SessionError
 from nvcore.objects import Objects, objects_from
 from nvcore.settings import MAX_FPS, MIN_FPS
 
+P = TypeVar("P")
 FRAME_NAMES: Final = ("numbers", "times", "order", "scenes", "counter")
 """How names of pictures and large frame numbers can be understood."""
 
@@ -50,7 +51,7 @@ def check_path(name: str, text: str | None) -> None:
         raise SessionError(f"{name}: expected a path, found one with a NUL: {text!r}")
 
 
-def path_field(meaning: str = "", *, label: str = "") -> Any:
+def path_field(meaning: str = "", *, label: str = "", is_of_run: bool = False) -> Any:
     """A field with the path of a file; None: there is none.
 
     Parameters
@@ -59,8 +60,19 @@ def path_field(meaning: str = "", *, label: str = "") -> Any:
         Of a key of a system that has a flag for X and one for Y: their help, with ``{system}``.
     label
         Label of its field in a form that opens files. Empty: the form has none.
+    is_of_run
+        Whether the file is about one run of a system: other detections make it invalid.
     """
-    return field(default=None, metadata={"is_path": True, "meaning": meaning, "label": label})
+    about = {"is_path": True, "meaning": meaning, "label": label, "is_of_run": is_of_run}
+    return field(default=None, metadata=about)
+
+
+def without_files_of_run(part: P) -> P:
+    """The part of a session without the files that are about one run of a system."""
+    of_part: Any = part
+    names = [spec.name for spec in fields(of_part) if spec.metadata.get("is_of_run")]
+    dropped: P = replace(of_part, **dict.fromkeys(names))
+    return dropped
 
 
 @cache
@@ -85,9 +97,6 @@ def check_paths(part: Any) -> None:
     """Raise SessionError where one of `paths_in` can be no path."""
     for name in _path_fields(part.__class__):
         check_path(name, getattr(part, name))
-
-
-P = TypeVar("P")
 
 
 def with_paths_in(part: P, rename: Callable[[str], str | None]) -> P:

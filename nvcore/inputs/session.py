@@ -224,7 +224,7 @@ class SystemSource(SystemKeysOfSubjects, Source):
     offset_frames: int = 0
     offset_px: tuple[float, float] = (0.0, 0.0)
     scale: tuple[float, float] = (1.0, 1.0)
-    provenance: str | None = path_field()
+    provenance: str | None = path_field(is_of_run=True)
 
     def __post_init__(self) -> None:
         super().__post_init__()

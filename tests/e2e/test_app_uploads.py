@@ -123,7 +123,7 @@ def test_a_further_system_joins_what_is_open(visit, tmp_path: Path):
     send(one, files)
     third = shutil.copy(files.x, tmp_path / "camera_c.csv")
     one.page.get_by_role("button", name="Add or replace files").click()
-    field = one.page.locator('[class*="st-key-upload_add_"][class*="_system_2"]').first
+    field = one.page.locator('[class*="st-key-upload_change_"][class*="_system_2"]').first
     with one.page.expect_response(re.compile("/_stcore/upload_file/")):
         field.locator("input[type=file]").first.set_input_files(third)
     expect(field.get_by_text("camera_c.csv")).to_be_visible()

@@ -25,7 +25,7 @@ from ui.data.opening import (
 )
 from ui.session import state, store
 from ui.session.opening import uploaded_session
-from ui.session.uploads import new_upload, store_annotations
+from ui.session.uploads import new_upload, refuse_equal_names, store_annotations
 from ui.settings.start import start_file
 from ui.widgets.buttons import button
 from ui.widgets.text import plain
@@ -121,6 +121,7 @@ def _session(
 ) -> Session:
     if file is None:
         raise InputError("Choose the session file first.")
+    refuse_equal_names(others)
     space = state.workspace()
     folder = new_upload(space)
     paths = store_annotations(space, folder, "files", others)

@@ -73,7 +73,7 @@ def draw_form(place: Place) -> None:
         "These files", PURPOSES, chosen_purpose.key, on_change=changed, help=PURPOSE_HELP
     )
     opened = None if purpose == "new" else state.opened()
-    place.section = "" if opened is None else f"{purpose}_{state.workspace().n_opened}_"
+    place.section = "" if opened is None else f"change_{state.workspace().n_opened}_"
     objects = draw_objects(place.name, changed) if opened is None else opened.dataset.objects
     form_fields = _Fields(place, purpose, opened, objects, changed)
     truth = form_fields.draw_source(
@@ -118,9 +118,8 @@ def draw_form(place: Place) -> None:
     draw_trouble(place.name)
     if button("Open these files" if opened is None else "Change the comparison",
               key=f"open_{place.name}", type="primary"):  # fmt: skip
-        try_to_open(
-            form.session, label=place.label if opened is None else opened.label, place=place.name
-        )
+        label = place.label if opened is None else opened.label
+        try_to_open(form.session, label=label, place=place.name, check=form.check, words=form.words)
 
 
 def _beginnings(labels: Iterable[str]) -> str:
@@ -229,10 +228,11 @@ class _Fields:
         """Draw the names of systems that are not open yet, and return those of all."""
         n_open = len(self.open_systems)
         new = systems[n_open:]
+        in_files = titles_by_name(self.opened) if self.opened else ()
         proposed = proposed_names(
             [system.chosen.known_as for system in new],
             truth.chosen.known_as,
-            [*recordings, *self.open_systems],
+            [*recordings, *self.open_systems, *in_files],
             first=n_open + 1,
         )
         names = [*self.open_systems]

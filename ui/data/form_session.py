@@ -6,19 +6,23 @@ from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from dataclasses import fields as dataclass_fields
 from functools import cached_property
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any, Final, Literal, Protocol
 
 import numpy as np
 import streamlit as st
 
+from nvcore.dataset import Dataset
 from nvcore.errors import InputError
+from nvcore.file_kinds import unpacked_name
 from nvcore.inputs.changes import live_session, stated_by_recording
-from nvcore.inputs.facts import with_paths_in
+from nvcore.inputs.facts import with_paths_in, without_files_of_run
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.objects import Objects
-from nvcore.wording import listed
+from nvcore.wording import MOST_NAMED, listed
+from ui.access.files import safe_name
+from ui.confined.reading import find_confined
 from ui.data.file_check import FileCheck, unusable
 from ui.data.missing_inputs import MissingInputs
 from ui.data.names import with_recording_name
@@ -35,6 +39,7 @@ from ui.session.opening import (
     recording_names,
     with_recordings,
 )
+from ui.session.uploads import store_copy
 from ui.session.workspace import Opened
 from ui.streamlit_inside.types import DeltaGenerator
 
@@ -306,6 +311,11 @@ class Form:
         """
         in_files = recording_names(session) if len(names) == 1 else None
         session = stated_by_recording(session, names, in_files)
+        if in_files is not None:  # files of the only recording need not be named after it
+            systems = (
+                _named_after(source, session.folder, *in_files) for source in session.systems
+            )
+            session = replace(session, systems=tuple(systems))
         known = {*names, *(entry.name for entry in session.recordings)}
         if again := [name for name in self.recordings if name in known]:
             raise InputError(
@@ -319,6 +329,61 @@ class Form:
                 f"{self.objects.plural} in the added recordings count as missed."
             )
         return session
+
+    def check(self, dataset: Dataset) -> None:
+        """Refuse data in which boxes that are open now are gone. Ask once if files are replaced.
+
+        Raises
+        ------
+        InputError
+            With the sources and recordings.
+        """
+        if self.opened is None:
+            return
+        whole, is_added = self.opened.whole, self.purpose == "add"
+        names = _in_files(whole, self.opened.session)
+        then = _n_boxes(dataset, {name: name for name in dataset.recordings["name"]})
+        assert isinstance(dataset.settings, Session)
+        then |= _n_boxes(dataset, _in_files(dataset, dataset.settings))
+        lost = [
+            (source, name)
+            for (source, name), n in _n_boxes(whole, {name: name for name in names}).items()
+            if max(then.get((source, of), 0) for of in (name, names[name])) < (n if is_added else 1)
+        ]
+        if not lost:
+            return
+        words = listed([f"{source} in {name}" for source, name in lost], most=MOST_NAMED)
+        if is_added:
+            raise InputError(
+                f"Boxes would be lost: {words}. Name each file after its recording, and open all "
+                "of them by themselves."
+            )
+        asked = store.ASKED_NAMES.of(f"{self.place.name}_lost")
+        if asked.get() != (words,):
+            asked.set((words,))
+            raise InputError(
+                f"No box would be left: {words}. If this is meant, press the button once more. "
+                "Else choose all files of that source, or those with the names of the ones before."
+            )
+
+    @property
+    def words(self) -> str:
+        """What was added or replaced, for the message after opening."""
+        if self.opened is None:
+            return ""
+        n_open = len(self.opened.whole.systems)
+        known = {*self.opened.whole.recordings["name"], *titles_by_name(self.opened)}
+        parts = [
+            name
+            for number, (system, name) in enumerate(zip(self.systems, self.names, strict=True))
+            if not system.chosen.is_empty and (number >= n_open or self.purpose == "replace")
+        ]
+        if not self.truth.chosen.is_empty:
+            is_added = self.purpose == "add"
+            parts += [name for name in self.recordings if name not in known] if is_added else []
+            parts += [] if is_added else ["ground truth"]
+        verb = "Added" if self.purpose == "add" else "Replaced"
+        return f"{verb}: {listed(parts, most=MOST_NAMED)}." if parts else ""
 
     def _refuse_wrong(self) -> None:
         own = [file for system in self.systems for file in system.own.values()]
@@ -403,21 +468,62 @@ class Form:
 
 
 def titles_by_name(opened: Opened) -> dict[str, str]:
-    """Return the names of open recordings on the pages, by their names in the data."""
-    names = opened.whole.recordings["name"].tolist()
-    entries = opened.session.entries(names)
-    return {entries[name].name if name in entries else name: name for name in names}
+    """Return the names of open recordings on the pages, by their names in the files."""
+    in_files = _in_files(opened.whole, opened.session)
+    return {name: title for title, name in in_files.items()}
 
 
 def joined(source: Source, new: SourceField, folder: Path, purpose: Purpose) -> Any:
-    """Return the source with a field's files added or put in the place of its own."""
+    """Return the source with a field's files added or put in the place of its own.
+
+    Of several files those with the names of the new ones are replaced, if all have such a name.
+    """
     if new.chosen.is_empty:
         return source
     paths = [_path_in(folder, new.chosen.folder / path) for path in new.chosen.paths]
-    if purpose == "replace":
-        source = with_paths_in(source, lambda _: None)  # they are about the files before
-        return replace(source, path=tuple(paths), **new.stated)
-    return replace(source, path=(*source.path, *paths), **new.stated)
+    if purpose == "add":
+        return replace(source, path=(*source.path, *paths), **new.stated)
+    by_name = {PurePosixPath(path).name: path for path in paths}
+    names = [PurePosixPath(path).name for path in source.path]
+    if len(names) > 1 and by_name.keys() <= {*names}:
+        paths = [by_name.get(name, path) for name, path in zip(names, source.path, strict=True)]
+    return replace(without_files_of_run(source), path=tuple(paths), **new.stated)
+
+
+def _n_boxes(dataset: Dataset, called: Mapping[str, str]) -> dict[tuple[str, str], int]:
+    """Count boxes by source and recording, of those that have some.
+
+    Recordings are named by what they are `called`.
+    """
+    names = [called[name] for name in dataset.recordings["name"]]
+    sources = {name: dataset.system(name) for name in dataset.systems}
+    of_frame = dataset.frame_columns.recording
+    n_boxes: dict[tuple[str, str], int] = {}
+    for source, boxes in {"the ground truth": dataset.truth, **sources}.items():
+        numbers, counts = np.unique(of_frame[boxes.frame_index], return_counts=True)
+        keys = ((source, names[number]) for number in numbers)
+        n_boxes |= dict(zip(keys, counts.tolist(), strict=True))
+    return n_boxes
+
+
+def _in_files(dataset: Dataset, session: Session) -> dict[str, str]:
+    """Return the names of recordings in the files, by their names on the pages."""
+    names = dataset.recordings["name"].tolist()
+    entries = session.entries(names)
+    return {name: entries[name].name if name in entries else name for name in names}
+
+
+def _named_after(source: SystemSource, folder: Path, recording: str) -> SystemSource:
+    """Return the source of the only recording with its file named after that recording."""
+    files = find_confined(source, folder, "detections").paths
+    if len(files) != 1:
+        return source
+    stem = PurePosixPath(unpacked_name(files[0].name)).stem
+    if stem == recording:
+        return source
+    name = safe_name(recording + files[0].name[len(stem) :])
+    copy = store_copy(state.workspace(), "named", files[0], name)
+    return replace(source, path=(_path_in(folder, copy),))
 
 
 def _path_in(folder: Path, path: Path) -> str:

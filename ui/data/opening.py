@@ -9,6 +9,7 @@ from typing import Final
 
 import streamlit as st
 
+from nvcore.dataset import Dataset
 from nvcore.errors import MissingFactError, NvcoreError
 from nvcore.inputs.session import Session
 from nvcore.wording import listed
@@ -47,16 +48,29 @@ class Trouble:
 
 
 def try_to_open(
-    session: Session | Callable[[], Session], *, label: str, place: str = SESSION
+    session: Session | Callable[[], Session],
+    *,
+    label: str,
+    place: str = SESSION,
+    check: Callable[[Dataset], None] | None = None,
+    words: str = "",
 ) -> None:
     """Open a session, called `label` on the pages.
 
     If that fails, the run starts again and `draw_trouble` says why in this part of the page.
+
+    Parameters
+    ----------
+    check
+        Called with the data before they are shown. Its errors are treated like those of files.
+    words
+        What was changed, for the message after opening.
     """
     store.TROUBLES.of(place).pop()
+    store.OPENED_WORDS.set(words)
     store.LAST_OPENED.set((place, label, state.workspace().n_opened))
     try:
-        state.open_session(session() if callable(session) else session, label=label)
+        state.open_session(session() if callable(session) else session, label=label, check=check)
     except MissingFactError as error:
         trouble = Trouble(_question(error.facts) or error_text(error), label, error.facts)
     except NvcoreError as error:
@@ -123,8 +137,10 @@ def _draw_opened(label: str) -> None:
     store.OPENING_SHOWN.set(n_opened)
     if is_first:
         store.WAYS_OPEN.set(False)
+    words = f"{plain(words)} " if (words := store.OPENED_WORDS.get()) else ""
     st.success(
-        f"**Opened: {plain(label)}.** Below: what to mind and what was read.{_on_thresholds()}",
+        f"**Opened: {plain(label)}.** {words}Below: what to mind and what was read."
+        f"{_on_thresholds()}",
         icon=":material/check_circle:",
     )
     st.button(

@@ -458,11 +458,15 @@ def draw_names_changed() -> None:
 
 def draw_systems() -> None:
     """A field for the name of each system, and the button that uses them."""
-    names, changes = state.opened().whole.systems, store.N_NAME_CHANGES.get()
-    with st.form(f"system_names_{changes}_{state.workspace().n_opened}", border=False):
+    names = state.opened().whole.systems
+    version = f"{state.workspace().n_opened}_{store.N_NAME_CHANGES.get()}"
+    with st.form(f"system_names_{version}", border=False):
         typed = [
             st.text_input(
-                f"Name of {plain(name)}", name, max_chars=200, key=f"system_name_{changes}_{i}"
+                f"Name of {plain(name)}",
+                name,
+                max_chars=200,
+                key=f"system_name_{version}_{i}",
             )
             for i, name in enumerate(names)
         ]

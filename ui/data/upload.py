@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import Final
 import streamlit as st
 from streamlit.typing import UploadedFile
 
-from nvcore.errors import InputError, NvcoreError
+from nvcore.errors import NvcoreError
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session, Source
 from nvcore.wording import MOST_NAMED, listed
@@ -21,7 +20,13 @@ from ui.data.inputs import sent_pictures
 from ui.data.opening import forget_outcome
 from ui.session import state, store
 from ui.session.opening import with_uploaded_recordings
-from ui.session.uploads import ANNOTATION_FOLDERS, begin_form, remove_pictures, store_in_form
+from ui.session.uploads import (
+    ANNOTATION_FOLDERS,
+    begin_form,
+    refuse_equal_names,
+    remove_pictures,
+    store_in_form,
+)
 from ui.session.workspace import Workspace
 from ui.shell.messages import error_text
 from ui.widgets.text import plain
@@ -99,7 +104,7 @@ class Uploads:
 
     def _store(self, slot: str, files: Sequence[UploadedFile]) -> Chosen:
         try:
-            _refuse_equal_names(files)
+            refuse_equal_names(files)
             folder, paths = store_in_form(self.space, slot, files)
         except NvcoreError as error:
             return Chosen(self.space.folder, trouble=error_text(error))
@@ -187,16 +192,4 @@ def _tell_lost(uploads: Uploads) -> None:
             f"Before this page was loaded again, {plain(listed(lost, most=MOST_NAMED))} "
             f"{'was' if len(lost) == 1 else 'were'} chosen here and not opened yet: choose again.",
             icon=":material/refresh:",
-        )
-
-
-def _refuse_equal_names(files: Sequence[UploadedFile]) -> None:
-    """Raise InputError for files of one field that have the same name: browsers send no folders."""
-    counts = Counter(file.name for file in files)
-    name, n = counts.most_common(1)[0]
-    if n > 1:
-        raise InputError(
-            f"{n} files are called {name}, and cannot be told apart: recordings are named after "
-            "their folders, which are not sent along. Send a ZIP archive with the folders, such as "
-            f"TUD-Campus/gt/{name}"
         )

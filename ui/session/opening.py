@@ -43,6 +43,10 @@ from ui.session.uploads import ANNOTATION_FOLDERS
 from ui.session.workspace import Workspace, opened_by_others
 from ui.settings.limits import limits_of_environment
 
+_OF_UPLOADS: Final = re.compile(
+    r"(?<![\w.-])(?:(?:\.\./)*upload-\d+/)?(?:\d+-\w+/)?" + re.escape(f"{ANNOTATION_FOLDERS}/")
+)
+"""Folders of uploads before the name of a file."""
 SHOWN_FOLDERS: Final = NAME_PARTS - 1
 """Folders before a file's name that readers show at the most."""
 
@@ -354,4 +358,4 @@ def public_text(text: object, folders: Iterable[Path]) -> str:
         for n_parts in range(min(SHOWN_FOLDERS, len(parts)), 0, -1):
             tail = "/".join(parts[-n_parts:])
             plain_text = re.sub(rf"(?<![\w/.-]){re.escape(tail)}/", "", plain_text)
-    return re.sub(rf"(?<![\w.-]){re.escape(str(ANNOTATION_FOLDERS))}/", "", plain_text)
+    return _OF_UPLOADS.sub("", plain_text)

@@ -70,18 +70,24 @@ def _workspace_and_opened() -> tuple[Workspace, Opened]:
         return space, shown_in(space, shared_start().opened)
 
 
-def open_session(session: Session, *, label: str) -> None:
+def open_session(
+    session: Session, *, label: str, check: Callable[[Dataset], None] | None = None
+) -> None:
     """Open another comparison in this workspace and rerun the page.
 
     Raises
     ------
     NvcoreError
-        If an input cannot be used. What was open stays open.
+        If an input cannot be used, or by `check`. What was open stays open.
     """
     space = workspace()
     with st.spinner("Reading the files"):
-        shared = shared_opening(session, label)
-        shown_in(space, shared or Opened.of(session, load_for(space, session.of_all), label))
+        opening = shared_opening(session, label)
+        if opening is None:
+            opening = Opened.of(session, load_for(space, session.of_all), label)
+        if check is not None:
+            check(opening.whole)
+        shown_in(space, opening)
     st.rerun()  # widgets that are already drawn take their new values in the next run
 
 

@@ -223,6 +223,8 @@ TROUBLES: Family[Trouble | None] = Family("data_trouble", None)
 """Reason why something could not be opened, by part of the page."""
 LAST_OPENED = Entry("data_opened", ("", "", 0))
 """Part of the page that opened something, its label, and the opening before."""
+OPENED_WORDS = Entry("data_opened_words", "")
+"""What was changed by the last opening."""
 OPENING_SHOWN: Entry[int | None] = Entry("data_opened_shown", None)
 """Opening that the page has reported."""
 OPENING_DRAWN: Family[int | None] = Family("data_drawn", None)

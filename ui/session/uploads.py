@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import os
 import shutil
+from collections import Counter
 from collections.abc import AsyncIterable, Callable, Iterable, Sequence
 from dataclasses import replace
 from filecmp import cmp
@@ -26,7 +27,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect
 from streamlit.typing import UploadedFile
 
-from nvcore.errors import MediaError, NvcoreError
+from nvcore.errors import InputError, MediaError, NvcoreError
 from nvcore.pictures.archive import Archive, ArchiveLimits
 from ui.access.files import free_name, safe_name
 from ui.session.workspace import PICTURES, Kind, Stored, Workspace, used_by_all
@@ -248,6 +249,28 @@ def store_in_form(
     return folder, store_annotations(space, folder, own, files)
 
 
+def store_copy(space: Workspace, slot: str, file: Path, name: str) -> Path:
+    """Copy a file of the open comparison into the form's folder under another name.
+
+    Raises
+    ------
+    UploadError
+        If there is no room.
+    """
+    check_room(space, n_bytes := file.stat().st_size)
+    if space.form_folder is None:
+        space.form_folder = new_upload(space)
+    with space.lock:
+        space.n_received += 1
+        own = space.form_folder / f"{space.n_received}-{slot}"
+        space.used_bytes += n_bytes
+        space.upload_bytes[own] = n_bytes
+    target = own / ANNOTATION_FOLDERS / name
+    target.parent.mkdir(parents=True)
+    shutil.copyfile(file, target)
+    return target
+
+
 def new_upload(space: Workspace) -> Path:
     """Create a folder for annotations, and remove earlier ones that are no longer needed.
 
@@ -314,6 +337,18 @@ def count_folder(space: Workspace, folder: Path) -> None:
     with space.lock:
         space.used_bytes += n_more
         space.upload_bytes[folder] = n_bytes
+
+
+def refuse_equal_names(files: Sequence[UploadedFile]) -> None:
+    """Raise InputError for files that have the same name: browsers send no folders."""
+    counts = Counter(file.name for file in files)
+    name, n = next(iter(counts.most_common(1)), ("", 0))
+    if n > 1:
+        raise InputError(
+            f"{n} files are called {name}, and cannot be told apart: recordings are named after "
+            "their folders, which are not sent along. Send a ZIP archive with the folders, such as "
+            f"TUD-Campus/gt/{name}"
+        )
 
 
 def store_annotations(

@@ -24,7 +24,7 @@ from nvcore.notes import Note, say
 from nvcore.objects import PEDESTRIAN
 from nvcore.output.files import write_whole
 from nvcore.report.html.page import render_page
-from nvcore.report.section import Block, Chart, Columns, Paragraphs, Row, Section, Table, listing
+from nvcore.report.section import Chart, Columns, Paragraphs, Row, Section, Table, listing
 from nvcore.wording import capitalised, percent
 
 TITLE: Final = "How well estimators know whom the driver sees"
@@ -130,29 +130,45 @@ def _sections(evaluation: Evaluation) -> list[Section]:
     ) -> Table:
         return listing(title, tables[name], {**_COLUMNS[name], **(more or {})}, notes=notes)
 
-    blocks: dict[tuple[str, str], tuple[Block, ...]] = {
-        ("errors", "Error on pedestrians left out"): (
-            Paragraphs(texts),
-            chart("errors"),
-            rows("Mean squared error; 0 is best", "errors", of_errors, basis_of_errors(errors)),
-            chart("estimates"),
-        ),
-        ("seen", "What the subjects saw"): (
-            chart("periods"),
-            chart("histograms"),
-            rows("Detectability", "periods"),
-        ),
-        ("features", "Which features"): (
-            rows(
-                "Features that were chosen, and for how many of the pedestrians left out",
-                "choices",
-            ),
-            chart("pairs"),
-            chart("ranks"),
-        ),
-        ("subjects", "Subjects"): (rows("How each subject responded", "subjects"),),
-    }
     return [
-        Section(name, title, Note(f"driver.{name}_section"), of)
-        for (name, title), of in blocks.items()
+        Section(
+            "errors",
+            "Error on pedestrians left out",
+            Note("driver.errors_section"),
+            (
+                Paragraphs(texts),
+                chart("errors"),
+                rows("Mean squared error; 0 is best", "errors", of_errors, basis_of_errors(errors)),
+                chart("estimates"),
+            ),
+        ),
+        Section(
+            "seen",
+            "What the subjects saw",
+            Note("driver.seen_section"),
+            (
+                chart("periods"),
+                chart("histograms"),
+                rows("Detectability", "periods"),
+            ),
+        ),
+        Section(
+            "features",
+            "Which features",
+            Note("driver.features_section"),
+            (
+                rows(
+                    "Features that were chosen, and for how many of the pedestrians left out",
+                    "choices",
+                ),
+                chart("pairs"),
+                chart("ranks"),
+            ),
+        ),
+        Section(
+            "subjects",
+            "Subjects",
+            Note("driver.subjects_section"),
+            (rows("How each subject responded", "subjects"),),
+        ),
     ]

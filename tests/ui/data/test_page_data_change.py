@@ -5,7 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from data_page import Edit, answer, opened, opened_drive, press, send, sent_drive, space_of
+from data_page import (
+    Edit,
+    answer,
+    opened,
+    opened_drive,
+    press,
+    send,
+    sent,
+    sent_drive,
+    space_of,
+)
 from inputs import drive, write
 from streamlit.testing.v1 import AppTest
 
@@ -25,7 +35,7 @@ def changing(page: AppTest, purpose: str, place: str = "upload", **files: Path) 
 
 def key_of(page: AppTest, purpose: str, field: str, place: str = "upload") -> str:
     form = space_of(page).form
-    key = f"{place}_{purpose}_{space_of(page).n_opened}_{field}"
+    key = f"{place}_change_{space_of(page).n_opened}_{field}"
     return f"{key}_{form}" if form and place == "upload" else key
 
 
@@ -64,14 +74,14 @@ def test_a_system_joins_those_that_are_open_and_nothing_else_changes(page, tmp_p
     assert after.whole.system("nir").x.tolist() == before.whole.system("nir").x.tolist()
     # the form is empty again, and the next system has a field
     assert key_of(page, "add", "system_3") in [field.key for field in page.file_uploader]
-    assert not any(field.value for field in page.file_uploader if "add" in (field.key or ""))
+    assert not any(field.value for field in page.file_uploader if "change" in (field.key or ""))
 
 
 def test_a_file_takes_the_place_of_another_and_name_and_threshold_stay(page, tmp_path: Path):
     page.session_state["new_params"] = {"threshold_y": 0.65}
     checked(page.run())
     boxes = (tmp_path / "nir.csv").read_text().splitlines()
-    changing(page, "replace", system_1=write(tmp_path / "release_2.csv", *boxes[:-1]))
+    changing(page, "replace", system_1=write(tmp_path / "release_2.csv", boxes[0], *boxes[2:]))
     press(page, "open_upload")
     now = space_of(page).opened
     assert rows(page)["Y: nir"].replace("\\", "") == "release_2.csv"
@@ -133,6 +143,67 @@ def test_a_table_of_strangers_is_refused_at_its_field(page):
     assert "there is no recording 'nowhere'" in texts(checked(page.run()))
 
 
+def test_files_of_the_only_recording_keep_it_when_another_joins(tmp_path: Path):
+    """Neither is named after the recording, "gt": each was taken as the only file."""
+    box = "100,100,40,90"
+    truth, boxes = b"frame,x,y,w,h\n", b"frame,x,y,w,h,score\n"
+    truth += "".join(f"{frame},{box}\n" for frame in range(9)).encode()
+    boxes += "".join(f"{frame},{box},0.{frame + 1}\n" for frame in range(9)).encode()
+    page = sent(truth, ("far.csv", boxes), ("near.csv", boxes))
+    answer(page, width=640, height=480, fps=20)
+    page = press(page, "open_upload")
+    changing(page, "add")
+    for field, content in (("truth", truth), ("system_0", boxes), ("system_1", boxes)):
+        send(page, key_of(page, "add", field), ("night_02.csv", content))
+    answer(checked(page.run()), width=640, height=480, fps=20)
+    page = press(checked(page.run()), "open_upload")
+    whole = space_of(page).opened.whole
+    assert len(whole.recordings) == 2
+    assert [len(whole.system(name)) for name in whole.systems] == [18, 18]
+    assert "Added: night_02." in texts(page).replace("\\", "")
+
+
+@pytest.fixture
+def two_files(tmp_path: Path) -> tuple[AppTest, dict[str, bytes]]:
+    """A system with a file for each of two recordings."""
+    drive(tmp_path)
+    head, *lines = (tmp_path / "fir.csv").read_text().splitlines()
+    files = {
+        f"{name}.csv": "\n".join(
+            [head, *(line for line in lines if line.startswith(name))]
+        ).encode()
+        for name in ("urban", "rural")
+    }
+    page = opened()
+    send(page, "upload_truth", ("truth.csv", (tmp_path / "truth.csv").read_bytes()))
+    send(page, "upload_system_0", *files.items())
+    answer(checked(page.run()), width=640, height=480, fps=20)
+    page.text_input(key="upload_name_0").set_value("far")
+    return press(page, "open_upload"), files
+
+
+def replace_with(page: AppTest, name: str, content: bytes) -> AppTest:
+    changing(page, "replace")
+    send(page, key_of(page, "replace", "system_0"), (name, content))
+    return press(checked(page.run()), "open_upload")
+
+
+def test_of_several_files_that_of_the_same_name_is_replaced(two_files):
+    page, files = two_files
+    page = replace_with(page, "urban.csv", b"\n".join(files["urban.csv"].split(b"\n")[:-5]))
+    assert len(space_of(page).opened.whole.system("far")) == 35
+    assert "Replaced: far." in texts(page)
+
+
+def test_a_file_that_leaves_a_recording_without_boxes_is_asked_about(two_files):
+    page, files = two_files
+    page = replace_with(page, "release_2.csv", files["urban.csv"])
+    assert "No box would be left: far in rural" in texts(page)
+    assert len(space_of(page).opened.whole.system("far")) == 40
+    page = press(page, "open_upload")
+    assert len(space_of(page).opened.whole.system("far")) == 20
+
+
 def test_alert_logs_and_speeds_have_fields(tmp_path: Path):
     page = sent_drive(tmp_path, "fir.csv")
     alerts = b"start_s,end_s,kind,recording\n0.1,0.4,pedestrian,urban\n"
@@ -190,7 +261,7 @@ def test_another_file_is_read_as_the_one_before_and_added_ones_as_those_that_are
     page = press(checked(page.run()), "open_upload")
     changing(page, "add")
     in_form = [box.key or "" for box in page.selectbox]
-    assert not any("upload_add" in key and key.endswith("system_0") for key in in_form)
+    assert not any("upload_change" in key and key.endswith("system_0") for key in in_form)
     boxes = (tmp_path / "fir.csv").read_text().splitlines()
     changing(page, "replace", system_0=write(tmp_path / "release_2.csv", *boxes[:-1]))
     press(page, "open_upload")

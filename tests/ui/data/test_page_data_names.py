@@ -162,7 +162,7 @@ def test_an_impossible_change_is_said_and_changes_nothing(edit: Edit):
 def test_the_systems_are_called_otherwise_and_keep_their_result():
     page = opened("ui.data.inputs.draw()", "ui.session.state.result()")
     before = space_of(page).result
-    page.text_input(key="system_name_0_0").set_value("Thermal")
+    page.text_input(key="system_name_1_0_0").set_value("Thermal")
     page = press_labelled(page, "Use these names")
     space = space_of(page)
     assert space.opened.dataset.systems == ("Thermal", "NIR", "NIR 2")
@@ -173,7 +173,7 @@ def test_the_systems_are_called_otherwise_and_keep_their_result():
 
 def test_two_systems_of_one_name_are_refused():
     page = opened(*TABLES)
-    page.text_input(key="system_name_0_0").set_value("NIR")
+    page.text_input(key="system_name_1_0_0").set_value("NIR")
     page = press_labelled(page, "Use these names")
     assert "two systems would be called 'NIR'" in texts(page)
 
@@ -261,7 +261,7 @@ def test_an_exported_session_holds_names_and_choice(tmp_path: Path):
     from nvcore.inputs.session_toml import read_session, write_session
 
     page = opened(*FILTER, "ui.data.inputs.draw()")
-    page.text_input(key="system_name_0_0").set_value("Thermal")
+    page.text_input(key="system_name_1_0_0").set_value("Thermal")
     page = press_labelled(page, "Use these names")
     page = checked(page.multiselect(key="tags_chosen").set_value(["rural"]).run())
     path = tmp_path / "session.toml"

@@ -49,6 +49,13 @@ def test_a_session_file_opens_with_the_files_it_names(tmp_path: Path):
     assert page.session_state["params"].alpha == 0.7
 
 
+def test_files_of_one_name_beside_a_session_file_are_refused():
+    page = opened()
+    send(page, "session_file", ("mine.toml", b'[truth]\npath = "a/x.csv"\n'))
+    send(page, "session_files", ("x.csv", b"1"), ("x.csv", b"2"))
+    assert "2 files are called x.csv" in texts(press(page, "open_session_file"))
+
+
 BARE_SESSION = '[truth]\npath = "truth.csv"\n[[system]]\npath = "fir.csv"\n'
 """Says neither the size of the pictures nor the frame rate."""
 
