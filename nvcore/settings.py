@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal, Self, get_args
 
@@ -122,6 +122,13 @@ class Settings:
     def thresholds(self) -> tuple[float | None, ...]:
         """Score threshold of each system, in their order; empty: every detection counts."""
         return ()
+
+
+def is_chosen(
+    name: str, own: Collection[str], tags: Collection[str], names: Collection[str]
+) -> bool:
+    """Whether a recording with its own tags has all of the tags and, if there are any, a name."""
+    return set(tags) <= set(own) and (not names or name in names)
 
 
 def as_names(names: str | Iterable[str]) -> tuple[str, ...]:

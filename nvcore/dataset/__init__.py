@@ -35,7 +35,7 @@ from nvcore.schema import (
     TRUTH,
     conform,
 )
-from nvcore.settings import Settings, as_names
+from nvcore.settings import Settings, as_names, is_chosen
 from nvcore.wording import MOST_NAMED, did_you_mean, listed
 
 Kept = TypeVar("Kept")
@@ -176,11 +176,6 @@ class Dataset:
             self.boxes["source"].to_numpy(), np.arange(len(self.systems) + 2)
         ).astype(np.int64)
 
-    @cached_property
-    def _by_source(self) -> tuple[BoxColumns, ...]:
-        # cached: every change of a parameter needs them again
-        return tuple(self._source(source) for source in range(len(self.systems) + 1))
-
     @property
     def objects(self) -> Objects:
         """What the boxes are of."""
@@ -189,12 +184,13 @@ class Dataset:
     @property
     def truth(self) -> BoxColumns:
         """Boxes of the ground truth, ignored ones included."""
-        return self._by_source[TRUTH]
+        return self.sources[TRUTH]
 
-    @property
+    @cached_property
     def sources(self) -> tuple[BoxColumns, ...]:
         """Boxes of the ground truth and of every system, in the order of `systems`."""
-        return self._by_source
+        # cached: every change of a parameter needs them again
+        return tuple(self._source(source) for source in range(len(self.systems) + 1))
 
     @cached_property
     def detectability(self) -> Detectability:
@@ -219,7 +215,7 @@ class Dataset:
         """
         if name not in self.systems:
             raise InputError(f"there is no system {name!r}; there are {', '.join(self.systems)}")
-        return self._by_source[self.systems.index(name) + 1]
+        return self.sources[self.systems.index(name) + 1]
 
     def with_settings(self, settings: Settings) -> Dataset:
         """The same data, to be compared in another way; its columns are shared, not copied."""
@@ -251,14 +247,9 @@ class Dataset:
                     f"there is no recording {name!r}; "
                     f"{did_you_mean(name, every, f'they are {listed(every, most=MOST_NAMED)}')}"
                 )
-        is_chosen = np.array(
-            [
-                set(tags) <= set(own) and (not names or name in names)
-                for name, own in zip(every, self.recordings["tags"], strict=True)
-            ],
-            dtype=bool,
-        )
-        if not is_chosen.any():
+        recordings = zip(every, self.recordings["tags"], strict=True)
+        chosen = np.array([is_chosen(*of, tags, names) for of in recordings], dtype=bool)
+        if not chosen.any():
             known = sorted({tag for own in self.recordings["tags"] for tag in own})
             known_text = f"the tags are {listed(known, most=MOST_TAGS)}"
             unknown = next((tag for tag in tags if tag not in known), None)
@@ -270,14 +261,11 @@ class Dataset:
                 f"no recording has the {'tag' if len(tags) == 1 else 'tags'} {listed([*tags])}"
                 f"{' and one of these names' if names else ''}; {known_text}"
             )
-        if is_chosen.all():
+        if chosen.all():
             return self
-        settings = self.settings
-        all_tags = tuple(dict.fromkeys([*settings.only_tags, *tags]))
-        chosen = replace(settings, only_tags=all_tags, only=names or settings.only)
-        return replace(
-            self._of(is_chosen, tags), settings=chosen if chosen != settings else settings
-        )
+        all_tags = tuple(dict.fromkeys([*self.settings.only_tags, *tags]))
+        settings = replace(self.settings, only_tags=all_tags, only=names or self.settings.only)
+        return replace(self._of(chosen, tags), settings=settings)
 
     def _of(self, is_chosen: np.ndarray, tags: Collection[str]) -> Dataset:
         frames, boxes = self.frames, self.boxes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import glob
 import os
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from typing import Final
 
 import numpy as np
@@ -16,6 +16,7 @@ from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
 from nvcore.inputs.evaluated_frames import MIN_SAMPLED
 from nvcore.inputs.readers.base import Reading, rows_finding, warning
 from nvcore.inputs.session import Session
+from nvcore.settings import is_chosen
 from nvcore.wording import MOST_NAMED, count_text, did_you_mean, listed
 
 MOST_SIGNS: Final = 1000
@@ -206,15 +207,12 @@ def no_such_recording(name: str, names: Sequence[str]) -> str:
 
 
 def describe_recordings(
-    session: Session, truth: Reading, is_compared: Callable[[str, Collection[str]], bool]
-) -> pd.DataFrame:
+    session: Session, chosen: Session, truth: Reading
+) -> tuple[pd.DataFrame, list[bool]]:
     """Name, width, height, fps, horizon, context, speed_kmh, tags, unit of recordings.
 
-    Parameters
-    ----------
-    is_compared
-        (name, tags) -> whether a recording is. The others are left out later: where a size or frame
-        rate of theirs is unknown, it is 1.
+    And whether each is one of those that `chosen` compares. The others are left out later: where a
+    size or frame rate of theirs is unknown, it is 1.
 
     Raises
     ------
@@ -246,11 +244,15 @@ def describe_recordings(
             table.loc[~table["name"].isin(own), column] = common
     tags = [entries[name].tags if name in entries else () for name in table["name"]]
     units = [(entries[name].unit or "") if name in entries else "" for name in table["name"]]
-    compared = [is_compared(*recording) for recording in zip(table["name"], tags, strict=True)]
+    compared = [
+        is_chosen(*of, chosen.only_tags, chosen.only)
+        for of in zip(table["name"], tags, strict=True)
+    ]
     _check_known(table[compared], entries)
     facts = ["width", "height", "fps"]
     table[facts] = table[facts].astype(float).fillna(1.0)
-    return table.assign(tags=pd.Series(tags, dtype=object), unit=pd.Series(units, dtype=object))
+    table = table.assign(tags=pd.Series(tags, dtype=object), unit=pd.Series(units, dtype=object))
+    return table, compared
 
 
 def _check_known(table: pd.DataFrame, entries: Collection[str]) -> None:

@@ -17,8 +17,8 @@ from nvcore.driver.inputs.record import EstimateRecord, estimate_json, read_esti
 from nvcore.driver.inputs.session import DETECTABILITY
 from nvcore.findings import Finding
 from nvcore.inputs.added import Input, with_files
+from nvcore.inputs.assign_frames import REASONS, FramePlaces
 from nvcore.inputs.files import digest
-from nvcore.inputs.placing import REASONS, FramePlaces
 from nvcore.inputs.readers.base import SourceFile, warning
 from nvcore.inputs.session import Session
 from nvcore.metrics.kernels import over_ranges
@@ -31,7 +31,7 @@ TOLERANCE_PX: Final = 1e-3 * (1 + 1e-6)
 MOST_SHOWN: Final = 160
 """Characters of a recording's name with its doubt."""
 NO_SUCH_BOX: Final = "no such box"
-"""Why a row of estimates is left out, beside `nvcore.inputs.placing.REASONS`."""
+"""Why a row of estimates is left out, beside `nvcore.inputs.assign_frames.REASONS`."""
 
 
 @dataclass(frozen=True)
