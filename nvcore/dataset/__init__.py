@@ -103,10 +103,12 @@ class Dataset:
     systems: tuple[str, ...]
     fingerprint: str
     inputs: pd.DataFrame = field(default_factory=lambda: pd.DataFrame(columns=list(INPUT_COLUMNS)))
-    left_out: pd.DataFrame = field(default_factory=lambda: empty_left_out())
+    left_out: pd.DataFrame = field(default_factory=lambda: conform({}, LEFT_OUT_DTYPES, n_rows=0))
     findings: tuple[Finding, ...] = ()
     notes: tuple[str, ...] = ()
-    attributes: pd.DataFrame = field(default_factory=lambda: empty_attributes(), repr=False)
+    attributes: pd.DataFrame = field(
+        default_factory=lambda: conform({}, ATTRIBUTE_DTYPES, n_rows=0), repr=False
+    )
     settings: Settings = field(default_factory=Settings, repr=False)
     provenance: Mapping[str, Provenance] = field(default_factory=dict, repr=False)
     of_subjects: Mapping[str, Any] = field(default_factory=dict, repr=False)
@@ -393,13 +395,3 @@ def refuse_doubles(what: str, names: Sequence[str]) -> None:
     double = next((name for name in names if names.count(name) > 1), None)
     if double is not None:
         raise InputError(f"two {what} would be called {double!r}; expected different names")
-
-
-def empty_attributes() -> pd.DataFrame:
-    """A `Dataset.attributes` without rows."""
-    return conform({}, ATTRIBUTE_DTYPES, n_rows=0)
-
-
-def empty_left_out() -> pd.DataFrame:
-    """A `Dataset.left_out` without rows."""
-    return conform({}, LEFT_OUT_DTYPES, n_rows=0)

@@ -230,20 +230,16 @@ def describe_recordings(
         raise InputError(
             session.objects.say(NO_BOX), file=session.truth.path[0], steps=NO_BOX_STEPS
         )
-    table = table.assign(horizon=np.nan, context=np.nan, speed_kmh=np.nan)
-    for row, name in enumerate(table["name"]):  # a loop over recordings: at most hundreds
-        entry = entries.get(name)
-        for column in ("width", "height", "fps", "horizon", "context", "speed_kmh"):
-            value = None if entry is None else getattr(entry, column)
-            if value is not None:
-                table.loc[row, column] = value
+    own = [entries.get(name) for name in table["name"]]
     width, height = session.size or (None, None)
-    for column, common in (("width", width), ("height", height), ("fps", session.fps)):
-        if common is not None:
-            own = {name for name, entry in entries.items() if getattr(entry, column) is not None}
-            table.loc[~table["name"].isin(own), column] = common
-    tags = [entries[name].tags if name in entries else () for name in table["name"]]
-    units = [(entries[name].unit or "") if name in entries else "" for name in table["name"]]
+    of_all = {"width": width, "height": height, "fps": session.fps}
+    for column in ("width", "height", "fps", "horizon", "context", "speed_kmh"):
+        values = [getattr(entry, column, None) for entry in own]
+        common = of_all.get(column)
+        given = pd.Series([common if value is None else value for value in values], dtype=float)
+        table[column] = given.fillna(table[column]) if column in table else given
+    tags = [getattr(entry, "tags", ()) for entry in own]
+    units = [getattr(entry, "unit", None) or "" for entry in own]
     compared = [
         is_chosen(*of, chosen.only_tags, chosen.only)
         for of in zip(table["name"], tags, strict=True)
