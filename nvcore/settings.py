@@ -136,6 +136,6 @@ def as_names(names: str | Iterable[str]) -> tuple[str, ...]:
     return (names,) if isinstance(names, str) else tuple(names)
 
 
-def new_names(names: Sequence[str], new: Mapping[str, str]) -> tuple[str, ...]:
+def new_names(names: Iterable[str], new: Mapping[str, str]) -> tuple[str, ...]:
     """The names, those that are called otherwise by their new ones."""
     return tuple(new.get(name, name) for name in names)

@@ -35,7 +35,7 @@ from nvcore.schema import (
     TRUTH,
     conform,
 )
-from nvcore.settings import Settings, as_names, is_chosen
+from nvcore.settings import Settings, as_names, is_chosen, new_names
 from nvcore.wording import MOST_NAMED, did_you_mean, listed
 
 Kept = TypeVar("Kept")
@@ -300,27 +300,24 @@ class Dataset:
         InputError
             If two would be called the same, one of them perhaps known by rows left out alone.
         """
-        names = [systems.get(name, name) for name in self.systems]
-        titles = [recordings.get(name, name) for name in self.recordings["name"]]
-        every = dict.fromkeys([*self.recordings["name"], *self.left_out["recording"].unique()])
+        own = self.systems, self.recordings["name"].tolist()
+        names, titles = new_names(own[0], systems), new_names(own[1], recordings)
+        every = dict.fromkeys([*own[1], *self.left_out["recording"].unique()])
         refuse_doubles("systems", names)
-        refuse_doubles("recordings", [recordings.get(name, name) for name in every])
-        if names == list(self.systems) and titles == self.recordings["name"].tolist():
+        refuse_doubles("recordings", new_names(every, recordings))
+        if names == own[0] and titles == tuple(own[1]):
             return self
         subjects = {old: new for old, new in systems.items() if old in self.systems}
         text = "\n".join([self.fingerprint, *names, *titles])
-        own = self.systems, self.recordings["name"].tolist()
         return replace(
             self,
             settings=self.settings.renamed(systems, recordings, of=own),
             recordings=self.recordings.assign(name=pd.Series(titles, dtype=object).array),
-            systems=tuple(names),
-            inputs=self.inputs.assign(
-                subject=[subjects.get(name, name) for name in self.inputs["subject"]]
-            ),
+            systems=names,
+            inputs=self.inputs.assign(subject=new_names(self.inputs["subject"], subjects)),
             left_out=self.left_out.assign(
-                subject=[subjects.get(name, name) for name in self.left_out["subject"]],
-                recording=[recordings.get(name, name) for name in self.left_out["recording"]],
+                subject=new_names(self.left_out["subject"], subjects),
+                recording=new_names(self.left_out["recording"], recordings),
             ),
             findings=tuple(
                 replace(finding, subject=subjects.get(finding.subject, finding.subject))

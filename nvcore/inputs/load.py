@@ -22,7 +22,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.dataset import Dataset, refuse_doubles
-from nvcore.dataset.provenance import read_provenance
+from nvcore.dataset.provenance import Provenance, read_provenance
 from nvcore.dataset.tables import tables_fingerprint
 from nvcore.errors import InputError, UnnamedClassesError
 from nvcore.findings import Remedy, Step
@@ -110,8 +110,7 @@ def load(
         while name in {*(other.subject for other in loaded), *reserved}:
             name += " (2)"
         progress(len(loaded) / n_steps, f"reading {name}")
-        system = _read(session, source, name, "detections", truth.reading, tables.get(source))
-        loaded.append(_with_provenance(_corrected(system, source), source, session.folder))
+        loaded.append(_read(session, source, name, "detections", truth.reading, tables.get(source)))
     progress(len(loaded) / n_steps, "placing boxes in frames")
     session = _with_ways_taken(session, loaded)
     loaded = _named_by_session(session, loaded)
@@ -224,6 +223,10 @@ def _read(
         reading = without_row_numbers(reading, options)
     if truth is not None:
         reading = _same_single_recording(reading, truth)
+    provenance = None
+    if isinstance(source, SystemSource):
+        reading = _corrected(reading, source)
+        reading, provenance = _with_provenance(reading, source, session.folder, subject)
     reading = replace(
         reading,
         findings=joined_findings(
@@ -231,7 +234,7 @@ def _read(
             for finding in reading.findings
         ),
     )
-    return LoadedSource(subject, files, digests, file_format, reading)
+    return LoadedSource(subject, files, digests, file_format, reading, provenance)
 
 
 def _picture_folders(session: Session) -> tuple[Path, ...]:
@@ -293,27 +296,27 @@ def _steps_about(steps: Iterable[Step], subject: str) -> tuple[Step, ...]:
     )
 
 
-def _with_provenance(system: LoadedSource, source: SystemSource, folder: Path) -> LoadedSource:
-    """The system with the record of how its detections were made, if one is named."""
+def _with_provenance(
+    reading: Reading, source: SystemSource, folder: Path, subject: str
+) -> tuple[Reading, Provenance | None]:
+    """The reading with what the record of how the detections were made says, and the record."""
     if source.provenance is None:
-        return system
+        return reading, None
     path = folder / source.provenance
     if os.path.exists(path):  # noqa: PTH110  # Path.exists raises for names that are too long
         record = read_provenance(path, source.provenance)
-        conversion = conversion_text([system.reading.conversion, record.made_by])
-        reading = replace(system.reading, conversion=conversion)
-        return replace(system, reading=reading, provenance=record)
+        conversion = conversion_text([reading.conversion, record.made_by])
+        return replace(reading, conversion=conversion), record
     finding = warning(
         "missing-provenance",
         1,
         "The record of how these detections were made is not there: no file has that path.",
         "Correct the path, which starts from the folder of the session file. Until then nobody "
         "knows whether the system was trained on what it is scored on.",
-        role=system.subject,
+        role=subject,
         file=source.provenance,
     )
-    findings = (*system.reading.findings, finding)
-    return replace(system, reading=replace(system.reading, findings=findings))
+    return replace(reading, findings=(*reading.findings, finding)), None
 
 
 def _common_size(truth: Reading | None) -> tuple[int, int] | None:
@@ -363,9 +366,9 @@ def _named_by_session(session: Session, loaded: list[LoadedSource]) -> list[Load
     ]
 
 
-def _corrected(system: LoadedSource, source: SystemSource) -> LoadedSource:
+def _corrected(reading: Reading, source: SystemSource) -> Reading:
     """Apply the corrections that the session names for a system."""
-    boxes, facts = system.reading.boxes, []
+    boxes, facts = reading.boxes, []
     if source.scale != (1, 1):
         across, down = source.scale
         factors = {"x": across, "w": across, "y": down, "h": down}
@@ -381,10 +384,7 @@ def _corrected(system: LoadedSource, source: SystemSource) -> LoadedSource:
     if source.offset_frames:
         boxes = boxes.assign(frame=boxes["frame"] + source.offset_frames)
         facts.append(f"frame numbers moved by {source.offset_frames:+d}")
-    if not facts:
-        return system
-    conversion = "; ".join([system.reading.conversion, *facts])
-    return replace(system, reading=replace(system.reading, boxes=boxes, conversion=conversion))
+    return replace(reading, boxes=boxes, conversion="; ".join([reading.conversion, *facts]))
 
 
 def _at_rate(boxes: pd.DataFrame, step: float) -> tuple[pd.DataFrame, str]:
