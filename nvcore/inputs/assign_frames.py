@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.dataset import Dataset
+from nvcore.dataset import INPUT_COLUMNS, Dataset
 from nvcore.dataset.provenance import Provenance, provenance_json
 from nvcore.dataset.sources import ReadAs
 from nvcore.dataset.tables import dataset_from_tables, what_is_stated
@@ -189,20 +189,13 @@ def place_sources(
         pd.DataFrame(_joined(tables), copy=False),
         [source.subject for source in loaded[1:]],
         fingerprint=_fingerprint(session, loaded, recordings, frames),
-        inputs=pd.concat(
+        inputs=pd.DataFrame(
             [
-                pd.DataFrame(
-                    {
-                        "subject": source.subject,
-                        "file": [file.name for file in source.files],
-                        "sha256": source.digests,
-                        "format": source.format.name,
-                        "conversion": source.reading.conversion,
-                    }
-                )
-                for source in loaded
+                (of.subject, file.name, sha256, of.format.name, of.reading.conversion)
+                for of in loaded
+                for file, sha256 in zip(of.files, of.digests, strict=True)
             ],
-            ignore_index=True,
+            columns=list(INPUT_COLUMNS),
         ),
         left_out=pd.concat(left_out, ignore_index=True),
         findings=tuple(findings),
