@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal, Self, get_args
 
@@ -124,11 +124,18 @@ class Settings:
         return ()
 
 
+def is_chosen(
+    name: str, own: Collection[str], tags: Collection[str], names: Collection[str]
+) -> bool:
+    """Whether a recording with its own tags has all of the tags and, if there are any, a name."""
+    return set(tags) <= set(own) and (not names or name in names)
+
+
 def as_names(names: str | Iterable[str]) -> tuple[str, ...]:
     """Names that may be given as a single one."""
     return (names,) if isinstance(names, str) else tuple(names)
 
 
-def new_names(names: Sequence[str], new: Mapping[str, str]) -> tuple[str, ...]:
+def new_names(names: Iterable[str], new: Mapping[str, str]) -> tuple[str, ...]:
     """The names, those that are called otherwise by their new ones."""
     return tuple(new.get(name, name) for name in names)

@@ -9,7 +9,7 @@ from builders import Box, Place, at, make_dataset, tagged
 
 from nvcore.columns import frame_gaps
 from nvcore.comparison import compare
-from nvcore.dataset import Dataset, empty_left_out
+from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables, frames_table
 from nvcore.errors import InputError
 from nvcore.params import Params
@@ -148,7 +148,8 @@ def test_the_given_tables_are_not_changed() -> None:
 
 
 def test_nothing_left_out_keeps_its_columns() -> None:
-    table = empty_left_out()
+    boxes = pd.DataFrame({"frame_index": [], "source": []})
+    table = dataset_from_tables(recordings(), [np.arange(1)], boxes, ["a"]).left_out
     assert table.empty
     assert list(table) == list(LEFT_OUT_DTYPES)
 

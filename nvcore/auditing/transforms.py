@@ -16,8 +16,8 @@ from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
 from nvcore.dataset.sources import ReadAs
 from nvcore.findings import TRUTH_NAME
+from nvcore.inputs.assign_frames import REASONS
 from nvcore.inputs.box_layouts import UNITS, Box, BoxLayout, layouts, parse_layout
-from nvcore.inputs.placing import REASONS
 from nvcore.inputs.session import Session, SystemSource
 from nvcore.metrics.kernels.checks import best_overlaps
 

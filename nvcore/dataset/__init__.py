@@ -35,7 +35,7 @@ from nvcore.schema import (
     TRUTH,
     conform,
 )
-from nvcore.settings import Settings, as_names
+from nvcore.settings import Settings, as_names, is_chosen, new_names
 from nvcore.wording import MOST_NAMED, did_you_mean, listed
 
 Kept = TypeVar("Kept")
@@ -103,10 +103,12 @@ class Dataset:
     systems: tuple[str, ...]
     fingerprint: str
     inputs: pd.DataFrame = field(default_factory=lambda: pd.DataFrame(columns=list(INPUT_COLUMNS)))
-    left_out: pd.DataFrame = field(default_factory=lambda: empty_left_out())
+    left_out: pd.DataFrame = field(default_factory=lambda: conform({}, LEFT_OUT_DTYPES, n_rows=0))
     findings: tuple[Finding, ...] = ()
     notes: tuple[str, ...] = ()
-    attributes: pd.DataFrame = field(default_factory=lambda: empty_attributes(), repr=False)
+    attributes: pd.DataFrame = field(
+        default_factory=lambda: conform({}, ATTRIBUTE_DTYPES, n_rows=0), repr=False
+    )
     settings: Settings = field(default_factory=Settings, repr=False)
     provenance: Mapping[str, Provenance] = field(default_factory=dict, repr=False)
     of_subjects: Mapping[str, Any] = field(default_factory=dict, repr=False)
@@ -176,11 +178,6 @@ class Dataset:
             self.boxes["source"].to_numpy(), np.arange(len(self.systems) + 2)
         ).astype(np.int64)
 
-    @cached_property
-    def _by_source(self) -> tuple[BoxColumns, ...]:
-        # cached: every change of a parameter needs them again
-        return tuple(self._source(source) for source in range(len(self.systems) + 1))
-
     @property
     def objects(self) -> Objects:
         """What the boxes are of."""
@@ -189,12 +186,13 @@ class Dataset:
     @property
     def truth(self) -> BoxColumns:
         """Boxes of the ground truth, ignored ones included."""
-        return self._by_source[TRUTH]
+        return self.sources[TRUTH]
 
-    @property
+    @cached_property
     def sources(self) -> tuple[BoxColumns, ...]:
         """Boxes of the ground truth and of every system, in the order of `systems`."""
-        return self._by_source
+        # cached: every change of a parameter needs them again
+        return tuple(self._source(source) for source in range(len(self.systems) + 1))
 
     @cached_property
     def detectability(self) -> Detectability:
@@ -219,7 +217,7 @@ class Dataset:
         """
         if name not in self.systems:
             raise InputError(f"there is no system {name!r}; there are {', '.join(self.systems)}")
-        return self._by_source[self.systems.index(name) + 1]
+        return self.sources[self.systems.index(name) + 1]
 
     def with_settings(self, settings: Settings) -> Dataset:
         """The same data, to be compared in another way; its columns are shared, not copied."""
@@ -251,14 +249,9 @@ class Dataset:
                     f"there is no recording {name!r}; "
                     f"{did_you_mean(name, every, f'they are {listed(every, most=MOST_NAMED)}')}"
                 )
-        is_chosen = np.array(
-            [
-                set(tags) <= set(own) and (not names or name in names)
-                for name, own in zip(every, self.recordings["tags"], strict=True)
-            ],
-            dtype=bool,
-        )
-        if not is_chosen.any():
+        recordings = zip(every, self.recordings["tags"], strict=True)
+        chosen = np.array([is_chosen(*of, tags, names) for of in recordings], dtype=bool)
+        if not chosen.any():
             known = sorted({tag for own in self.recordings["tags"] for tag in own})
             known_text = f"the tags are {listed(known, most=MOST_TAGS)}"
             unknown = next((tag for tag in tags if tag not in known), None)
@@ -270,14 +263,11 @@ class Dataset:
                 f"no recording has the {'tag' if len(tags) == 1 else 'tags'} {listed([*tags])}"
                 f"{' and one of these names' if names else ''}; {known_text}"
             )
-        if is_chosen.all():
+        if chosen.all():
             return self
-        settings = self.settings
-        all_tags = tuple(dict.fromkeys([*settings.only_tags, *tags]))
-        chosen = replace(settings, only_tags=all_tags, only=names or settings.only)
-        return replace(
-            self._of(is_chosen, tags), settings=chosen if chosen != settings else settings
-        )
+        all_tags = tuple(dict.fromkeys([*self.settings.only_tags, *tags]))
+        settings = replace(self.settings, only_tags=all_tags, only=names or self.settings.only)
+        return replace(self._of(chosen, tags), settings=settings)
 
     def _of(self, is_chosen: np.ndarray, tags: Collection[str]) -> Dataset:
         frames, boxes = self.frames, self.boxes
@@ -310,27 +300,24 @@ class Dataset:
         InputError
             If two would be called the same, one of them perhaps known by rows left out alone.
         """
-        names = [systems.get(name, name) for name in self.systems]
-        titles = [recordings.get(name, name) for name in self.recordings["name"]]
-        every = dict.fromkeys([*self.recordings["name"], *self.left_out["recording"].unique()])
+        own = self.systems, self.recordings["name"].tolist()
+        names, titles = new_names(own[0], systems), new_names(own[1], recordings)
+        every = dict.fromkeys([*own[1], *self.left_out["recording"].unique()])
         refuse_doubles("systems", names)
-        refuse_doubles("recordings", [recordings.get(name, name) for name in every])
-        if names == list(self.systems) and titles == self.recordings["name"].tolist():
+        refuse_doubles("recordings", new_names(every, recordings))
+        if names == own[0] and titles == tuple(own[1]):
             return self
         subjects = {old: new for old, new in systems.items() if old in self.systems}
         text = "\n".join([self.fingerprint, *names, *titles])
-        own = self.systems, self.recordings["name"].tolist()
         return replace(
             self,
             settings=self.settings.renamed(systems, recordings, of=own),
             recordings=self.recordings.assign(name=pd.Series(titles, dtype=object).array),
-            systems=tuple(names),
-            inputs=self.inputs.assign(
-                subject=[subjects.get(name, name) for name in self.inputs["subject"]]
-            ),
+            systems=names,
+            inputs=self.inputs.assign(subject=new_names(self.inputs["subject"], subjects)),
             left_out=self.left_out.assign(
-                subject=[subjects.get(name, name) for name in self.left_out["subject"]],
-                recording=[recordings.get(name, name) for name in self.left_out["recording"]],
+                subject=new_names(self.left_out["subject"], subjects),
+                recording=new_names(self.left_out["recording"], recordings),
             ),
             findings=tuple(
                 replace(finding, subject=subjects.get(finding.subject, finding.subject))
@@ -405,13 +392,3 @@ def refuse_doubles(what: str, names: Sequence[str]) -> None:
     double = next((name for name in names if names.count(name) > 1), None)
     if double is not None:
         raise InputError(f"two {what} would be called {double!r}; expected different names")
-
-
-def empty_attributes() -> pd.DataFrame:
-    """A `Dataset.attributes` without rows."""
-    return conform({}, ATTRIBUTE_DTYPES, n_rows=0)
-
-
-def empty_left_out() -> pd.DataFrame:
-    """A `Dataset.left_out` without rows."""
-    return conform({}, LEFT_OUT_DTYPES, n_rows=0)

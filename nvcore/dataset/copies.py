@@ -107,28 +107,18 @@ def units_of(dataset: Dataset) -> np.ndarray:
     Recordings of one unit are not independent: those that are said to be part of one, and those
     that hold the same truth, unless both are said to be part of something.
     """
-    own = dataset.recordings["unit"].to_numpy(dtype=object)
-    names = dataset.recordings["name"].to_numpy(dtype=object)
-    linked = list(range(len(own)))
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    table = dataset.recordings[["name", "unit"]].astype(object)
     stated: dict[str, int] = {}
-
-    def top(row: int) -> int:
-        while linked[row] != row:
-            row = linked[row]
-        return row
-
-    for row, unit in enumerate(own):  # loops over recordings: at most thousands
-        if unit:
-            linked[top(row)] = top(stated.setdefault(unit, row))
-    for copy in open_copies(dataset):
-        ends = top(copy.first), top(copy.second)
-        linked[max(ends)] = min(ends)
-    tops = np.array([top(row) for row in range(len(own))], dtype=np.int64)
-    is_shared = np.bincount(tops, minlength=len(own))[tops] > 1
-    units = np.full(len(own), "", dtype=object)
-    called: dict[int, str] = {}
-    for row, unit in enumerate(own):
-        called[tops[row]] = called.get(tops[row]) or unit
-    for row in np.flatnonzero(is_shared | (own != "")).tolist():
-        units[row] = called[tops[row]] or names[tops[row]]
-    return units
+    links = [(stated.setdefault(unit, row), row) for row, unit in enumerate(table["unit"]) if unit]
+    links += [(copy.first, copy.second) for copy in open_copies(dataset)]
+    ends = np.array(links, np.int64).reshape(-1, 2).T
+    graph = coo_array((np.ones(len(links)), tuple(ends)), shape=(len(table), len(table)))
+    table["group"] = connected_components(graph, directed=False)[1]
+    stating = table[table["unit"] != ""]
+    called = dict(table.groupby("group")["name"].first())
+    called |= dict(stating.groupby("group")["unit"].first())
+    is_shared = table["group"].duplicated(keep=False) | (table["unit"] != "")
+    return np.where(is_shared, table["group"].map(called).astype(object), "")

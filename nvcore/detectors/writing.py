@@ -17,7 +17,7 @@ from nvcore.inputs.changes import live_session, stated
 from nvcore.inputs.hashes import source_hash, source_hashes
 from nvcore.inputs.session import Session, SystemSource
 from nvcore.inputs.session_toml import write_session
-from nvcore.inputs.writers.names import safe_names
+from nvcore.inputs.writers import safe_names
 from nvcore.objects import labels_in_order
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import check_folder, write_run

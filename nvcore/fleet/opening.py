@@ -22,9 +22,9 @@ from nvcore.fleet.store import Snapshot, Store
 from nvcore.fleet.tables import FACTS
 from nvcore.inputs.readers.base import Reading, Role, recordings_table
 from nvcore.inputs.session import TABLES_OF_SUBJECTS, RecordingEntry, Session, Source, SystemSource
-from nvcore.inputs.session_toml.writing import write_session
+from nvcore.inputs.session_toml import write_session
 from nvcore.inputs.writers import write, write_frame_lists
-from nvcore.inputs.writers.classes import class_names
+from nvcore.inputs.writers.coco import class_names
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_whole
 from nvcore.schema import NO_LABEL, NO_TRACK, READING_DTYPES, conform

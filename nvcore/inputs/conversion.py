@@ -6,11 +6,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+
 from nvcore.arguments import PathLike, called_with
 from nvcore.errors import InputError, MissingFactError
 from nvcore.findings import Finding, Remedy, Step
 from nvcore.inputs.arguments import ConvertArguments
-from nvcore.inputs.evaluated_frames import LostFrames, frames_lost_without_list
+from nvcore.inputs.evaluated_frames import frames_by_recording, infer_frames, own_frames
 from nvcore.inputs.facts import objects_named, size_from
 from nvcore.inputs.files import find_files
 from nvcore.inputs.load import read_options, read_source
@@ -113,10 +115,10 @@ def convert(arguments: ConvertArguments) -> Conversion:
         )
     reading = read_source(source, role=kind, size=size, truth=of_truth, objects=objects)
     reading, warnings = _with_size(reading, size)
-    lost = None
+    frames, lost = None, ""
     if kind == "truth":
         try:
-            lost = frames_lost_without_list(reading)
+            frames, lost = _evaluated_frames(reading, to)
         except MissingFactError as error:  # frame numbers such as times: boxes can be written
             if to == "coco" or frames_out is not None:
                 raise
@@ -125,20 +127,20 @@ def convert(arguments: ConvertArguments) -> Conversion:
         reading, to, target, role=kind, truth=of_truth, objects=objects, inputs=inputs, force=force
     )
     steps = []
-    if lost is not None and to == "coco":
+    if frames is not None and to == "coco":
         warnings += (unknown := _unknown_sizes(reading))
         steps += [Step(Remedy.SIZE)] * len(unknown)
-    elif lost is not None and not lost.is_same:
-        warnings.append(_lost(lost, to))
+    elif lost:
+        warnings.append(lost)
         steps += [Step(Remedy.OPTION, "", "frames_out")] * (frames_out is None)
     lists: list[Path] = []
-    if lost is not None and frames_out is not None:
-        lists = write_frame_lists(lost.frames, frames_out, inputs=[*inputs, *outputs], force=force)
+    if frames is not None and frames_out is not None:
+        lists = write_frame_lists(frames, frames_out, inputs=[*inputs, *outputs], force=force)
     return Conversion(
         files=tuple(outputs),
         frame_files=tuple(lists),
         n_boxes=len(reading.boxes),
-        n_frames=0 if lost is None else lost.n_frames,
+        n_frames=sum(map(len, (frames or {}).values())),
         conversion=reading.conversion,
         findings=reading.findings,
         warnings=tuple(warnings),
@@ -213,14 +215,27 @@ def _unknown_sizes(reading: Reading) -> list[str]:
     return [text] * (n_unknown > 0)
 
 
-def _lost(lost: LostFrames, to: str) -> str:
-    """A warning about evaluated frames that do not follow from the boxes."""
+def _evaluated_frames(reading: Reading, to: str) -> tuple[dict[str, np.ndarray], str]:
+    """Evaluated frames by recording, and a warning if they do not follow from the boxes.
+
+    Raises
+    ------
+    MissingFactError
+        See `own_frames`.
+    """
+    listed = own_frames(reading, reading.recordings["name"])
+    frames = {name: numbers for name, (numbers, _) in listed.items() if len(numbers)}
+    boxed = frames_by_recording(reading.boxes)
+    again = {name: infer_frames(numbers)[0] for name, numbers in boxed.items()}
+    is_same = [np.array_equal(frames.get(name, ()), again.get(name, ())) for name in listed]
+    n_frames, n_again = (sum(map(len, every.values())) for every in (frames, again))
+    n_empty = sum(len(np.setdiff1d(own, boxed.get(name, ()))) for name, own in frames.items())
     why = (
-        f"{lost.n_empty} of {lost.n_frames} evaluated frames have no box"
-        if lost.n_empty
-        else f"the {lost.n_frames} evaluated frames do not follow one another"
+        f"{n_empty} of {n_frames} evaluated frames have no box"
+        if n_empty
+        else f"the {n_frames} evaluated frames do not follow one another"
     )
-    return (
-        f"{why}, and {to} cannot list frames: read back by itself, {lost.n_again} frames are "
-        "evaluated"
+    text = (
+        f"{why}, and {to} cannot list frames: read back by itself, {n_again} frames are evaluated"
     )
+    return frames, "" if all(is_same) else text

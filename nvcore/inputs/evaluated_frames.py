@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -182,8 +181,8 @@ def own_frames(
     names = list(names)
     if not names:
         return {}
-    annotated = _by_recording(truth.boxes if truth.annotated is None else truth.annotated)
-    imaged = {} if truth.images is None else _by_recording(truth.images)
+    annotated = frames_by_recording(truth.boxes if truth.annotated is None else truth.annotated)
+    imaged = {} if truth.images is None else frames_by_recording(truth.images)
     listed: dict[str, tuple[np.ndarray, str]] = {}
     for name in names:
         if name in imaged:
@@ -208,58 +207,7 @@ def own_frames(
     return listed
 
 
-@dataclass(frozen=True)
-class LostFrames:
-    """Evaluated frames that are lost where boxes are written without a frame list.
-
-    Attributes
-    ----------
-    frames
-        Evaluated frames by recording; those of which none is known are left out.
-    n_frames
-        How many these are.
-    n_empty
-        How many of them have no box.
-    n_again
-        How many frames would be evaluated if only the boxes were read.
-    is_same
-        Whether these would be the same.
-    """
-
-    frames: dict[str, np.ndarray]
-    n_frames: int
-    n_empty: int
-    n_again: int
-    is_same: bool
-
-
-def frames_lost_without_list(truth: Reading) -> LostFrames:
-    """What becomes of the evaluated frames in a format that has boxes, but no list of frames.
-
-    Raises
-    ------
-    MissingFactError
-        See `own_frames`.
-    """
-    listed_frames = own_frames(truth, truth.recordings["name"])
-    boxed = _by_recording(truth.boxes)
-    nothing = np.empty(0, np.int64)
-    again = {
-        name: infer_frames(boxed[name])[0] if name in boxed else nothing for name in listed_frames
-    }
-    frames = {name: listed for name, (listed, _) in listed_frames.items() if len(listed)}
-    return LostFrames(
-        frames,
-        n_frames=sum(map(len, frames.values())),
-        n_empty=sum(
-            len(np.setdiff1d(listed, boxed.get(name, nothing))) for name, listed in frames.items()
-        ),
-        n_again=sum(map(len, again.values())),
-        is_same=all(np.array_equal(listed_frames[name][0], again[name]) for name in listed_frames),
-    )
-
-
-def _by_recording(table: pd.DataFrame) -> dict[str, np.ndarray]:
+def frames_by_recording(table: pd.DataFrame) -> dict[str, np.ndarray]:
     """Frame numbers, sorted and unique, of every recording of a table."""
     groups = table.groupby("recording", sort=False, observed=True)["frame"]
     return {str(name): _sorted_unique(group.to_numpy(dtype=np.int64)) for name, group in groups}

@@ -290,15 +290,6 @@ def _check_name(path: Path) -> None:
         ) from error
 
 
-def system_name(source: Source, recordings: Sequence[str]) -> str:
-    """Name for a system that has none: the part of its path that says most.
-
-    The part nearest to the file that is neither a neutral word (``det``) nor a recording.
-    """
-    parts = _telling_parts(source, recordings)
-    return parts[0] if parts else _stem(Path(source.path[0]))
-
-
 _KIND: Final = re.compile(
     r"[\s._-]+(?:results?|res|dets?|detections?|preds?|predictions?|outputs?|boxes|bbox)$",
     re.IGNORECASE,
@@ -319,12 +310,13 @@ def without_kind(name: str) -> str:
 def system_names(sources: Sequence[Source], recordings: Sequence[str]) -> list[str]:
     """Names for systems by their paths, distinct where the paths allow it.
 
-    Each as by `system_name`; where that gives several the same name (``x/out.csv`` and
-    ``y/out.csv``), these are named by the next part of their paths in which they differ; the
-    others keep theirs.
+    Each by the part nearest to the file that is neither a neutral word (``det``) nor a recording.
+    Where that gives several the same name (``x/out.csv`` and ``y/out.csv``), these are named by the
+    next part of their paths in which they differ; the others keep theirs.
     """
-    names = [system_name(source, recordings) for source in sources]
     parts = [_telling_parts(source, recordings) for source in sources]
+    stems = [_stem(Path(source.path[0])) for source in sources]
+    names = [own[0] if own else stem for own, stem in zip(parts, stems, strict=True)]
     clashing: dict[str, list[int]] = {}
     for i, name in enumerate(names):
         clashing.setdefault(name, []).append(i)

@@ -1,62 +1,63 @@
-"""From a session to a `Dataset`: find the files, read them, put every box in its frame."""
+"""From a session to a `Dataset`, step by step.
+
+`load` reads each source: find its files and their format (`nvcore.inputs.files`), read columns
+(`nvcore.inputs.readers`), interpret names (`nvcore.inputs.interpret`), normalize boxes
+(`nvcore.inputs.box_layouts`), correct a system. Then it names recordings as the session does,
+assigns frames (`nvcore.inputs.assign_frames`), and joins the other files of the session.
+"""
 
 from __future__ import annotations
 
 import glob
 import os
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from contextvars import copy_context
 from dataclasses import replace
 from pathlib import Path
-from typing import Final, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import pandas as pd
 
 from nvcore.dataset import Dataset, refuse_doubles
-from nvcore.dataset.provenance import read_provenance
+from nvcore.dataset.provenance import Provenance, read_provenance
 from nvcore.dataset.tables import tables_fingerprint
 from nvcore.errors import InputError, UnnamedClassesError
-from nvcore.findings import Finding, Remedy, Severity, Step
+from nvcore.findings import Remedy, Step
 from nvcore.inputs.added import Input
+from nvcore.inputs.assign_frames import LoadedSource, place_sources
 from nvcore.inputs.box_layouts import sizes_given, with_layout
 from nvcore.inputs.codes import codes_beyond, with_codes
 from nvcore.inputs.files import digest, find_files, located, system_names
-from nvcore.inputs.placing import LoadedSource, place_sources
+from nvcore.inputs.interpret import (
+    renamed_reading,
+    with_names_interpreted,
+    without_row_numbers,
+)
 from nvcore.inputs.readers.base import (
-    Lines,
     Reading,
     ReadOptions,
     Role,
-    SourceFile,
+    conversion_text,
     joined_findings,
     select_boxes,
     warning,
 )
 from nvcore.inputs.readers.meaning.class_files import class_names_beside
-from nvcore.inputs.readers.meaning.frame_names import times_as_frames
-from nvcore.inputs.readers.meaning.picture_times import LEAST_TIME
 from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.readers.table import read_table, table_as_file
 from nvcore.inputs.recordings import check_names
 from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.inputs.speed import SPEEDS
-from nvcore.inputs.subsets import renamed_reading, with_subsets_joined
 from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.progress import Progress, no_progress
-from nvcore.schema import NO_TRACK
 from nvcore.subjects import contributed
 from nvcore.wording import count_text
 
 S = TypeVar("S", bound=Source)
-
-ONCE_SHARE: Final = 0.98
-"""Share of ids with a single box from which on ids number the boxes. (Our choice.)"""
-LEAST_IDS: Final = 10
-"""Fewer ids than this may occur once each by chance. (Our choice.)"""
 
 
 def load(
@@ -109,18 +110,13 @@ def load(
         while name in {*(other.subject for other in loaded), *reserved}:
             name += " (2)"
         progress(len(loaded) / n_steps, f"reading {name}")
-        system = _read(session, source, name, "detections", truth.reading, tables.get(source))
-        loaded.append(_with_provenance(_corrected(system, source), source, session.folder))
+        loaded.append(_read(session, source, name, "detections", truth.reading, tables.get(source)))
     progress(len(loaded) / n_steps, "placing boxes in frames")
     session = _with_ways_taken(session, loaded)
     loaded = _named_by_session(session, loaded)
     own = [entry.title or entry.name for entry in session.recordings]
     chosen = session.choosing_from([*loaded[0].reading.recordings["name"], *own])
-
-    def is_compared(name: str, tags: Collection[str]) -> bool:
-        return {*chosen.only_tags} <= {*tags} and (not chosen.only or name in chosen.only)
-
-    dataset = place_sources(session.of_all.as_titled, loaded, max_frames, is_compared)
+    dataset = place_sources(chosen, loaded, max_frames)
     names = dataset.recordings["name"].tolist()
     session = with_codes(session.choosing_from(names), names)
     for of in inputs:
@@ -159,7 +155,7 @@ def read_source(
     """
     files, file_format = find_files(source, folder or Path.cwd(), role)
     options = read_options(source, role, size, truth, objects)
-    reading = _with_named(file_format.read(files, options), options, files)
+    reading = with_names_interpreted(file_format.read(files, options), options, files)
     reading = with_layout(reading, source, {} if size is None else {"": size}, truth)
     check_names(reading)
     return replace(reading, findings=joined_findings(reading.findings))
@@ -221,12 +217,16 @@ def _read(
             files, file_format = [table_as_file(source.path[0])], TABLE
             reading = read_table(table, files[0], options)
             digests = [tables_fingerprint([table], list(map(str, table.columns)))]
-        reading = _with_named(reading, options, files)
+        reading = with_names_interpreted(reading, options, files)
         reading = with_layout(reading, source, sizes_given(session), truth)
         check_names(reading)
-        reading = _without_row_numbers(reading, options)
+        reading = without_row_numbers(reading, options)
     if truth is not None:
         reading = _same_single_recording(reading, truth)
+    provenance = None
+    if isinstance(source, SystemSource):
+        reading = _corrected(reading, source)
+        reading, provenance = _with_provenance(reading, source, session.folder, subject)
     reading = replace(
         reading,
         findings=joined_findings(
@@ -234,103 +234,13 @@ def _read(
             for finding in reading.findings
         ),
     )
-    return LoadedSource(subject, files, digests, file_format, reading)
+    return LoadedSource(subject, files, digests, file_format, reading, provenance)
 
 
 def _picture_folders(session: Session) -> tuple[Path, ...]:
     """Folders in which pictures of recordings are, also where a pattern picks from them."""
     places = [session.folder / entry.pictures for entry in session.recordings if entry.pictures]
     return tuple(place.parent if glob.has_magic(place.name) else place for place in places)
-
-
-def _with_named(reading: Reading, options: ReadOptions, files: Sequence[SourceFile]) -> Reading:
-    """The reading with what the names of its pictures tell: how they were understood, rates."""
-    if reading.named is None and reading.images is None:
-        reading = _with_times_numbered(reading, options, files)
-    reading = with_subsets_joined(reading, options)
-    if reading.named is None:
-        return reading
-    named = reading.named.with_empty
-    table = reading.recordings
-    by_times = table["name"].map(named.rates).astype(float)
-    facts = dict.fromkeys([*named.facts, reading.conversion])
-    return replace(
-        reading,
-        named=named,
-        findings=(*reading.findings, *named.findings),
-        conversion="; ".join(filter(None, facts)),
-        recordings=table.assign(fps=table["fps"].fillna(by_times)),
-    )
-
-
-def _without_row_numbers(reading: Reading, options: ReadOptions) -> Reading:
-    """Drop track ids that number the boxes: nearly all of a recording occur once.
-
-    The ids of a recording are judged by themselves if they are at least `LEAST_IDS`, and by those
-    of the whole reading. A recording with boxes in a single frame proves nothing.
-    """
-    ids = reading.boxes.loc[reading.boxes["track"] != NO_TRACK, ["recording", "track", "frame"]]
-    once = ~ids.duplicated(["recording", "track"], keep=False)
-    if np.count_nonzero(once) < ONCE_SHARE * LEAST_IDS:
-        return reading
-    first = ~ids.duplicated(["recording", "track"])
-    by_recording = ids.assign(ids=first, once=once).groupby("recording", observed=True)
-    table = by_recording[["ids", "once"]].sum()
-    table = table[by_recording["frame"].min() < by_recording["frame"].max()]
-    n_ids, n_once = table.sum()
-    if n_ids < LEAST_IDS or n_once < ONCE_SHARE * n_ids:
-        is_numbered = (table["ids"] >= LEAST_IDS) & (table["once"] >= ONCE_SHARE * table["ids"])
-        table = table[is_numbered]
-    if table.empty:
-        return reading
-    n_ids, n_once = table.sum()
-    is_truth, objects = options.role == "truth", options.objects
-    finding = Finding(
-        Severity.WARNING if is_truth else Severity.NOTE,
-        "row-number-ids",
-        options.role,
-        int(n_ids),
-        f"{n_once:,} of {n_ids:,} track ids occur once only, as row numbers do: they are no track "
-        "ids, and boxes are linked by their overlap from frame to frame instead.",
-        objects.say("Give all boxes of {a_one} the same id, if it is known.")
-        if is_truth
-        else "Nothing to do: only alerts depend on the tracks of a system.",
-        example=f"recording {table.index[0]}",
-    )
-    track = reading.boxes["track"].mask(reading.boxes["recording"].isin(table.index), NO_TRACK)
-    return replace(
-        reading,
-        boxes=reading.boxes.assign(track=track),
-        findings=(*reading.findings, finding),
-    )
-
-
-def _with_times_numbered(
-    reading: Reading, options: ReadOptions, files: Sequence[SourceFile]
-) -> Reading:
-    """The reading with frames in place of times, where its format has frame numbers alone."""
-    tables = [reading.boxes] if reading.annotated is None else [reading.boxes, reading.annotated]
-    is_stated = options.frame_names == "times"
-    if not len(tables[-1]) or (tables[-1]["frame"].iloc[0] < LEAST_TIME and not is_stated):
-        return reading
-    columns = ["recording", "frame", "file", "line"]  # line 0: it is not known
-    rows = pd.concat(
-        [
-            table.reindex(columns=columns, fill_value=0).astype({"recording": object})
-            for table in tables
-        ]
-    )
-    recording, frame, file, line = (rows[name].to_numpy() for name in columns)
-    times = times_as_frames(frame, recording, options, Lines(files, file, line))
-    if times is None:
-        return reading
-    recording, frame, named = times
-    n = len(reading.boxes)
-    boxes = reading.boxes.assign(recording=pd.Categorical(recording[:n]), frame=frame[:n])
-    annotated = reading.annotated
-    if annotated is not None:
-        annotated = annotated.assign(recording=recording[n:], frame=frame[n:])
-    return replace(reading, boxes=boxes, annotated=annotated, named=named)
 
 
 def _with_ways_taken(session: Session, loaded: Sequence[LoadedSource]) -> Session:
@@ -358,18 +268,16 @@ def _with_ways_taken(session: Session, loaded: Sequence[LoadedSource]) -> Sessio
 
 def _names_of_systems(session: Session) -> Mapping[str, str]:
     """Names of classes by number that lie beside the systems' files; none where two differ."""
-    class_names: list[Mapping[str, str]] = []
+    names: Mapping[str, str] = {}
     for source in session.systems:
         try:
-            names = class_names_beside(find_files(source, session.folder, "detections")[0]).names
+            own = class_names_beside(find_files(source, session.folder, "detections")[0]).names
         except InputError:  # reported when the system is read
             continue
-        class_names += [names] if names else []
-    return (
-        class_names[0]
-        if class_names and all(names == class_names[0] for names in class_names)
-        else {}
-    )
+        if own and names and own != names:
+            return {}
+        names = own or names
+    return names
 
 
 @contextmanager
@@ -388,27 +296,27 @@ def _steps_about(steps: Iterable[Step], subject: str) -> tuple[Step, ...]:
     )
 
 
-def _with_provenance(system: LoadedSource, source: SystemSource, folder: Path) -> LoadedSource:
-    """The system with the record of how its detections were made, if one is named."""
+def _with_provenance(
+    reading: Reading, source: SystemSource, folder: Path, subject: str
+) -> tuple[Reading, Provenance | None]:
+    """The reading with what the record of how the detections were made says, and the record."""
     if source.provenance is None:
-        return system
+        return reading, None
     path = folder / source.provenance
     if os.path.exists(path):  # noqa: PTH110  # Path.exists raises for names that are too long
         record = read_provenance(path, source.provenance)
-        facts = [system.reading.conversion, record.made_by]
-        reading = replace(system.reading, conversion="; ".join(filter(None, facts)))
-        return replace(system, reading=reading, provenance=record)
+        conversion = conversion_text([reading.conversion, record.made_by])
+        return replace(reading, conversion=conversion), record
     finding = warning(
         "missing-provenance",
         1,
         "The record of how these detections were made is not there: no file has that path.",
         "Correct the path, which starts from the folder of the session file. Until then nobody "
         "knows whether the system was trained on what it is scored on.",
-        role=system.subject,
+        role=subject,
         file=source.provenance,
     )
-    findings = (*system.reading.findings, finding)
-    return replace(system, reading=replace(system.reading, findings=findings))
+    return replace(reading, findings=(*reading.findings, finding)), None
 
 
 def _common_size(truth: Reading | None) -> tuple[int, int] | None:
@@ -426,9 +334,8 @@ def _same_single_recording(reading: Reading, truth: Reading) -> Reading:
     theirs, ours = reading.recordings["name"].tolist(), truth.recordings["name"].tolist()
     if len(theirs) != 1 or len(ours) != 1 or theirs == ours:
         return reading
-    note = f"recording {theirs[0]!r} taken for the truth's only recording {ours[0]!r}"
-    conversion = "; ".join(part for part in (reading.conversion, note) if part)
-    return replace(renamed_reading(reading, {theirs[0]: ours[0]}), conversion=conversion)
+    fact = f"recording {theirs[0]!r} taken for the truth's only recording {ours[0]!r}"
+    return renamed_reading(reading, {theirs[0]: ours[0]}, fact)
 
 
 def _named_by_session(session: Session, loaded: list[LoadedSource]) -> list[LoadedSource]:
@@ -459,9 +366,9 @@ def _named_by_session(session: Session, loaded: list[LoadedSource]) -> list[Load
     ]
 
 
-def _corrected(system: LoadedSource, source: SystemSource) -> LoadedSource:
+def _corrected(reading: Reading, source: SystemSource) -> Reading:
     """Apply the corrections that the session names for a system."""
-    boxes, facts = system.reading.boxes, []
+    boxes, facts = reading.boxes, []
     if source.scale != (1, 1):
         across, down = source.scale
         factors = {"x": across, "w": across, "y": down, "h": down}
@@ -477,10 +384,7 @@ def _corrected(system: LoadedSource, source: SystemSource) -> LoadedSource:
     if source.offset_frames:
         boxes = boxes.assign(frame=boxes["frame"] + source.offset_frames)
         facts.append(f"frame numbers moved by {source.offset_frames:+d}")
-    if not facts:
-        return system
-    conversion = "; ".join([system.reading.conversion, *facts])
-    return replace(system, reading=replace(system.reading, boxes=boxes, conversion=conversion))
+    return replace(reading, boxes=boxes, conversion="; ".join([reading.conversion, *facts]))
 
 
 def _at_rate(boxes: pd.DataFrame, step: float) -> tuple[pd.DataFrame, str]:

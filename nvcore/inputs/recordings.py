@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import glob
 import os
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from typing import Final
 
 import numpy as np
@@ -16,6 +16,7 @@ from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
 from nvcore.inputs.evaluated_frames import MIN_SAMPLED
 from nvcore.inputs.readers.base import Reading, rows_finding, warning
 from nvcore.inputs.session import Session
+from nvcore.settings import is_chosen
 from nvcore.wording import MOST_NAMED, count_text, did_you_mean, listed
 
 MOST_SIGNS: Final = 1000
@@ -206,15 +207,12 @@ def no_such_recording(name: str, names: Sequence[str]) -> str:
 
 
 def describe_recordings(
-    session: Session, truth: Reading, is_compared: Callable[[str, Collection[str]], bool]
-) -> pd.DataFrame:
+    session: Session, chosen: Session, truth: Reading
+) -> tuple[pd.DataFrame, list[bool]]:
     """Name, width, height, fps, horizon, context, speed_kmh, tags, unit of recordings.
 
-    Parameters
-    ----------
-    is_compared
-        (name, tags) -> whether a recording is. The others are left out later: where a size or frame
-        rate of theirs is unknown, it is 1.
+    And whether each is one of those that `chosen` compares. The others are left out later: where a
+    size or frame rate of theirs is unknown, it is 1.
 
     Raises
     ------
@@ -232,25 +230,25 @@ def describe_recordings(
         raise InputError(
             session.objects.say(NO_BOX), file=session.truth.path[0], steps=NO_BOX_STEPS
         )
-    table = table.assign(horizon=np.nan, context=np.nan, speed_kmh=np.nan)
-    for row, name in enumerate(table["name"]):  # a loop over recordings: at most hundreds
-        entry = entries.get(name)
-        for column in ("width", "height", "fps", "horizon", "context", "speed_kmh"):
-            value = None if entry is None else getattr(entry, column)
-            if value is not None:
-                table.loc[row, column] = value
+    own = [entries.get(name) for name in table["name"]]
     width, height = session.size or (None, None)
-    for column, common in (("width", width), ("height", height), ("fps", session.fps)):
-        if common is not None:
-            own = {name for name, entry in entries.items() if getattr(entry, column) is not None}
-            table.loc[~table["name"].isin(own), column] = common
-    tags = [entries[name].tags if name in entries else () for name in table["name"]]
-    units = [(entries[name].unit or "") if name in entries else "" for name in table["name"]]
-    compared = [is_compared(*recording) for recording in zip(table["name"], tags, strict=True)]
+    of_all = {"width": width, "height": height, "fps": session.fps}
+    for column in ("width", "height", "fps", "horizon", "context", "speed_kmh"):
+        values = [getattr(entry, column, None) for entry in own]
+        common = of_all.get(column)
+        given = pd.Series([common if value is None else value for value in values], dtype=float)
+        table[column] = given.fillna(table[column]) if column in table else given
+    tags = [getattr(entry, "tags", ()) for entry in own]
+    units = [getattr(entry, "unit", None) or "" for entry in own]
+    compared = [
+        is_chosen(*of, chosen.only_tags, chosen.only)
+        for of in zip(table["name"], tags, strict=True)
+    ]
     _check_known(table[compared], entries)
     facts = ["width", "height", "fps"]
     table[facts] = table[facts].astype(float).fillna(1.0)
-    return table.assign(tags=pd.Series(tags, dtype=object), unit=pd.Series(units, dtype=object))
+    table = table.assign(tags=pd.Series(tags, dtype=object), unit=pd.Series(units, dtype=object))
+    return table, compared
 
 
 def _check_known(table: pd.DataFrame, entries: Collection[str]) -> None:

@@ -307,17 +307,9 @@ class Session(TablesOfSubjects, Settings):
         for frames in (self.frames, *(recording.frames for recording in self.recordings)):
             if frames is not None and not is_frame_range(frames):
                 yield frames
-        for part in self.parts:
+        tables = (getattr(self, name) for name in TABLES_OF_SUBJECTS)
+        for part in (*self.recordings, *self.systems, *tables):
             yield from paths_in(part)
-
-    @property
-    def parts(self) -> tuple[object, ...]:
-        """What names files one by one: recordings, systems, and tables that subjects add."""
-        return (
-            *self.recordings,
-            *self.systems,
-            *(getattr(self, name) for name in TABLES_OF_SUBJECTS),
-        )
 
     @property
     def of_all(self) -> Session:

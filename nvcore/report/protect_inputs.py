@@ -8,7 +8,6 @@ from pathlib import Path
 
 from nvcore.errors import InputError
 from nvcore.file_kinds import IMAGE_SUFFIXES
-from nvcore.inputs.facts import is_frame_range, paths_in
 from nvcore.inputs.files import find_files
 from nvcore.inputs.session import Session
 
@@ -92,15 +91,10 @@ def files_read(session: Session) -> Iterator[Path]:
     for source, role in session.sources:
         with suppress(InputError):  # reported when the files are read
             yield from (file.path for file in find_files(source, session.folder, role)[0])
-    for frames in (session.frames, *(facts.frames for facts in session.recordings)):
-        if frames is not None and not is_frame_range(frames):
-            yield session.folder / frames
-    if session.recordings_file is not None:
-        yield session.folder / session.recordings_file.path
-    if session.codes_file is not None:
-        yield session.folder / session.codes_file
-    for part in session.parts:
-        yield from (session.folder / path for path in paths_in(part))
+    found = {path for source, _ in session.sources for path in source.path}
+    table = session.recordings_file
+    others = [*([] if table is None else [table.path]), *session.paths()]
+    yield from (session.folder / path for path in others if path not in found)
 
 
 def _input_folder_around(folder: Path, session: Session) -> Path | None:

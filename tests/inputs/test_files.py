@@ -11,7 +11,7 @@ from inputs import mot_layout, write
 
 from nvcore.errors import InputError
 from nvcore.findings import Remedy, Step
-from nvcore.inputs.files import digest, find_files, system_name, system_names
+from nvcore.inputs.files import digest, find_files, system_names
 from nvcore.inputs.session import Source
 
 DETECTION = "frame,x,y,w,h,score\n1,1,1,5,10,0.5"
@@ -137,7 +137,7 @@ def test_a_file_name_that_is_not_utf8_is_refused(tmp_path: Path):
     ],
 )
 def test_a_system_is_named_by_the_part_of_its_path_that_tells_most(path: str, expected: str):
-    assert system_name(Source((path,)), ["0016", "0017"]) == expected
+    assert system_names([Source((path,))], ["0016", "0017"]) == [expected]
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from reader_files import source
 
 from nvcore.errors import FormatError, InputError
 from nvcore.inputs import packed
-from nvcore.inputs.files import find_files, system_name
+from nvcore.inputs.files import find_files, system_names
 from nvcore.inputs.load import load
 from nvcore.inputs.readers import detect_format
 from nvcore.inputs.readers.base import ReadOptions, Role, SourceFile
@@ -102,7 +102,7 @@ def test_folders_and_mot_layouts_of_packed_files_are_found(tmp_path: Path):
 def test_recordings_frames_and_systems_are_named_as_by_the_unpacked_files():
     assert recording_of("night/V000.csv.gz") == "V000"
     assert recording_and_frame_of("V000/I00019.txt.xz") == ("V000", 19)
-    assert system_name(Source("out/FIR.csv.zst"), ()) == "FIR"
+    assert system_names([Source("out/FIR.csv.zst")], ()) == ["FIR"]
 
 
 def test_packed_lists_of_frames_and_of_recordings_are_read(tmp_path: Path):

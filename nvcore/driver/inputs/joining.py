@@ -16,8 +16,8 @@ from nvcore.driver.inputs.record import EstimateRecord, estimate_json, read_esti
 from nvcore.driver.inputs.session import DETECTABILITY
 from nvcore.findings import Finding
 from nvcore.inputs.added import Input, with_files
+from nvcore.inputs.assign_frames import REASONS, FramePlaces
 from nvcore.inputs.files import digest
-from nvcore.inputs.placing import REASONS, FramePlaces
 from nvcore.inputs.readers.base import Lines, SourceFile, warning
 from nvcore.inputs.readers.csv_columns import Header, csv_content, read_columns, read_header
 from nvcore.inputs.readers.meaning.values import checked_detectability, checked_numbers
@@ -114,7 +114,7 @@ TOLERANCE_PX: Final = 1e-3 * (1 + 1e-6)
 MOST_SHOWN: Final = 160
 """Characters of a recording's name with its doubt."""
 NO_SUCH_BOX: Final = "no such box"
-"""Why a row of estimates is left out, beside `nvcore.inputs.placing.REASONS`."""
+"""Why a row of estimates is left out, beside `nvcore.inputs.assign_frames.REASONS`."""
 
 
 def with_detectability(dataset: Dataset, session: Session) -> Dataset:

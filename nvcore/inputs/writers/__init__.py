@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import lzma
+import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -16,10 +17,7 @@ from nvcore.errors import InputError, UnknownFormatError
 from nvcore.file_kinds import suffix_of
 from nvcore.findings import Remedy, Step
 from nvcore.inputs.readers.base import Reading, Role
-from nvcore.inputs.writers.classes import class_names
-from nvcore.inputs.writers.coco import attribute_texts, coco_bytes
-from nvcore.inputs.writers.mot import mot_files
-from nvcore.inputs.writers.names import safe_names
+from nvcore.inputs.writers.coco import attribute_texts, class_names, coco_bytes
 from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_whole
@@ -42,6 +40,8 @@ CSV_COLUMNS: Final = (
     *("recording", "frame", "x", "y", "w", "h"),
     *("score", "track", "ignore", "distance_m", "occlusion"),
 )
+VISIBLE_SHARE: Final = {0: 1.0, 1: 0.8, 2: 0.4, UNKNOWN_OCCLUSION: -1.0}
+"""MOTChallenge's visibility for each level of occlusion, read back as the same level."""
 
 
 def format_by_name(path: Path) -> str:
@@ -114,7 +114,7 @@ def write(
         "csv": lambda: {path: to_csv_bytes(_table(reading, role, objects), digits=None)},
         "parquet": lambda: {path: to_parquet_bytes(_table(reading, role, objects))},
         "coco": lambda: {path: coco_bytes(reading, role, truth, objects)},
-        "mot": lambda: mot_files(reading, path, role),
+        "mot": lambda: _mot_files(reading, path, role),
     }
     if format_name not in writers:
         raise UnknownFormatError(
@@ -197,6 +197,53 @@ def _table(reading: Reading, role: Role, objects: Objects) -> pd.DataFrame:
         "attributes": None if reading.attributes is None else attribute_texts(reading),
     }
     return table.assign(**{name: column for name, column in more.items() if column is not None})
+
+
+def _mot_files(reading: Reading, path: Path, role: Role) -> dict[Path, bytes]:
+    """A reading as a file, or of several recordings as one for each in the folder `path`."""
+    boxes = reading.boxes
+    columns: dict[str, object] = {
+        "frame": boxes["frame"],
+        "id": boxes["track"],
+        "left": boxes["x"] + 1,
+        "top": boxes["y"] + 1,
+        "width": boxes["w"],
+        "height": boxes["h"],
+    }
+    if role == "truth":
+        columns["conf"] = (~boxes["ignore"]).astype(np.int64)
+        columns["class"] = 1
+        columns["visibility"] = boxes["occlusion"].map(VISIBLE_SHARE)
+    else:
+        has_scores = bool(boxes["score"].notna().any())
+        columns["conf"] = boxes["score"] if has_scores else -1
+        columns |= {"x": -1, "y": -1, "z": -1}
+    table = pd.DataFrame(columns, index=boxes.index)
+    names = reading.recordings["name"].tolist()
+    parts = {path: table}
+    if len(names) > 1:
+        parts = {
+            path / f"{file_name}.txt": table[(boxes["recording"] == name).to_numpy()]
+            for name, file_name in zip(names, safe_names(names), strict=True)
+        }
+    return {
+        target: to_csv_bytes(part, digits=None, header=False, missing="nan")
+        for target, part in parts.items()
+    }
+
+
+def safe_names(names: list[str]) -> list[str]:
+    """File names of recordings: no folders, no hidden files, no two the same."""
+    names_in_use: set[str] = set()
+    safe = []
+    for name in names:
+        plain = re.sub(r"[^A-Za-z0-9._-]+", "_", name).lstrip(".") or "recording"
+        candidate, number = plain, 2
+        while candidate.lower() in names_in_use:
+            candidate, number = f"{plain}_{number}", number + 1
+        names_in_use.add(candidate.lower())
+        safe.append(candidate)
+    return safe
 
 
 def packed_as(name: str, content: bytes) -> bytes:

@@ -1,9 +1,8 @@
-"""Sources that were read, put together: which row of the frames table each box belongs to."""
+"""Frames assigned to the boxes of all sources that were read: a row of the frames table each."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Collection
 from dataclasses import asdict, dataclass
 from itertools import compress
 from typing import Final
@@ -11,7 +10,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.dataset import Dataset
+from nvcore.dataset import INPUT_COLUMNS, Dataset
 from nvcore.dataset.provenance import Provenance, provenance_json
 from nvcore.dataset.sources import ReadAs
 from nvcore.dataset.tables import dataset_from_tables, what_is_stated
@@ -128,18 +127,17 @@ def place_sources(
     session: Session,
     loaded: list[LoadedSource],
     max_frames: int | None,
-    is_compared: Callable[[str, Collection[str]], bool],
 ) -> Dataset:
     """The dataset of all sources, every box in its frame.
 
     Parameters
     ----------
+    session
+        Only its recordings are compared; the size and rate of others may be unknown.
     loaded
         Ground truth first, then the systems of the session in their order.
     max_frames
         Most evaluated frames of all recordings; None: no limit.
-    is_compared
-        See `describe_recordings`.
 
     Raises
     ------
@@ -148,9 +146,10 @@ def place_sources(
     MissingFactError
         If image size, frame rate or frames are needed and unknown.
     """
-    truth = loaded[0].reading
+    truth, chosen = loaded[0].reading, session
+    session = session.of_all.as_titled
     check_listed(session, truth)
-    recordings = describe_recordings(session, truth, is_compared)
+    recordings, is_compared = describe_recordings(session, chosen, truth)
     frames, notes = _frames(session, loaded[0], recordings, is_compared)
     n_frames = sum(map(len, frames))
     if max_frames is not None and n_frames > max_frames:
@@ -190,20 +189,13 @@ def place_sources(
         pd.DataFrame(_joined(tables), copy=False),
         [source.subject for source in loaded[1:]],
         fingerprint=_fingerprint(session, loaded, recordings, frames),
-        inputs=pd.concat(
+        inputs=pd.DataFrame(
             [
-                pd.DataFrame(
-                    {
-                        "subject": source.subject,
-                        "file": [file.name for file in source.files],
-                        "sha256": source.digests,
-                        "format": source.format.name,
-                        "conversion": source.reading.conversion,
-                    }
-                )
-                for source in loaded
+                (of.subject, file.name, sha256, of.format.name, of.reading.conversion)
+                for of in loaded
+                for file, sha256 in zip(of.files, of.digests, strict=True)
             ],
-            ignore_index=True,
+            columns=list(INPUT_COLUMNS),
         ),
         left_out=pd.concat(left_out, ignore_index=True),
         findings=tuple(findings),
@@ -290,7 +282,7 @@ def _frames(
     session: Session,
     truth: LoadedSource,
     recordings: pd.DataFrame,
-    is_compared: Callable[[str, Collection[str]], bool],
+    is_compared: list[bool],
 ) -> tuple[list[np.ndarray], list[str]]:
     """Listed frames of every recording, and in words how they were chosen."""
     entries = session.entries(recordings["name"].tolist()).items()
@@ -320,11 +312,9 @@ def _frames(
         f"{reason} ({sum(counts[name] for name in names):,} in all)"
         for reason, names in reasons.items()
     ]
-    compared = [
-        is_compared(*recording) for recording in zip(counts, recordings["tags"], strict=True)
-    ]
-    if not any(map(len, frames)) or not any(counts[name] for name in compress(counts, compared)):
-        there = {name: own[name][0] for name in compress(counts, compared) if name in own}
+    compared = [*compress(counts, is_compared)]
+    if not any(counts[name] for name in compared):
+        there = {name: own[name][0] for name in compared if name in own}
         if any(map(len, there.values())):
             raise InputError(f"no frame is in {listed([*map(repr, asked)])}: {frames_there(there)}")
     if not any(map(len, frames)):
