@@ -17,7 +17,7 @@ from nvcore.findings import Finding
 from nvcore.inputs.readers.base import BOTH_ROLES, Format, Reading, ReadOptions, SourceFile
 from nvcore.inputs.readers.csv import NamedColumns, missing_columns, read_named_columns
 from nvcore.inputs.readers.csv_columns import FALSE, MISSING, NUMBERS, TRUE, Header, header_of
-from nvcore.inputs.readers.meaning.picture_times import LEAST_TIME
+from nvcore.inputs.readers.meaning.names import LEAST_TIME
 from nvcore.inputs.readers.parse.text import MAX_INTEGER
 from nvcore.schema import BOX_DTYPES, TABLE_ENDING, categories_of
 from nvcore.wording import shortened
