@@ -9,7 +9,7 @@ import pandas as pd
 
 from nvcore.inputs.readers.base import Lines, SourceFile
 from nvcore.inputs.readers.csv_columns import Header, csv_content, read_columns, read_header
-from nvcore.inputs.readers.meaning.values import checked_detectability, checked_numbers
+from nvcore.inputs.readers.meaning.values import checked_numbers
 from nvcore.inputs.readers.parse.text import whole_numbers
 from nvcore.schema import NO_TRACK, names_as_categories
 
@@ -51,7 +51,9 @@ def read_detectability(file: SourceFile) -> pd.DataFrame:
         "frame": whole_numbers(columns["frame"].to_numpy(), lines, "frame"),
         **{name: columns[name].to_numpy() for name in "xywh"},
         "track": _tracks(columns, lines),
-        "detectability": checked_detectability(columns["detectability"].to_numpy(), lines),
+        "detectability": checked_numbers(
+            columns["detectability"].to_numpy(), lines, "detectability", high=1
+        ),
         "detectability_sd": np.full(len(lines), np.nan),
         "is_outside": np.zeros(len(lines), dtype=bool),
         "is_adapted": np.zeros(len(lines), dtype=bool),

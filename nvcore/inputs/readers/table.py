@@ -157,12 +157,9 @@ def _whole(column: pd.Series) -> pd.Series | None:
     """Track ids as int64 or float64; None if some are not whole, or too large to be exact."""
     if not pd.api.types.is_numeric_dtype(column):
         return None
-    if column.dtype == np.int64:
-        return (
-            column if column.between(-MAX_INTEGER, MAX_INTEGER, inclusive="neither").all() else None
-        )
-    ids = column.astype("float64")
-    is_whole = ids.isna() | ((ids.abs() < MAX_INTEGER) & (ids == np.floor(ids)))
+    ids = column if column.dtype == np.int64 else column.astype("float64")
+    is_exact = ids.between(-MAX_INTEGER, MAX_INTEGER, inclusive="neither")
+    is_whole = ids.isna() | (is_exact & (ids == np.floor(ids)))
     return ids if is_whole.all() else None
 
 

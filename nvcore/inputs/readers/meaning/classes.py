@@ -157,24 +157,21 @@ def choose_classes(
     is_wanted = folded.isin(counted_names)[codes]
     is_ignored = folded.isin([name.casefold() for name in ignored])[codes]
     is_strange = ~folded.isin(known | counted_names)[codes]
-    findings = lines.finding(
+    find = partial(lines.finding, role=options.role, example=lambda row: str(label[row]))
+    findings = find(
         is_strange,
         "unknown-class",
         "Rows of classes that the format does not have were left out: "
         f"{', '.join(sorted({str(name) for name in label[is_strange]}))}.",
         options.objects.say("If one of them is {a_one}, name it as a class that counts."),
-        role=options.role,
-        example=lambda row: str(label[row]),
         steps=(Step(Remedy.CLASSES),),
     )
-    findings += lines.finding(
+    findings += find(
         np.full(len(label), not is_wanted.any()),
         "no-counted-class",
         f"No row is of a class that counts ({', '.join(counted)}); found "
         f"{', '.join(sorted(str(name) for name in classes))}.",
         options.objects.say("Name the classes that are {many}."),
-        role=options.role,
-        example=lambda row: str(label[row]),
         steps=(Step(Remedy.CLASSES, ",".join(filter(options.objects.counts, map(str, classes)))),),
     )
     if options.classes is None and len(label):
@@ -739,17 +736,16 @@ def names_of_yaml(text: str, file: SourceFile) -> dict[str, str]:
             if entry is None or (entry["number"] is None) != (entry["dash"] is not None):
                 raise fault(i)
             entries.append(entry)
-    numbers = [
-        str(i) if entry["number"] is None else str(int(entry["number"]))
-        for i, entry in enumerate(entries)
-    ]
     try:
-        texts = [_unquoted(entry["name"]) for entry in entries]
+        names = {
+            str(i if entry["number"] is None else int(entry["number"])): _unquoted(entry["name"])
+            for i, entry in enumerate(entries)
+        }
     except ValueError:  # an escape that JSON does not have
         raise fault(at) from None
-    if len({*numbers}) < len(numbers):
+    if len(names) < len(entries):
         raise fault(at)
-    return dict(zip(numbers, texts, strict=True))
+    return names
 
 
 def _unquoted(name: str) -> str:

@@ -253,9 +253,8 @@ def _by_order(
     """Pictures numbered 0, 1, 2, ... in the natural order of the names of each folder."""
     recordings = [recording_before(tuple(folders), "", known) for folders, _ in parts]
     order = sorted(range(len(names)), key=lambda row: (recordings[row], _natural(names[row])))
-    frame = np.empty(len(names), np.int64)
-    table = _table(recordings, np.zeros(len(names), np.int64), names)
-    frame[order] = table.iloc[order].groupby("recording").cumcount().to_numpy()
+    table = _table(recordings, np.zeros(len(names)), names)
+    frame = table.iloc[order].groupby("recording").cumcount()
     return NamedPictures(table.assign(frame=frame), "order")
 
 
@@ -299,10 +298,7 @@ def _by_times(
         part = np.concatenate([[0], np.cumsum(np.diff(numbers) > LONG_GAP)])
         if divide and part[-1]:
             numbers = numbers - numbers[np.searchsorted(part, part)]
-            parts = object_array(
-                f"{recording}_scene_{k + 1}".removeprefix(f"{ONLY}_") for k in part
-            )
-            own[rows] = parts[codes]
+            own[rows] = object_array(_scene(recording, f"scene_{k + 1}") for k in part)[codes]
         frame[rows] = numbers[codes]
         is_next = np.diff(part) == 0
         n_missing += int((np.diff(numbers)[is_next] - 1).sum())
@@ -330,7 +326,7 @@ def _by_scenes(named: NamedPictures, stems: Sequence[str], how: str | None) -> N
     if how == "numbers":
         return named
     table, digits = named.table, [re.search(r"\d*$", stem)[0] for stem in stems]  # type: ignore[index]
-    scene, frame = np.full(len(table), "", dtype=object), table["frame"].to_numpy(copy=True)
+    names, frame = named.recording.copy(), named.frame.copy()
     for recording, rows in _rows_of(table).items():
         order = rows[np.argsort(named.frame[rows], kind="stable")]
         steps = np.diff(named.frame[order])
@@ -342,10 +338,10 @@ def _by_scenes(named: NamedPictures, stems: Sequence[str], how: str | None) -> N
         part = np.concatenate([[0], np.cumsum(is_gap)])
         width = _scene_digits([digits[row] for row in order], part)
         if width:
-            scene[order] = [digits[row][:width] for row in order]
+            scenes = [digits[row][:width] for row in order]
             frame[order] = [int(digits[row][width:]) for row in order]
         elif how == "scenes":
-            scene[order] = [f"scene_{number + 1}" for number in part]
+            scenes = [f"scene_{number + 1}" for number in part]
         else:
             at = int(np.argmax(is_gap))
             before, after = (table["name"].iloc[order[row]] for row in (at, at + 1))
@@ -355,23 +351,24 @@ def _by_scenes(named: NamedPictures, stems: Sequence[str], how: str | None) -> N
                 "parts of one",
                 steps=(Step(Remedy.FRAME_NAMES, "scenes"), Step(Remedy.FRAME_NAMES, "numbers")),
             )
-    is_part = scene != ""
+        names[order] = [_scene(recording, scene) for scene in scenes]
+    is_part = names != named.recording
     if not is_part.any():
         return named
-    whole = table["recording"].to_numpy(dtype=object)
-    parts = [
-        f"{name}_{part}".removeprefix(f"{ONLY}_") for name, part in zip(whole, scene, strict=True)
-    ]
-    names = np.where(is_part, object_array(parts), whole)
-    fact = (
-        f"{len(set(names[is_part]))} recordings told apart by gaps in the numbers of the pictures"
-    )
+    n_parts = len(set(names[is_part]))
     return replace(
         named,
         table=table.assign(recording=names, frame=frame),
         how="scenes",
-        facts=(*named.facts, fact),
+        facts=(
+            *named.facts,
+            f"{n_parts} recordings told apart by gaps in the numbers of the pictures",
+        ),
     )
+
+
+def _scene(recording: str, scene: str) -> str:
+    return f"{recording}_{scene}".removeprefix(f"{ONLY}_")
 
 
 def _scene_digits(digits: Sequence[str], part: np.ndarray) -> int:
@@ -573,20 +570,14 @@ def pictures_without_file(files: Sequence[SourceFile], folders: Sequence[Path] =
         stems_in[file.path.absolute().parent, shown].add(PurePosixPath(name).stem)
     every = set().union(*stems_in.values())
     texts = {DIGITS.sub("", stem) for stem in every}
-    return [
-        f"{shown}/{stem}".removeprefix("/")
-        for (folder, shown), own in stems_in.items()
-        for stem in sorted(_first_that_holds(own, folder, folders) - every)
-        if DIGITS.sub("", stem) in texts and stem not in texts
-    ]
-
-
-def _first_that_holds(own: set[str], folder: Path, folders: Sequence[Path]) -> set[str]:
-    """Return the stems of the first folder or list that holds those of the label files."""
-    for listed in _listed(folder, folders):
-        if len(own & listed) >= MIN_FOUND * len(own):
-            return listed
-    return set()
+    found = []
+    for (folder, shown), own in stems_in.items():
+        enough = MIN_FOUND * len(own)
+        places = (listed for listed in _listed(folder, folders) if len(own & listed) >= enough)
+        for stem in sorted(next(places, set()) - every):
+            if DIGITS.sub("", stem) in texts and stem not in texts:
+                found.append(f"{shown}/{stem}".removeprefix("/"))
+    return found
 
 
 def _listed(folder: Path, folders: Sequence[Path]) -> Iterator[set[str]]:

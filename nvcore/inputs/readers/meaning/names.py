@@ -116,6 +116,7 @@ NEUTRAL = {
     *("gt", "truth", "det", "dets", "detections", "results", "result", "res"),
     *("labels", "label", "label_2", "label_02", "annotations", "annotation"),
     *("data", "images", "image_2", "img1", "xml", "txt"),
+    *("", "/", ".", ".."),
 }
 _FRAME = re.compile(
     r"^(?P<prefix>.*?)(?:(?<![A-Za-z])(?:I|img|image|im|frame|f)[_\-. ]?)?(?P<digits>[0-9]+)$",
@@ -147,10 +148,8 @@ def recording_of(name: str, known: tuple[str, ...] = ()) -> str:
     recording = known_recording(parts, known)
     if recording is not None:
         return recording
-    for part in reversed(parts):
-        if part.lower() not in NEUTRAL and part not in ("", "/", ".", ".."):
-            return part
-    return path.stem
+    named = [part for part in parts if part.lower() not in NEUTRAL]
+    return named[-1] if named else path.stem
 
 
 @lru_cache(maxsize=4096)
@@ -253,13 +252,9 @@ def place_of_stem(
 
 def recording_before(folders: Sequence[str], prefix: str, known: tuple[str, ...] = ()) -> str:
     """The recording that folders and what stands before a frame's number or time name."""
-    prefix = prefix.rstrip("_-. ")
-    every = (*folders, prefix) if prefix else tuple(folders)
-    recording = known_recording(every, known)
-    if recording is None:
-        parts = [*(part for part in folders if part.lower() not in NEUTRAL), prefix]
-        recording = "/".join(part for part in parts if part not in ("", "/", ".", ".."))
-    return recording or ONLY
+    own = [*filter(None, [prefix.rstrip("_-. ")])]
+    parts = [*(part for part in folders if part.lower() not in NEUTRAL), *own]
+    return known_recording((*folders, *own), known) or "/".join(parts) or ONLY
 
 
 DIGITS: Final = re.compile(r"([0-9]+)")
@@ -329,9 +324,8 @@ def frame_columns(stems: Sequence[Sequence[str]], places: Sequence[str] = ()) ->
         for place, parts in zip(places or [""] * len(stems), stems, strict=True)
     ]
     columns = range(1, len(stems[0]), 2)
-    varying = [
-        column for column in columns if len({parts[column].lstrip("0") for parts in stems}) > 1
-    ]
+    values = {column: {parts[column].lstrip("0") for parts in stems} for column in columns}
+    varying = [column for column in columns if len(values[column]) > 1]
     if not varying:
         return [columns[-1]]
     before = {column: stems[0][column - 1] for column in columns}
@@ -345,7 +339,7 @@ def frame_columns(stems: Sequence[Sequence[str]], places: Sequence[str] = ()) ->
         for column in varying
         if len({(text, parts[column]) for text, parts in zip(texts, stems, strict=True)})
         == len(stems)
-        and max(len(parts[column].lstrip("0")) for parts in stems) <= MAX_DIGITS
+        and max(map(len, values[column])) <= MAX_DIGITS
     ]
     if likeliest != last and likeliest not in alone:
         n_last = len({parts[last] for parts in stems})
