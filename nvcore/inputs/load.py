@@ -45,7 +45,7 @@ from nvcore.inputs.readers.base import (
     select_boxes,
     warning,
 )
-from nvcore.inputs.readers.meaning.class_files import class_names_beside
+from nvcore.inputs.readers.meaning.classes import class_names_beside
 from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.readers.table import read_table, table_as_file
 from nvcore.inputs.recordings import check_names

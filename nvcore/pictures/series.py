@@ -24,8 +24,7 @@ from numpy.typing import NDArray
 from nvcore.errors import MediaError
 from nvcore.file_kinds import composed
 from nvcore.findings import Remedy, Step
-from nvcore.inputs.readers.meaning.names import DIGITS, MAX_DIGITS, frame_columns
-from nvcore.inputs.readers.meaning.picture_times import times_in
+from nvcore.inputs.readers.meaning.names import DIGITS, MAX_DIGITS, frame_columns, times_in
 from nvcore.wording import listed, one_line
 
 _EXPORTED: Final = re.compile(r"(_(jpe?g|png|tiff?|bmp))?\.rf\.[0-9A-Za-z]{8,}$", re.IGNORECASE)

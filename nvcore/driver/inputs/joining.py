@@ -20,7 +20,7 @@ from nvcore.inputs.assign_frames import REASONS, FramePlaces
 from nvcore.inputs.files import digest
 from nvcore.inputs.readers.base import Lines, SourceFile, warning
 from nvcore.inputs.readers.csv_columns import Header, csv_content, read_columns, read_header
-from nvcore.inputs.readers.meaning.values import checked_detectability, checked_numbers
+from nvcore.inputs.readers.meaning.values import checked_numbers
 from nvcore.inputs.readers.parse.text import whole_numbers
 from nvcore.inputs.session import Session
 from nvcore.metrics.kernels import over_ranges
@@ -66,7 +66,9 @@ def read_detectability(file: SourceFile) -> pd.DataFrame:
         "frame": whole_numbers(columns["frame"].to_numpy(), lines, "frame"),
         **{name: columns[name].to_numpy() for name in "xywh"},
         "track": _tracks(columns, lines),
-        "detectability": checked_detectability(columns["detectability"].to_numpy(), lines),
+        "detectability": checked_numbers(
+            columns["detectability"].to_numpy(), lines, "detectability", high=1
+        ),
         "detectability_sd": np.full(len(lines), np.nan),
         "is_outside": np.zeros(len(lines), dtype=bool),
         "is_adapted": np.zeros(len(lines), dtype=bool),

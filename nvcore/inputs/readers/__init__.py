@@ -29,7 +29,7 @@ from nvcore.inputs.readers.cvat.images import FORMAT as CVAT_IMAGES
 from nvcore.inputs.readers.cvat.video import FORMAT as CVAT_VIDEO
 from nvcore.inputs.readers.gtsdb import FORMAT as GTSDB
 from nvcore.inputs.readers.kitti import KITTI_DETECTIONS, KITTI_OBJECT, KITTI_TRACKING
-from nvcore.inputs.readers.meaning.class_files import is_class_file
+from nvcore.inputs.readers.meaning.classes import is_class_file
 from nvcore.inputs.readers.mot import BOXMOT
 from nvcore.inputs.readers.mot import FORMAT as MOT
 from nvcore.inputs.readers.parquet import FORMAT as PARQUET

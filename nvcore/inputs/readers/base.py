@@ -416,19 +416,8 @@ def rows_finding(
     if not is_odd.any():
         return []
     file, example = place(int(np.argmax(is_odd)))
-    return [
-        Finding(
-            severity,
-            code,
-            role,
-            int(np.count_nonzero(is_odd)),
-            message,
-            advice,
-            file=file,
-            example=example,
-            steps=steps,
-        )
-    ]
+    count = int(np.count_nonzero(is_odd))
+    return [Finding(severity, code, role, count, message, advice, file, example, steps=steps)]
 
 
 def joined_findings(findings: Iterable[Finding]) -> tuple[Finding, ...]:
@@ -445,29 +434,9 @@ def joined_findings(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     return tuple(joined)
 
 
-def warning(
-    code: str,
-    count: int,
-    message: str,
-    advice: str,
-    *,
-    role: str,
-    file: str = "",
-    example: str = "",
-    steps: tuple[Step, ...] = (),
-) -> Finding:
+def warning(code: str, count: int, message: str, advice: str, *, role: str, **more: Any) -> Finding:
     """A warning about what the files of a role, or of a system, hold; see `Finding`."""
-    return Finding(
-        Severity.WARNING,
-        code,
-        role,
-        count,
-        message,
-        advice,
-        file=file,
-        example=example,
-        steps=steps,
-    )
+    return Finding(Severity.WARNING, code, role, count, message, advice, **more)
 
 
 def reading_boxes(n_rows: int, **columns: object) -> pd.DataFrame:

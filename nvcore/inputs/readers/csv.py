@@ -59,7 +59,7 @@ from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.meaning.values import (
     TEXT_IDS,
     attributes_of_boxes,
-    checked_detectability,
+    checked_numbers,
     joined_attributes,
     known_distances,
     levels_of_numbers,
@@ -268,7 +268,7 @@ def _read_one(
         if name in columns
     }
     if "detectability" in values:
-        checked_detectability(values["detectability"], lines)
+        checked_numbers(values["detectability"], lines, "detectability", high=1)
     if "distance_m" in values:
         findings += odd_distances(values["distance_m"], lines, options.role)
         values["distance_m"] = known_distances(values["distance_m"])

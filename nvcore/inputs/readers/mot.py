@@ -28,12 +28,13 @@ from nvcore.inputs.readers.base import (
     image_list,
     recordings_table,
 )
-from nvcore.inputs.readers.meaning.class_files import is_class_file, names_in
 from nvcore.inputs.readers.meaning.classes import (
     ClassNames,
     NumberedRows,
     choose_categories,
     classes_left_out,
+    is_class_file,
+    names_in,
     names_of_numbers,
 )
 from nvcore.inputs.readers.meaning.names import recordings_of

@@ -17,7 +17,7 @@ from nvcore.findings import Finding
 from nvcore.inputs.readers.base import BOTH_ROLES, Format, Reading, ReadOptions, SourceFile
 from nvcore.inputs.readers.csv import NamedColumns, missing_columns, read_named_columns
 from nvcore.inputs.readers.csv_columns import FALSE, MISSING, NUMBERS, TRUE, Header, header_of
-from nvcore.inputs.readers.meaning.picture_times import LEAST_TIME
+from nvcore.inputs.readers.meaning.names import LEAST_TIME
 from nvcore.inputs.readers.parse.text import MAX_INTEGER
 from nvcore.schema import BOX_DTYPES, TABLE_ENDING, categories_of
 from nvcore.wording import shortened
@@ -157,12 +157,9 @@ def _whole(column: pd.Series) -> pd.Series | None:
     """Track ids as int64 or float64; None if some are not whole, or too large to be exact."""
     if not pd.api.types.is_numeric_dtype(column):
         return None
-    if column.dtype == np.int64:
-        return (
-            column if column.between(-MAX_INTEGER, MAX_INTEGER, inclusive="neither").all() else None
-        )
-    ids = column.astype("float64")
-    is_whole = ids.isna() | ((ids.abs() < MAX_INTEGER) & (ids == np.floor(ids)))
+    ids = column if column.dtype == np.int64 else column.astype("float64")
+    is_exact = ids.between(-MAX_INTEGER, MAX_INTEGER, inclusive="neither")
+    is_whole = ids.isna() | (is_exact & (ids == np.floor(ids)))
     return ids if is_whole.all() else None
 
 

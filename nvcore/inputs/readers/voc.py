@@ -25,8 +25,8 @@ from nvcore.inputs.readers.base import (
 from nvcore.inputs.readers.meaning.classes import (
     choose_classes,
     concerns_objects,
-    free_labels,
     labelled,
+    rule_for,
 )
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.meaning.values import levels_of_numbers, recordings_with_sizes
@@ -87,7 +87,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     column = {name: table[:, i] for i, name in enumerate(_COLUMNS)}
     lines = Lines(files, column["file"].astype(np.int64), column["line"].astype(np.int64))
     label = object_array(objects.label)
-    rule = free_labels({*label, *(shape[0] for shape in objects.shapes)}, options)
+    rule = rule_for(None, {*label, *(shape[0] for shape in objects.shapes)}, options)
     choice = choose_classes(label, rule, options, lines)
     codes, labels = labelled(label, choice.keep & ~choice.ignore, options.objects)
     is_truth = options.role == "truth"

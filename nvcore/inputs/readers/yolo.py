@@ -24,11 +24,13 @@ from nvcore.inputs.readers.base import (
     object_array,
     recordings_table,
 )
-from nvcore.inputs.readers.meaning.class_files import class_names_beside, is_class_file, last_part
 from nvcore.inputs.readers.meaning.classes import (
     NumberedRows,
     choose_categories,
+    class_names_beside,
+    is_class_file,
     labelled,
+    last_part,
     names_of_numbers,
 )
 from nvcore.inputs.readers.meaning.frame_names import listed_frames

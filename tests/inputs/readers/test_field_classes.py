@@ -31,7 +31,7 @@ from nvcore.errors import (
 from nvcore.findings import Remedy, Step
 from nvcore.inputs.load import load, read_source
 from nvcore.inputs.readers.base import LeftOut, SourceFile
-from nvcore.inputs.readers.meaning.class_files import MAX_BYTES, class_names_beside, names_of_yaml
+from nvcore.inputs.readers.meaning.classes import MAX_BYTES, class_names_beside, names_of_yaml
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session, write_session
 from nvcore.tables.inputs import inputs_table

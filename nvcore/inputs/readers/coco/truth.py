@@ -45,7 +45,7 @@ from nvcore.inputs.readers.meaning.frame_names import joined_named
 from nvcore.inputs.readers.meaning.values import (
     TEXT_IDS,
     attributes_of_boxes,
-    checked_detectability,
+    checked_numbers,
     class_of,
     joined_attributes,
     joined_classes,
@@ -192,7 +192,7 @@ def _read_annotations(
         columns["distance_m"] = known_distances(distance)
     detectability = records.numbers("detectability")
     if detectability is not None:
-        columns["detectability"] = checked_detectability(detectability, lines)
+        columns["detectability"] = checked_numbers(detectability, lines, "detectability", high=1)
     findings += [*choice.findings, *crowds]
     keep = is_known & ~is_left_out
     boxes = lines.boxes(

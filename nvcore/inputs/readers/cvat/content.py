@@ -26,8 +26,8 @@ from nvcore.inputs.readers.base import (
 from nvcore.inputs.readers.meaning.classes import (
     choose_classes,
     concerns_objects,
-    free_labels,
     labelled,
+    rule_for,
 )
 from nvcore.inputs.readers.meaning.values import (
     attributes_of_boxes,
@@ -444,7 +444,7 @@ def boxes_reading(
     column = {str(name): values.to_numpy() for name, values in boxes.items()}
     label = column["label"]
     lines = Lines(files, column["file"], column["line"])
-    choice = choose_classes(label, free_labels({*label, *declared}, options), options, lines)
+    choice = choose_classes(label, rule_for(None, {*label, *declared}, options), options, lines)
     codes, labels = labelled(label, choice.keep & ~choice.ignore, options.objects)
     is_truth = options.role == "truth"
     sides = _upright(boxes[CORNERS].to_numpy(), column["rotation"])

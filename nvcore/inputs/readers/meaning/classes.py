@@ -1,21 +1,27 @@
-"""Which boxes count, which are ignore regions, which are left out, and their labels."""
+"""Which boxes count, are ignored or left out, their labels, and files that name classes."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import json
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from functools import partial
+from pathlib import Path, PurePosixPath
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
 
 from nvcore.dataset.sources import left_out_text
 from nvcore.errors import FormatError, InputError, UnnamedClassesError
+from nvcore.file_kinds import unpacked_name
 from nvcore.findings import Finding, Remedy, Severity, Step
-from nvcore.inputs.readers.base import LeftOut, Lines, Numbering, ReadOptions, warning
+from nvcore.inputs.readers.base import LeftOut, Lines, Numbering, ReadOptions, SourceFile, warning
+from nvcore.inputs.readers.parse.text import read_text
 from nvcore.objects import Objects, labels_in_order, plain_class
 from nvcore.schema import NO_LABEL, names_as_categories
-from nvcore.wording import count_text, listed
+from nvcore.wording import count_text, listed, shortened
 
 
 @dataclass(frozen=True)
@@ -81,29 +87,35 @@ def rule_of(classes: Iterable[str], objects: Objects) -> ClassRule:
     return ClassRule(counted, ignored, left_out)
 
 
-def rule_for(rule: ClassRule, label: np.ndarray, options: ReadOptions) -> ClassRule:
+def rule_for(rule: ClassRule | None, labels: Iterable[str], options: ReadOptions) -> ClassRule:
     """Extend a format's rule by the classes that its files have beside those of the format.
+
+    Where the classes are named, the usual names of the objects that are not among them are ignore
+    regions, except for a format's own classes of pedestrians.
 
     Parameters
     ----------
     rule
-        Where the objects are pedestrians; of others the names of the classes decide.
-    label
-        Class of each row, object, shape (n,).
+        Where the objects are pedestrians; of others the names of the classes decide. None: the
+        format has no classes, annotators chose the labels (CVAT, Pascal VOC).
+    labels
+        Classes in the files, used or only declared.
     options
         `classes` and `objects` are used.
     """
-    known = {name.casefold() for name in rule.known}
-    others = sorted(name for name in {*map(str, label)} if name.casefold() not in known)
-    if options.objects.are_pedestrians:
-        named = rule_of(others, options.objects)
+    objects, known = options.objects, () if rule is None else rule.known
+    folded = {name.casefold() for name in known}
+    others = sorted(name for name in {*map(str, labels)} if name.casefold() not in folded)
+    if rule is not None and objects.are_pedestrians:
+        named = rule_of(others, objects)
         return replace(
             rule, counted=rule.counted + named.counted, ignored=rule.ignored + named.ignored
         )
-    by_name = rule_of([*rule.known, *others], options.objects)
+    by_name = rule_of([*known, *others], objects)
     if options.classes is not None:
         return replace(by_name, counted=(), ignored=by_name.counted + by_name.ignored)
-    return by_name if by_name.counted else replace(by_name, counted=(options.objects.singular,))
+    usual = ("person", "pedestrian") if objects.are_pedestrians else (objects.singular,)
+    return replace(by_name, counted=by_name.counted or usual)
 
 
 def choose_classes(
@@ -141,31 +153,25 @@ def choose_classes(
     counted = rule.counted if options.classes is None else options.classes
     counted_names = {name.casefold() for name in counted}
     of_truth = rule.ignored if options.role == "truth" else ()
-    neutral = {name.casefold() for name in of_truth} - counted_names
-    is_wanted, is_neutral = folded.isin(counted_names)[codes], folded.isin(neutral)[codes]
-    fact = f"classes: {', '.join(counted)} counted"
-    ignored = [name for name in rule.ignored if name.casefold() in neutral]
-    if ignored:
-        fact += f"; {', '.join(ignored)} ignored"
+    ignored = [name for name in of_truth if name.casefold() not in counted_names]
+    is_wanted = folded.isin(counted_names)[codes]
+    is_ignored = folded.isin([name.casefold() for name in ignored])[codes]
     is_strange = ~folded.isin(known | counted_names)[codes]
-    findings = lines.finding(
+    find = partial(lines.finding, role=options.role, example=lambda row: str(label[row]))
+    findings = find(
         is_strange,
         "unknown-class",
         "Rows of classes that the format does not have were left out: "
         f"{', '.join(sorted({str(name) for name in label[is_strange]}))}.",
         options.objects.say("If one of them is {a_one}, name it as a class that counts."),
-        role=options.role,
-        example=lambda row: str(label[row]),
         steps=(Step(Remedy.CLASSES),),
     )
-    findings += lines.finding(
+    findings += find(
         np.full(len(label), not is_wanted.any()),
         "no-counted-class",
         f"No row is of a class that counts ({', '.join(counted)}); found "
         f"{', '.join(sorted(str(name) for name in classes))}.",
         options.objects.say("Name the classes that are {many}."),
-        role=options.role,
-        example=lambda row: str(label[row]),
         steps=(Step(Remedy.CLASSES, ",".join(filter(options.objects.counts, map(str, classes)))),),
     )
     if options.classes is None and len(label):
@@ -178,16 +184,13 @@ def choose_classes(
             lines.files[0].name,
             Severity.NOTE if rule.is_benchmark else Severity.WARNING,
         )
-    keep = is_wanted | is_neutral
+    keep = is_wanted | is_ignored
     n_boxes = np.bincount(codes[~keep], minlength=len(classes))
     left_out = classes_left_out(dict(zip(classes, n_boxes, strict=True)))
-    return ClassChoice(
-        keep=keep,
-        ignore=is_neutral,
-        fact=f"{fact}; others left out{': ' * bool(left_out)}{left_out_text(left_out)}",
-        findings=tuple(findings),
-        left_out=left_out,
-    )
+    fact = f"classes: {', '.join(counted)} counted"
+    fact += f"; {', '.join(ignored)} ignored" if ignored else ""
+    fact += f"; others left out{': ' * bool(left_out)}{left_out_text(left_out)}"
+    return ClassChoice(keep, is_ignored, fact, tuple(findings), left_out)
 
 
 def kinds_finding(
@@ -236,7 +239,8 @@ def classes_left_out(counts: Mapping[str, int]) -> tuple[LeftOut, ...]:
     return tuple(LeftOut("class", str(name), int(n)) for name, n in by_count if n)
 
 
-_MANY = 30
+_MANY: Final = 30
+"""Most classes that a message lists."""
 
 
 @dataclass(frozen=True)
@@ -253,8 +257,8 @@ class CategoryChoice:
         What the user should know of it.
     left_out
         The `others` that have boxes, by their names.
-    source
-        Where the names are from, where that is another file.
+    classes
+        As in `Reading`.
     """
 
     counted: tuple[str, ...]
@@ -263,12 +267,7 @@ class CategoryChoice:
     conversion: str = ""
     findings: tuple[Finding, ...] = ()
     left_out: tuple[LeftOut, ...] = ()
-    source: str = ""
-
-    @property
-    def classes(self) -> tuple[str, ...]:
-        """As in `Reading`."""
-        return self.counted if self.source else ()
+    classes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -369,12 +368,12 @@ def choose_categories(
     UnnamedClassesError
         If there are no names, and several numbers of which nobody said which count.
     """
-    names, source = named.names, named.source
+    names, source, given = named.names, named.source, options.classes
     if not names:
         return _by_number(counts, options, file=file, numbers=numbers)
-    objects = options.objects
-    all_listed = _listed(names)
-    if options.classes is None:
+    objects, all_listed = options.objects, _listed(names)
+    absent: list[str] = []
+    if given is None:
         counted = {key for key, name in names.items() if objects.counts(name)}
         if not counted:
             called = "person or pedestrian" if objects.are_pedestrians else objects.singular
@@ -385,84 +384,76 @@ def choose_categories(
                 file=file,
                 steps=(Step(Remedy.CLASSES, kinds),),
             )
-        absent: list[str] = []
     else:
-        hits = {given: _keys_of(given, names) for given in options.classes}
+        hits = {name: _keys_of(name, names) for name in given}
         counted = set().union(*hits.values())
-        absent = [given for given, keys in hits.items() if not keys]
+        absent = [name for name, keys in hits.items() if not keys]
         # a system need not know every class of the truth; numbers may be meant for other files
-        names_absent = [given for given in absent if not given.isdecimal()]
+        names_absent = [name for name in absent if not name.isdecimal()]
         if absent and (not counted or (options.role == "truth" and names_absent)):
             raise FormatError(
                 f"there is no class {[*names_absent, *absent][0]!r}; the classes are {all_listed}",
                 file=file,
             )
-    ignored = {key for key, name in names.items() if objects.concerns(name)} - counted
-    ignored = set() if options.role == "detections" else ignored
-    unknown = [key for key in counts if key not in names]
-    others = [key for key in names if key not in counted | ignored] + unknown
-    fates = {
-        "counted": tuple(key for key in names if key in counted),
-        "ignored": tuple(key for key in names if key in ignored),
-        "left out": tuple(others),
-    }
+    is_truth = options.role == "truth"
+    unknown = {key: key for key in counts if key not in names}
+    every = {**names, **unknown}
+    fates: dict[str, list[str]] = {"counted": [], "ignored": [], "left out": []}
+    for key, name in every.items():
+        is_ignored = is_truth and key in names and objects.concerns(name)
+        fates["counted" if key in counted else "ignored" if is_ignored else "left out"].append(key)
     parts = [
-        f"{', '.join(_shown(key, names.get(key, key)) for key in keys)} {fate}"
+        f"{', '.join(_shown(key, every[key]) for key in keys)} {fate}"
         for fate, keys in fates.items()
         if keys
     ]
+    warn = partial(warning, role=options.role, file=file)
     findings: list[Finding] = []
     if counts and not counts.keys() & counted:
-        findings.append(
-            warning(
+        findings += [
+            warn(
                 "no-counted-class",
                 sum(counts.values()),
                 f"No box is of a class that counts ({_listed({k: names[k] for k in counted})}); "
-                f"found {_listed({key: names.get(key, key) for key in counts})}.",
+                f"found {_listed({key: every[key] for key in counts})}.",
                 objects.say("Name the classes that are {many}."),
-                role=options.role,
-                file=file,
                 steps=(Step(Remedy.CLASSES),),
             )
-        )
+        ]
     if unknown:
-        findings.append(
-            warning(
+        findings += [
+            warn(
                 "unknown-class",
                 sum(counts[key] for key in unknown),
-                f"Boxes of a {numbers} without a name were left out: "
-                f"{_listed({key: key for key in unknown})}. The names"
+                f"Boxes of a {numbers} without a name were left out: {_listed(unknown)}. The names"
                 f"{f' from {source}' if source else ''} are {all_listed}.",
                 "Check that the names belong to these files, and that both count from the same "
                 "number.",
-                role=options.role,
-                file=file,
             )
-        )
+        ]
     if absent:
-        findings.append(
-            warning(
+        findings += [
+            warn(
                 "absent-class",
                 len(absent),
                 f"No class is called {listed(absent)}, which should count; the classes are "
                 f"{all_listed}.",
                 "Check the spelling; a system that does not know a class cannot detect it.",
-                role=options.role,
-                file=file,
             )
-        )
-    if options.classes is None:
+        ]
+    if given is None:
         by_name = {names[key]: n for key, n in counts.items() if key not in counted | {*unknown}}
         findings += kinds_finding([names[key] for key in fates["counted"]], by_name, options, file)
     source_text = f"; class names from {source}" if source else ""
+    chosen, ignored, others = map(tuple, fates.values())
     return CategoryChoice(
-        counted=fates["counted"],
-        ignored=fates["ignored"],
-        others=fates["left out"],
+        chosen,
+        ignored,
+        others,
         conversion=f"classes: {'; '.join(parts)}{source_text}",
         findings=tuple(findings),
-        left_out=classes_left_out({names.get(key, key): counts.get(key, 0) for key in others}),
-        source=source,
+        left_out=classes_left_out({every[key]: counts.get(key, 0) for key in others}),
+        classes=chosen if source else (),
     )
 
 
@@ -470,15 +461,14 @@ def _by_number(
     counts: Mapping[str, int], options: ReadOptions, *, file: str, numbers: str
 ) -> CategoryChoice:
     """The choice where no number has a name: those that were given, or the only one."""
-    keys = labels_in_order(counts)
+    keys, objects = labels_in_order(counts), options.objects
     given = {key for key in options.classes or () if key.isdecimal()}
-    boxes = ", ".join(f"{key} ({count_text(counts[key], 'box', 'boxes')})" for key in keys[:_MANY])
-    boxes += f" and {len(keys) - _MANY} more" if len(keys) > _MANY else ""
+    boxes = _few([f"{key} ({count_text(counts[key], 'box', 'boxes')})" for key in keys])
     if not given:
         if len(keys) > 1:
             names = ", ".join(options.classes or ())
             raise UnnamedClassesError(
-                f"several classes, and no names say which of them are {options.objects.plural}"
+                f"several classes, and no names say which of them are {objects.plural}"
                 + (f", nor which is called {names}: give its number; " if names else ": ")
                 + f"found {numbers} {boxes}",
                 file=file,
@@ -486,12 +476,12 @@ def _by_number(
             )
         fact = f"{numbers} {keys[0]} throughout: counted (no names)" if keys else ""
         return CategoryChoice(tuple(keys), conversion=fact)
-    others = tuple(key for key in keys if key not in given)
+    others, named = tuple(key for key in keys if key not in given), ", ".join(sorted(given))
     finding = warning(
         "no-counted-class",
         sum(counts.values()),
-        f"No box is of {numbers} {', '.join(sorted(given))}, which counts; found {boxes}.",
-        options.objects.say("Name the classes that are {many}."),
+        f"No box is of {numbers} {named}, which counts; found {boxes}.",
+        objects.say("Name the classes that are {many}."),
         role=options.role,
         file=file,
         steps=(Step(Remedy.CLASSES),),
@@ -500,7 +490,7 @@ def _by_number(
     return CategoryChoice(
         counted=tuple(given),
         others=others,
-        conversion=f"classes: {', '.join(sorted(given))} counted{left_out}",
+        conversion=f"classes: {named} counted{left_out}",
         findings=(finding,) if keys and len(others) == len(keys) else (),
         left_out=classes_left_out({key: counts[key] for key in others}),
     )
@@ -512,27 +502,6 @@ def _keys_of(given: str, names: Mapping[str, str]) -> set[str]:
     return hits or {given} & names.keys()
 
 
-def free_labels(labels: Iterable[str], options: ReadOptions) -> ClassRule:
-    """The rule for labels that annotators chose (CVAT, Pascal VOC).
-
-    Where the classes are named, the usual labels of the objects that are not among them are ignore
-    regions. Labels that have nothing to do with them are known and left out.
-
-    Parameters
-    ----------
-    labels
-        Labels in the files, used or only declared.
-    options
-        `classes` and `objects` are used.
-    """
-    names, objects = sorted(set(labels)), options.objects
-    rule = rule_of(names, objects)
-    if options.classes is not None:
-        return ClassRule(counted=(), ignored=rule.counted + rule.ignored, left_out=rule.left_out)
-    usual = ("person", "pedestrian") if objects.are_pedestrians else (objects.singular,)
-    return ClassRule(rule.counted or usual, rule.ignored, rule.left_out)
-
-
 def concerns_objects(label: str, options: ReadOptions) -> bool:
     """Whether boxes of the label are counted or ignored."""
     counted = {name.casefold() for name in options.classes or ()}
@@ -541,8 +510,12 @@ def concerns_objects(label: str, options: ReadOptions) -> bool:
 
 def _listed(names: Mapping[str, str]) -> str:
     """Categories in messages."""
-    shown = ", ".join(_shown(key, name) for key, name in [*names.items()][:_MANY]) or "none"
-    return shown + (f" and {len(names) - _MANY} more" if len(names) > _MANY else "")
+    return _few([_shown(key, name) for key, name in names.items()])
+
+
+def _few(texts: Sequence[str]) -> str:
+    more = f" and {len(texts) - _MANY} more" if len(texts) > _MANY else ""
+    return (", ".join(texts[:_MANY]) or "none") + more
 
 
 def _shown(key: str, name: str) -> str:
@@ -613,3 +586,169 @@ def merged(parts: Iterable[tuple[str, ...]]) -> tuple[tuple[str, ...], list[np.n
     labels = labels_in_order(label for part in parts for label in part)
     place = {label: number for number, label in enumerate(labels)}
     return labels, [np.array([*map(place.get, part), NO_LABEL], np.int32) for part in parts]
+
+
+MAX_BYTES: Final = 1 << 20
+"""Size of a file of names, unpacked; the longest in use (Objects365's) has 20 KiB."""
+_MAX_FILES: Final = 50
+"""Most files of names that are read: one folder may hold many YAML files."""
+_LISTS: Final = re.compile(
+    r"_?(?:obj_|predefined_|class_)?(?:classes|labels|names)\.txt|.*\.names|.*\.labels"
+)
+_YAML: Final = re.compile(r".*\.ya?ml")
+_LAYOUT: Final = frozenset(
+    {"labels", "label", "train", "val", "valid", "validation", "test", "obj_train_data", "gt"}
+    | {"obj_valid_data", "obj_test_data"}
+)
+"""Folders above which the names of a whole data set lie."""
+_KEY: Final = re.compile(r"""(["']?)names\1\s*:(?:\s+(?P<value>.*))?""")
+_BLANK: Final = r"(?>(?:\s|#[^\n]*)*)"
+_ENTRY: Final = (
+    r"""(?>(?:(?P<mark>["']?)(?P<number>\d{1,9})(?P=mark)\s*:\s+)?"""
+    r"""(?P<name>'(?:[^'\n]|'')*'|"(?:[^"\\\n]|\\.)*"|[^\s,\[\]{}'"#&*!|>%@`:?-][^,\[\]{}#:\n]*))"""
+)
+"""A name, plain or quoted, behind its number in a mapping."""
+_IN_BRACKETS: Final = re.compile(rf"{_ENTRY}{_BLANK}(?:,{_BLANK}|(?=[\]}}]))")
+_ON_A_LINE: Final = re.compile(rf"(?P<dash>- \s*)?{_ENTRY}(?:\s*|(?<=[ '\"])\s*#.*)")
+
+
+def is_class_file(name: str) -> bool:
+    """Whether a file of this name lists classes, and no boxes."""
+    return _LISTS.fullmatch(last_part(name)) is not None
+
+
+def class_names_beside(files: Sequence[SourceFile]) -> ClassNames:
+    """Names of classes from a file among those given, else beside the first other file or above.
+
+    A list (``classes.txt``, ``obj.names``, ``labels.txt``) or the ``names`` of a YAML file. Of
+    several places the nearest counts.
+
+    Raises
+    ------
+    FormatError
+        If such a file cannot be read, or two in one place differ.
+    """
+    for place in _places(files):
+        first: ClassNames | None = None
+        for file in place[:_MAX_FILES]:
+            names = names_in(file)
+            if names and first is None:
+                first = ClassNames(names, PurePosixPath(file.name).name)
+            elif names and first is not None and names != first.names:
+                raise file.fault(
+                    f"the names of classes differ from those in {first.source} beside it; leave "
+                    "the right file alone"
+                )
+        if first is not None:
+            return first
+    return ClassNames()
+
+
+def _places(files: Sequence[SourceFile]) -> Iterator[list[SourceFile]]:
+    """Files that may hold names, those of one place together, the nearest place first."""
+    yield [file for file in files if _may_name(file.name)]
+    labels = [file for file in files if not _may_name(file.name)] or files
+    if not labels:
+        return
+    folder = Path(labels[0].path).absolute().parent
+    folders = [folder, folder.parent]
+    if {folder.name.lower(), folder.parent.name.lower()} & _LAYOUT:
+        folders.append(folder.parent.parent)
+    for place in dict.fromkeys(folders):
+        try:
+            names = sorted(entry.name for entry in place.iterdir() if _may_name(entry.name))
+        except OSError:  # a folder above that may not be looked into
+            continue
+        yield [SourceFile(place / name, name) for name in names if (place / name).is_file()]
+
+
+def _may_name(name: str) -> bool:
+    return is_class_file(name) or _YAML.fullmatch(last_part(name)) is not None
+
+
+def last_part(name: str) -> str:
+    """The last part of a file's name, as its unpacked file would be called, in lower case."""
+    return unpacked_name(name.rpartition("/")[2].casefold())
+
+
+def names_in(file: SourceFile) -> dict[str, str]:
+    """The names in a file by their numbers; none where it has none but the numbers themselves."""
+    if file.is_larger_than(MAX_BYTES):
+        if is_class_file(file.name):
+            raise file.fault(f"a list of classes has {MAX_BYTES >> 20} MiB at most")
+        return {}
+    text = read_text(file)
+    if is_class_file(file.name):
+        names = {str(i): line.strip() for i, line in enumerate(text.strip().splitlines())}
+        names = {number: name for number, name in names.items() if name}
+    else:
+        names = names_of_yaml(text, file)
+    return {} if all(number == name for number, name in names.items()) else names
+
+
+def names_of_yaml(text: str, file: SourceFile) -> dict[str, str]:
+    """The ``names`` of a data set's YAML file, by their numbers; none where it has no such key.
+
+    Only what tools write is understood: a list, or a mapping from numbers, in brackets or with a
+    line for each name.
+
+    Raises
+    ------
+    FormatError
+        With the line of anything else.
+    """
+    lines = text.splitlines()
+    keys = [(i, match) for i, line in enumerate(lines) if (match := _KEY.fullmatch(line))]
+    if not keys:
+        return {}
+    at, match = keys[-1]
+    value = re.sub(r"^&\S+\s*", "", (match["value"] or "").strip())  # a mark to refer to
+
+    def fault(line: int) -> FormatError:
+        return file.fault(
+            "expected names: [person, car], or below it a line for each name (- person, or "
+            f"0: person); found {shortened(lines[line].strip(), 60)!r}",
+            line + 1,
+        )
+
+    if len(keys) > 1:
+        raise fault(at)
+    entries: list[re.Match[str]] = []
+    if value.startswith(("[", "{")):
+        closing, inside = {"[": "]", "{": "}"}[value[0]], "\n".join([value[1:], *lines[at + 1 :]])
+        inside, place = re.sub(_BLANK, "", inside, count=1), 0
+        while not inside.startswith(closing, place):
+            entry = _IN_BRACKETS.match(inside, place)
+            if entry is None or (entry["number"] is None) != (closing == "]"):
+                raise fault(at)
+            entries.append(entry)
+            place = entry.end()
+    elif value and not value.startswith("#"):
+        raise fault(at)
+    else:
+        for i, line in enumerate(lines[at + 1 :], at + 1):
+            stripped = line.strip()
+            if not stripped or stripped[0] == "#":
+                continue
+            if line[0] not in " -":  # the next key
+                break
+            entry = _ON_A_LINE.fullmatch(stripped)
+            if entry is None or (entry["number"] is None) != (entry["dash"] is not None):
+                raise fault(i)
+            entries.append(entry)
+    try:
+        names = {
+            str(i if entry["number"] is None else int(entry["number"])): _unquoted(entry["name"])
+            for i, entry in enumerate(entries)
+        }
+    except ValueError:  # an escape that JSON does not have
+        raise fault(at) from None
+    if len(names) < len(entries):
+        raise fault(at)
+    return names
+
+
+def _unquoted(name: str) -> str:
+    if name[0] == '"':
+        return str(json.loads(name))
+    return name[1:-1].replace("''", "'") if name[0] == "'" else name.strip()

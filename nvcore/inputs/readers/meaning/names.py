@@ -1,16 +1,19 @@
-"""Which recording and which frame a file or picture belongs to, by its name."""
+"""Recording, and frame number or time, that the name of a file or picture tells."""
 
 from __future__ import annotations
 
+import os
 import re
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import takewhile
 from pathlib import PurePosixPath
 from typing import Final
 
 import numpy as np
+import pandas as pd
 
 from nvcore.errors import InputError
 from nvcore.file_kinds import unpacked_name
@@ -74,12 +77,18 @@ def plain_name(name: str) -> str:
 def plain_names(names: Sequence[str]) -> tuple[list[str], str]:
     """`plain_name` of each, without the ending that all of them share, and that ending."""
     plain = [name if name.isdecimal() else plain_name(name) for name in names]
-    if len(plain) > 1 and all(map(_LABEL_STUDIO.match, (_last(name) for name in plain))):
-        starts = {_last(name)[:8] for name in plain}
-        if len(starts) > len(plain) / 2:  # not a date
-            plain = [_with_last(name, _last(name)[9:]) for name in plain]
-    taken = _common_ending({_last(name) for name in plain})
+    parts = [name.rpartition("/") for name in plain]
+    stems = [stem for *_, stem in parts]
+    is_stamped = len(plain) > 1 and all(map(_LABEL_STUDIO.match, stems))
+    if is_stamped and len({stem[:8] for stem in stems}) > len(plain) / 2:  # not a date
+        stems = [stem[9:] for stem in stems]
+        plain = [folders + slash + stem[9:] for folders, slash, stem in parts]
+    taken = _common_ending({*stems})
     return ([name[: -len(taken)] for name in plain] if taken else plain), taken
+
+
+_shared_start: Final = os.path.commonprefix
+"""Common beginning of texts, letter by letter."""
 
 
 def _common_ending(stems: set[str]) -> str:
@@ -89,20 +98,13 @@ def _common_ending(stems: set[str]) -> str:
     shared = _shared_start([stem[::-1] for stem in stems])[::-1]
     for start in range(len(shared)):  # the longest first
         words = shared[start:]
-        has_number = any(map(str.isdecimal, words))
         if (
             _WORDS.fullmatch(words)
+            and (len(stems) >= MIN_NAMES or not any(map(str.isdecimal, words)))
             and all(stem[: -len(words)][-1:].isdecimal() for stem in stems)
-            and (not has_number or len(stems) >= MIN_NAMES)
         ):
             return words
     return ""
-
-
-def _shared_start(texts: Sequence[str]) -> str:
-    low, high = min(texts, default=""), max(texts, default="")
-    same = takewhile(lambda signs: signs[0] == signs[1], zip(low, high, strict=False))
-    return low[: sum(1 for _ in same)]
 
 
 def common_beginning(stems: Sequence[str]) -> str:
@@ -110,19 +112,11 @@ def common_beginning(stems: Sequence[str]) -> str:
     return _shared_start(stems).rstrip("0123456789")
 
 
-def _last(name: str) -> str:
-    return name.rpartition("/")[2]
-
-
-def _with_last(name: str, last: str) -> str:
-    folders, slash, _ = name.rpartition("/")
-    return folders + slash + last
-
-
 NEUTRAL = {
     *("gt", "truth", "det", "dets", "detections", "results", "result", "res"),
     *("labels", "label", "label_2", "label_02", "annotations", "annotation"),
     *("data", "images", "image_2", "img1", "xml", "txt"),
+    *("", "/", ".", ".."),
 }
 _FRAME = re.compile(
     r"^(?P<prefix>.*?)(?:(?<![A-Za-z])(?:I|img|image|im|frame|f)[_\-. ]?)?(?P<digits>[0-9]+)$",
@@ -154,10 +148,8 @@ def recording_of(name: str, known: tuple[str, ...] = ()) -> str:
     recording = known_recording(parts, known)
     if recording is not None:
         return recording
-    for part in reversed(parts):
-        if part.lower() not in NEUTRAL and part not in ("", "/", ".", ".."):
-            return part
-    return path.stem
+    named = [part for part in parts if part.lower() not in NEUTRAL]
+    return named[-1] if named else path.stem
 
 
 @lru_cache(maxsize=4096)
@@ -260,13 +252,9 @@ def place_of_stem(
 
 def recording_before(folders: Sequence[str], prefix: str, known: tuple[str, ...] = ()) -> str:
     """The recording that folders and what stands before a frame's number or time name."""
-    prefix = prefix.rstrip("_-. ")
-    every = (*folders, prefix) if prefix else tuple(folders)
-    recording = known_recording(every, known)
-    if recording is None:
-        parts = [*(part for part in folders if part.lower() not in NEUTRAL), prefix]
-        recording = "/".join(part for part in parts if part not in ("", "/", ".", ".."))
-    return recording or ONLY
+    own = [*filter(None, [prefix.rstrip("_-. ")])]
+    parts = [*(part for part in folders if part.lower() not in NEUTRAL), *own]
+    return known_recording((*folders, *own), known) or "/".join(parts) or ONLY
 
 
 DIGITS: Final = re.compile(r"([0-9]+)")
@@ -336,9 +324,8 @@ def frame_columns(stems: Sequence[Sequence[str]], places: Sequence[str] = ()) ->
         for place, parts in zip(places or [""] * len(stems), stems, strict=True)
     ]
     columns = range(1, len(stems[0]), 2)
-    varying = [
-        column for column in columns if len({parts[column].lstrip("0") for parts in stems}) > 1
-    ]
+    values = {column: {parts[column].lstrip("0") for parts in stems} for column in columns}
+    varying = [column for column in columns if len(values[column]) > 1]
     if not varying:
         return [columns[-1]]
     before = {column: stems[0][column - 1] for column in columns}
@@ -352,7 +339,7 @@ def frame_columns(stems: Sequence[Sequence[str]], places: Sequence[str] = ()) ->
         for column in varying
         if len({(text, parts[column]) for text, parts in zip(texts, stems, strict=True)})
         == len(stems)
-        and max(len(parts[column].lstrip("0")) for parts in stems) <= MAX_DIGITS
+        and max(map(len, values[column])) <= MAX_DIGITS
     ]
     if likeliest != last and likeliest not in alone:
         n_last = len({parts[last] for parts in stems})
@@ -362,22 +349,15 @@ def frame_columns(stems: Sequence[Sequence[str]], places: Sequence[str] = ()) ->
         return [last] if is_last else [likeliest, last]
     if likeliest != last or not alone:
         return [likeliest]
-    even = [column for column in alone if _differ_evenly(stems, column)] or alone
-    return even[:1] if _rise_alike(stems, even) else even[::-1]
-
-
-def _differ_evenly(stems: Sequence[Sequence[str]], column: int) -> bool:
-    """Whether most steps between the numbers are equal, as those of frames are."""
-    steps = np.diff(sorted({int(parts[column]) for parts in stems})).tolist()
-    return Counter(steps).most_common(1)[0][1] >= _REGULAR_SHARE * len(steps)
-
-
-def _rise_alike(stems: Sequence[Sequence[str]], columns: Sequence[int]) -> bool:
-    """Whether the numbers differ by the same amount in all names."""
-    return all(
-        len({int(parts[column]) - int(parts[columns[0]]) for parts in stems}) == 1
-        for column in columns
-    )
+    numbers = {column: np.array([int(parts[column]) for parts in stems]) for column in alone}
+    even = []  # as frames: most steps are equal
+    for column, number in numbers.items():
+        steps = np.diff(np.unique(number))
+        if np.unique(steps, return_counts=True)[1].max() >= _REGULAR_SHARE * len(steps):
+            even.append(column)
+    even = even or alone
+    differ_alike = all(not np.ptp(numbers[column] - numbers[even[0]]) for column in even)
+    return even[:1] if differ_alike else even[::-1]
 
 
 def frame_last(
@@ -489,3 +469,213 @@ def _moved(stems: Sequence[Sequence[str]], folders: Sequence[str], column: int) 
 
 def _has_digit(texts: Iterable[str]) -> bool:
     return any(map(DIGITS.search, texts))
+
+
+LEAST_TIME: Final = 10**9
+"""Whole numbers from ten digits on are times rather than frames."""
+LEAST_STEP: Final = 4
+"""Usual step from which on shorter numbers can be times: milliseconds at 250 Hz."""
+_SECONDS = re.compile(
+    r"(?P<prefix>.*?)(?<!\d)(?P<whole>[1-9]\d{9})(?P<sign>[._\-])(?P<part>\d{3,9})$"
+)
+_TICKS = re.compile(r"(?P<prefix>.*?)(?<!\d)0*(?P<whole>[1-9]\d{9,18})$")
+_SHORT_TICKS = re.compile(r"(?P<prefix>.*?)(?P<whole>\d{1,18})$")
+_DATE = re.compile(
+    r"(?P<prefix>.*?)(?<!\d)(?P<year>(?:19|20)\d\d)[-_.]?(?P<month>\d\d)[-_.]?(?P<day>\d\d)"
+    r"[-_.T ]*(?P<hour>\d\d)[-_.:h]?(?P<minute>\d\d)[-_.:m]?(?P<second>\d\d)"
+    r"(?:[-_.,s]?(?P<part>\d{1,9}))?Z?$"
+)
+_UNITS: Final = {"seconds": 10**9, "milliseconds": 10**6, "microseconds": 10**3, "nanoseconds": 1}
+"""Nanoseconds of each."""
+_EPOCH: Final = (10**9, 22 * 10**8)
+"""Seconds since 1970 of the years 2001 to 2039."""
+RATES: Final = (0.05, 300.0)
+"""Pictures per second that a camera takes."""
+_USUAL_RATES: Final = np.array([*range(1, 301), 7.5, 12.5, 23.976, 29.97, 59.94, 119.88])
+_SNAP: Final = 0.005
+_JITTER: Final = 0.3
+"""How far steps between pictures may differ from whole periods, in periods ..."""
+_EVEN_SHARE: Final = 0.9
+"""... for this share of them."""
+_NEAR_STEPS: Final = 3
+"""Periods up to which steps are held against the period: in longer gaps its error adds up."""
+
+
+@dataclass(frozen=True)
+class NamedTimes:
+    """Times of pictures by their names.
+
+    Attributes
+    ----------
+    prefix
+        What stands before the time in each name.
+    ns
+        Nanoseconds, int64, shape (n,); from 1970 or from any other moment.
+    unit
+        In words, what the numbers are: "milliseconds".
+    """
+
+    prefix: list[str]
+    ns: np.ndarray
+    unit: str
+
+
+def times_in(stems: Sequence[str], *, is_stated: bool = False) -> NamedTimes | None:
+    """The times that all the names end in; None: they do not, or no camera takes pictures so.
+
+    Numbers of fewer than ten digits are times only where somebody says so (`is_stated`).
+
+    Examples
+    --------
+    >>> times = times_in(["a_1598000000123", "a_1598000000223", "a_1598000000323"])
+    >>> times.prefix[0], np.diff(times.ns).tolist(), times.unit
+    ('a_', [100000000, 100000000], 'milliseconds')
+    """
+    ways = ((_SECONDS, _of_seconds), (_TICKS, _of_ticks), (_DATE, _of_dates))
+    for pattern, read in (*ways, *[(_SHORT_TICKS, _of_ticks)] * is_stated):
+        matches = [match for match in takewhile(bool, map(pattern.match, stems)) if match]
+        if len(matches) == len(stems) > 0:
+            times = read(matches, [match["prefix"] for match in matches])
+            if times is not None:
+                return times
+    return None
+
+
+def _of_seconds(matches: Sequence[re.Match[str]], prefix: list[str]) -> NamedTimes | None:
+    # after a point digits are a fraction; else nanoseconds may lack their leading zeros
+    is_fraction = matches[0]["sign"] == "." or len({len(match["part"]) for match in matches}) == 1
+    parts = [match["part"].ljust(9, "0") if is_fraction else match["part"] for match in matches]
+    whole = np.array([int(match["whole"]) for match in matches], np.int64)
+    ns = whole * 10**9 + np.array([*map(int, parts)], np.int64)
+    is_time = whole.max() < _EPOCH[1] and _is_plausible(ns, prefix)
+    return NamedTimes(prefix, ns, "seconds and their fractions") if is_time else None
+
+
+def _of_ticks(matches: Sequence[re.Match[str]], prefix: list[str]) -> NamedTimes | None:
+    ticks = [int(match["whole"]) for match in matches]
+    return times_of_numbers(np.array(ticks, np.int64), prefix) if max(ticks) < 2**63 else None
+
+
+def times_of_numbers(numbers: np.ndarray, prefix: list[str]) -> NamedTimes | None:
+    """Large numbers as times, in the unit in which a camera takes such pictures.
+
+    Parameters
+    ----------
+    numbers
+        int64 or float64, shape (n,).
+    prefix
+        What stands before each: pictures with another prefix are of another recording.
+    """
+    low, high = numbers.min(), numbers.max()
+    for unit, ns in _UNITS.items():
+        per_second = 10**9 // ns
+        if low >= _EPOCH[0] * per_second and high < _EPOCH[1] * per_second:
+            since_1970 = _in_ns(numbers, ns)
+            if _is_plausible(since_1970, prefix):
+                return NamedTimes(prefix, since_1970, unit)
+    step = _usual_step(numbers, prefix)
+    if step is None or (high < LEAST_TIME and step < LEAST_STEP):
+        return None
+    # since the start of something: of units that a camera's rate allows, that nearest to 10 Hz
+    rate = {unit: 1e9 / (step * ns) for unit, ns in _UNITS.items()}
+    unit = min(rate, key=lambda name: abs(np.log10(rate[name] / 10)))
+    if not RATES[0] <= rate[unit] <= RATES[1] or float(high) * _UNITS[unit] >= 2**63:
+        return None
+    return NamedTimes(prefix, _in_ns(numbers, _UNITS[unit]), unit)
+
+
+def _in_ns(numbers: np.ndarray, ns: int) -> np.ndarray:
+    if numbers.dtype.kind == "f":
+        numbers, ns = np.rint(numbers * ns), 1
+    whole: np.ndarray = numbers.astype(np.int64)
+    return whole * ns
+
+
+def _of_dates(matches: Sequence[re.Match[str]], prefix: list[str]) -> NamedTimes | None:
+    names = ("year", "month", "day", "hour", "minute", "second")
+    columns = {name: [int(match[name]) for match in matches] for name in names}
+    moments = pd.to_datetime(pd.DataFrame(columns), errors="coerce")
+    if moments.isna().any():
+        return None
+    parts = np.array([int((match["part"] or "").ljust(9, "0")) for match in matches], np.int64)
+    ns = moments.to_numpy().astype("datetime64[ns]").astype(np.int64) + parts
+    return NamedTimes(prefix, ns, "date and time") if _is_plausible(ns, prefix) else None
+
+
+def _usual_step(numbers: np.ndarray, prefix: list[str]) -> float | None:
+    """Usual distance of neighbours of one prefix; None where there are none."""
+    table = pd.DataFrame({"prefix": prefix, "number": numbers}).drop_duplicates()
+    steps = table.sort_values("number").groupby("prefix")["number"].diff().dropna()
+    return None if steps.empty else float(steps.quantile(0.25))
+
+
+def _is_plausible(ns: np.ndarray, prefix: list[str]) -> bool:
+    """Whether a camera takes pictures at such times; so it is where there is one alone."""
+    step = _usual_step(ns, prefix)
+    return step is None or RATES[0] <= 1e9 / step <= RATES[1]
+
+
+def frames_by_times(ns: np.ndarray) -> tuple[np.ndarray, float, bool]:
+    """Frame number of each time: the first is 0, and pictures that are missing leave gaps.
+
+    Parameters
+    ----------
+    ns
+        Sorted, unique, int64, shape (n,).
+
+    Returns
+    -------
+    tuple
+        Frames, int64, shape (n,); the period in ns, NaN for a single time; and whether the times
+        are nearly even.
+    """
+    steps = np.diff(ns).astype(float)
+    if not len(steps):
+        return np.zeros(len(ns), np.int64), np.nan, True
+    period = float(np.quantile(steps, 0.25))
+    period = float(steps[steps < 1.5 * period].mean())
+    n_periods = np.maximum(np.rint(steps / period), 1)
+    is_near = n_periods <= _NEAR_STEPS
+    period = float(steps[is_near].sum() / n_periods[is_near].sum())
+    n_periods = np.maximum(np.rint(steps / period), 1)
+    is_even = np.abs(steps / period - n_periods)[is_near] <= _JITTER
+    frames = np.concatenate([[0], np.cumsum(n_periods)]).astype(np.int64)
+    return frames, period, bool(is_even.mean() >= _EVEN_SHARE and is_near.mean() > 0.5)
+
+
+def rate_of(period_ns: float) -> float:
+    """Pictures per second; the usual rate where that is within half a per cent."""
+    rate = 1e9 / period_ns
+    usual = float(_USUAL_RATES[np.argmin(np.abs(_USUAL_RATES - rate))])
+    return usual if abs(rate / usual - 1) <= _SNAP else float(f"{rate:.5g}")
+
+
+def nearest_times(
+    ns: np.ndarray, their_ns: np.ndarray, period_ns: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """The nearest of known times, -1 where another lies nearer to the same frame.
+
+    A time within half a period of one that is known is of the same frame.
+
+    Parameters
+    ----------
+    ns
+        Unique, int64, shape (n,).
+    their_ns
+        Sorted, unique, int64, shape (m,), m > 0.
+
+    Returns
+    -------
+    tuple
+        Index of the known time, and how many periods later a time is; int64, shape (n,).
+    """
+    middles = their_ns[:-1] + np.diff(their_ns) // 2
+    nearest = np.searchsorted(middles, ns)
+    away = (ns - their_ns[nearest]).astype(float)
+    period = 2.0**65 if np.isnan(period_ns) else period_ns  # of a single time: all are of its frame
+    n_periods = np.rint(away / period).astype(np.int64)
+    error = np.abs(away - n_periods * period)
+    table = pd.DataFrame({"nearest": nearest, "n_periods": n_periods, "error": error})
+    best = table.sort_values("error", kind="stable").drop_duplicates(["nearest", "n_periods"])
+    is_best = np.isin(np.arange(len(ns)), best.index)
+    return np.where(is_best, nearest, -1), n_periods

@@ -13,7 +13,6 @@ import numpy as np
 import pandas as pd
 from pandas.api.types import union_categoricals
 
-from nvcore.errors import FormatError
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.readers.base import Lines, Role, SourceFile, recordings_table, rows_finding
 from nvcore.inputs.readers.parse.text import MAX_INTEGER, read_text
@@ -70,16 +69,13 @@ def odd_levels(values: np.ndarray, lines: Lines, role: Role) -> list[Finding]:
 
 def known_distances(metres: np.ndarray) -> np.ndarray:
     """The distances in metres; NaN where the files say 0, -1, -1000 or the like; shape (n,)."""
-    with np.errstate(invalid="ignore"):
-        return np.where(metres > 0, metres, np.nan)
+    return np.where(metres > 0, metres, np.nan)
 
 
 def odd_distances(metres: np.ndarray, lines: Lines, role: Role) -> list[Finding]:
     """A note on distances that are not above 0."""
-    with np.errstate(invalid="ignore"):
-        is_odd = metres <= 0
     return lines.finding(
-        is_odd,
+        metres <= 0,
         "unknown-distance",
         "Distances of 0 or less are taken as unknown.",
         "Leave distances empty that are not known.",
@@ -87,17 +83,6 @@ def odd_distances(metres: np.ndarray, lines: Lines, role: Role) -> list[Finding]
         example=lambda row: f"{metres[row]:g} m",
         severity=Severity.NOTE,
     )
-
-
-def checked_detectability(values: np.ndarray, lines: Lines) -> np.ndarray:
-    """The values, each from 0 to 1 or unknown (NaN); float64, shape (n,).
-
-    Raises
-    ------
-    FormatError
-        With the line of the first that is outside.
-    """
-    return checked_numbers(values, lines, "detectability", high=1.0)
 
 
 def checked_numbers(
@@ -232,8 +217,7 @@ def track_numbers(texts: pd.Series, recording: Any) -> tuple[np.ndarray, bool]:
     coded = names_as_categories(texts, len(texts))  # each text once, however often it stands there
     distinct = pd.Series(coded.categories, dtype="str").str.strip()
     number = pd.to_numeric(distinct, errors="coerce").to_numpy(dtype=float)
-    with np.errstate(invalid="ignore"):
-        is_whole = (np.abs(number) < MAX_INTEGER) & (number == np.floor(number))
+    is_whole = (np.abs(number) < MAX_INTEGER) & (number == np.floor(number))
     is_missing = distinct.str.lower().isin(["", "nan", "none", "null"]).to_numpy(dtype=bool)
     numbers = np.where(is_whole & (number >= 0), number, NO_TRACK).astype(np.int64)
     # the last of them is for rows without a text, whose code is -1
@@ -337,17 +321,14 @@ def sequence_info(file: SourceFile) -> SequenceInfo:
         parser.read_string(read_text(source))
     except configparser.Error as error:
         text = str(error).replace("\n", " ").replace("'<string>'", "").strip()
-        raise FormatError(
-            f"expected [Sequence] and lines such as frameRate=30: {text}", file=source.name
-        ) from error
+        raise source.fault(f"expected [Sequence] and lines such as frameRate=30: {text}") from error
     if not parser.has_section("Sequence"):
-        raise FormatError("expected a section [Sequence], found none", file=source.name)
+        raise source.fault("expected a section [Sequence], found none")
     values = parser["Sequence"]
     length = _positive(values, "seqLength", source)
     if length > MAX_FRAMES or length % 1 > 0:
-        raise FormatError(
-            f"expected seqLength as a whole number up to {MAX_FRAMES}, found {length:g}",
-            file=source.name,
+        raise source.fault(
+            f"expected seqLength as a whole number up to {MAX_FRAMES}, found {length:g}"
         )
     return SequenceInfo(
         name=values.get("name", "").strip() or None,
@@ -368,8 +349,7 @@ def _positive(values: configparser.SectionProxy, key: str, file: SourceFile) -> 
     except ValueError:
         value = math.nan
     if not 0 < value < math.inf:
-        raise FormatError(
-            f"expected {key} as a positive number, found {text!r}; correct it or leave it out",
-            file=file.name,
+        raise file.fault(
+            f"expected {key} as a positive number, found {text!r}; correct it or leave it out"
         )
     return value
