@@ -42,6 +42,7 @@ from nvcore.inputs.readers.meaning.values import (
     levels_of_visible_share,
     sequence_info,
 )
+from nvcore.inputs.readers.parse.rows import choice_of_rows
 from nvcore.inputs.readers.parse.text import NumberTable, TextLayout, read_numbers, whole_numbers
 from nvcore.inputs.readers.visdrone import NAMES as VISDRONE
 from nvcore.inputs.readers.visdrone import are_visdrones
@@ -315,11 +316,11 @@ def _by_name(
     """The rows sorted by what their classes are called."""
     numbered = NumberedRows.of(classes)
     choice = choose_categories(numbered.counts, named, options, file=file.name)
-    is_ignored = numbered.among(choice.ignored)
+    of_rows = choice_of_rows(numbered, choice)
     return replace(
         rows,
-        keep=is_ignored | numbered.among(choice.counted),
-        ignore=rows.ignore | is_ignored,
+        keep=of_rows.keep,
+        ignore=rows.ignore | of_rows.ignore,
         facts=[*rows.facts, choice.conversion],
         findings=[*rows.findings, *choice.findings],
         names=named.names,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -18,7 +18,6 @@ from nvcore.inputs.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
-    conversion_text,
     object_array,
     rows_finding,
 )
@@ -26,10 +25,10 @@ from nvcore.inputs.readers.meaning.classes import (
     choose_classes,
     concerns_objects,
     free_labels,
-    labelled,
 )
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.meaning.values import levels_of_numbers, recordings_with_sizes
+from nvcore.inputs.readers.parse.rows import rows_reading
 from nvcore.inputs.readers.parse.unknown import foreign_format
 from nvcore.inputs.readers.parse.xml import Element, is_true, number, read_elements, root_of
 
@@ -89,21 +88,10 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     label = object_array(objects.label)
     rule = free_labels({*label, *(shape[0] for shape in objects.shapes)}, options)
     choice = choose_classes(label, rule, options, lines)
-    codes, labels = labelled(label, choice.keep & ~choice.ignore, options.objects)
     is_truth = options.role == "truth"
     x, y = column["xmin"] - base, column["ymin"] - base
     with np.errstate(invalid="ignore", over="ignore"):
         w, h = column["xmax"] - x, column["ymax"] - y
-    boxes = lines.boxes(
-        (x, y, w, h),
-        keep=choice.keep,
-        recording=named.recording[lines.file],
-        frame=named.frame[lines.file],
-        score=column["score"],
-        ignore=(choice.ignore | (column["difficult"] == 1)) & is_truth,
-        occlusion=levels_of_numbers(column["occluded"]),
-        label=codes,
-    )
     facts = [
         "frame numbers from the file names",
         "inclusive corners to width and height, pixels from 1-based to 0-based"
@@ -143,20 +131,22 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
             steps=(Step(Remedy.BOX_BASE, "0"),),
         ),
         *odd_sizes,
-        *choice.findings,
     ]
-    return Reading(
-        boxes=boxes,
-        recordings=recordings,
-        conversion=conversion_text(facts),
-        images=named.images,
-        named=named,
-        findings=tuple(findings),
-        labels=labels,
-        left_out=choice.left_out,
+    reading = rows_reading(
+        lines,
+        (x, y, w, h),
+        choice,
+        named,
+        options,
+        facts,
+        findings=findings,
+        kind=label,
         layout="corners",
-        usual={"box_base": usual_base},
+        score=column["score"],
+        ignore=(choice.ignore | (column["difficult"] == 1)) & is_truth,
+        occlusion=levels_of_numbers(column["occluded"]),
     )
+    return replace(reading, recordings=recordings, usual={"box_base": usual_base})
 
 
 def _read_one(file: SourceFile, index: int, objects: _Objects) -> None:

@@ -13,7 +13,6 @@ from nvcore.inputs.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
-    recordings_table,
 )
 from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes, rule_for
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
@@ -22,6 +21,7 @@ from nvcore.inputs.readers.meaning.values import (
     levels_of_numbers,
     levels_of_visible_share,
 )
+from nvcore.inputs.readers.parse.rows import rows_reading
 from nvcore.inputs.readers.parse.text import TextLayout, read_numbers, stacked
 
 LAYOUT = TextLayout(
@@ -73,24 +73,25 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         role="truth",
         example=lambda row: f"angle {angle[row]:g}",
     )
-    return Reading(
-        boxes=table.lines.boxes(
-            box,
-            keep=choice.keep,
-            recording=named.recording[table.lines.file],
-            frame=named.frame[table.lines.file],
-            ignore=choice.ignore | (np.nan_to_num(ignore) != 0),
-            occlusion=_occlusion(flag, box, (vl, vt, vw, vh)),
-        ),
-        recordings=recordings_table(named.recording),
-        conversion="x, y, w, h in pixels kept as they are; frame numbers from the file names; "
-        f"{choice.fact}; ignore flag kept; occlusion levels kept, Caltech's flag made a level by "
-        f"the visible box (up to {PARTIAL_OCCLUSION:g} hidden = partial)",
-        images=named.images,
-        named=named,
-        findings=(*choice.findings, *rotated),
-        left_out=choice.left_out,
+    facts = [
+        "x, y, w, h in pixels kept as they are",
+        "frame numbers from the file names",
+        choice.fact,
+        "ignore flag kept",
+        "occlusion levels kept, Caltech's flag made a level by the visible box (up to "
+        f"{PARTIAL_OCCLUSION:g} hidden = partial)",
+    ]
+    reading = rows_reading(
+        table.lines,
+        box,
+        choice,
+        named,
+        options,
+        facts,
+        ignore=choice.ignore | (np.nan_to_num(ignore) != 0),
+        occlusion=_occlusion(flag, box, (vl, vt, vw, vh)),
     )
+    return replace(reading, findings=(*choice.findings, *rotated))
 
 
 def _occlusion(
