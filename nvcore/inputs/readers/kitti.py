@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -98,7 +99,7 @@ def read_tracking(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     frame = whole_numbers(table.columns[0], table.lines, "frame")
     track = whole_numbers(table.columns[1], table.lines, "id")
     facts = ["frame numbers kept (0-based)", *assumed]
-    tracks = {"frame": frame, "track": np.where(track < 0, NO_TRACK, track)}
+    tracks: dict[str, Any] = {"frame": frame, "track": np.where(track < 0, NO_TRACK, track)}
     reading = _labels(table, names, options, facts, **tracks)
     recording = object_array(names)[table.lines.file]
     return replace(reading, annotated=annotated_frames(recording, frame))
@@ -109,7 +110,7 @@ def _labels(
     places: NamedPictures | Sequence[str],
     options: ReadOptions,
     facts: Sequence[str],
-    **columns: object,
+    **columns: Any,
 ) -> Reading:
     """The reading of label rows, whose last columns are those of `FIELDS`; see `rows_reading`."""
     assert table.label is not None

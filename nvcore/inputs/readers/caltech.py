@@ -1,12 +1,14 @@
-"""KAIST result text (one file for all images) and Caltech detection text (one per recording).
+"""Caltech and KAIST text files: ground truth (``bbGt``, versions 0 to 3), and results.
 
-Both have rows of six numbers: ``image_number,x,y,w,h,score`` and ``frame,x,y,w,h,score``.
+Results have rows of six numbers: ``image_number,x,y,w,h,score`` in KAIST's one file for all images,
+``frame,x,y,w,h,score`` in Caltech's, one per recording.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import PurePosixPath
 
 import numpy as np
@@ -25,21 +27,110 @@ from nvcore.inputs.readers.base import (
     conversion_text,
     recordings_table,
 )
+from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes, rule_for
+from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.meaning.names import known_recording
+from nvcore.inputs.readers.meaning.values import (
+    PARTIAL_OCCLUSION,
+    levels_of_numbers,
+    levels_of_visible_share,
+)
+from nvcore.inputs.readers.parse.rows import rows_reading
 from nvcore.inputs.readers.parse.text import (
-    NumberTable,
     TextLayout,
     number_of,
     read_numbers,
     rows_of_text,
+    stacked,
     whole_numbers,
 )
 
-LAYOUT = TextLayout((6,), "image number or frame,x,y,w,h,score", whole=(0,))
+BBGT_LAYOUT = TextLayout(
+    (10, 11, 12),
+    "label l t w h occluded vl vt vw vh [ignore [angle]]",
+    delimiter=" ",
+    label_at=0,
+    comment="%",
+)
+BBGT_HEADER = "% bbGt version="
+RULE = ClassRule(
+    counted=("person",),
+    ignored=("people", "person?", "cyclist", "ignore", "__ignore__"),
+    left_out=("person-fa",),
+)
+RESULTS_LAYOUT = TextLayout((6,), "image number or frame,x,y,w,h,score", whole=(0,))
 _SEQUENCE = re.compile(r"V\d+", re.IGNORECASE)
 
 
-def recognise(_name: str, head: str, role: Role) -> bool:
+def recognise_bbgt(_name: str, head: str, role: Role) -> bool:
+    """Whether the text begins with the bbGt header, or has 10 fields as version 0 has them."""
+    has_header = head.removeprefix("\ufeff").startswith(BBGT_HEADER)
+    return role == "truth" and (has_header or replace(BBGT_LAYOUT, n_columns=(10,)).fits(head))
+
+
+def read_bbgt(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
+    """Read bbGt files, one per frame; a file without boxes is an evaluated frame.
+
+    Boxes are x, y, w, h in pixels already and are kept. `person` counts; `people`, `person?`,
+    `cyclist` and rows with the ignore flag are ignore regions; other labels are left out. The
+    occlusion field is KAIST's level 0, 1, 2, or Caltech's flag, which the visible box makes a
+    level.
+
+    Raises
+    ------
+    InputError
+        If a file name has no frame number, two files are of one frame, or a class is unknown.
+    FormatError
+        With file and line of the first row that is not bbGt.
+    """
+    named = listed_frames(files, options)
+    table = stacked([read_numbers(frame_file, BBGT_LAYOUT) for frame_file in files])
+    assert table.label is not None
+    *box, flag, vl, vt, vw, vh, ignore, angle = table.columns
+    choice = choose_classes(table.label, rule_for(RULE, table.label, options), options, table.lines)
+    rotated = table.lines.finding(
+        choice.keep & (np.nan_to_num(angle) != 0),
+        "rotated-box",
+        "Boxes with an angle are taken as upright boxes.",
+        "Give upright boxes if the angle matters.",
+        role="truth",
+        example=lambda row: f"angle {angle[row]:g}",
+    )
+    facts = [
+        "x, y, w, h in pixels kept as they are",
+        "frame numbers from the file names",
+        choice.fact,
+        "ignore flag kept",
+        "occlusion levels kept, Caltech's flag made a level by the visible box (up to "
+        f"{PARTIAL_OCCLUSION:g} hidden = partial)",
+    ]
+    reading = rows_reading(
+        table.lines,
+        box,
+        choice,
+        named,
+        options,
+        facts,
+        ignore=choice.ignore | (np.nan_to_num(ignore) != 0),
+        occlusion=_occlusion(flag, box, (vl, vt, vw, vh)),
+    )
+    return replace(reading, findings=(*choice.findings, *rotated))
+
+
+def _occlusion(
+    flag: np.ndarray, box: Sequence[np.ndarray], visible: Sequence[np.ndarray]
+) -> np.ndarray:
+    """Levels 0, 1, 2; a flag of 1 is partial unless the visible box says that it is heavy."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = visible[2] * visible[3] / (box[2] * box[3])
+    is_set = np.any([v != 0 for v in visible], axis=0)
+    # Caltech's labelling tool leaves the visible box equal to the box where nothing is visible
+    is_whole = np.all([v == b for v, b in zip(visible, box, strict=True)], axis=0)
+    is_heavy = is_set & (is_whole | (levels_of_visible_share(share) == 2))
+    return levels_of_numbers(np.where((flag == 1) & is_heavy, 2, flag))
+
+
+def recognise_results(_name: str, head: str, role: Role) -> bool:
     """Whether the rows have 6 numbers, the first of them whole and at least 1.
 
     Corners (``frame,x1,y1,x2,y2,score``) look the same: ``kitti-detections`` is tried first.
@@ -47,12 +138,12 @@ def recognise(_name: str, head: str, role: Role) -> bool:
     n_rows = 50
     return (
         role == "detections"
-        and LAYOUT.fits(head, n_rows=n_rows)
+        and RESULTS_LAYOUT.fits(head, n_rows=n_rows)
         and all((number_of(row[0]) or 0) >= 1 for row in rows_of_text(head)[:n_rows])
     )
 
 
-def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
+def read_results(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     """Read KAIST results by the truth's image list, Caltech detections by their file names.
 
     A file that is named by a recording (``set06/V000.txt``) is Caltech's: its frames are 1-based
@@ -75,7 +166,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     facts = ["x, y, w, h in pixels kept as they are"]
     first_of: dict[str, str] = {}
     for number, file in enumerate(files):
-        table = read_numbers(file, LAYOUT)
+        table = read_numbers(file, RESULTS_LAYOUT)
         numbers, *box, score = table.columns
         index = whole_numbers(numbers, table.lines, "image number or frame")
         recording = _sequence_of(file.name, options.recordings)
@@ -107,7 +198,16 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         position, fact = _positions(index, images)
         facts.append(fact)
         is_listed = position >= 0
-        findings += _unlisted(table, index, is_listed, len(images))
+        findings += table.lines.finding(
+            ~is_listed,
+            "unknown-image",
+            f"Rows whose image number is not on the truth's list of {len(images)} images were left "
+            "out.",
+            "Give the truth that these results were made for; image numbers count from 1.",
+            role="detections",
+            example=lambda row, index=index: f"image number {index[row]}",  # type: ignore[misc]
+            severity=Severity.ERROR,
+        )
         tables.append(
             table.lines.boxes(
                 box,
@@ -155,26 +255,12 @@ def _positions(index: np.ndarray, images: pd.DataFrame) -> tuple[np.ndarray, str
     return position, "image number = image id + 1 (the numbers exceed the truth's image list)"
 
 
-def _unlisted(
-    table: NumberTable, index: np.ndarray, is_listed: np.ndarray, n_images: int
-) -> list[Finding]:
-    """Rows whose image number is not on the truth's list."""
-    return table.lines.finding(
-        ~is_listed,
-        "unknown-image",
-        f"Rows whose image number is not on the truth's list of {n_images} images were left out.",
-        "Give the truth that these results were made for; image numbers count from 1.",
-        role="detections",
-        example=lambda row: f"image number {index[row]}",
-        severity=Severity.ERROR,
-    )
-
-
-FORMAT = Format(
+BBGT = Format("bbgt", "Caltech/KAIST bbGt text", ("truth",), (".txt",), recognise_bbgt, read_bbgt)
+KAIST_RESULTS = Format(
     "kaist-results",
     "KAIST results or Caltech detections",
     ("detections",),
     (".txt", ".csv"),
-    recognise,
-    read,
+    recognise_results,
+    read_results,
 )
