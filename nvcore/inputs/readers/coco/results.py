@@ -33,13 +33,12 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.coco.truth import (
     NAME_KEYS,
-    FilePart,
     category_names,
     id_text,
     id_texts,
     image_ids,
-    joined_parts,
     places_of_rows,
+    read_files,
     read_images,
     rows_by_id,
 )
@@ -57,6 +56,7 @@ from nvcore.inputs.readers.meaning.frame_names import (
 from nvcore.inputs.readers.meaning.names import plain_name, plain_names, recording_of
 from nvcore.inputs.readers.meaning.values import TEXT_IDS, track_numbers
 from nvcore.inputs.readers.parse.json import Records, read_json
+from nvcore.inputs.readers.parse.rows import FilePart
 from nvcore.inputs.readers.parse.text import read_bytes
 from nvcore.inputs.readers.parse.unknown import foreign_format
 
@@ -89,7 +89,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     MissingFactError
         If images are named by id and the truth's image list is not given.
     """
-    return joined_parts(files, options, _read_part)[0]
+    return read_files(files, options, _read_part)[0]
 
 
 def _read_part(file: SourceFile, number: int, options: ReadOptions) -> FilePart:
@@ -150,7 +150,13 @@ def _read_part(file: SourceFile, number: int, options: ReadOptions) -> FilePart:
         file=number,
         **values,
     )
-    reading = Reading(boxes, recordings_table(()), "", findings=tuple(findings), left_out=left_out)
+    reading = Reading(
+        boxes,
+        recordings_table(boxes["recording"].unique()),
+        "",
+        findings=tuple(findings),
+        left_out=left_out,
+    )
     return FilePart(reading, facts, kind[keep])
 
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -24,7 +23,6 @@ from nvcore.inputs.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
-    concat_boxes,
     conversion_text,
     reading_boxes,
     recordings_table,
@@ -35,13 +33,11 @@ from nvcore.inputs.readers.meaning.classes import (
     CategoryChoice,
     ClassNames,
     choose_categories,
-    classes_left_out,
     labelled,
 )
 from nvcore.inputs.readers.meaning.frame_names import (
     NO_NAMES,
     in_file,
-    joined_named,
     named_pictures,
     times_as_frames,
 )
@@ -51,7 +47,6 @@ from nvcore.inputs.readers.meaning.values import (
     attributes_of_boxes,
     checked_detectability,
     class_of,
-    joined_attributes,
     joined_classes,
     known_distances,
     level_of_words,
@@ -62,6 +57,7 @@ from nvcore.inputs.readers.meaning.values import (
     track_numbers,
 )
 from nvcore.inputs.readers.parse.json import Records, first_other, read_json, short_json
+from nvcore.inputs.readers.parse.rows import FilePart, joined_parts
 from nvcore.inputs.readers.parse.text import whole_numbers
 from nvcore.inputs.readers.parse.unknown import foreign_format
 from nvcore.schema import UNKNOWN_OCCLUSION
@@ -91,21 +87,7 @@ def recognise(_name: str, head: str, role: Role) -> bool:
     return role == "truth" and has_lists and foreign_format(text) is None
 
 
-class FilePart(NamedTuple):
-    """What is read of one file: a reading without conversion, its facts instead.
-
-    Attributes
-    ----------
-    kind
-        Class of each box that counts, else empty; object, shape (n,).
-    """
-
-    reading: Reading
-    facts: Sequence[str]
-    kind: np.ndarray = np.empty(0, dtype=object)
-
-
-def joined_parts(
+def read_files(
     files: Sequence[SourceFile],
     options: ReadOptions,
     read_part: Callable[[SourceFile, int, ReadOptions], FilePart],
@@ -113,24 +95,11 @@ def joined_parts(
     """One reading of several files, that of each, and those of the files that are read."""
     used, passed_over = files_of_one_task(files)
     parts = [read_part(file, number, options) for number, file in used]
-    readings = [part.reading for part in parts]
-    left_out: Counter[str] = Counter()
-    for reading in readings:
-        left_out.update({item.name: item.count for item in reading.left_out})
-    kind = np.concatenate([np.empty(0, dtype=object), *(part.kind for part in parts)])
+    reading = joined_parts(parts, ["boxes as they are (0-based)", passed_over])
+    kind = np.concatenate([np.empty(0, object), *(p.kind for p in parts if p.kind is not None)])
     codes, labels = labelled(kind, kind != "", options.objects)
-    boxes = concat_boxes([reading.boxes for reading in readings]).assign(label=codes)
-    facts = chain(*(part.facts for part in parts))
-    reading = Reading(
-        boxes=boxes,
-        recordings=recordings_table(boxes["recording"].unique()),
-        conversion=conversion_text(["boxes as they are (0-based)", passed_over, *facts]),
-        findings=tuple(chain(*(reading.findings for reading in readings))),
-        attributes=joined_attributes([reading.attributes for reading in readings]),
-        labels=labels,
-        left_out=classes_left_out(left_out),
-    )
-    return reading, readings, [file for _, file in used]
+    reading = replace(reading, boxes=reading.boxes.assign(label=codes), labels=labels)
+    return reading, [part.reading for part in parts], [file for _, file in used]
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
@@ -141,7 +110,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     FormatError
         With file and record of the first thing that is not COCO, or is not clear.
     """
-    reading, parts, used = joined_parts(files, options, _read_part)
+    reading, parts, used = read_files(files, options, _read_part)
     categories: dict[str, str] = {}
     for key, name in chain(*(part.categories.items() for part in parts)):
         # one name for an id, or none
@@ -158,13 +127,9 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         )
     return replace(
         reading,
-        recordings=pd.concat([part.recordings for part in parts]).drop_duplicates(
-            "name", ignore_index=True
-        ),
         conversion=conversion_text([reading.conversion, "evaluated frames from the image list"]),
         images=images,
         categories=categories,
-        named=joined_named([part.named for part in parts if part.named is not None]),
     )
 
 

@@ -1,10 +1,14 @@
-"""The reading of rows whose classes are sorted, in whichever format they stand."""
+"""Readings made of rows whose classes are sorted, and of several files."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
+from itertools import chain
+from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
@@ -12,6 +16,7 @@ from nvcore.inputs.readers.base import (
     NamedPictures,
     Reading,
     ReadOptions,
+    concat_boxes,
     conversion_text,
     object_array,
     recordings_table,
@@ -20,8 +25,11 @@ from nvcore.inputs.readers.meaning.classes import (
     CategoryChoice,
     ClassChoice,
     NumberedRows,
+    classes_left_out,
     labelled,
 )
+from nvcore.inputs.readers.meaning.frame_names import joined_named
+from nvcore.inputs.readers.meaning.values import joined_attributes
 
 
 def rows_reading(
@@ -81,3 +89,45 @@ def choice_of_rows(numbered: NumberedRows, choice: CategoryChoice) -> ClassChoic
     ignore = numbered.among(choice.ignored)
     keep = ignore | numbered.among(choice.counted)
     return ClassChoice(keep, ignore, choice.conversion, choice.findings, choice.left_out)
+
+
+class FilePart(NamedTuple):
+    """What is read of one file: a reading without conversion, and its facts instead.
+
+    Attributes
+    ----------
+    kind
+        Class of each box, as the format has it.
+    """
+
+    reading: Reading
+    facts: Sequence[str]
+    kind: Any = None
+
+
+def joined_parts(parts: Sequence[FilePart], facts: Iterable[str] = ()) -> Reading:
+    """One reading of several files; the first categories and classes are those of all.
+
+    Parameters
+    ----------
+    facts
+        Of the conversion, before those of the files.
+    """
+    readings = [part.reading for part in parts]
+    left_out: Counter[str] = Counter()
+    for reading in readings:
+        left_out.update({item.name: item.count for item in reading.left_out})
+    recordings = pd.concat([reading.recordings for reading in readings])
+    annotated = [part.annotated for part in readings if part.annotated is not None]
+    return Reading(
+        boxes=concat_boxes([reading.boxes for reading in readings]),
+        recordings=recordings.drop_duplicates("name", ignore_index=True),
+        conversion=conversion_text(chain(facts, *(part.facts for part in parts))),
+        annotated=pd.concat(annotated, ignore_index=True) if annotated else None,
+        findings=tuple(chain(*(reading.findings for reading in readings))),
+        attributes=joined_attributes([reading.attributes for reading in readings]),
+        categories=next((part.categories for part in readings if part.categories), {}),
+        classes=next((part.classes for part in readings if part.classes), ()),
+        left_out=classes_left_out(left_out),
+        named=joined_named([part.named for part in readings if part.named is not None]),
+    )
