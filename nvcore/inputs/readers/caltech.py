@@ -16,15 +16,13 @@ import pandas as pd
 
 from nvcore.errors import InputError, MissingFactError
 from nvcore.file_kinds import unpacked_name
-from nvcore.findings import Finding, Severity
+from nvcore.findings import Severity
 from nvcore.inputs.readers.base import (
     Format,
     Reading,
     ReadOptions,
     Role,
     SourceFile,
-    concat_boxes,
-    conversion_text,
     recordings_table,
 )
 from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes, rule_for
@@ -35,8 +33,9 @@ from nvcore.inputs.readers.meaning.values import (
     levels_of_numbers,
     levels_of_visible_share,
 )
-from nvcore.inputs.readers.parse.rows import rows_reading
+from nvcore.inputs.readers.parse.rows import FilePart, joined_parts, rows_reading
 from nvcore.inputs.readers.parse.text import (
+    NumberTable,
     TextLayout,
     number_of,
     read_numbers,
@@ -160,10 +159,7 @@ def read_results(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     FormatError
         With file and line of the first row that is neither.
     """
-    tables: list[pd.DataFrame] = []
-    names: list[str] = []
-    findings: list[Finding] = []
-    facts = ["x, y, w, h in pixels kept as they are"]
+    parts: list[FilePart] = []
     first_of: dict[str, str] = {}
     for number, file in enumerate(files):
         table = read_numbers(file, RESULTS_LAYOUT)
@@ -179,53 +175,52 @@ def read_results(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
                 )
             first_of[recording] = file.name
             base = 1 if options.frame_base is None else options.frame_base
-            facts.append(f"frames from {base}-based to 0-based; recordings from the file names")
-            tables.append(
-                table.lines.boxes(
-                    box, recording=recording, frame=index - base, score=score, file=number
-                )
+            fact = f"frames from {base}-based to 0-based; recordings from the file names"
+            boxes = table.lines.boxes(
+                box, recording=recording, frame=index - base, score=score, file=number
             )
-            names.append(recording)
-            continue
-        images = options.images
-        if images is None or images.empty:
-            raise MissingFactError(
-                "these are results by image number: the truth's image list is needed to tell "
-                "recording and frame. Give a truth that lists its images (COCO, bbGt); or, if the "
-                "first column is the frame, name the file by its recording, as in set06/V000.txt",
-                file=file.name,
-            )
-        position, fact = _positions(index, images)
-        facts.append(fact)
-        is_listed = position >= 0
-        findings += table.lines.finding(
-            ~is_listed,
-            "unknown-image",
-            f"Rows whose image number is not on the truth's list of {len(images)} images were left "
-            "out.",
-            "Give the truth that these results were made for; image numbers count from 1.",
-            role="detections",
-            example=lambda row, index=index: f"image number {index[row]}",  # type: ignore[misc]
-            severity=Severity.ERROR,
+            reading = Reading(boxes, recordings_table([recording]), "")
+        else:
+            reading, fact = _by_image_number(table, index, number, options)
+        parts.append(FilePart(reading, [fact]))
+    reading = joined_parts(parts, ["x, y, w, h in pixels kept as they are"])
+    return replace(reading, usual={"frame_base": 1} if first_of else {})
+
+
+def _by_image_number(
+    table: NumberTable, index: np.ndarray, number: int, options: ReadOptions
+) -> tuple[Reading, str]:
+    """Results of a file by the truth's image list, and how their images are found there."""
+    images = options.images
+    if images is None or images.empty:
+        raise MissingFactError(
+            "these are results by image number: the truth's image list is needed to tell "
+            "recording and frame. Give a truth that lists its images (COCO, bbGt); or, if the "
+            "first column is the frame, name the file by its recording, as in set06/V000.txt",
+            file=table.lines.files[0].name,
         )
-        tables.append(
-            table.lines.boxes(
-                box,
-                keep=is_listed,
-                recording=images["recording"].to_numpy()[position],
-                frame=images["frame"].to_numpy()[position],
-                score=score,
-                file=number,
-            )
-        )
-        names += images["recording"].tolist()
-    return Reading(
-        boxes=concat_boxes(tables),
-        recordings=recordings_table(names),
-        conversion=conversion_text(facts),
-        findings=tuple(findings),
-        usual={"frame_base": 1} if first_of else {},
+    position, fact = _positions(index, images)
+    _, *box, score = table.columns
+    boxes = table.lines.boxes(
+        box,
+        keep=position >= 0,
+        recording=images["recording"].to_numpy()[position],
+        frame=images["frame"].to_numpy()[position],
+        score=score,
+        file=number,
     )
+    findings = table.lines.finding(
+        position < 0,
+        "unknown-image",
+        f"Rows whose image number is not on the truth's list of {len(images)} images were left "
+        "out.",
+        "Give the truth that these results were made for; image numbers count from 1.",
+        role="detections",
+        example=lambda row: f"image number {index[row]}",
+        severity=Severity.ERROR,
+    )
+    recordings = recordings_table(images["recording"].tolist())
+    return Reading(boxes, recordings, "", findings=tuple(findings)), fact
 
 
 def _sequence_of(name: str, known: tuple[str, ...]) -> str | None:

@@ -6,8 +6,8 @@ import math
 import re
 from array import array
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, fields
-from typing import Final
+from dataclasses import dataclass, field
+from typing import Final, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -120,8 +120,7 @@ class CvatTask:
         return self.stop
 
 
-@dataclass(frozen=True)
-class Owner:
+class Owner(NamedTuple):
     """A track of a video, or a picture.
 
     Attributes
@@ -178,7 +177,7 @@ class CvatContent:
     @property
     def owner_table(self) -> pd.DataFrame:
         """The owners, one row each, with the fields of `Owner` as columns."""
-        table = pd.DataFrame(self.owners, columns=[spec.name for spec in fields(Owner)])
+        table = pd.DataFrame(self.owners, columns=list(Owner._fields))
         whole = dict.fromkeys(("line", "track", "number"), np.int64)
         return table.astype({**whole, "width": float, "height": float})
 
