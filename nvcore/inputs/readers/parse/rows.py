@@ -117,11 +117,14 @@ def joined_parts(parts: Sequence[FilePart], facts: Iterable[str] = ()) -> Readin
     left_out: Counter[str] = Counter()
     for reading in readings:
         left_out.update({item.name: item.count for item in reading.left_out})
-    recordings = pd.concat([reading.recordings for reading in readings])
+    recordings = readings[0].recordings
+    if len(readings) > 1:
+        recordings = pd.concat([reading.recordings for reading in readings])
+        recordings = recordings.drop_duplicates("name", ignore_index=True)
     annotated = [part.annotated for part in readings if part.annotated is not None]
     return Reading(
         boxes=concat_boxes([reading.boxes for reading in readings]),
-        recordings=recordings.drop_duplicates("name", ignore_index=True),
+        recordings=recordings,
         conversion=conversion_text(chain(facts, *(part.facts for part in parts))),
         annotated=pd.concat(annotated, ignore_index=True) if annotated else None,
         findings=tuple(chain(*(reading.findings for reading in readings))),
