@@ -20,8 +20,7 @@ from nvcore.inputs.readers.base import (
     conversion_text,
 )
 from nvcore.inputs.readers.meaning.frame_names import times_as_frames
-from nvcore.inputs.readers.meaning.names import ONLY
-from nvcore.inputs.readers.meaning.picture_times import LEAST_TIME
+from nvcore.inputs.readers.meaning.names import LEAST_TIME, ONLY
 from nvcore.schema import NO_TRACK
 
 _SUBSET: Final = re.compile(

@@ -19,8 +19,7 @@ from nvcore.inputs.readers.base import (
     reading_boxes,
     recordings_table,
 )
-from nvcore.inputs.readers.caltech.boxes import FORMAT as BBGT
-from nvcore.inputs.readers.caltech.kaist_results import FORMAT as KAIST_RESULTS
+from nvcore.inputs.readers.caltech import BBGT, KAIST_RESULTS
 from nvcore.inputs.readers.coco.results import FORMAT as COCO_RESULTS
 from nvcore.inputs.readers.coco.truth import FORMAT as COCO
 from nvcore.inputs.readers.csv import FORMAT as PLAIN_CSV

@@ -18,7 +18,6 @@ from nvcore.inputs.readers.base import (
     BOTH_ROLES,
     Format,
     Lines,
-    NamedPictures,
     Reading,
     ReadOptions,
     Role,
@@ -51,7 +50,6 @@ from nvcore.inputs.readers.meaning.classes import (
 )
 from nvcore.inputs.readers.meaning.frame_names import (
     in_file,
-    joined_named,
     places_of_pictures,
     times_as_frames,
 )
@@ -60,13 +58,13 @@ from nvcore.inputs.readers.meaning.values import (
     TEXT_IDS,
     attributes_of_boxes,
     checked_numbers,
-    joined_attributes,
     known_distances,
     levels_of_numbers,
     odd_distances,
     odd_levels,
     track_numbers,
 )
+from nvcore.inputs.readers.parse.rows import FilePart, joined_parts
 from nvcore.inputs.readers.parse.text import whole_numbers
 from nvcore.schema import names_as_categories
 
@@ -157,14 +155,11 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
     for number, source in enumerate(inputs):
         with in_file(source.file):
             contents.append(_read_one(source, number, recording_of_file.get(number), options))
-    tables, kinds, of_each, oddities, attributes, named = map(list, zip(*contents, strict=True))
-    facts = ["pixels as they are (0-based)", *facts, *chain(*of_each)]
-    findings = [*chain(*oddities)]
-    annotated = None
+    joined = joined_parts(contents, ["pixels as they are (0-based)", *facts])
+    tables, kinds = [part.reading.boxes for part in contents], [part.kind for part in contents]
     stated, choice, name_of = _classes(kinds, files, options)
     labels: tuple[str, ...] = ()
     if choice is not None:
-        findings += choice.findings
         of_name = labels_of((name_of.get(key, key) for key in choice.counted), options.objects)
         label_of = {
             key: of_name[name]
@@ -172,9 +167,14 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
             if (name := name_of.get(key, key)) in of_name
         }
         labels = tuple(dict.fromkeys(label_of.values()))
-        all_boxes = concat_boxes(tables)
-        annotated = annotated_frames(all_boxes["recording"], all_boxes["frame"].to_numpy())
-        facts.append(choice.conversion)
+        joined = replace(
+            joined,
+            conversion=conversion_text([joined.conversion, choice.conversion]),
+            annotated=annotated_frames(joined.boxes["recording"], joined.boxes["frame"].to_numpy()),
+            findings=(*joined.findings, *choice.findings),
+            classes=choice.classes,
+            left_out=choice.left_out,
+        )
         tables = [
             boxes if kind is None else _sorted_by_class(boxes, kind.key, choice, label_of)
             for boxes, kind in zip(tables, kinds, strict=True)
@@ -186,19 +186,13 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
         else boxes["recording"].unique().tolist()
         for number, boxes in enumerate(tables)
     ]
-    return Reading(
-        boxes=concat_boxes(tables),
+    return replace(
+        joined,
+        boxes=joined.boxes if choice is None else concat_boxes(tables),
         recordings=recordings_table(chain(*recordings)),
-        conversion=conversion_text(facts),
-        annotated=annotated,
-        findings=tuple(findings),
-        attributes=joined_attributes(attributes),
         labels=labels,
-        classes=() if choice is None else choice.classes,
-        named=joined_named([one for one in named if one is not None]),
         categories=stated,
         numbering="list",
-        left_out=() if choice is None else choice.left_out,
         layout=next((_LAYOUTS[name] for name in _LAYOUTS if name in of_boxes), "sizes"),
     )
 
@@ -214,17 +208,8 @@ def missing_columns(header: Header) -> str | None:
     return f"the columns {EXPECTED}; found {', '.join(header.names)}; missing: {', '.join(missing)}"
 
 
-def _read_one(
-    source: NamedColumns, number: int, own: str | None, options: ReadOptions
-) -> tuple[
-    pd.DataFrame,
-    _Classes | None,
-    list[str],
-    list[Finding],
-    pd.DataFrame | None,
-    NamedPictures | None,
-]:
-    """All boxes of a file, their classes, the conversion, what is odd, attributes, pictures."""
+def _read_one(source: NamedColumns, number: int, own: str | None, options: ReadOptions) -> FilePart:
+    """All boxes of a file, with their `_Classes`."""
     header = source.header
     columns, line, has_decimal_comma = source.parse(_columns_to_read(header, options.role))
     lines = Lines.of(source.file, line)
@@ -240,8 +225,8 @@ def _read_one(
         recording = _named(columns["recording"], lines) if own is None else own
         times = times_as_frames(columns["frame"].to_numpy(), recording, options, lines)
         if times is None:
-            frame, frame_fact = _frames(columns["frame"].to_numpy(), lines, options.frame_base)
             named = None
+            frame, frame_fact = _frames(columns["frame"].to_numpy(), lines, options.frame_base)
         else:
             of_picture, frame, named = times
             recording = of_picture if named.is_joined else recording
@@ -297,7 +282,15 @@ def _read_one(
     if "attributes" in columns:
         facts.append("attributes as classes of encounters")
         attributes = attributes_of_boxes(boxes, columns["attributes"], MISSING)
-    return boxes, _classes_of(columns), facts, findings, attributes, named
+    reading = Reading(
+        boxes,
+        recordings_table(()),
+        "",
+        findings=tuple(findings),
+        attributes=attributes,
+        named=named,
+    )
+    return FilePart(reading, facts, _classes_of(columns))
 
 
 def _boxes(

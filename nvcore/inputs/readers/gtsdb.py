@@ -20,18 +20,16 @@ from nvcore.inputs.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
-    conversion_text,
     image_list,
     object_array,
-    recordings_table,
 )
 from nvcore.inputs.readers.meaning.classes import (
     ClassRule,
     choose_classes,
-    labelled,
     rule_for,
 )
 from nvcore.inputs.readers.meaning.names import recording_and_frame_of, recordings_of
+from nvcore.inputs.readers.parse.rows import rows_reading
 from nvcore.inputs.readers.parse.text import (
     TextLayout,
     read_numbers,
@@ -98,8 +96,6 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     numbers = {str(number): name for number, name in enumerate(CLASSES)}
     classes = options.classes and tuple(numbers.get(name, name) for name in options.classes)
     choice = choose_classes(label, rule, replace(options, classes=classes), table.lines)
-    codes, labels = labelled(label, choice.keep & ~choice.ignore, options.objects)
-    recording = object_array(names)[table.lines.file]
     scenes = [_scenes(file, files, frame[table.lines.file == i]) for i, file in enumerate(tables)]
     facts += [
         "frame numbers from the pictures' names",
@@ -107,23 +103,18 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         choice.fact,
         *(fact for _, fact in scenes),
     ]
-    return Reading(
-        boxes=table.lines.boxes(
-            (left, top, right - left + 1, bottom - top + 1),
-            keep=choice.keep,
-            recording=recording,
-            frame=frame,
-            ignore=choice.ignore,
-            label=codes,
-        ),
-        recordings=recordings_table(names),
-        conversion=conversion_text(facts),
-        images=image_list(names, [listed for listed, _ in scenes]),
-        findings=choice.findings,
-        labels=labels,
-        left_out=choice.left_out,
+    reading = rows_reading(
+        table.lines,
+        (left, top, right - left + 1, bottom - top + 1),
+        choice,
+        names,
+        options,
+        facts,
+        kind=label,
         layout="corners",
+        frame=frame,
     )
+    return replace(reading, images=image_list(names, [listed for listed, _ in scenes]))
 
 
 def _frames(picture: np.ndarray, lines: Lines) -> np.ndarray:

@@ -4,27 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
     Format,
-    LeftOut,
+    NamedPictures,
     Reading,
     ReadOptions,
     Role,
     SourceFile,
-    conversion_text,
+    annotated_frames,
     object_array,
-    recordings_table,
 )
-from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes, rule_for
+from nvcore.inputs.readers.meaning.classes import ClassChoice, ClassRule, choose_classes, rule_for
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.meaning.values import known_distances, levels_of_numbers
+from nvcore.inputs.readers.parse.rows import rows_reading
 from nvcore.inputs.readers.parse.text import (
     NumberTable,
     TextLayout,
@@ -77,14 +77,7 @@ def read_object(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     """
     named = listed_frames(files, options)
     table = stacked([read_numbers(file, OBJECT) for file in files])
-    places = named.table.iloc[table.lines.file]
-    reading = _labels(table, places, options, ["frame numbers from the file names"])
-    return replace(
-        reading,
-        recordings=recordings_table(named.recording),
-        images=named.images,
-        named=named,
-    )
+    return _labels(table, named, options, ["frame numbers from the file names"])
 
 
 def read_tracking(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
@@ -105,39 +98,21 @@ def read_tracking(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     table = stacked([read_numbers(file, TRACKING) for file in files])
     frame = whole_numbers(table.columns[0], table.lines, "frame")
     track = whole_numbers(table.columns[1], table.lines, "id")
-    places = pd.DataFrame({"recording": object_array(names)[table.lines.file], "frame": frame})
     facts = ["frame numbers kept (0-based)", *assumed]
-    reading = _labels(table, places, options, facts, track=np.where(track < 0, NO_TRACK, track))
-    return replace(
-        reading,
-        recordings=recordings_table(names),
-        annotated=places.drop_duplicates(ignore_index=True),
-    )
+    tracks: dict[str, Any] = {"frame": frame, "track": np.where(track < 0, NO_TRACK, track)}
+    reading = _labels(table, names, options, facts, **tracks)
+    recording = object_array(names)[table.lines.file]
+    return replace(reading, annotated=annotated_frames(recording, frame))
 
 
 def _labels(
     table: NumberTable,
-    places: pd.DataFrame,
+    places: NamedPictures | Sequence[str],
     options: ReadOptions,
     facts: Sequence[str],
-    *,
-    track: np.ndarray | int = NO_TRACK,
+    **columns: Any,
 ) -> Reading:
-    """Return the reading of label rows, but for its recordings and frames.
-
-    Parameters
-    ----------
-    table
-        Rows whose last columns are those of `FIELDS`, the type as their label.
-    places
-        Recording and frame of each row.
-    options
-        `role`, `objects` and `classes` are used.
-    facts
-        Where recordings and frames come from, for the conversion.
-    track
-        Of each row, shape (n,).
-    """
+    """The reading of label rows, whose last columns are those of `FIELDS`; see `rows_reading`."""
     assert table.label is not None
     _, occluded, _, left, top, right, bottom, _, _, _, _, _, z, _, score = table.columns[-15:]
     is_kitti = not {"Pedestrian", "DontCare"}.isdisjoint(table.label)
@@ -154,24 +129,18 @@ def _labels(
     has_score = options.role == "detections"
     if has_score and len(table) and np.isnan(score).all():
         facts.append("no score column: no scores")
-    boxes = table.lines.boxes(
+    return rows_reading(
+        table.lines,
         _box_of_corners(left, top, right, bottom),
-        keep=choice.keep,
-        recording=places["recording"].to_numpy(),
-        frame=places["frame"].to_numpy(),
+        choice,
+        places,
+        options,
+        facts,
+        layout="corners",
         score=score if has_score else np.nan,
-        track=track,
-        ignore=choice.ignore,
         distance_m=known_distances(z),
         occlusion=levels_of_numbers(occluded),
-    )
-    return Reading(
-        boxes=boxes,
-        recordings=recordings_table(()),
-        conversion=conversion_text(facts),
-        findings=choice.findings,
-        left_out=choice.left_out,
-        layout="corners",
+        **columns,
     )
 
 
@@ -222,9 +191,7 @@ def read_detections(files: Sequence[SourceFile], options: ReadOptions) -> Readin
     left, top, right, bottom, score = (
         np.where(is_long, table.columns[i + 1], table.columns[i]) for i in range(1, 6)
     )
-    keep = np.ones(len(table), dtype=bool)
-    findings: tuple[Finding, ...] = ()
-    left_out: tuple[LeftOut, ...] = ()
+    choice = ClassChoice(np.ones(len(table), bool), np.zeros(len(table), bool), "", (), ())
     if is_long.any():
         classes = options.classes and tuple(
             TYPES.get(int(c), c) if c.isdecimal() else c for c in options.classes
@@ -233,24 +200,21 @@ def read_detections(files: Sequence[SourceFile], options: ReadOptions) -> Readin
         label = numbers.map(TYPES).fillna(numbers.astype(str)).to_numpy(dtype=object)
         by_name = replace(options, classes=classes)
         choice = choose_classes(label, rule_for(TYPES_RULE, label, by_name), by_name, table.lines)
-        keep, findings, left_out = choice.keep, choice.findings, choice.left_out
+        choice = replace(choice, ignore=np.zeros(len(table), bool))
         facts += [DISTANCE, choice.fact]
     elif len(table):
         facts.append("columns 2 to 5 taken for corners (x2 > x1 and y2 > y1 in every row)")
-    return Reading(
-        boxes=table.lines.boxes(
-            _box_of_corners(left, top, right, bottom),
-            keep=keep,
-            recording=object_array(names)[table.lines.file],
-            frame=frame,
-            score=score,
-            distance_m=known_distances(table.columns[12]),
-        ),
-        recordings=recordings_table(names),
-        conversion=conversion_text([*facts, *assumed]),
-        findings=findings,
-        left_out=left_out,
+    return rows_reading(
+        table.lines,
+        _box_of_corners(left, top, right, bottom),
+        choice,
+        names,
+        options,
+        [*facts, *assumed],
         layout="corners",
+        frame=frame,
+        score=score,
+        distance_m=known_distances(table.columns[12]),
     )
 
 

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import chain
 
 import numpy as np
-import pandas as pd
 
 from nvcore.dataset.sources import left_out_text
 from nvcore.errors import InputError
@@ -23,7 +20,6 @@ from nvcore.inputs.readers.base import (
     Role,
     SourceFile,
     annotated_frames,
-    concat_boxes,
     conversion_text,
     image_list,
     recordings_table,
@@ -43,6 +39,7 @@ from nvcore.inputs.readers.meaning.values import (
     levels_of_visible_share,
     sequence_info,
 )
+from nvcore.inputs.readers.parse.rows import FilePart, choice_of_rows, joined_parts
 from nvcore.inputs.readers.parse.text import NumberTable, TextLayout, read_numbers, whole_numbers
 from nvcore.inputs.readers.visdrone import NAMES as VISDRONE
 from nvcore.inputs.readers.visdrone import are_visdrones
@@ -109,38 +106,26 @@ def read(
         options.recordings,
         stated=[info.name for info in infos],
     )
-    contents = [
+    parts = [
         _read_one(file, number, name, options, has_late_score=has_late_score)
         for number, (file, name) in enumerate(zip(files, names, strict=True))
     ]
-    every = [rows for *_, rows in contents]
-    facts = ["frame numbers kept (1-based)", *chain(*(rows.facts for rows in every))]
-    left_out: Counter[str] = Counter()
-    for item in chain(*(rows.left_out for rows in every)):
-        left_out[item.name] += item.count
-    annotated = [
-        annotated_frames(name, frame) for name, (_, frame, _) in zip(names, contents, strict=True)
-    ]
+    reading = joined_parts(parts, ["frame numbers kept (1-based)"])
     images = None
     if options.role == "truth" and all(info.n_frames is not None for info in infos):
         images = image_list(names, [np.arange(1, (info.n_frames or 0) + 1) for info in infos])
-        facts.append("evaluated frames 1..seqLength from seqinfo.ini")
-    return Reading(
-        boxes=concat_boxes([boxes for boxes, *_ in contents]),
+        assumed = ["evaluated frames 1..seqLength from seqinfo.ini", *assumed]
+    return replace(
+        reading,
         recordings=recordings_table(
             names,
             width=[info.width for info in infos],
             height=[info.height for info in infos],
             fps=[info.fps for info in infos],
         ),
-        conversion=conversion_text([*facts, *assumed]),
+        conversion=conversion_text([reading.conversion, *assumed]),
         images=images,
-        annotated=pd.concat(annotated, ignore_index=True) if options.role == "truth" else None,
-        findings=tuple(chain(*(rows.findings for rows in every))),
-        categories=next((rows.names for rows in every if rows.names), {}),
         numbering="mot",
-        classes=next((rows.classes for rows in every if rows.classes), ()),
-        left_out=classes_left_out(left_out),
     )
 
 
@@ -159,8 +144,7 @@ class _Rows:
 
 def _read_one(
     file: SourceFile, number: int, name: str, options: ReadOptions, *, has_late_score: bool
-) -> tuple[pd.DataFrame, np.ndarray, _Rows]:
-    """Boxes of a file, the frames of all its rows, and what became of these."""
+) -> FilePart:
     with file.open() as stream:
         first = stream.read(HEAD_BYTES).lstrip(b"\xef\xbb\xbf \t\r\n").partition(b"\n")[0]
     table = read_numbers(file, LAYOUT if b"," in first else BLANKS)
@@ -223,8 +207,17 @@ def _read_one(
         **columns,
     )
     pixels = "pixels from 1-based to 0-based" if base else "pixels kept (0-based)"
-    facts, findings = [pixels, *rows.facts], [*findings, *rows.findings]
-    return boxes, frame, replace(rows, facts=facts, findings=findings)
+    reading = Reading(
+        boxes,
+        recordings_table(()),
+        "",
+        annotated=annotated_frames(name, frame) if options.role == "truth" else None,
+        findings=(*findings, *rows.findings),
+        categories=rows.names,
+        classes=rows.classes,
+        left_out=rows.left_out,
+    )
+    return FilePart(reading, [pixels, *rows.facts])
 
 
 def _rows_of_truth(
@@ -316,11 +309,11 @@ def _by_name(
     """The rows sorted by what their classes are called."""
     numbered = NumberedRows.of(classes)
     choice = choose_categories(numbered.counts, named, options, file=file.name)
-    is_ignored = numbered.among(choice.ignored)
+    of_rows = choice_of_rows(numbered, choice)
     return replace(
         rows,
-        keep=is_ignored | numbered.among(choice.counted),
-        ignore=rows.ignore | is_ignored,
+        keep=of_rows.keep,
+        ignore=rows.ignore | of_rows.ignore,
         facts=[*rows.facts, choice.conversion],
         findings=[*rows.findings, *choice.findings],
         names=named.names,

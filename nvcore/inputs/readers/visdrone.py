@@ -17,8 +17,6 @@ from nvcore.inputs.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
-    conversion_text,
-    recordings_table,
 )
 from nvcore.inputs.readers.meaning.classes import (
     ClassNames,
@@ -27,6 +25,7 @@ from nvcore.inputs.readers.meaning.classes import (
 )
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.meaning.values import levels_of_numbers
+from nvcore.inputs.readers.parse.rows import choice_of_rows, rows_reading
 from nvcore.inputs.readers.parse.text import (
     TextLayout,
     number_of,
@@ -89,33 +88,28 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     table = stacked([read_numbers(file, LAYOUT) for file in files])
     *box, score, kind, _, occlusion = table.columns[:8]
     numbered = NumberedRows.of(whole_numbers(kind, table.lines, "class number"))
-    choice = choose_categories(numbered.counts, ClassNames(NAMES), options, file=files[0].name)
-    is_truth = options.role == "truth"
-    is_ignored = numbered.among(choice.ignored)
-    boxes = table.lines.boxes(
-        box,
-        keep=is_ignored | numbered.among(choice.counted),
-        recording=named.recording[table.lines.file],
-        frame=named.frame[table.lines.file],
-        score=np.nan if is_truth else score,
-        ignore=(is_ignored | (score == 0)) & is_truth,
-        occlusion=levels_of_numbers(occlusion),
+    choice = choice_of_rows(
+        numbered,
+        choose_categories(numbered.counts, ClassNames(NAMES), options, file=files[0].name),
     )
+    is_truth = options.role == "truth"
     facts = [
         "frame numbers from the file names",
         "x, y, w, h in pixels kept as they are (0-based)",
-        choice.conversion,
+        choice.fact,
         "score 0 = ignore" if is_truth else "",
         "occlusion 0, 1, 2 kept, truncation not used",
     ]
-    return Reading(
-        boxes=boxes,
-        recordings=recordings_table(named.recording),
-        conversion=conversion_text(facts),
-        images=named.images,
-        named=named,
-        findings=choice.findings,
-        left_out=choice.left_out,
+    return rows_reading(
+        table.lines,
+        box,
+        choice,
+        named,
+        options,
+        facts,
+        score=np.nan if is_truth else score,
+        ignore=(choice.ignore | (score == 0)) & is_truth,
+        occlusion=levels_of_numbers(occlusion),
     )
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from array import array
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -18,20 +19,19 @@ from nvcore.inputs.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
-    conversion_text,
     object_array,
     rows_finding,
 )
 from nvcore.inputs.readers.meaning.classes import (
     choose_classes,
     concerns_objects,
-    labelled,
     rule_for,
 )
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.meaning.values import levels_of_numbers, recordings_with_sizes
+from nvcore.inputs.readers.parse.rows import rows_reading
 from nvcore.inputs.readers.parse.unknown import foreign_format
-from nvcore.inputs.readers.parse.xml import Element, is_true, number, read_elements, root_of
+from nvcore.inputs.readers.parse.xml import Element, is_true, read_elements, root_of
 
 CORNERS: Final = ("xmin", "ymin", "xmax", "ymax")
 SCORES: Final = ("score", "confidence")
@@ -89,21 +89,10 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     label = object_array(objects.label)
     rule = rule_for(None, {*label, *(shape[0] for shape in objects.shapes)}, options)
     choice = choose_classes(label, rule, options, lines)
-    codes, labels = labelled(label, choice.keep & ~choice.ignore, options.objects)
     is_truth = options.role == "truth"
     x, y = column["xmin"] - base, column["ymin"] - base
     with np.errstate(invalid="ignore", over="ignore"):
         w, h = column["xmax"] - x, column["ymax"] - y
-    boxes = lines.boxes(
-        (x, y, w, h),
-        keep=choice.keep,
-        recording=named.recording[lines.file],
-        frame=named.frame[lines.file],
-        score=column["score"],
-        ignore=(choice.ignore | (column["difficult"] == 1)) & is_truth,
-        occlusion=levels_of_numbers(column["occluded"]),
-        label=codes,
-    )
     facts = [
         "frame numbers from the file names",
         "inclusive corners to width and height, pixels from 1-based to 0-based"
@@ -143,20 +132,22 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
             steps=(Step(Remedy.BOX_BASE, "0"),),
         ),
         *odd_sizes,
-        *choice.findings,
     ]
-    return Reading(
-        boxes=boxes,
-        recordings=recordings,
-        conversion=conversion_text(facts),
-        images=named.images,
-        named=named,
-        findings=tuple(findings),
-        labels=labels,
-        left_out=choice.left_out,
+    reading = rows_reading(
+        lines,
+        (x, y, w, h),
+        choice,
+        named,
+        options,
+        facts,
+        findings=findings,
+        kind=label,
         layout="corners",
-        usual={"box_base": usual_base},
+        score=column["score"],
+        ignore=(choice.ignore | (column["difficult"] == 1)) & is_truth,
+        occlusion=levels_of_numbers(column["occluded"]),
     )
+    return replace(reading, recordings=recordings, usual={"box_base": usual_base})
 
 
 def _read_one(file: SourceFile, index: int, objects: _Objects) -> None:
@@ -166,49 +157,38 @@ def _read_one(file: SourceFile, index: int, objects: _Objects) -> None:
     for element in read_elements(file, root="annotation"):
         path = element.path.removeprefix("annotation/")
         if path in ("size/width", "size/height"):
-            value = number(element.text, path, file, element.line)
+            value = element.number(element.text, path)
             # some programs write 0 for a size that they do not know
             size[path.removeprefix("size/")] = value if value > 0 else float("nan")
         elif path == "object":
-            _add_object(element, facts, file, index, objects)
+            _add_object(element, facts, index, objects)
             facts = {}
         elif path.startswith("object/"):
             facts[path.removeprefix("object/")] = element
     objects.sizes.append((size["width"], size["height"]))
 
 
-def _add_object(
-    element: Element, facts: dict[str, Element], file: SourceFile, index: int, objects: _Objects
-) -> None:
+def _add_object(element: Element, facts: dict[str, Element], index: int, objects: _Objects) -> None:
     """Append an object by the elements in it, or its label where it has no box."""
     if "name" not in facts:
-        raise file.fault("expected <object> with a <name>", element.line)
+        raise element.fault("expected <object> with a <name>")
     label = facts["name"].text
     if "bndbox" not in facts:
         objects.shapes.append((label, index, element.line))
         return
-    line = facts["bndbox"].line
-    values: list[float] = [index, line]
+    values: list[float] = [index, facts["bndbox"].line]
     if f"bndbox/{CORNERS[0]}" not in facts and {*_SIZES} <= facts.keys():
-        texts = [(facts[name].text, f"<{name}>", file, facts[name].line) for name in _SIZES]
-        x, y, w, h = (number(*text) for text in texts)
+        x, y, w, h = (facts[name].number(facts[name].text, f"<{name}>") for name in _SIZES)
         values += [x + objects.base, y + objects.base, x + w, y + h]
     for name in CORNERS if len(values) < len(CORNERS) else ():
         edge = facts.get(f"bndbox/{name}")
         objects.n_fractions += edge is not None and "." in edge.text
-        values.append(
-            number(
-                None if edge is None else edge.text,
-                f"<{name}> in <bndbox>",
-                file,
-                line if edge is None else edge.line,
-            )
-        )
+        what, text = f"<{name}> in <bndbox>", None if edge is None else edge.text
+        values.append((edge or facts["bndbox"]).number(text, what))
     values.append("difficult" in facts and is_true(facts["difficult"].text))
     for names in (("occluded", "occlusion"), SCORES):
         fact = next((facts[name] for name in names if name in facts), None)
-        text, text_line = ("", line) if fact is None else (fact.text, fact.line)
-        values.append(number(text, f"<{names[0]}>", file, text_line))
+        values.append(math.nan if fact is None else fact.number(fact.text, f"<{names[0]}>"))
     objects.numbers.extend(values)
     objects.label.append(label)
 

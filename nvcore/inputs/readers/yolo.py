@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
 from typing import Final
 
@@ -20,20 +20,18 @@ from nvcore.inputs.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
-    conversion_text,
     object_array,
-    recordings_table,
 )
 from nvcore.inputs.readers.meaning.classes import (
     NumberedRows,
     choose_categories,
     class_names_beside,
     is_class_file,
-    labelled,
     last_part,
     names_of_numbers,
 )
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
+from nvcore.inputs.readers.parse.rows import choice_of_rows, rows_reading
 from nvcore.inputs.readers.parse.text import (
     NumberTable,
     TextLayout,
@@ -127,51 +125,44 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         )
     own = class_names_beside(files)
     table, has_polygons = _rows_of(frames)
-    file = table.lines.file
     _check_shares(table)
     fields = _identified(table, options)
     numbered = NumberedRows.of(whole_numbers(table.columns[0], table.lines, "class number"))
     counts = numbered.counts
     by_number = names_of_numbers(counts, own, options, "list")
-    choice = choose_categories(counts, by_number, options, file=frames[0].name)
-    is_counted, is_ignored = map(numbered.among, (choice.counted, choice.ignored))
+    by_class = choose_categories(counts, by_number, options, file=frames[0].name)
+    choice = choice_of_rows(numbered, by_class)
     # a number alone tells no class from another file's
     label = object_array([by_number.names.get(key, "") for key in numbered.keys])[numbered.codes]
-    kind, labels = labelled(label, is_counted & (label != ""), options.objects)
-    keep = is_counted | is_ignored
     width, height = options.size
     x, y, w, h = fields.middle_and_size
-    boxes = table.lines.boxes(
-        ((x - w / 2) * width, (y - h / 2) * height, w * width, h * height),
-        keep=keep,
-        recording=named.recording[file],
-        frame=named.frame[file],
-        score=fields.score,
-        track=fields.track,
-        ignore=is_ignored,
-        file=position[file],
-        label=kind,
-    )
     passed = sorted({PurePosixPath(of.name).name for of in files if _is_extra(of.name)})
     facts = [
         "frame numbers from the file names",
         f"shares of the picture to pixels of {width} x {height} (0-based)",
         "polygons to the boxes around them" if has_polygons else "",
         *fields.facts,
-        choice.conversion,
+        choice.fact,
         f"not read as pictures: {', '.join(passed)}" if passed else "",
     ]
-    return Reading(
-        boxes=boxes,
-        recordings=recordings_table(named.recording, width=width, height=height),
-        conversion=conversion_text(facts),
-        images=named.images,
-        named=named,
-        findings=(*fields.findings, *choice.findings),
-        labels=labels,
-        classes=choice.classes,
-        left_out=choice.left_out,
+    reading = rows_reading(
+        table.lines,
+        ((x - w / 2) * width, (y - h / 2) * height, w * width, h * height),
+        choice,
+        named,
+        options,
+        facts,
+        findings=fields.findings,
+        kind=label,
         layout="score-centres-shares" if fields.is_score_first else "centres-shares",
+        score=fields.score,
+        track=fields.track,
+        file=position[table.lines.file],
+    )
+    return replace(
+        reading,
+        recordings=reading.recordings.assign(width=float(width), height=float(height)),
+        classes=by_class.classes,
         has_score_beside=fields.has_score_beside,
         categories=own.names,
         numbering="list",

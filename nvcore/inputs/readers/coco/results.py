@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import re
-from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
@@ -27,30 +26,26 @@ from nvcore.inputs.readers.base import (
     Role,
     SourceFile,
     best_overlaps,
-    concat_boxes,
-    conversion_text,
     reading_boxes,
     recordings_table,
     rows_finding,
     warning,
 )
-from nvcore.inputs.readers.coco.images import (
+from nvcore.inputs.readers.coco.truth import (
     NAME_KEYS,
-    files_of_one_task,
+    category_names,
     id_text,
     id_texts,
     image_ids,
     places_of_rows,
+    read_files,
     read_images,
     rows_by_id,
 )
-from nvcore.inputs.readers.coco.truth import category_names
 from nvcore.inputs.readers.meaning.classes import (
     CategoryChoice,
     ClassNames,
     choose_categories,
-    classes_left_out,
-    labelled,
 )
 from nvcore.inputs.readers.meaning.frame_names import (
     in_file,
@@ -61,6 +56,7 @@ from nvcore.inputs.readers.meaning.frame_names import (
 from nvcore.inputs.readers.meaning.names import plain_name, plain_names, recording_of
 from nvcore.inputs.readers.meaning.values import TEXT_IDS, track_numbers
 from nvcore.inputs.readers.parse.json import Records, read_json
+from nvcore.inputs.readers.parse.rows import FilePart
 from nvcore.inputs.readers.parse.text import read_bytes
 from nvcore.inputs.readers.parse.unknown import foreign_format
 
@@ -93,45 +89,20 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     MissingFactError
         If images are named by id and the truth's image list is not given.
     """
-    tables, kinds = [], []
-    left_out: Counter[Any] = Counter()
-    used, passed_over = files_of_one_task(files)
-    facts = ["boxes as they are (0-based)", passed_over]
-    findings: list[Finding] = []
-    for number, file in used:
-        columns, own = read_columns(file, options)
-        images = options.images if own is None else own
-        boxes, new_facts, oddities, kind, others = _boxes(columns, file, number, images, options)
-        left_out.update({item.name: item.count for item in others})
-        tables.append(boxes)
-        kinds.append(kind)
-        facts += new_facts
-        findings += oddities
-    boxes = concat_boxes(tables)
-    kind = np.concatenate(kinds) if kinds else np.empty(0, dtype=object)
-    codes, labels = labelled(kind, kind != "", options.objects)
-    return Reading(
-        boxes=boxes.assign(label=codes),
-        recordings=recordings_table(boxes["recording"].unique()),
-        conversion=conversion_text(facts),
-        findings=tuple(findings),
-        labels=labels,
-        left_out=classes_left_out(left_out),
-    )
+    return read_files(files, options, _read_part)[0]
 
 
-def _boxes(
-    columns: ResultColumns,
-    file: SourceFile,
-    number: int,
-    images: pd.DataFrame | None,
-    options: ReadOptions,
-) -> tuple[pd.DataFrame, list[str], list[Finding], np.ndarray, tuple[LeftOut, ...]]:
-    """Boxes of a file, the conversion, what is odd; class of boxes, empty if unknown; the rest."""
+def _read_part(file: SourceFile, number: int, options: ReadOptions) -> FilePart:
+    columns = _fast(file)
+    if columns is None:
+        columns = _careful(file, options)
+    images = options.images if columns.images is None else columns.images
     n_rows = len(columns)
     if not n_rows:
-        facts = ["an empty list: nothing was detected"]
-        return reading_boxes(0), facts, [], np.empty(0, dtype=object), ()
+        return FilePart(
+            Reading(reading_boxes(0), recordings_table(()), ""),
+            ["an empty list: nothing was detected"],
+        )
     is_wanted, facts, findings = np.ones(n_rows, dtype=bool), ["no category_id: all count"], []
     kind = np.full(n_rows, "", dtype=object)
     left_out: tuple[LeftOut, ...] = ()
@@ -149,13 +120,12 @@ def _boxes(
         facts, findings, left_out = [choice.conversion], [*choice.findings], choice.left_out
     with in_file(file):
         places = _places(columns, is_wanted, file, images, options)
-    recording, frame, is_known = places.recording, places.frame, places.is_known
     facts.append(places.fact)
     findings += places.findings
     names = columns.image_id if columns.picture is None else columns.picture
     assert names is not None
     findings += rows_finding(
-        ~is_known,
+        ~places.is_known,
         "unknown-image",
         "Results that name an image which is not in the image list were left out.",
         "Check that the results belong to this truth, and that ids start at the same number.",
@@ -165,21 +135,29 @@ def _boxes(
     )
     values: dict[str, object] = {}
     if columns.track is not None:
-        values["track"], has_text = track_numbers(columns.track, recording)
+        values["track"], has_text = track_numbers(columns.track, places.recording)
         facts += [TEXT_IDS] if has_text else []
     if columns.score is not None:
         values["score"] = columns.score
     else:
         facts.append("no scores")
+    keep = is_wanted & places.is_known
     boxes = Lines.of(file, np.arange(1, n_rows + 1)).boxes(
         columns.box.T,
-        keep=is_wanted & is_known,
-        recording=recording,
-        frame=frame,
+        keep=keep,
+        recording=places.recording,
+        frame=places.frame,
         file=number,
         **values,
     )
-    return boxes, facts, findings, kind[is_wanted & is_known], left_out
+    reading = Reading(
+        boxes,
+        recordings_table(boxes["recording"].unique()),
+        "",
+        findings=tuple(findings),
+        left_out=left_out,
+    )
+    return FilePart(reading, facts, kind[keep])
 
 
 def _choice(
@@ -416,6 +394,8 @@ class ResultColumns:
         Name of the category beside its id, text.
     names
         Names of the categories by their ids as text, where the file lists them.
+    images
+        The file's own image list.
     """
 
     box: np.ndarray
@@ -426,23 +406,10 @@ class ResultColumns:
     track: pd.Series | None
     kind: pd.Series | None = None
     names: Mapping[str, str] = field(default_factory=dict)
+    images: pd.DataFrame | None = None
 
     def __len__(self) -> int:
         return len(self.box)
-
-
-def read_columns(
-    file: SourceFile, options: ReadOptions
-) -> tuple[ResultColumns, pd.DataFrame | None]:
-    """The results of a file, and its own image list if it has one.
-
-    Raises
-    ------
-    FormatError
-        With the first record that is no COCO result.
-    """
-    columns = _fast(file)
-    return (columns, None) if columns is not None else _careful(file, options)
 
 
 def _fast(file: SourceFile) -> ResultColumns | None:
@@ -502,41 +469,41 @@ def _fast(file: SourceFile) -> ResultColumns | None:
     )
 
 
+_ARROW: Final = {list: pa.list_(pa.float64()), int: pa.int64(), str: pa.string()}
+_USUAL: Final[dict[str, tuple[type, ...]]] = {
+    "bbox": (list,),
+    "score": (float, int),
+    "category_id": (int,),
+    "image_id": (int, str),
+    **dict.fromkeys(NAME_KEYS, (str,)),
+    "track_id": (int, str),
+    KIND: (str,),
+}
+"""Types of the fields that are taken; that of a field which the first record lacks comes first."""
+
+
 def _schema(first: object) -> pa.Schema | None:
     """Types of the fields that are taken, from the first record; None if it is not usual."""
-    usual: dict[str, tuple[type, ...]] = {
-        "bbox": (list,),
-        "score": (int, float),
-        "category_id": (int,),
-        "image_id": (int, str),
-        **dict.fromkeys(NAME_KEYS, (str,)),
-        "track_id": (int, str),
-        KIND: (str,),
-    }
-    kinds: dict[type, pa.DataType] = {
-        list: pa.list_(pa.float64()),
-        int: pa.int64(),
-        float: pa.float64(),
-        str: pa.string(),
-    }
-    if not (isinstance(first, dict) and "bbox" in first) or any(
-        type(value) not in usual[name] for name, value in first.items() if name in usual
-    ):
+    if not (isinstance(first, dict) and "bbox" in first):
         return None
-    of_first = {name: type(first[name]) for name in usual if name in first}
-    types = {name: kinds[of_first.get(name, allowed[0])] for name, allowed in usual.items()}
-    return pa.schema({**types, "score": pa.float64()})
+    types = {name: type(first.get(name, usual[0]())) for name, usual in _USUAL.items()}
+    if any(types[name] not in usual for name, usual in _USUAL.items()):
+        return None
+    return pa.schema(
+        {name: _ARROW.get(kind, pa.float64()) for name, kind in types.items()}
+        | {"score": pa.float64()}
+    )
 
 
-def _careful(file: SourceFile, options: ReadOptions) -> tuple[ResultColumns, pd.DataFrame | None]:
-    """The records one by one, and the file's own image list if it has one."""
+def _careful(file: SourceFile, options: ReadOptions) -> ResultColumns:
+    """The records one by one."""
     document = read_json(file)
     own, key = None, ""
     names: dict[str, str] = {}
     if isinstance(document, dict):
         key = "annotations"
         if document.get("images"):
-            own = read_images(document, file, options).table
+            own = read_images(document, file, options)[1]
         names = category_names(document, file)
         document = document.get(key)
     records = Records(document, file, "result", key)
@@ -563,7 +530,8 @@ def _careful(file: SourceFile, options: ReadOptions) -> tuple[ResultColumns, pd.
         track=track,
         kind=None if kind is None or None in kind else pd.Series(kind, dtype=object),
         names=names,
-    ), own
+        images=own,
+    )
 
 
 FORMAT = Format("coco-results", "COCO results", ("detections",), (".json",), recognise, read)

@@ -6,8 +6,8 @@ import math
 import re
 from array import array
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, fields
-from typing import Final
+from dataclasses import dataclass, field
+from typing import Final, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -41,9 +41,7 @@ from nvcore.inputs.readers.parse.xml import (
     Element,
     file_stem,
     is_true,
-    number,
     read_elements,
-    whole_number,
 )
 from nvcore.schema import UNKNOWN_OCCLUSION
 
@@ -122,8 +120,7 @@ class CvatTask:
         return self.stop
 
 
-@dataclass(frozen=True)
-class Owner:
+class Owner(NamedTuple):
     """A track of a video, or a picture.
 
     Attributes
@@ -180,7 +177,7 @@ class CvatContent:
     @property
     def owner_table(self) -> pd.DataFrame:
         """The owners, one row each, with the fields of `Owner` as columns."""
-        table = pd.DataFrame(self.owners, columns=[spec.name for spec in fields(Owner)])
+        table = pd.DataFrame(self.owners, columns=list(Owner._fields))
         whole = dict.fromkeys(("line", "track", "number"), np.int64)
         return table.astype({**whole, "width": float, "height": float})
 
@@ -188,8 +185,7 @@ class CvatContent:
 class _Parser:
     """Collects the elements of one file."""
 
-    def __init__(self, file: SourceFile, kind: str):
-        self.file = file
+    def __init__(self, kind: str):
         self.kind = kind
         self.shapes = {f"annotations/{kind}/{tag}" for tag in ("box", *_OUTLINES)}
         self.content = CvatContent()
@@ -214,10 +210,9 @@ class _Parser:
         elif path == "annotations/image" or path == "annotations/track":
             if path != f"annotations/{self.kind}":
                 other = "cvat-images" if self.kind == "track" else "cvat-video"
-                raise self.file.fault(
+                raise element.fault(
                     f"expected <{self.kind}>, found <{element.tag}>: the file is {other}; give "
-                    "that as its format",
-                    element.line,
+                    "that as its format"
                 )
             if element is not self.owner:
                 self.add_owner(element)
@@ -243,7 +238,7 @@ class _Parser:
         elif name == "occlusion":  # JAAD
             self.level = level_of_words(element.text)
         elif name in SCORE_ATTRIBUTES:
-            self.score = number(element.text, name, self.file, element.line)
+            self.score = element.number(element.text, name)
         else:
             self.classes.append(class_of(element.attributes.get("name", ""), element.text))
 
@@ -258,7 +253,7 @@ class _Parser:
         """Edges x0, y0, x1, y1 of a box, or of the upright box around another shape, px."""
 
         def value(name: str) -> float:
-            return number(element.attributes.get(name), name, self.file, element.line)
+            return element.number(element.attributes.get(name), name)
 
         if element.tag == "box":
             return value("xtl"), value("ytl"), value("xbr"), value("ybr")
@@ -272,9 +267,9 @@ class _Parser:
             high = math.hypot(across * math.sin(turn), down * math.cos(turn))
             return x - wide, y - high, x + wide, y + high
         points = re.split("[,;]", self.text_of(element, "points"))
-        edges = [number(text, "points", self.file, element.line) for text in points]
+        edges = [element.number(text, "points") for text in points]
         if len(edges) % 2:
-            raise self.file.fault("expected points x,y;x,y;..., found an odd number", element.line)
+            raise element.fault("expected points x,y;x,y;..., found an odd number")
         return min(edges[::2]), min(edges[1::2]), max(edges[::2]), max(edges[1::2])
 
     def take_shape(self, element: Element) -> None:
@@ -285,27 +280,27 @@ class _Parser:
         if element.parent is not self.owner:
             self.add_owner(element.parent)
         owner = self.content.owners[-1]
-        get, file, line = element.attributes.get, self.file, element.line
+        get = element.attributes.get
         label, frame = owner.label, float(owner.number)
         if self.kind == "track":
-            frame = whole_number(get("frame"), "frame", file, line)
+            frame = element.whole_number(get("frame"), "frame")
         else:
             label = self.text_of(element, "label")
-        occluded = 1.0 if self.is_occluded else number(get("occluded", ""), "occluded", file, line)
+        occluded = 1.0 if self.is_occluded else element.number(get("occluded", ""), "occluded")
         occluded = occluded if self.level == UNKNOWN_OCCLUSION else float(self.level)
         self.values.extend(
             (
                 len(self.content.owners) - 1,
                 frame,
                 *self.corners_of(element),
-                number(get("rotation", "0"), "rotation", file, line) if element.tag == "box" else 0,
+                element.number(get("rotation", "0"), "rotation") if element.tag == "box" else 0,
                 element.tag != "box",
                 is_true(get("outside")),
                 occluded,
                 is_true(get("keyframe", "1")),
                 self.is_ignored,
                 self.score,
-                line,
+                element.line,
             )
         )
         self.labels.append(label)
@@ -314,19 +309,19 @@ class _Parser:
     def add_owner(self, element: Element) -> None:
         """A track or a picture, at its end or at the first box in it."""
         self.owner = element
-        get, file, line = element.attributes.get, self.file, element.line
+        get, line = element.attributes.get, element.line
         task, n_known = get("task_id", ""), len(self.content.owners)
         if self.kind == "track":
-            track = whole_number(get("id", str(n_known)), "track id", file, line)
+            track = element.whole_number(get("id", str(n_known)), "track id")
             owner = Owner(line, task, track=max(track, -1), label=self.text_of(element, "label"))
         else:
             owner = Owner(
                 line,
                 task,
                 name=self.text_of(element, "name"),
-                number=whole_number(get("id", str(n_known)), "image id", file, line),
-                width=number(get("width", ""), "width", file, line),
-                height=number(get("height", ""), "height", file, line),
+                number=element.whole_number(get("id", str(n_known)), "image id"),
+                width=element.number(get("width", ""), "width"),
+                height=element.number(get("height", ""), "height"),
             )
         self.content.owners.append(owner)
 
@@ -334,7 +329,7 @@ class _Parser:
         """An attribute that must be there."""
         text = element.attributes.get(name)
         if text is None:
-            raise self.file.fault(f"expected a {name} in <{element.tag}>, found none", element.line)
+            raise element.fault(f"expected a {name} in <{element.tag}>, found none")
         return text.strip()
 
     def take_meta(self, element: Element) -> None:
@@ -365,16 +360,14 @@ class _Parser:
         elif fact == "frame_filter":
             match = _STEP.fullmatch(text)
             if match is None or (match["step"] is not None and int(match["step"]) == 0):
-                raise self.file.fault(
-                    f"expected a frame filter such as step=5, found {text[:60]!r}", element.line
-                )
+                raise element.fault(f"expected a frame filter such as step=5, found {text[:60]!r}")
             task.step = int(match["step"] or 1)
         elif fact in ("original_size/width", "original_size/height"):
-            setattr(task, element.tag, number(text, element.tag, self.file, element.line))
+            setattr(task, element.tag, element.number(text, element.tag))
         elif fact in _FRAME_FACTS and text:
-            value = whole_number(text, fact, self.file, element.line)
+            value = element.whole_number(text, fact)
             if value < 0:
-                raise self.file.fault(f"expected {fact} of 0 or more, found {value}", element.line)
+                raise element.fault(f"expected {fact} of 0 or more, found {value}")
             setattr(task, _FRAME_FACTS[fact], value)
 
     def finish(self) -> CvatContent:
@@ -409,7 +402,7 @@ def read_cvat(file: SourceFile, *, kind: str) -> CvatContent:
     FormatError
         With file and line, if the file is not of that kind.
     """
-    parser = _Parser(file, kind)
+    parser = _Parser(kind)
     for element in read_elements(file, root="annotations"):
         parser.take(element)
     return parser.finish()

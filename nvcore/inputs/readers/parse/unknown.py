@@ -15,19 +15,11 @@ _MAX_KEYS: Final = 8
 _MAX_JSON_BYTES: Final = 1 << 28
 """A larger JSON file is not parsed only to name its keys."""
 _ROOT: Final = re.compile(r"<([A-Za-z_][\w.:-]{0,60})")
-_EXPECTED: Final[dict[Role, tuple[str, str]]] = {
-    "truth": (
-        "a COCO object with the lists 'images', 'annotations' and 'categories'",
-        "<annotations> (CVAT) or <annotation> (Pascal VOC)",
-    ),
-    "detections": (
-        "a list of COCO results, each with 'image_id', 'bbox' and 'score'",
-        "<annotations> (CVAT) or <annotation> (Pascal VOC)",
-    ),
+_EXPECTED: Final[dict[Role, str]] = {
+    "truth": "a COCO object with the lists 'images', 'annotations' and 'categories'",
+    "detections": "a list of COCO results, each with 'image_id', 'bbox' and 'score'",
 }
-"""By role: what JSON and what XML is expected to be."""
-
-
+"""What JSON is expected to be, by role."""
 _COCO: Final = "export COCO instead"
 _FOREIGN: Final[tuple[tuple[str, str, str], ...]] = (
     ('"gtboxes"', "CrowdHuman's .odgt", "convert it to COCO"),
@@ -159,17 +151,14 @@ def describe_foreign(file: SourceFile, head: str, role: Role) -> str | None:
         If it begins as JSON does, but is none.
     """
     text = head.lstrip("\ufeff \t\r\n")
-    as_json, as_xml = _EXPECTED[role]
     if text.startswith(("{", "[")):
-        if file.is_larger_than(_MAX_JSON_BYTES):
-            return f"JSON of another kind; expected {as_json}"
-        return f"{_json_kind(read_json(file))}; expected {as_json}"
-    if text.startswith("<"):
-        return _xml_kind(text, as_xml)
-    return None
+        is_large = file.is_larger_than(_MAX_JSON_BYTES)
+        kind = "JSON of another kind" if is_large else _json_kind(read_json(file))
+        return f"{kind}; expected {_EXPECTED[role]}"
+    return _xml_kind(text) if text.startswith("<") else None
 
 
-def _xml_kind(text: str, expected: str) -> str:
+def _xml_kind(text: str) -> str:
     if "<!DOCTYPE" in text:
         return f"XML that {DECLARES}"
     # the root element comes behind the declaration and comments
@@ -177,7 +166,7 @@ def _xml_kind(text: str, expected: str) -> str:
     if root is not None and root[1] == "annotations":  # a single annotation is always recognised
         return "XML with the root <annotations>, without the <track> or <image> of CVAT"
     kind = f"XML with the root <{root[1]}>" if root else "XML"
-    return f"{kind}; expected {expected}"
+    return f"{kind}; expected <annotations> (CVAT) or <annotation> (Pascal VOC)"
 
 
 def _json_kind(document: object) -> str:

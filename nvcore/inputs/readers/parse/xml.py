@@ -11,6 +11,7 @@ from xml.etree.ElementTree import ParseError
 from defusedxml.common import DefusedXmlException
 from defusedxml.ElementTree import DefusedXMLParser
 
+from nvcore.errors import FormatError
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.parse.text import MAX_INTEGER
 
@@ -34,22 +35,30 @@ class Element:
         Tags from the root to this element, such as ``annotations/track/box``.
     attributes
         Its attributes.
-    line
-        1-based line of its start.
+    file, line
+        The file, and the 1-based line of its start.
     parent
         The element around it; None for the root.
-    text
-        Its text without that of inner elements, stripped.
+    parts
+        Pieces of its text, without that of inner elements.
     """
 
-    __slots__ = ("_parts", "attributes", "line", "parent", "path")
+    __slots__ = ("attributes", "file", "line", "parent", "parts", "path")
 
-    def __init__(self, path: str, attributes: dict[str, str], line: int, parent: Element | None):
+    def __init__(
+        self,
+        path: str,
+        attributes: dict[str, str],
+        file: SourceFile,
+        line: int,
+        parent: Element | None,
+    ):
         self.path = path
+        self.file = file
         self.attributes = attributes
         self.line = line
         self.parent = parent
-        self._parts: list[str] = []
+        self.parts: list[str] = []
 
     @property
     def tag(self) -> str:
@@ -59,11 +68,42 @@ class Element:
     @property
     def text(self) -> str:
         """Text without that of inner elements, stripped."""
-        return "".join(self._parts).strip()
+        return "".join(self.parts).strip()
 
-    def add_text(self, part: str) -> None:
-        """Append a part of the text."""
-        self._parts.append(part)
+    def fault(self, message: str) -> FormatError:
+        """The error that refuses the element; to be raised."""
+        return self.file.fault(message, self.line)
+
+    def number(self, text: str | None, what: str) -> float:
+        """A text of the element as a number, NaN where it is empty.
+
+        Raises
+        ------
+        FormatError
+            If it is missing (None) or no number.
+        """
+        if text is None:
+            raise self.fault(f"expected {what}, found none")
+        try:
+            if "_" not in text:  # Python's own notation, 1_000
+                return float(text)
+        except ValueError:
+            if not text.strip():
+                return float("nan")
+        raise self.fault(f"expected a number as {what}, found {text[:60]!r}")
+
+    def whole_number(self, text: str | None, what: str) -> int:
+        """A text of the element as a whole number (``3.0`` is one).
+
+        Raises
+        ------
+        FormatError
+            If it is missing (None), empty or no whole number.
+        """
+        value = self.number(text, what)
+        if not (abs(value) < MAX_INTEGER and value == int(value)):
+            raise self.fault(f"expected a whole number as {what}, found {str(text)[:60]!r}")
+        return int(value)
 
 
 class _Collector:
@@ -87,12 +127,12 @@ class _Collector:
                 f"expected <{self.root}> as the outermost element, found <{tag[:60]}>", line
             )
         path = tag if parent is None else f"{parent.path}/{tag}"
-        self.open.append(Element(path, attributes, line, parent))
+        self.open.append(Element(path, attributes, self.file, line, parent))
 
     def data(self, text: str) -> None:
         # text that is nothing but line ends and indentation is not worth keeping
         if not text.isspace():
-            self.open[-1].add_text(text)
+            self.open[-1].parts.append(text)
 
     def end(self, tag: str) -> None:
         del tag
@@ -133,10 +173,7 @@ def read_elements(file: SourceFile, *, root: str) -> Iterator[Element]:
                 error.position[0],
             ) from error
         except DefusedXmlException as error:
-            raise file.fault(
-                DECLARES,
-                collector.expat.CurrentLineNumber,
-            ) from error
+            raise file.fault(DECLARES, collector.expat.CurrentLineNumber) from error
         except (LookupError, ValueError) as error:  # encodings that expat cannot have
             raise file.fault(
                 f"expected XML in UTF-8, found another encoding: {error}", 1
@@ -151,39 +188,6 @@ def _pieces(file: SourceFile) -> Iterator[bytes]:
         while piece := stream.read(_CHUNK):
             yield piece
     yield b""
-
-
-def number(text: str | None, what: str, file: SourceFile, line: int) -> float:
-    """The text as a number, NaN where it is empty.
-
-    Raises
-    ------
-    FormatError
-        If it is missing (None) or no number.
-    """
-    if text is None:
-        raise file.fault(f"expected {what}, found none", line)
-    try:
-        if "_" not in text:  # Python's own notation, 1_000
-            return float(text)
-    except ValueError:
-        if not text.strip():
-            return float("nan")
-    raise file.fault(f"expected a number as {what}, found {text[:60]!r}", line)
-
-
-def whole_number(text: str | None, what: str, file: SourceFile, line: int) -> int:
-    """The text as a whole number (``3.0`` is one).
-
-    Raises
-    ------
-    FormatError
-        If it is missing (None), empty or no whole number.
-    """
-    value = number(text, what, file, line)
-    if not (abs(value) < MAX_INTEGER and value == int(value)):
-        raise file.fault(f"expected a whole number as {what}, found {str(text)[:60]!r}", line)
-    return int(value)
 
 
 def is_true(text: str | None) -> bool:

@@ -7,7 +7,8 @@ from reader_files import golden, only_finding, rows, source
 
 from nvcore.errors import FormatError, InputError
 from nvcore.inputs.readers.base import Reading, ReadOptions
-from nvcore.inputs.readers.caltech.boxes import read, recognise
+from nvcore.inputs.readers.caltech import read_bbgt as read
+from nvcore.inputs.readers.caltech import recognise_bbgt as recognise
 
 NAME = "set06/V000/I00019.txt"
 FRAMES = [f"set06/V000/{name}.txt" for name in ("I00019", "I00039", "I00059")]

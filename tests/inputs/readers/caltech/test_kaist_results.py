@@ -11,7 +11,7 @@ from reader_files import golden, rows, source
 from nvcore.errors import FormatError, InputError, MissingFactError
 from nvcore.findings import Severity
 from nvcore.inputs.readers.base import Reading, ReadOptions
-from nvcore.inputs.readers.caltech.kaist_results import read
+from nvcore.inputs.readers.caltech import read_results as read
 
 RECORDINGS = ("set06/V000", "set06/V001")
 IMAGES = pd.DataFrame(

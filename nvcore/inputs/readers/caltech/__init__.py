@@ -1,1 +1,0 @@
-"""Caltech and KAIST text files: truth and results."""
