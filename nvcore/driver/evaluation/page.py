@@ -130,45 +130,20 @@ def _sections(evaluation: Evaluation) -> list[Section]:
     ) -> Table:
         return listing(title, tables[name], {**_COLUMNS[name], **(more or {})}, notes=notes)
 
+    errors_blocks = (
+        Paragraphs(texts),
+        chart("errors"),
+        rows("Mean squared error; 0 is best", "errors", of_errors, basis_of_errors(errors)),
+        chart("estimates"),
+    )
+    seen = chart("periods"), chart("histograms"), rows("Detectability", "periods")
+    choices = "Features that were chosen, and for how many of the pedestrians left out"
+    features = rows(choices, "choices"), chart("pairs"), chart("ranks")
+    subjects = (rows("How each subject responded", "subjects"),)
+    title = "Error on pedestrians left out"
     return [
-        Section(
-            "errors",
-            "Error on pedestrians left out",
-            Note("driver.errors_section"),
-            (
-                Paragraphs(texts),
-                chart("errors"),
-                rows("Mean squared error; 0 is best", "errors", of_errors, basis_of_errors(errors)),
-                chart("estimates"),
-            ),
-        ),
-        Section(
-            "seen",
-            "What the subjects saw",
-            Note("driver.seen_section"),
-            (
-                chart("periods"),
-                chart("histograms"),
-                rows("Detectability", "periods"),
-            ),
-        ),
-        Section(
-            "features",
-            "Which features",
-            Note("driver.features_section"),
-            (
-                rows(
-                    "Features that were chosen, and for how many of the pedestrians left out",
-                    "choices",
-                ),
-                chart("pairs"),
-                chart("ranks"),
-            ),
-        ),
-        Section(
-            "subjects",
-            "Subjects",
-            Note("driver.subjects_section"),
-            (rows("How each subject responded", "subjects"),),
-        ),
+        Section("errors", title, Note("driver.errors_section"), errors_blocks),
+        Section("seen", "What the subjects saw", Note("driver.seen_section"), seen),
+        Section("features", "Which features", Note("driver.features_section"), features),
+        Section("subjects", "Subjects", Note("driver.subjects_section"), subjects),
     ]
