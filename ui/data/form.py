@@ -90,7 +90,7 @@ def draw_form(place: Place) -> None:
         rows = form_fields.choose("recordings", RECORDINGS_LABEL, help_text=RECORDINGS_HELP, most=1)
         below = st.container()
         frames = FrameList()
-        if purpose == "new" or len(form_fields.open_names) == 1:
+        if purpose == "new" or (purpose == "replace" and len(form_fields.open_names) == 1):
             listing = form_fields.choose("frames", FRAMES_LABEL, help_text=FRAMES_HELP, most=1)
             frames = draw_frame_list(listing, recordings)
         labels = labelled_paths(RecordingEntry)

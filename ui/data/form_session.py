@@ -312,9 +312,10 @@ class Form:
         in_files = recording_names(session) if len(names) == 1 else None
         session = stated_by_recording(session, names, in_files)
         if in_files is not None:  # files of the only recording need not be named after it
-            systems = (
-                _named_after(source, session.folder, *in_files) for source in session.systems
-            )
+            systems = [
+                _named_after(source, session.folder, *in_files, slot=f"named_{number}")
+                for number, source in enumerate(session.systems)
+            ]
             session = replace(session, systems=tuple(systems))
         known = {*names, *(entry.name for entry in session.recordings)}
         if again := [name for name in self.recordings if name in known]:
@@ -513,7 +514,7 @@ def _in_files(dataset: Dataset, session: Session) -> dict[str, str]:
     return {name: entries[name].name if name in entries else name for name in names}
 
 
-def _named_after(source: SystemSource, folder: Path, recording: str) -> SystemSource:
+def _named_after(source: SystemSource, folder: Path, recording: str, *, slot: str) -> SystemSource:
     """Return the source of the only recording with its file named after that recording."""
     files = find_confined(source, folder, "detections").paths
     if len(files) != 1:
@@ -522,7 +523,7 @@ def _named_after(source: SystemSource, folder: Path, recording: str) -> SystemSo
     if stem == recording:
         return source
     name = safe_name(recording + files[0].name[len(stem) :])
-    copy = store_copy(state.workspace(), "named", files[0], name)
+    copy = store_copy(state.workspace(), slot, files[0], name)
     return replace(source, path=(_path_in(folder, copy),))
 
 
@@ -533,8 +534,9 @@ def _path_in(folder: Path, path: Path) -> str:
 def _stated(row: RecordingEntry) -> dict[str, Any]:
     """Return what a row of a table of recordings says, without the files that it names."""
     row = replace(with_paths_in(row, lambda _: None), frames=None)
-    values = {spec.name: getattr(row, spec.name) for spec in dataclass_fields(row)}
-    return {key: value for key, value in values.items() if value not in (None, (), row.name)}
+    names = [spec.name for spec in dataclass_fields(row) if spec.name != "name"]
+    values = {name: getattr(row, name) for name in names}
+    return {name: value for name, value in values.items() if value not in (None, ())}
 
 
 def _own_files(system: SourceField, folder: Path) -> dict[str, Any]:

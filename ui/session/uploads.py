@@ -237,16 +237,22 @@ def store_in_form(
     NvcoreError
         See `store_annotations`.
     """
+    own = _new_slot(space, slot)
+    assert space.form_folder is not None
+    return space.form_folder, store_annotations(space, space.form_folder, own.name, files)
+
+
+def _new_slot(space: Workspace, slot: str) -> Path:
+    """Choose a folder below that of the form, and remove those of the slot that are not in use."""
     if space.form_folder is None:
         space.form_folder = new_upload(space)
-    folder, in_use = space.form_folder, _paths_in_use(space)
-    for before in folder.glob(f"[0-9]*-{slot}"):
+    in_use = _paths_in_use(space)
+    for before in space.form_folder.glob(f"[0-9]*-{slot}"):
         if not any(path.is_relative_to(before) for path in in_use):
             remove_folder(space, before)
     with space.lock:
         space.n_received += 1
-        own = f"{space.n_received}-{slot}"
-    return folder, store_annotations(space, folder, own, files)
+        return space.form_folder / f"{space.n_received}-{slot}"
 
 
 def store_copy(space: Workspace, slot: str, file: Path, name: str) -> Path:
@@ -258,11 +264,8 @@ def store_copy(space: Workspace, slot: str, file: Path, name: str) -> Path:
         If there is no room.
     """
     check_room(space, n_bytes := file.stat().st_size)
-    if space.form_folder is None:
-        space.form_folder = new_upload(space)
+    own = _new_slot(space, slot)
     with space.lock:
-        space.n_received += 1
-        own = space.form_folder / f"{space.n_received}-{slot}"
         space.used_bytes += n_bytes
         space.upload_bytes[own] = n_bytes
     target = own / ANNOTATION_FOLDERS / name

@@ -126,14 +126,14 @@ def test_what_is_open_already_is_not_counted_twice(page, tmp_path: Path, files, 
 
 def test_a_table_says_more_of_open_recordings_by_either_of_their_names(page, edit: Edit):
     edit.apply(page, name="City")
-    table = b"recording,tags,title\nurban,wet,Town\nrural,day,\n"
+    table = b"recording,tags,title,unit\nurban,wet,Town,urban\nrural,day,,\n"
     changing(page, "replace")
     send(page, key_of(page, "replace", "recordings"), ("r.csv", table))
     press(checked(page.run()), "open_upload")
     recordings = space_of(page).opened.whole.recordings
-    assert recordings[["name", "tags"]].to_numpy().tolist() == [
-        ["Town", ("wet",)],
-        ["rural", ("day",)],
+    assert recordings[["name", "tags", "unit"]].to_numpy().tolist() == [
+        ["Town", ("wet",), "urban"],
+        ["rural", ("day",), ""],
     ]
 
 
