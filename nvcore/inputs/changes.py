@@ -40,7 +40,7 @@ def override_recordings(
     fps: float | None = None,
     frames: str | None = None,
 ) -> Session:
-    """The session with these values for all recordings; None keeps what the session says.
+    """Return the session with these values for all recordings. None keeps its own.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def stated_by_recording(
 
 
 def applied(session: Session, step: Step, systems: Sequence[str]) -> Session | None:
-    """The session with a step taken; None: it needs the user, who alone knows the value.
+    """Return the session with a step taken, or None if only the user knows the value.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def applied(session: Session, step: Step, systems: Sequence[str]) -> Session | N
 
 
 def stated(session: Session, dataset: Dataset) -> Session:
-    """The session as it is written: its systems named, the reading of each source stated.
+    """Return the session as it is written, with names of systems and ways of reading.
 
     What is given stays; what was recognised, or is usual in the format, is given now.
 

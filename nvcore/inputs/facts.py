@@ -52,7 +52,7 @@ def check_path(name: str, text: str | None) -> None:
 
 
 def path_field(meaning: str = "", *, label: str = "", is_of_run: bool = False) -> Any:
-    """A field with the path of a file; None: there is none.
+    """Declare a field with the path of a file, None by default.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def path_field(meaning: str = "", *, label: str = "", is_of_run: bool = False) -
 
 
 def without_files_of_run(part: P) -> P:
-    """The part of a session without the files that are about one run of a system."""
+    """Return a part of a session without the files about one run of a system."""
     of_part: Any = part
     names = [spec.name for spec in fields(of_part) if spec.metadata.get("is_of_run")]
     dropped: P = replace(of_part, **dict.fromkeys(names))
@@ -88,7 +88,7 @@ def _path_fields(kind: Any) -> tuple[str, ...]:
 
 
 def paths_in(part: Any) -> Iterator[str]:
-    """What the fields of a part of a session that hold paths name, as it is written."""
+    """Yield the paths in a part of a session, as they are written."""
     paths = (getattr(part, name) for name in _path_fields(part.__class__))
     yield from (path for path in paths if path is not None)
 
@@ -100,7 +100,7 @@ def check_paths(part: Any) -> None:
 
 
 def with_paths_in(part: P, rename: Callable[[str], str | None]) -> P:
-    """The part of a session with each of `paths_in` renamed; None: there is no longer one."""
+    """Return a part of a session with each path renamed, or dropped by None."""
     of_part: Any = part
     paths = {name: getattr(part, name) for name in _path_fields(of_part.__class__)}
     renamed = {name: rename(path) for name, path in paths.items() if path is not None}
@@ -128,7 +128,7 @@ _FRAME_RANGE: Final = re.compile(r"\s*(-?\d{1,15})?\s*:\s*(-?\d{1,15})?\s*(?::\s
 
 @dataclass(frozen=True)
 class FrameRange:
-    """Frames from the first to the last, both included; None: the recording's first, or last."""
+    """Frames from the first to the last, both included. None: the recording's own."""
 
     first: int | None
     last: int | None
@@ -167,7 +167,7 @@ def frame_range(frames: str) -> FrameRange:
 
 
 def frames_from(frames: str | range | None) -> str | None:
-    """As a session says it; the name of a file starts where Python runs, not at the session.
+    """Return frames as a session names them. A file is relative to the working folder.
 
     Raises
     ------
@@ -185,7 +185,7 @@ def frames_from(frames: str | range | None) -> str | None:
 
 
 def objects_named(names: str | Sequence[str] | Objects | None) -> Objects | None:
-    """The objects of these names; None: not given.
+    """Return the objects of these names, or None.
 
     Raises
     ------

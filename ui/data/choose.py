@@ -42,7 +42,7 @@ SIGNS_TEXT = (
 
 
 def draw() -> None:
-    """The ways, folded but where something is left to do there."""
+    """Draw all ways to open something, folded unless something is left to do there."""
     if not store.WAYS_OPEN.is_set:  # the page is new
         store.WAYS_OPEN.set(has_trouble() or upload.has_lost(state.workspace()))
     with st.expander(WAYS, key=store.WAYS_OPEN.key, on_change="rerun"):
@@ -96,7 +96,7 @@ _changed = partial(forget_outcome, PLACE)
 
 
 def draw_session_form() -> None:
-    """The form; its button opens the session."""
+    """Draw the form for a session file. Its button opens the session."""
     st.caption(
         "A session file (TOML) names ground truth, systems, thresholds, corrections and settings. "
         "Send it with the files it names: they are found by their names, wherever they lay before. "

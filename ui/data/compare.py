@@ -71,7 +71,7 @@ def draw() -> None:
 
 
 def _draw_choice(x: str, y: str) -> None:
-    """Who is X, who is Y, and the measure by which they are compared."""
+    """Draw the choice of X, Y and the primary measure."""
     names = list(state.opened().dataset.systems)
     left, middle, right, last = st.columns([4, 2, 4, 5], vertical_alignment="bottom")
     # the widgets show what is open, however it was changed
@@ -107,7 +107,7 @@ def _draw_choice(x: str, y: str) -> None:
 
 
 def _choose_primary() -> None:
-    """Another measure was chosen; the session knows whether a verdict on the data was shown."""
+    """Use another primary measure, and note whether a verdict on the data was shown."""
     session, fingerprint = state.opened().session, state.opened().dataset.fingerprint
     primary = session.primary.of_data(fingerprint)
     if store.SHOWN_VERDICT.get() == fingerprint:
@@ -117,7 +117,7 @@ def _choose_primary() -> None:
 
 
 def _choose(letter: str) -> None:
-    """X or Y was chosen; the system of the other letter changes places with it."""
+    """Use another system as X or Y. If it has the other letter, the two change places."""
     x, y = state.systems()
     chosen = store.CHOICE.of(letter).get()
     if letter == "x":
@@ -153,7 +153,7 @@ def _draw_exact(named: Sequence[tuple[str, str]]) -> None:
 
 
 def _draw_lowest(letter: str) -> None:
-    """Why the field is empty, if what was just typed leaves no detection out."""
+    """Say that the threshold just typed leaves no detection out."""
     typed_letter, threshold = store.LOWEST_THRESHOLD.get()
     if typed_letter == letter:
         store.LOWEST_THRESHOLD.pop()
@@ -164,7 +164,7 @@ def _draw_lowest(letter: str) -> None:
 
 
 def _points(named: Sequence[tuple[str, str]]) -> pd.DataFrame:
-    """What the thresholds leave, a row for each of X and Y; names are Markdown."""
+    """Tabulate what the thresholds leave of X and Y. Names are Markdown."""
     dataset, params = state.opened().dataset, state.params()
     rows = []
     for letter, name in named:
@@ -221,7 +221,7 @@ def _take_threshold(letter: str) -> None:
 
 
 def _draw_same_point(x: str, y: str) -> None:
-    """The button that sets both systems alike, as the verdict does; the sidebar has other ways."""
+    """Draw the button that sets both systems alike, as the verdict does."""
     letter = _which_moves(x, y)
     moved, fixed = (letter, "yx"["xy".index(letter)]) if letter is not None else ("y", "x")
     st.button(
@@ -242,7 +242,7 @@ def _draw_same_point(x: str, y: str) -> None:
 
 
 def _which_moves(x: str, y: str) -> str | None:
-    """Which of X and Y moves, as in the verdict; None: neither can."""
+    """Return the letter of the system that moves, as in the verdict, or None."""
     dataset, params = state.opened().dataset, state.params()
     points = (
         _point(dataset, x, params, params.threshold_x),

@@ -33,7 +33,7 @@ _RATE: Final[dict[Role, frozenset[str]]] = {"truth": frozenset({"fps"}), "detect
 
 @dataclass(frozen=True, eq=False)
 class FileCheck:
-    """What one source holds, read by itself. Compared by identity, so that it can be a key.
+    """Content of one source, read by itself. It is compared by identity, to serve as a key.
 
     `trouble` says why it cannot be used, `unknown` which of ``size`` and ``fps`` its files do not
     say; the `reading` is without its boxes. Without boxes there is no `first_frame`. `doubt` says
@@ -54,7 +54,7 @@ class FileCheck:
 
     @property
     def recordings(self) -> list[str]:
-        """Names of the recordings; none where the files could not be read."""
+        """Names of the recordings. There are none if the files could not be read."""
         return [] if self.reading is None else self.reading.recordings["name"].tolist()
 
 
@@ -140,7 +140,7 @@ def _edge_sizes(reading: Reading) -> dict[str, tuple[int, int]]:
 
 
 def _doubt_of_truth(reading: Reading) -> str:
-    """Why the ground truth looks like detections: it has scores."""
+    """Return why ground truth looks like detections."""
     for finding in reading.findings:
         if finding.code == "truth-with-scores":
             return (
@@ -151,7 +151,7 @@ def _doubt_of_truth(reading: Reading) -> str:
 
 
 def _doubt_of_detections(reading: Reading) -> str:
-    """Why detections look like ground truth: track ids, and no score that says anything."""
+    """Return why detections look like ground truth."""
     boxes = reading.boxes
     scores, tracks = boxes["score"].dropna(), boxes["track"]
     if not len(boxes) or not np.isin(scores, (0, 1)).all() or not (tracks != NO_TRACK).all():
@@ -163,7 +163,7 @@ def _doubt_of_detections(reading: Reading) -> str:
 
 
 def _light(reading: Reading) -> Reading:
-    """The reading without its boxes; copied, as a part would keep the whole table in memory."""
+    """Copy a reading without its boxes. A view would keep the whole table in memory."""
     images = None if reading.images is None else reading.images.copy()
     return replace(reading, boxes=reading.boxes.iloc[:0].copy(), images=images, annotated=None)
 
@@ -185,7 +185,7 @@ def _size(truth: Reading | None) -> tuple[int, int] | None:
 
 
 def draw_file_check(check: FileCheck | None, truth: FileCheck | None = None) -> None:
-    """What a field's files are, or why they cannot be used."""
+    """Draw the content of a field's files, or why they cannot be used."""
     if check is None:
         return
     if check.trouble:
@@ -206,7 +206,7 @@ def draw_file_check(check: FileCheck | None, truth: FileCheck | None = None) -> 
 
 
 def unusable(checks: Iterable[tuple[str, FileCheck | None]]) -> str:
-    """Why the files of some fields, given by name, cannot be opened; empty: they can."""
+    """Return which fields, given by name, have files that cannot be used, or ""."""
     titles = [title for title, check in checks if check is not None and check.trouble]
     if not titles:
         return ""

@@ -155,7 +155,7 @@ class SourceField:
 
 @dataclass(frozen=True)
 class Form:
-    """What a person chose and typed, and the session that it describes.
+    """Choices and entries of a person, and the session that they describe.
 
     Attributes
     ----------
@@ -369,7 +369,7 @@ class Form:
 
     @property
     def words(self) -> str:
-        """What was added or replaced, for the message after opening."""
+        """Message after opening: names of what was added or replaced."""
         if self.opened is None:
             return ""
         n_open = len(self.opened.whole.systems)
@@ -421,7 +421,7 @@ class Form:
         return ""
 
     def _ask_for_names(self) -> None:
-        """Ask once for names that the files do not tell; who opens again keeps the numbers."""
+        """Ask once for names that the files do not tell. Opening again keeps the numbers."""
         unnamed = tuple(
             name
             for number, (system, name) in enumerate(zip(self.systems, self.names, strict=True), 1)

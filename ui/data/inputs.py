@@ -1,4 +1,4 @@
-"""Data page: what was read, with which conversion; recordings and their pictures."""
+"""Data page: the inputs as they were read, recordings and their pictures."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _draw_picture_troubles(space: Workspace) -> None:
 
 
 def _inputs(dataset: Dataset) -> pd.DataFrame:
-    """One row per source; the texts are Markdown that shows names as they are."""
+    """Tabulate the sources. Texts are Markdown that shows names literally."""
     x, y = state.systems()
     rows = []
     n_ignored = int(dataset.truth.ignore.sum())
@@ -117,7 +117,7 @@ def _without_old_name(conversion: str) -> str:
 
 
 def _all_pictures(space: Workspace) -> tuple[dict[str, str | None], dict[str, str]]:
-    """Pictures to choose from for all recordings, by label; and the label of each one's own."""
+    """Return all pictures to choose from by label, and the label of each recording's own."""
     session = state.opened().session
     recordings = state.opened().whole.recordings["name"].tolist()
     entries = session.entries(recordings)

@@ -175,7 +175,7 @@ def _session_file(root: LocalRoot, path: str, facts: MissingInputs) -> Session:
 
 
 def _with_recordings(root: LocalRoot, session: Session) -> Session:
-    """The session with its table of recordings read; nothing that it names leaves the root."""
+    """Read the session's table of recordings. Nothing that it names leaves the root."""
     check_confined(session, root.folder)
     session = with_recordings_confined(session)
     check_confined(session, root.folder)

@@ -53,14 +53,14 @@ FRAME_NAMES: Final = {"by what they look like": None, **{way: way for way in WAY
 
 @dataclass(frozen=True)
 class MissingInputs:
-    """What a person filled in for all recordings; None: the files say it."""
+    """Inputs that a person gave for all recordings. None: the files state it."""
 
     size: tuple[int, int] | None = None
     fps: float | None = None
     frames: str | None = None
 
     def session(self, *, frame_list: str | None = None, **parts: Any) -> Session:
-        """A session with these inputs and `parts`; a `frame_list` takes precedence over a range.
+        """Make a session with these inputs and `parts`. A `frame_list` precedes a range.
 
         Raises
         ------
@@ -85,7 +85,7 @@ class MissingInputs:
         return {name: value for name, value in values.items() if value is not None}
 
     def added_to(self, session: Session) -> Session:
-        """A session that was read from a file, with these inputs; None keeps its own.
+        """Add these inputs to a session that was read from a file. None keeps its own.
 
         Raises
         ------
@@ -187,7 +187,7 @@ def _draw_size(
 
 
 def _is_typed(name: str, proposed: float | None) -> bool:
-    """Whether a person changed the proposal: what was typed outlasts later proposals."""
+    """Whether a person changed the proposal. Typed values outlast later proposals."""
     return store.widget(f"{name}_{proposed}").get() not in (None, proposed)
 
 

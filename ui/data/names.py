@@ -26,7 +26,7 @@ def proposed_names(
     *,
     first: int = 1,
 ) -> list[str]:
-    """Names of systems from their paths; a system whose path says nothing is numbered.
+    """Propose names of systems from their paths, or numbers if a path says nothing.
 
     What the ground truth, its recordings and their pictures are called is no system's name. The
     number of the `first` system is given.
@@ -61,7 +61,7 @@ def draw_name(label: str, proposed: str, *, key: str, changed: Callable[[], None
 def draw_system_name(
     title: str, proposed: str, number: int, *, key: str, changed: Callable[[], None]
 ) -> str:
-    """The field for the name of a system; says so where the files give none."""
+    """Draw the field for the name of a system, with a note if the files give none."""
     name = draw_name(f"Name of {title}", proposed, key=key, changed=changed)
     if name == proposed == f"System {number}":
         st.caption("The files' names do not tell which system this is: type its name.")
@@ -75,7 +75,7 @@ def draw_recording(
     place: str,
     changed: Callable[[], None],
 ) -> str:
-    """The field for the name of the only recording; empty where there are none or several.
+    """Draw the field for the name of the only recording. Return "" for none or several.
 
     Where its file is only called ``gt`` or the like, the pictures propose the name.
     """
@@ -103,7 +103,7 @@ OTHER: Final = "something else"
 
 
 def draw_objects(place: str, changed: Callable[[], None]) -> Objects:
-    """Ask what the boxes are of; pedestrians where what is typed is no name.
+    """Ask for the kind of objects. Pedestrians are used if the text is no name.
 
     Parameters
     ----------

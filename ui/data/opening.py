@@ -40,7 +40,7 @@ _TO_TOP = st.components.v2.component(
 
 @dataclass(frozen=True)
 class Trouble:
-    """Why something could not be opened, what it was called, and which inputs are missing."""
+    """Reason why something could not be opened, its label, and the missing inputs."""
 
     text: str
     label: str
@@ -81,7 +81,7 @@ def try_to_open(
 
 
 def new_place(draw: Callable[[], None]) -> DeltaGenerator:
-    """A place on the page for one of its parts; emptied first where another comparison is open.
+    """Return a place for a part of the page, emptied if another comparison is open now.
 
     Otherwise what was there would stay in sight under the new heading until it is replaced.
     """
@@ -92,7 +92,7 @@ def new_place(draw: Callable[[], None]) -> DeltaGenerator:
 
 
 def forget_outcome(place: str) -> None:
-    """To be called when a choice in this part of the page has changed."""
+    """Forget errors and questions of this part of the page. For callbacks."""
     store.TROUBLES.of(place).pop()
     store.ASKED_FACTS.of(place).pop()
 
@@ -128,7 +128,7 @@ def draw_outcome() -> None:
 
 
 def _draw_opened(label: str) -> None:
-    """The next step, for as long as one stays on the page."""
+    """Draw the next step, as long as the visitor stays on the page."""
     n_opened = state.workspace().n_opened
     is_first = store.OPENING_SHOWN.get() != n_opened
     if not is_first and not store.widget(_SEE).is_set:  # values of another page's widgets go
@@ -168,7 +168,7 @@ def scroll_if_asked() -> None:
 
 
 def draw_trouble(place: str) -> None:
-    """The banner that says why something could not be opened, or once that it was changed."""
+    """Draw why something could not be opened, or once that it was changed."""
     opened_in, label = _opened() or ("", "")
     if opened_in == place == SESSION:
         store.LAST_OPENED.pop()
@@ -200,6 +200,6 @@ def _on_thresholds() -> str:
 
 
 def _question(facts: tuple[str, ...]) -> str:
-    """The question to the user, without the command line's flags."""
+    """Return the question to the user, without the command line's flags."""
     words = " and ".join(MISSING_WORDS[fact] for fact in facts if fact in MISSING_WORDS)
     return f"The files do not say {words}. Fill in the fields for it." if words else ""

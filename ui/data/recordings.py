@@ -267,7 +267,7 @@ def changes_in(
 
 
 def _text(value: Any) -> str:
-    """Return the text of a cell; "" if it is empty."""
+    """Return the text of a cell, or "" if it is empty."""
     return "" if value is None or value == "" or pd.isna(value) else str(value).strip()
 
 
@@ -303,7 +303,7 @@ def _edit(
 
 @dataclass(frozen=True)
 class TypedRecordings:
-    """What a person typed of recordings that are not open yet, by name; or why it cannot be."""
+    """Changes typed for recordings that are not open yet, by name, or why they cannot be."""
 
     changes: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     trouble: str = ""
@@ -481,7 +481,7 @@ def draw_systems() -> None:
 
 
 def use_names(systems: Mapping[str, str], changes: Mapping[str, Mapping[str, Any]]) -> None:
-    """Call systems and recordings otherwise, without reading anything again; starts a new run.
+    """Rename systems and recordings without reading anything again, and rerun the page.
 
     Parameters
     ----------
@@ -520,7 +520,7 @@ def use_names(systems: Mapping[str, str], changes: Mapping[str, Mapping[str, Any
 
 
 def _tagged(session: Session, whole: Dataset, changes: Mapping[str, Mapping[str, Any]]) -> Session:
-    """The session with these tags; its choice loses those that no recording has any more.
+    """Return the session with these tags, chosen only if a recording still has them.
 
     Of the recordings that the session compares, if it names some.
     """

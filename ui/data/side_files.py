@@ -69,18 +69,18 @@ class RecordingsTable:
 
     @property
     def stops(self) -> str:
-        """Why nothing is opened yet; empty: no reason."""
+        """Reason why nothing is opened yet, or ""."""
         if not self.trouble:
             return ""
         return "The table of recordings cannot be used: the reason stands at its field."
 
     @property
     def file(self) -> RecordingsFile | None:
-        """As a session holds it."""
+        """The table as a session names it."""
         return None if self.path is None else RecordingsFile(self.path)
 
     def known(self, recordings: Iterable[str]) -> set[str]:
-        """Which of ``size`` and ``fps`` it says of all recordings."""
+        """Return those of ``size`` and ``fps`` that it states for all recordings."""
         names = list(recordings) or list(self.entries)
         rows = [self.entries.get(name, RecordingEntry(name)) for name in names]
         if len(names) == len(self.entries) == 1:  # whatever it is called
@@ -94,7 +94,7 @@ class RecordingsTable:
 
 @dataclass(frozen=True)
 class FrameList:
-    """A list of evaluated frames; its path, as a session names it, is None if it cannot be used."""
+    """A list of evaluated frames. Its path is None if it cannot be used."""
 
     path: str | None = None
     summary: str = ""
@@ -103,7 +103,7 @@ class FrameList:
 
     @property
     def stops(self) -> str:
-        """Why nothing is opened yet; empty: no reason."""
+        """Reason why nothing is opened yet, or ""."""
         if not self.trouble:
             return ""
         return "The list of evaluated frames cannot be used: the reason stands at its field."

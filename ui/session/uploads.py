@@ -74,7 +74,7 @@ class UploadError(NvcoreError):
 
 
 def kind_of(head: bytes) -> Kind | None:
-    """Kind of a file by its first bytes; None if it is neither pictures nor a video."""
+    """Return the kind of a file by its first bytes, or None if it has no pictures."""
     for offset, magic, kind in _MAGIC:
         if head.startswith(magic, offset):
             return kind
@@ -129,7 +129,7 @@ async def receive(
 
 
 class _PartialFile:
-    """A file that is being written; `drop` removes it unless it was kept."""
+    """A file that is being written. `drop` removes it unless it was kept."""
 
     def __init__(self, space: Workspace, folder: Path):
         self.space = space
@@ -357,7 +357,7 @@ def refuse_equal_names(files: Sequence[UploadedFile]) -> None:
 def store_annotations(
     space: Workspace, folder: Path, slot: str, files: Sequence[UploadedFile]
 ) -> tuple[str, ...]:
-    """Write the files of one source; paths for a session, relative to `folder`.
+    """Write the files of one source. Return their paths relative to `folder`.
 
     A ZIP archive is unpacked into a folder of its name, and the path is that folder: so layouts
     in which every file is called ``gt.txt`` keep the recordings' names.
@@ -400,7 +400,7 @@ def store_annotations(
 
 
 def _unpack(space: Workspace, packed: Path) -> tuple[Path, int]:
-    """Unpack an archive beside itself and remove it; the folder of its content, and its bytes."""
+    """Replace an archive by its content. Return the content's folder and its bytes."""
     room = min(MAX_UNPACKED_BYTES, _room(space))
     folder = packed.with_name(
         free_name(packed.stem, (path.name for path in packed.parent.iterdir()))
@@ -430,7 +430,7 @@ def _room(space: Workspace) -> int:
 
 
 def check_room(space: Workspace, n_bytes: int, *, so_far: int = 0) -> None:
-    """Raise UploadError if more bytes exceed the quota; `so_far` of the file are written."""
+    """Raise UploadError if more bytes exceed the quota, `so_far` of the file being written."""
     is_full = used_by_all() + n_bytes > limits_of_environment().max_disk_mb * MEBI
     has_disk = shutil.disk_usage(space.folder).free - n_bytes >= SPARE_BYTES
     for is_beyond, message, status in (

@@ -51,7 +51,7 @@ def is_open(finding: Finding) -> bool:
 
 
 def draw(finding: Finding, number: int) -> None:
-    """The button that opens the list, and the list."""
+    """Draw the button that opens the list, and the list."""
     cases = finding.cases
     if cases is None or not len(cases):
         return
