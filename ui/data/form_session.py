@@ -35,6 +35,7 @@ from ui.data.side_files import (
 from ui.session import state, store
 from ui.session.opening import (
     guess_pictures,
+    names_in_files,
     recording_entry,
     recording_names,
     with_recordings,
@@ -342,10 +343,10 @@ class Form:
         if self.opened is None:
             return
         whole, is_added = self.opened.whole, self.purpose == "add"
-        names = _in_files(whole, self.opened.session)
+        names = names_in_files(self.opened.session, whole)
         then = _n_boxes(dataset, {name: name for name in dataset.recordings["name"]})
         assert isinstance(dataset.settings, Session)
-        then |= _n_boxes(dataset, _in_files(dataset, dataset.settings))
+        then |= _n_boxes(dataset, names_in_files(dataset.settings, dataset))
         lost = [
             (source, name)
             for (source, name), n in _n_boxes(whole, {name: name for name in names}).items()
@@ -470,7 +471,7 @@ class Form:
 
 def titles_by_name(opened: Opened) -> dict[str, str]:
     """Return the names of open recordings on the pages, by their names in the files."""
-    in_files = _in_files(opened.whole, opened.session)
+    in_files = names_in_files(opened.session, opened.whole)
     return {name: title for title, name in in_files.items()}
 
 
@@ -505,13 +506,6 @@ def _n_boxes(dataset: Dataset, called: Mapping[str, str]) -> dict[tuple[str, str
         keys = ((source, names[number]) for number in numbers)
         n_boxes |= dict(zip(keys, counts.tolist(), strict=True))
     return n_boxes
-
-
-def _in_files(dataset: Dataset, session: Session) -> dict[str, str]:
-    """Return the names of recordings in the files, by their names on the pages."""
-    names = dataset.recordings["name"].tolist()
-    entries = session.entries(names)
-    return {name: entries[name].name if name in entries else name for name in names}
 
 
 def _named_after(source: SystemSource, folder: Path, recording: str, *, slot: str) -> SystemSource:

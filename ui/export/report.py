@@ -19,13 +19,13 @@ from nvcore.tables.columns import report_columns
 from nvcore.wording import listed
 from ui.export.session import (
     inputs_beside,
-    names_in_files,
     portable_session,
     public_findings,
     with_public_names,
 )
 from ui.jobs.page_run import is_uploaded
 from ui.session import state
+from ui.session.opening import names_in_files
 from ui.session.results import input_findings
 from ui.shell.messages import path_remover, shown_root
 from ui.subjects import MadeFile, contributed
@@ -99,7 +99,7 @@ def _report(result: Result, remove_paths: Callable[[object], str]) -> _Report:
     portable = portable_session(
         session,
         is_upload=is_uploaded(state.workspace(), session),
-        recordings=names_in_files(session, state.opened().whole),
+        recordings=names_in_files(session, state.opened().whole).values(),
         root=shown_root(),
     )
     return _Report(

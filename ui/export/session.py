@@ -15,7 +15,6 @@ from pathlib import Path, PurePosixPath
 from typing import Final
 
 from nvcore.comparison import Result
-from nvcore.dataset import Dataset
 from nvcore.file_kinds import unpacked_name
 from nvcore.findings import Finding
 from nvcore.inputs.facts import paths_in
@@ -86,13 +85,6 @@ def public_findings(
         )
         for finding in findings
     )
-
-
-def names_in_files(session: Session, whole: Dataset) -> list[str]:
-    """Names of the recordings as the files have them, where they are called otherwise now."""
-    names = whole.recordings["name"].tolist()
-    entries = session.entries(names)
-    return [entries[name].name if name in entries else name for name in names]
 
 
 def with_public_names(result: Result, public: Callable[[object], str]) -> Result:

@@ -87,6 +87,13 @@ def recording_names(session: Session) -> list[str]:
     return names
 
 
+def names_in_files(session: Session, whole: Dataset) -> dict[str, str]:
+    """Return the names of recordings in the files, by their names on the pages."""
+    names = whole.recordings["name"].tolist()
+    entries = session.entries(names)
+    return {name: entries[name].name if name in entries else name for name in names}
+
+
 def load_for(space: Workspace, session: Session) -> Dataset:
     """Load a session within the server's limits.
 
