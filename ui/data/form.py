@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -202,15 +202,21 @@ class _Fields:
         for number in range(len(titles), n_systems):
             letter = {0: " (X)", 1: " (Y)"}.get(number, "")
             titles.append(f"system {number + 1}{letter}")
-        against = truth.check if self.opened is None else self._open_truth(truth)
+
+        @cache  # reading the ground truth takes long, and only chosen files need it
+        def against() -> FileCheck | None:
+            return truth.check if self.opened is None else self._open_truth(truth)
+
         systems = []
         for number, title in enumerate(titles):
             label = f"Detections of {plain(title)}"
             source = now[number] if number < len(now) else None
             system = self.draw_source(f"system_{number}", title, label, "detections", source)
             with system.below:
-                check = self._check(system, against)
-                draw_file_check(check, against)
+                check = None
+                if not system.chosen.is_empty:
+                    check = self._check(system, against())
+                    draw_file_check(check, against())
             systems.append(replace(system, check=check))
         if self.purpose != "replace":
             st.button(
