@@ -73,7 +73,7 @@ def draw_form(place: Place) -> None:
         "These files", PURPOSES, chosen_purpose.key, on_change=changed, help=PURPOSE_HELP
     )
     opened = None if purpose == "new" else state.opened()
-    place.section = "" if opened is None else f"change_{state.workspace().n_opened}_"
+    place.begin("" if opened is None else f"change_{state.workspace().n_opened}_")
     objects = draw_objects(place.name, changed) if opened is None else opened.dataset.objects
     form_fields = _Fields(place, purpose, opened, objects, changed)
     truth = form_fields.draw_source(

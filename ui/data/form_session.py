@@ -87,13 +87,16 @@ class Place(Protocol):
         Name of the form, with which the keys of its widgets begin.
     label
         Name of what is opened.
-    section
-        Part of the keys of fields. Each purpose and each open comparison has its own.
     """
 
     name: str
     label: str
-    section: str
+
+    def begin(self, section: str) -> None:
+        """Begin a section, whose name is part of the keys of its fields.
+
+        Each purpose and each open comparison has its own. Call this before any field is drawn.
+        """
 
     def key(self, slot: str) -> str:
         """Return the key of a field."""

@@ -41,6 +41,10 @@ class LocalFiles:
     name: str = PLACE
     section: str = ""
 
+    def begin(self, section: str) -> None:
+        """Begin a section of the form."""
+        self.section = section
+
     def key(self, slot: str) -> str:
         """Return the key of a field."""
         return f"{PLACE}_{self.section}{slot}"

@@ -51,6 +51,15 @@ class Uploaded:
         return not self.chosen.trouble and all(path.exists() for path in paths)
 
 
+@dataclass(frozen=True)
+class OpenedFrom:
+    """Section of the form that files were opened from last, its fields with files, and theirs."""
+
+    section: str
+    keys: tuple[str, ...]
+    ids: tuple[str, ...]
+
+
 @dataclass
 class Uploads:
     """Uploaded files of the form that is being filled in."""
@@ -59,12 +68,27 @@ class Uploads:
     name: str = PLACE
     label: str = "Uploaded files"
     section: str = ""
-    files: list[UploadedFile] = field(default_factory=list)
+    files: dict[str, list[UploadedFile]] = field(default_factory=dict)
+    """The files of each field, by its key."""
 
     @property
-    def ids(self) -> tuple[str, ...]:
-        """Identify the content of all files."""
-        return tuple(file.file_id for file in self.files)
+    def all_files(self) -> list[UploadedFile]:
+        """The files of all fields."""
+        return [file for files in self.files.values() for file in files]
+
+    def begin(self, section: str) -> None:
+        """Begin a section, with a new form if what was opened from the last one is gone from it.
+
+        That is known before a field is drawn: a field that is drawn anew loses its files.
+        """
+        self.section = section
+        opened: OpenedFrom | None = self.space.notes.get(_OPENED)
+        if opened is not None and (
+            opened.section != section
+            or not any(store.widget(key, None).get() for key in opened.keys)
+        ):
+            self.space.notes.pop(_OPENED)
+            begin_form(self.space)
 
     def key(self, slot: str) -> str:
         """Return the key of a field. Each form has its own."""
@@ -86,12 +110,12 @@ class Uploads:
             args=(PLACE,),
         )
         files = sent if isinstance(sent, list) else [] if sent is None else [sent]
-        self.files += files
+        self.files[key] = files
         with st.container():  # spinners go here: fields below keep their place, and their files
             return self._stored(slot, key, files)
 
     def _stored(self, slot: str, key: str, files: Sequence[UploadedFile]) -> Chosen:
-        uploaded, ids = store.UPLOADED.of(key), tuple(file.file_id for file in files)
+        uploaded, ids = store.UPLOADED.of(key), _ids(files)
         before = uploaded.get()
         if before is not None and before.ids == ids and before.is_there:
             return before.chosen
@@ -110,8 +134,7 @@ class Uploads:
             return Chosen(self.space.folder, trouble=error_text(error))
         n_own = 1 + len(ANNOTATION_FOLDERS.parts)
         known_as = tuple("/".join(path.split("/")[n_own:]) for path in paths)
-        ids = tuple(file.file_id for file in files)
-        return Chosen(folder, paths, known_as=known_as, content=ids)
+        return Chosen(folder, paths, known_as=known_as, content=_ids(files))
 
     def content(self, chosen: Chosen, _source: Source, _role: Role) -> Hashable:
         """Identify the content of a field's files."""
@@ -141,7 +164,8 @@ class Uploads:
 
     def take(self) -> None:
         """Remember that the files are being opened."""
-        self.space.notes[_OPENED] = self.ids
+        keys = tuple(key for key, files in self.files.items() if files)
+        self.space.notes[_OPENED] = OpenedFrom(self.section, keys, _ids(self.all_files))
         self.space.notes.pop(_CHOSEN, None)
 
 
@@ -155,8 +179,13 @@ def draw() -> None:
     draw_form(uploads)
     with lost:
         _tell_lost(uploads)
-    if uploads.files or sent_pictures(space):
+    if uploads.all_files or sent_pictures(space):
         st.button("Empty the form", key="empty_upload", on_click=_empty, args=(space,))
+
+
+def _ids(files: Sequence[UploadedFile]) -> tuple[str, ...]:
+    """Identify the content of files."""
+    return tuple(file.file_id for file in files)
 
 
 def has_lost(space: Workspace) -> bool:
@@ -173,18 +202,13 @@ def _empty(space: Workspace) -> None:
 
 
 def _tell_lost(uploads: Uploads) -> None:
-    """Say which chosen files a reload has dropped: browsers do not give them back.
-
-    A form that is empty after something was opened from it is a new one.
-    """
-    notes = uploads.space.notes
-    if uploads.files:
+    """Say which chosen files a reload has dropped: browsers do not give them back."""
+    notes, files = uploads.space.notes, uploads.all_files
+    if files:
         store.UPLOAD_CHOSEN.set(True)
-        if notes.get(_OPENED) != uploads.ids:
-            notes[_CHOSEN] = [file.name for file in uploads.files]
-    elif notes.pop(_OPENED, None) is not None:  # what was sent then has been opened
-        begin_form(uploads.space)
-        st.rerun()
+        opened: OpenedFrom | None = notes.get(_OPENED)
+        if opened is None or opened.ids != _ids(files):
+            notes[_CHOSEN] = [file.name for file in files]
     elif store.UPLOAD_CHOSEN.get():
         notes.pop(_CHOSEN, None)
     elif lost := notes.get(_CHOSEN):
