@@ -12,7 +12,6 @@ Last comes what it costs in accuracy to make every other scale's channels from t
 from __future__ import annotations
 
 import argparse
-import os
 import statistics
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -28,8 +27,8 @@ from nvcore.detectors.icf.channels import channel_planes, integral_images, level
 from nvcore.detectors.suppression import suppress
 from scripts.detectors.sign_data import TESTED, held_out, read_crops, read_scenes
 from scripts.detectors.sign_data import SignScenes as SignScenes
+from scripts.realdata import realdata
 
-ROOT = Path(__file__).resolve().parents[1]
 TREES = (64, 256, 686)
 """The report's detector has 686 trees."""
 
@@ -190,8 +189,8 @@ def main() -> None:
     parser.add_argument("--models", type=Path, default=Path())
     parser.add_argument("--pictures", type=int, default=10)
     options = parser.parse_args()
-    realdata = Path(os.environ.get("NVCORE_REALDATA", ROOT.parent / "shared" / "realdata"))
-    scenes = read_scenes(realdata / "gtsdb" / "train")
+    folder = realdata()
+    scenes = read_scenes(folder / "gtsdb" / "train")
     scenes = [scene for scene in scenes if scene.number % 4 == TESTED][: options.pictures]
     reading = []
     decoded = []
@@ -202,7 +201,7 @@ def main() -> None:
     print(f"decoding a scene: {1000 * statistics.median(reading):.0f} ms")
     for grid in GRIDS:
         pictures = [cv2.resize(picture, grid.size) for picture in decoded]
-        detector = trained(grid, options.models, realdata)
+        detector = trained(grid, options.models, folder)
         measure(grid, detector, pictures)
         show_approximation(detector, pictures)
 

@@ -3,7 +3,7 @@
     python -m scripts.contact_in_metres [--write]
 
 Prints "Time to contact" of docs/validation.md; with `--write` it writes that and the picture (which
-takes Chromium). The recordings are those in `$NVCORE_REALDATA` (default: `../shared/realdata`).
+takes Chromium). The recordings are those in `$NVCORE_REALDATA`.
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ from nvcore.params import Params
 from nvcore.time_left.judging import KMH, find_urgent, measure_contact
 from nvcore.time_left.kinds import Urgency
 from nvcore.time_left.steps import time_left_in
+from scripts.realdata import realdata
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "validation.md"
@@ -357,8 +358,8 @@ def main() -> None:
     )
     parser.add_argument("--write", action="store_true")
     options = parser.parse_args()
-    realdata = Path(os.environ.get("NVCORE_REALDATA", ROOT.parent / "shared" / "realdata"))
-    result = compare(load_kitti(realdata), Params())
+    folder = realdata()
+    result = compare(load_kitti(folder), Params())
     boxes = measure_boxes(result)
     text = section_of(result, boxes)
     print(text)

@@ -10,7 +10,6 @@ tables between their marks in docs/driver-reference.md. Less than a minute on tw
 from __future__ import annotations
 
 import argparse
-import os
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
@@ -25,6 +24,7 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source
 from nvcore.pictures.images import decode_image, file_bytes
 from nvcore.wording import number
+from scripts.realdata import realdata
 
 ROOT: Final = Path(__file__).resolve().parents[1]
 PAGE: Final = ROOT / "docs" / "driver-reference.md"
@@ -167,8 +167,8 @@ def main() -> None:
     )
     parser.add_argument("--write", action="store_true")
     options = parser.parse_args()
-    realdata = Path(os.environ.get("NVCORE_REALDATA", ROOT.parent / "shared" / "realdata"))
-    body = text(realdata)
+    folder = realdata()
+    body = text(folder)
     print(body)
     if options.write:
         begin, end = MARKS

@@ -12,8 +12,8 @@ only file names and the facts that `scripts/facts.py` tells from prose. Commands
 are the same and named, as nothing but their message was compared. Exit code 0: all the same,
 1: something differs, 2: it cannot be run.
 
-The real recordings are those in `$NVCORE_REALDATA` (default: `../shared/realdata` beside the newer
-checkout); without them only sessions of the sample are compared. `--keep DIR` keeps what was
+The real recordings are those in `$NVCORE_REALDATA`; without them only sessions of the sample are
+compared. `--keep DIR` keeps what was
 written; that of the older checkout is used again while its commit and the commands stay the same.
 """
 
@@ -308,7 +308,7 @@ def main() -> int:
         if not (checkout / ".venv" / "bin" / "nvcore").is_file():
             print(f"{checkout}: has no .venv/bin/nvcore; run make run in it once", file=sys.stderr)
             return 2
-    realdata = Path(os.environ.get("NVCORE_REALDATA", new.parent / "shared" / "realdata")).resolve()
+    realdata = Path(os.environ.get("NVCORE_REALDATA") or "realdata").resolve()
     comparisons: Sequence[Comparison] = COMPARISONS
     if not realdata.is_dir():
         print(f"no real recordings in {realdata}: sessions of the sample only; set NVCORE_REALDATA")

@@ -12,8 +12,6 @@ from published import load_kaist
 
 from nvcore.dataset import Dataset
 
-ROOT = Path(__file__).resolve().parent.parent
-
 # a busy machine is no fault of the code: how long an example takes is not judged
 settings.register_profile("steady", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("steady")
@@ -22,10 +20,10 @@ settings.load_profile("steady")
 @pytest.fixture(scope="session")
 def realdata() -> Path:
     """Folder of the real recordings; tests that need it are skipped where it is absent."""
-    folder = Path(os.environ.get("NVCORE_REALDATA") or ROOT.parent / "shared" / "realdata")
-    if not folder.is_dir():
-        pytest.skip(f"real recordings not found in {folder}; set NVCORE_REALDATA")
-    return folder
+    folder = os.environ.get("NVCORE_REALDATA", "")
+    if not folder or not Path(folder).is_dir():
+        pytest.skip(f"no real recordings in {folder!r}: set NVCORE_REALDATA to their folder")
+    return Path(folder).resolve()
 
 
 @pytest.fixture(scope="session")

@@ -10,9 +10,7 @@ setting has the highest mean of the three shares (three minutes on a free core).
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Final
 from unittest.mock import patch
 
@@ -32,7 +30,7 @@ from scripts.detectors.sign_data import (
 from scripts.detectors.sign_examples import examples
 from scripts.detectors.sign_measures import SEED
 from scripts.detectors.sign_reading import MOVED, Boxes, moved
-from scripts.detectors.train_signs import ROOT
+from scripts.realdata import realdata
 
 EVERY: Final = 4
 VARIANTS: Final = [
@@ -72,8 +70,8 @@ def of_scenes(scenes: Sequence[SignScene]) -> Boxes:
 
 def main() -> None:
     """Train and read with each variant."""
-    realdata = Path(os.environ.get("NVCORE_REALDATA", ROOT.parent / "shared" / "realdata"))
-    of_training = examples(realdata, choosing=True)
+    folder = realdata()
+    of_training = examples(folder, choosing=True)
     limits = [crop for crop in of_training.crops if crop.is_speed_limit]
     aside = limits[::EVERY]
     names = {crop.path.name for crop in aside}
@@ -81,7 +79,7 @@ def main() -> None:
         [scene for scene in of_training.scenes if scene.limits],
         [crop for crop in limits if crop.path.name not in names],
     )
-    scenes = read_scenes(realdata / "gtsdb" / "train")
+    scenes = read_scenes(folder / "gtsdb" / "train")
     choosing = [scene for scene in scenes if scene.number % 4 == CHOOSING]
     print(f"{len(learned)} pictures to learn from, {len(aside)} crops put aside")
     for variant in VARIANTS:

@@ -11,7 +11,6 @@ as for `scripts.detectors.train_signs`.
 from __future__ import annotations
 
 import argparse
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -23,7 +22,8 @@ from nvcore.detectors.icf import AS_IN_REPORT, SIGNS, IcfDetector, IcfSettings
 from scripts.detectors.sign_data import CHOOSING, SignScene, read_scenes
 from scripts.detectors.sign_examples import Examples, examples, train_signs
 from scripts.detectors.sign_measures import Measured, measure
-from scripts.detectors.train_signs import LOWEST, ROOT
+from scripts.detectors.train_signs import LOWEST
+from scripts.realdata import realdata
 
 BASE: Final = replace(
     SIGNS,
@@ -171,10 +171,10 @@ def main() -> None:
     )
     parser.add_argument("--out", type=Path)
     options = parser.parse_args()
-    realdata = Path(os.environ.get("NVCORE_REALDATA", ROOT.parent / "shared" / "realdata"))
-    every = examples(realdata, choosing=True)
+    folder = realdata()
+    every = examples(folder, choosing=True)
     of = replace(every, scenes=every.scenes[::2], crops=every.crops[::2])
-    scenes = read_scenes(realdata / "gtsdb" / "train")
+    scenes = read_scenes(folder / "gtsdb" / "train")
     table = ablation(of, [scene for scene in scenes if scene.number % 4 == CHOOSING])
     if options.out is not None:
         begin, end = SECTION

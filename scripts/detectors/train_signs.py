@@ -6,14 +6,13 @@ Trains on the scenes and crops of `sign_data.py` (some ten minutes on two free c
 model, and the names of what was left out because it resembles a sign of a test scene: crops,
 and with `--strict` scenes, too. `--evaluate` only measures a model that is there, `--reader` only
 trains and measures what reads the limit in a box (half a minute), and puts it into a model that is
-there. The data are those in `$NVCORE_REALDATA` (default: `../shared/realdata`); their licence is
+there. The data are those in `$NVCORE_REALDATA`; their licence is
 for research, so that models of them do not ship.
 """
 
 from __future__ import annotations
 
 import argparse
-import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,8 +21,8 @@ from scripts.detectors.sign_data import CHOOSING, TESTED, held_out, read_crops, 
 from scripts.detectors.sign_examples import examples, train_signs
 from scripts.detectors.sign_measures import LEAST_PX, measure, rejected
 from scripts.detectors.sign_reading import reading_in_truth, train_reader
+from scripts.realdata import realdata
 
-ROOT = Path(__file__).resolve().parents[2]
 LOWEST = -1e6
 """A threshold that every window passes which the cascade lets through."""
 
@@ -51,15 +50,15 @@ def main() -> None:
     )
     parser.add_argument("--preset", choices=PRESETS, default="signs", help="settings to train with")
     options = parser.parse_args()
-    realdata = Path(os.environ.get("NVCORE_REALDATA", ROOT.parent / "shared" / "realdata"))
+    folder = realdata()
     if options.reader:
-        reader = train_reader(realdata)
+        reader = train_reader(folder)
         if options.model.is_file():
             write_model(replace(read_model(options.model).model, classifier=reader), options.model)
-        print(*reading_in_truth(realdata, reader), sep="\n")
+        print(*reading_in_truth(folder, reader), sep="\n")
         return
     if not options.evaluate:
-        of = examples(realdata, choosing=options.choosing, strict=options.strict)
+        of = examples(folder, choosing=options.choosing, strict=options.strict)
         model = train_signs(of, PRESETS[options.preset])
         write_model(model, options.model)
         options.left_out.write_text("".join(f"{name}\n" for name in sorted(of.alike)))
@@ -67,19 +66,19 @@ def main() -> None:
               f"{options.left_out}")  # fmt: skip
         print(f"{model.n_objects} windows of objects, {model.n_background} of background")
     detector = read_model(options.model).run_with(threshold=LOWEST)
-    scenes = read_scenes(realdata / "gtsdb" / "train")
+    scenes = read_scenes(folder / "gtsdb" / "train")
     if options.choosing:
         chosen = [scene for scene in scenes if scene.number % 4 == CHOOSING]
         print("for choosing settings:", measure(chosen, detector))
         return
     tested = [scene for scene in scenes if scene.number % 4 == TESTED]
     print(f"signs of {LEAST_PX} px and more:", measure(tested, detector))
-    print("as in the report:", measure(read_scenes(realdata / "gtsdb" / "report"), detector))
-    _, crops = held_out(read_crops(realdata / "gtsrb"))
+    print("as in the report:", measure(read_scenes(folder / "gtsdb" / "report"), detector))
+    _, crops = held_out(read_crops(folder / "gtsrb"))
     print(f"rejected of {len(crops)} crops held out: {rejected(crops, detector)}")
     reader = detector.model.classifier
     if reader is not None:
-        print(*reading_in_truth(realdata, reader), sep="\n")
+        print(*reading_in_truth(folder, reader), sep="\n")
 
 
 if __name__ == "__main__":

@@ -71,13 +71,12 @@ def make_workers(store: Path) -> ProcessPoolExecutor:
 def start_worker(copies: Any) -> None:
     """Take a copy, import what is large.
 
-    Tests run plain Python, their copy's modules, on the recordings of the checkout.
+    Tests run plain Python, their copy's modules, on the recordings of `$NVCORE_REALDATA`.
     """
     global tree
     tree = copies.get()
     os.environ["NUMBA_DISABLE_JIT"] = "1"
     os.environ["PYTHONPATH"] = str(tree)
-    os.environ.setdefault("NVCORE_REALDATA", str(ROOT.parent / "shared" / "realdata"))
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # what is compiled serves the next trials
     sys.dont_write_bytecode = False
     for name in LARGE:

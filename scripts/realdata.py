@@ -1,0 +1,20 @@
+"""Find the real recordings, which are not part of the project."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+
+def realdata() -> Path:
+    """Return the folder of the real recordings, `$NVCORE_REALDATA`.
+
+    Raises
+    ------
+    SystemExit
+        If it is not set, or there is no such folder.
+    """
+    folder = os.environ.get("NVCORE_REALDATA", "")
+    if not folder or not Path(folder).is_dir():
+        raise SystemExit(f"no real recordings in {folder!r}: set NVCORE_REALDATA to their folder")
+    return Path(folder).resolve()
