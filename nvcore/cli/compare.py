@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from nvcore.report.files import TableFormat
 
 AT_EQUAL_ALARMS = "all numbers at equal false alarms: --operating-point equal-alarms"
-KEEPING = {"session_file", "out", "tables", "matches", "full", "as_json", "strict"}
+KEEPING = {"session_file", "out", "tables", "matches", "full", "plan", "as_json", "strict"}
 """Options that do not affect any number."""
 LONGEST_NAME = 70
 """Maximum length of a session file's path in a suggested command, in characters."""
@@ -86,6 +86,12 @@ MAX_CONVERSION = 160
     "and the verdict with its reasons.",
 )
 @grouped_option(
+    OUTPUT,
+    "--plan",
+    is_flag=True,
+    help="Plan how many recordings would show a difference, as nvcore plan does. Takes seconds.",
+)
+@grouped_option(
     OUTPUT, "--json", "as_json", is_flag=True, help="Print summary.json, not the scorecard."
 )
 @strict_option
@@ -96,6 +102,7 @@ def compare(
     tables: TableFormat | None,
     matches: bool,
     full: bool,
+    plan: bool,
     as_json: bool,
     strict: bool,
     **options: Any,
@@ -137,8 +144,12 @@ def compare(
         if as_json:
             text = summary_json(result)
         else:
-            conclusion = planned_verdict(result, findings, session.protocol)
-            next_steps = _next_steps(options["session_file"], out, is_full=full)
+            name = _session_name(options["session_file"], out)
+            plan_command = "" if plan else f"{program()} plan {name or 'SESSION_FILE'}"
+            conclusion = planned_verdict(
+                result, findings, session.protocol, plan_command=plan_command
+            )
+            next_steps = _next_steps(name, is_full=full)
             if full:
                 text = "\n".join([render_scorecard(result, conclusion), "", *next_steps])
             else:
@@ -162,10 +173,9 @@ def compare(
     exit_on_findings(findings, strict)
 
 
-def _next_steps(session_file: Path | None, out: Path | None, *, is_full: bool) -> list[str]:
-    """Return suggestions of commands that show more, each with its purpose."""
+def _session_name(session_file: Path | None, out: Path | None) -> str:
+    """Name the session file with these inputs and settings as an argument, if there is one."""
     from nvcore.report.files import SESSION_FILE
-    from nvcore.report.terminal import WIDTH
 
     context = click.get_current_context()
     given = {
@@ -174,14 +184,20 @@ def _next_steps(session_file: Path | None, out: Path | None, *, is_full: bool) -
         if context.get_parameter_source(name) is ParameterSource.COMMANDLINE
     }
     file = out / SESSION_FILE if out else None if given - KEEPING else session_file
-    name = "SESSION_FILE" if file is None else shlex.quote(one_line(str(file)))
-    name = name if len(name) <= LONGEST_NAME else "SESSION_FILE"
+    name = "" if file is None else shlex.quote(one_line(str(file)))
+    return name if len(name) <= LONGEST_NAME else "SESSION_FILE"
+
+
+def _next_steps(name: str, *, is_full: bool) -> list[str]:
+    """Return suggestions of commands that show more of a session file, each with its purpose."""
+    from nvcore.report.terminal import WIDTH
+
     steps = [
         (f"{program()} compare {name} --full", "all findings, measures and reasons"),
         (f"{program()} app {name}", "these moments with boxes, in the dashboard"),
         (f"{program()} report {name}", "all of it as one HTML file"),
     ]
-    if file is None:
+    if not name:
         steps = [("add --full", steps[0][1]), ("add --out DIR", "tables, and a session file")]
     steps = steps[is_full:]
     lines = [f"  {step}  # {shown}" for step, shown in steps]

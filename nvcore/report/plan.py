@@ -15,7 +15,7 @@ from nvcore.evidence.companions import Companions
 from nvcore.evidence.measures import evidence_of, primary_of
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
-from nvcore.evidence.planning.notes import ASSUMPTIONS, QUESTION, notes_for_verdict
+from nvcore.evidence.planning.notes import ASSUMPTIONS, QUESTION, excluded, notes_for_verdict
 from nvcore.evidence.planning.plan import Plan, plan_recordings
 from nvcore.evidence.table import judge_both
 from nvcore.findings import Finding
@@ -33,6 +33,7 @@ def verdict_plan(
     companions: Companions | None,
     *,
     plans: Mapping[str, Plan] | None = None,
+    command: str = "",
 ) -> tuple[Note, ...]:
     """Plan how many recordings would show a difference in the primary measure.
 
@@ -47,6 +48,8 @@ def verdict_plan(
         `nvcore.evidence.companions.find_companions` of the result.
     plans
         Plans of the result for differences as found, by key, if already computed.
+    command
+        Name this command, which plans, instead of planning: that takes seconds.
     """
     key, basis = primary_of(result.dataset).key, result
     if are_unequal(result):
@@ -56,6 +59,8 @@ def verdict_plan(
     row = None if evidence is None else evidence_of(evidence, key)
     if row is None or row.p_corrected <= SIGNIFICANT:
         return ()
+    if command:
+        return excluded(row), Note("plan.command", command=command)
     plan = (plans or {}).get(key) if basis is result else None
     plan = plan or plan_recordings(basis, PlanArguments(measure=key), evidence=row)
     return notes_for_verdict(plan)
@@ -65,6 +70,8 @@ def planned_verdict(
     result: Result,
     findings: Sequence[Finding] = (),
     protocol: Protocol = PROTOCOLS["all"],
+    *,
+    plan_command: str = "",
 ) -> Verdict:
     """Compute the verdict with its tests, comparisons at equal false alarms, and a study plan.
 
@@ -74,9 +81,11 @@ def planned_verdict(
         Findings of the audit. The verdict names those that affect it.
     protocol
         Selection of the pedestrians for the detection measures.
+    plan_command
+        Command that plans, to be named in place of a plan.
     """
     evidence, companions = judge_both(result, protocol)
-    plan = verdict_plan(result, evidence, companions)
+    plan = verdict_plan(result, evidence, companions, command=plan_command)
     return verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
 
 
