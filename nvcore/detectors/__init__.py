@@ -1,4 +1,4 @@
-"""Detectors that are trained or run here: pictures in, boxes with scores out."""
+"""Detectors that are trained or run by nvcore: pictures in, scored boxes out."""
 
 from nvcore.subjects import Subject
 

@@ -1,4 +1,4 @@
-"""What detectors are run and trained with: the arguments of `nvcore.detect` and `nvcore.train`."""
+"""Arguments of `nvcore.detect` and `nvcore.train`."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _PathTo: Final = click.Path(exists=True, file_okay=False, path_type=Path)
 
 @arguments
 class DetectArguments(Part):
-    """See `nvcore.detect`."""
+    """Arguments of a detector run. See `nvcore.detect`."""
 
     source: PathLike | Session | Dataset
     detector: PathLike = argument(
@@ -102,7 +102,7 @@ class DetectArguments(Part):
 
 @arguments
 class TrainArguments(Part):
-    """See `nvcore.train`; raises ParameterError where a value is not possible."""
+    """Arguments of a training. See `nvcore.train`. Raise ParameterError for impossible values."""
 
     source: PathLike | Session | Dataset | None
     out: PathLike = argument(

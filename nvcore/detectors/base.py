@@ -1,4 +1,4 @@
-"""What every detector offers, whatever it is made of: a picture in, boxes with scores out."""
+"""Interface of all detectors: a picture in, scored boxes out."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ _here = threading.local()
 
 
 class DetectorError(InputError):
-    """A detector, its model or its settings cannot be used."""
+    """Error for a detector, a model or a setting that cannot be used."""
 
 
 @dataclass(frozen=True)
 class Detections:
-    """Boxes in one picture, the most confident first.
+    """Boxes in one picture, in descending order of confidence.
 
     Attributes
     ----------
     x, y, w, h
         Left, top, width, height in pixels of the picture, float64, shape (n,).
     score
-        Confidence, float64, shape (n,); its scale is the detector's own.
+        Confidence, float64, shape (n,). Its scale depends on the detector.
     label
-        What each box is, one of the detector's `labels`, object, shape (n,); None: the detector
-        knows one kind of object.
+        Class of each box, one of the detector's `labels`, object, shape (n,). None if the detector
+        knows one kind of object only.
     """
 
     x: NDArray[np.float64]
@@ -52,12 +52,12 @@ class Detections:
 
 
 class Detector(Protocol):
-    """A detector that is ready to run; any thread may use it."""
+    """Detector that is ready to run. It is safe to use from any thread."""
 
     about: About
 
     def detect(self, picture: Picture) -> Detections:
-        """Boxes in one picture.
+        """Return the boxes in one picture.
 
         Parameters
         ----------
@@ -73,7 +73,7 @@ class Detector(Protocol):
 
 
 def to_8_bits(picture: Picture, *, always: bool = False) -> NDArray[np.uint8]:
-    """The picture with grey levels of 8 bits, as the dashboard shows it.
+    """Return the picture with 8-bit grey levels, as the dashboard shows it.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def to_8_bits(picture: Picture, *, always: bool = False) -> NDArray[np.uint8]:
         uint8 or uint16; 16 bits are stretched between the 0.5th and the 99.8th percentile, so that
         one hot pixel does not darken all others.
     always
-        Whether 8 bits are stretched, too; else they stay as they are.
+        Also stretch 8-bit pictures. By default they stay as they are.
     """
     if picture.dtype == np.uint8 and not always:
         return np.asarray(picture, np.uint8)
@@ -89,13 +89,13 @@ def to_8_bits(picture: Picture, *, always: bool = False) -> NDArray[np.uint8]:
 
 
 def one_for_a_picture() -> None:
-    """From now on what this thread begins takes no further thread: others work beside it."""
+    """Limit work started by this thread to one thread, as others process pictures in parallel."""
     _here.is_shared = True
 
 
 def threads_for_a_picture() -> int:
-    """How many threads the work on a picture may take that this thread begins.
+    """Return how many threads the work on one picture may use.
 
-    All cores if the picture is alone, one where others are beside it.
+    All cores if this thread has the machine to itself, one if others work on pictures in parallel.
     """
     return 1 if getattr(_here, "is_shared", False) else os.cpu_count() or 1

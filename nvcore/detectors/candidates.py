@@ -1,10 +1,10 @@
-"""Boxes of a picture before threshold and suppression, so that both can be moved at once.
+"""Boxes of a picture before threshold and suppression, so that sliders can change both at once.
 
     boxes = candidates(open_loosened("hog", {"upscale": 2}), picture)
     shown = only(boxes, counting(boxes, about, threshold=0.4, overlap=0.5))
 
-Greedy suppression begins with the most confident box: a box below the threshold never suppresses
-one above it. So the boxes that count are those that the detector gives with these settings.
+Greedy suppression starts with the most confident box: a box below the threshold never suppresses
+one above it. Filtering the candidates therefore gives the detector's own boxes at these settings.
 """
 
 from __future__ import annotations
@@ -26,17 +26,19 @@ if TYPE_CHECKING:
     from nvcore.detectors.icf.detector import IcfDetector
 
 MOST: Final = 2000
-"""Boxes of a picture that are kept, the most confident ones."""
+"""Maximum number of candidates per picture. The most confident ones are kept."""
 
 
 def open_loosened(text: str | Path, settings: Mapping[str, Setting] | None = None) -> Detector:
-    """The detector that drops and suppresses no box; see `open_detector`."""
+    """Open a detector with settings that drop and suppress no box. See `open_detector`."""
     return open_detector(text, {**(settings or {}), **kind_named(text).loosest})
 
 
 def candidates(detector: Detector, picture: Picture, *, most: int = MOST) -> Detections:
-    """The most confident boxes of a detector that `open_loosened` opened; errors as `detect`."""
-    if detector.about.kind == "icf":  # classes do not suppress: it reads them of what is left
+    """Return the most confident boxes of a detector of `open_loosened`. Errors as for `detect`."""
+    if (
+        detector.about.kind == "icf"
+    ):  # ICF suppresses boxes regardless of class, then classifies the remaining ones
         icf = cast("IcfDetector", detector)
         boxes = icf.candidates(icf.score_maps(picture))
     else:
@@ -47,18 +49,18 @@ def candidates(detector: Detector, picture: Picture, *, most: int = MOST) -> Det
 def counting(
     boxes: Detections, about: About, *, threshold: float, overlap: float
 ) -> NDArray[np.bool_]:
-    """Which candidates the detector would give, bool, shape (n,).
+    """Return a mask of the candidates that the detector would report, bool, shape (n,).
 
     Parameters
     ----------
     boxes
         The most confident first.
     about
-        The detector: how it measures overlap.
+        Facts about the detector. Its settings say how overlap is measured.
     threshold
         Lowest score.
     overlap
-        The detector's setting of that name.
+        Setting `overlap` of the detector.
     """
     is_above: NDArray[np.bool_] = boxes.score >= threshold
     above = only(boxes, is_above)
@@ -69,6 +71,6 @@ def counting(
 
 
 def usual_threshold(about: About) -> float:
-    """The score from which on a detector's boxes count, unless the user gives another."""
+    """Return the score threshold that applies unless the user gives another."""
     own = about.settings[DETECTORS[about.kind].threshold]
     return float(own if about.threshold is None else about.threshold)  # type: ignore[arg-type]

@@ -1,6 +1,6 @@
-"""What is in a box: gradients in cells, and one linear model for all classes.
+"""Classifier for the content of a box: gradient histograms and one linear model for all classes.
 
-The boxes are a detector's; which limit a sign shows is asked of its content afterwards.
+A detector finds the boxes. The classifier then reads, for example, the limit on a speed sign.
 
 References
 ----------
@@ -27,29 +27,29 @@ Bytes = NDArray[np.uint8]
 Floats = NDArray[np.float64]
 
 SIDE: Final = 32
-"""Pixels to which a box is resized, both ways."""
+"""Side of the square to which the content of a box is resized, px."""
 _CELL: Final = 4
 _BINS: Final = 9
 N_VALUES: Final = ((SIDE // _CELL - 1) * 2) ** 2 * _BINS
 """Values of a descriptor: blocks of two by two cells, one cell apart."""
 MAX_CLASSES: Final = 100
 _COPIES: Final = 4
-"""Further pictures of each box of a training."""
+"""Number of additional, distorted copies of each training box."""
 _MOVED: Final = 0.08
-"""Share of its sides by which a copy's box is moved, and of its size by which it grows."""
+"""Maximum shift of a copy as a share of its sides, and maximum growth as a share of its size."""
 _LEAST_PX: Final = 16
-"""Copies are shrunk at random down to this height, so that small boxes are learned, too."""
+"""Minimum height of randomly shrunk copies, so that the model also learns small boxes."""
 _PENALTY: Final = 1e-4
-"""Of the squared weights, beside the mean logarithmic loss."""
+"""Factor of the squared weights in the loss, which is the mean log loss plus this penalty."""
 _STEPS: Final = 60
-"""Of the minimisation; more do not read more limits right."""
+"""Maximum number of minimisation steps. More steps do not improve the reading of limits."""
 _CLAHE_CLIP: Final = 4.0
 _TILES: Final = (2, 2)
 
 
 @dataclass(frozen=True, eq=False)
 class Classifier:
-    """A multinomial linear model of the descriptors of boxes.
+    """Multinomial linear model over the descriptors of boxes.
 
     Attributes
     ----------
@@ -63,14 +63,14 @@ class Classifier:
     weights: Floats
 
     def probabilities(self, picture: Picture, boxes: Floats) -> Floats:
-        """Probability of each class; float64, (n, n_classes), each row sums to 1.
+        """Return the probability of each class, float64, (n, n_classes). Each row sums to 1.
 
         Parameters
         ----------
         picture
             Grey (h, w) or RGB (h, w, 3), uint8 or uint16.
         boxes
-            Left, top, width, height, px; (n, 4). What lies outside the picture repeats its edge.
+            Left, top, width, height, px; (n, 4). Edge pixels are repeated outside the picture.
         """
         grey = to_grey(picture)
         values = describe([box_content(grey, box) for box in boxes])
@@ -78,7 +78,7 @@ class Classifier:
         return probabilities
 
     def labels(self, picture: Picture, detections: Detections) -> NDArray[np.object_]:
-        """The most probable class of each detection, of equal ones the first; object, (n,)."""
+        """Return the most probable class of each detection, object, (n,). The first wins ties."""
         boxes = np.stack([detections.x, detections.y, detections.w, detections.h], axis=1)
         best = self.probabilities(picture, boxes).argmax(axis=1)
         labels: NDArray[np.object_] = np.array(self.classes, dtype=object)[best]
@@ -88,25 +88,27 @@ class Classifier:
 def train_classifier(
     examples: Iterable[tuple[Picture, Floats, Sequence[str]]], *, seed: int = 0
 ) -> Classifier | None:
-    """Learn the classes of labelled boxes; the same examples and seed give the same classifier.
+    """Train a classifier on labelled boxes. Equal examples and seeds give equal classifiers.
 
-    Minimised by L-BFGS: the mean logarithmic loss, every class weighing the same, and a penalty of
-    the squared weights. So that boxes of a detector are classified as well, which do not fit
-    exactly, copies of each box are moved, resized and shrunk.
+    L-BFGS minimises the mean log loss, with equal total weight for every class, plus a penalty on
+    the squared weights. Boxes of a detector do not fit exactly, so each box is also learned in
+    copies that are shifted, resized and shrunk.
 
     Parameters
     ----------
     examples
-        Pictures, the boxes in each, (n, 4), and the class of each box; "" says none.
+        Pictures, the boxes in each, (n, 4), and the class of each box. "" marks a box without
+        class.
 
     Returns
     -------
-    None where the boxes are of fewer than two classes.
+    None if the boxes have fewer than two classes.
 
     Raises
     ------
     DetectorError
-        If there are more than `MAX_CLASSES`, or more or fewer classes than boxes in a picture.
+        If there are more than `MAX_CLASSES`, or the numbers of boxes and classes in a picture
+        differ.
     """
     rng = np.random.default_rng(seed)
     contents: list[Bytes] = []
@@ -133,18 +135,18 @@ def train_classifier(
 
 
 def to_grey(picture: Picture) -> Bytes:
-    """The picture in grey levels of 8 bits."""
+    """Convert a picture to 8-bit grey levels."""
     levels = to_8_bits(picture)
     return np.asarray(cv2.cvtColor(levels, cv2.COLOR_RGB2GRAY)) if levels.ndim == 3 else levels
 
 
 def box_content(grey: Bytes, box: Floats, shrunk_to: int = SIDE) -> Bytes:
-    """What is in a box, resized to `SIDE` both ways, its contrast equalised.
+    """Crop a box, resize it to `SIDE` x `SIDE` pixels and equalise its contrast.
 
     Parameters
     ----------
     shrunk_to
-        Pixels to which it is resized before, if these are fewer.
+        Side to which the content is shrunk first, px, if smaller than `SIDE`.
     """
     x, y, w, h = box
     left, top = int(np.floor(x + 0.5)), int(np.floor(y + 0.5))
@@ -162,17 +164,17 @@ def box_content(grey: Bytes, box: Floats, shrunk_to: int = SIDE) -> Bytes:
 
 
 def describe(contents: Sequence[Bytes]) -> Floats:
-    """Descriptors of boxes and a 1 after each; float64, (n, N_VALUES + 1)."""
+    """Return the descriptor of each box, followed by a 1, float64, (n, N_VALUES + 1)."""
     cell, block = (_CELL, _CELL), (2 * _CELL, 2 * _CELL)
     hog = cv2.HOGDescriptor((SIDE, SIDE), block, cell, cell, _BINS)
     values = np.ones((len(contents), N_VALUES + 1))
-    for row, content in enumerate(contents):  # a loop over calls of the library
+    for row, content in enumerate(contents):  # the loop calls OpenCV once per box
         values[row, :-1] = np.asarray(hog.compute(content)).ravel()
     return values
 
 
 def _copies(grey: Bytes, box: Floats, rng: np.random.Generator) -> list[Bytes]:
-    """The box moved, resized, and seen from farther away."""
+    """Return copies of a box: shifted, resized, and shrunk as if seen from farther away."""
     x, y, w, h = box
     contents = []
     for _ in range(_COPIES):
@@ -181,7 +183,9 @@ def _copies(grey: Bytes, box: Floats, rng: np.random.Generator) -> list[Bytes]:
         moved = np.array(
             [x + (w - wider) / 2 + dx * w, y + (h - higher) / 2 + dy * h, wider, higher]
         )
-        shrunk_to = int(rng.integers(_LEAST_PX, 2 * SIDE))  # from SIDE on, two in three: sharp
+        shrunk_to = int(
+            rng.integers(_LEAST_PX, 2 * SIDE)
+        )  # values from SIDE on, about two in three, leave the copy sharp
         contents.append(box_content(grey, moved, shrunk_to))
     return contents
 
@@ -193,13 +197,13 @@ def _resized(content: Bytes, side: int) -> Bytes:
 
 
 def _fit(values: Floats, code: NDArray[np.int64], n_classes: int) -> Floats:
-    """Weights of the least loss; float64, (n_values, n_classes)."""
-    narrow = values.astype(np.float32)  # products in half the time; what is summed stays wide
+    """Return the weights with minimum loss, float64, (n_values, n_classes)."""
+    narrow = values.astype(np.float32)  # float32 products take half the time; sums stay float64
     share = 1.0 / (n_classes * np.bincount(code, minlength=n_classes)[code])
     target = np.zeros((len(code), n_classes))
     target[np.arange(len(code)), code] = 1.0
     is_weight = np.ones((values.shape[1], 1))
-    is_weight[-1] = 0.0  # offsets are free
+    is_weight[-1] = 0.0  # offsets are not penalised
 
     def loss(flat: Floats) -> tuple[float, Floats]:
         weights = flat.reshape(values.shape[1], n_classes)

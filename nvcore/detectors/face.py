@@ -38,26 +38,24 @@ def detect(arguments: DetectArguments) -> WrittenRun:
 
     Parameters
     ----------
-    source
-        A session file, a session, or a dataset made by `load`: it names the pictures of each
-        recording, and need not name a system.
+    A session file, a session, or a dataset made by `load`. It names the pictures of each recording
+    and may have no system.
     settings
-        Of the detector, by name; ``nvcore models`` describes them.
+        Settings of the detector, by name. ``nvcore models`` describes them.
     progress
-        Called with the share done, and the time left in words. It may raise `CancelledError`:
-        nothing is then written.
+        Called with the share done, and the time left in words. It may raise `CancelledError`; then
+        nothing is written.
 
     Returns
     -------
     WrittenRun
-        ``.session`` is the file that `compare` takes; ``.run`` says what came out, and which frames
-        have no picture. ``print`` shows what the command prints.
+        ``.session`` is the file for `compare`. ``.run`` holds the boxes and the frames without a
+        picture. ``print`` shows what the command prints.
 
     Raises
     ------
-    InputError
-        If an input or the model cannot be used, an input would be replaced, or no evaluated frame
-        has a picture.
+    If an input or the model cannot be used, an output would replace an input, or no evaluated frame
+    has a picture.
     MissingFactError
         As `load`.
     MissingExtraError
@@ -74,14 +72,14 @@ def detect(arguments: DetectArguments) -> WrittenRun:
 
 @dataclass(frozen=True, eq=False)
 class DetectorJob:
-    """A run that is known to be possible, with open pictures.
+    """A validated run of a detector with open pictures, ready to start.
 
     Attributes
     ----------
     expect
-        Estimates its duration.
+        Estimates the duration of the run.
     cautions
-        Returns warnings that the detector was trained on some of the frames.
+        Returns warnings about frames that the detector was trained on.
     run
         Runs the detector and writes the results.
     """
@@ -96,14 +94,14 @@ class DetectorJob:
 def detector_job(
     arguments: DetectArguments, *, inputs: Sequence[Path] = (), loading: Progress = no_progress
 ) -> Iterator[DetectorJob]:
-    """Open all that a run needs, and refuse what cannot be done before anything runs.
+    """Validate a run and open its detector and pictures, so that errors occur before it starts.
 
     Parameters
     ----------
     inputs
-        Further input files, which must not be replaced.
+        Additional input files that outputs must not replace.
     loading
-        Progress of the reading.
+        Progress callback for reading the inputs.
 
     Raises
     ------
@@ -172,28 +170,28 @@ def train(arguments: TrainArguments) -> Training:
     Parameters
     ----------
     source
-        A session file, a session, or a dataset made by `load`: its truth and pictures are learned.
-        None: folders alone.
+        A session file, a session, or a dataset made by `load`, whose truth and pictures are
+        learned. None: use folders only.
     settings
-        Changes of the preset, by name; several values of one as a sequence.
+        Changes of the preset, by name. Settings with several values take a sequence.
     hold_out, split, share, gap
-        What is not learned but calibrates the rejection: recordings by name; or this share of the
-        physical objects (tracks), of the recordings, or of the end of each recording, after a gap
-        of so many frames; ``auto``: the first that is possible.
+        Data that is not learned but calibrates the rejection: the named recordings, or this share
+        of the physical objects (tracks), of the recordings, or of the end of each recording, after
+        a gap of this many frames. ``auto`` takes the first of these that is possible.
     progress
-        Called with the share done, and the time left in words. It may raise `CancelledError`:
-        nothing is then written.
+        Called with the share done, and the time left in words. It may raise `CancelledError`; then
+        nothing is written.
 
     Returns
     -------
     Training
-        ``.model``, and how many objects were learned, held out, kept and found. ``print`` shows
-        what the command prints.
+        ``.model``, and the numbers of objects that were learned, held out, kept and found.
+        ``print`` shows what the command prints.
 
     Raises
     ------
     InputError
-        If an input cannot be used, would be replaced, or there is nothing to learn.
+        If an input cannot be used or would be replaced, or there is nothing to learn.
     MissingFactError
         As `load`.
     ParameterError
@@ -212,12 +210,12 @@ def train(arguments: TrainArguments) -> Training:
 
 @dataclass(frozen=True, eq=False)
 class TrainingJob:
-    """A training that is known to be possible, with its data gathered and its pictures open.
+    """A validated training with its data gathered and its pictures open.
 
     Attributes
     ----------
     session
-        As given, before its recordings were chosen. None: there is none.
+        Session as given, before recordings were selected. None if there is no session.
     run
         Trains the model and writes it.
     """
@@ -230,9 +228,9 @@ class TrainingJob:
 def training_job(
     arguments: TrainArguments, *, inputs: Sequence[Path] = (), loading: Progress = no_progress
 ) -> Iterator[TrainingJob]:
-    """Gather all that a training needs, and refuse what cannot be done before anything is trained.
+    """Validate a training and gather its data, so that errors occur before it starts.
 
-    Parameters are as of `detector_job`, errors as of `train`.
+    Parameters as for `detector_job`, errors as for `train`.
     """
     with needs("detectors", "training a detector needs"):
         from nvcore.detectors.icf import write_model
@@ -244,7 +242,7 @@ def training_job(
     preset_settings(arguments.preset or preset_for(None), settings)
     dataset = session = pictures = None
     if source is not None:
-        # of the frames that the session evaluates, those of the arguments are learned
+        # the arguments select from the frames that the session evaluates
         dataset, session = load_part(source, replace(arguments, frames=None), progress=loading)
     read = (source, arguments.crops, arguments.background)
     files = [*inputs, *(Path(path) for path in read if isinstance(path, PathLike))]

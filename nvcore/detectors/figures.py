@@ -31,44 +31,44 @@ if TYPE_CHECKING:
 WIDEST_PX: Final = 1280
 """Maximum width of a picture in a figure."""
 SMALL_PX: Final = 320
-"""Width of one of several pictures."""
+"""Width of a picture that is one of several."""
 ROW_PX: Final = 165
 FEW_COLUMNS: Final = 3
 WIDE_LABEL: Final = (0.16, 12)
 NARROW_LABEL: Final = (0.38, 11)
-"""Height of a label as a share of its picture's, and size of its letters, by number of columns."""
+"""Label height as a share of its picture's height and font size, by number of columns."""
 BOXES_PX: Final = 560
 SUPPRESSED: Final = 0.25
 """Opacity of suppressed boxes."""
 MARK_PX: Final = (3, 8)
-"""Size of the mark in the middle of the smallest and of large boxes."""
+"""Size of the centre mark of the smallest and of large boxes."""
 CHOSEN: Final = "#FFE600"
-"""Colour of the chosen box, other than those of truth and systems."""
+"""Colour of the selected box, distinct from those of truth and systems."""
 OUTCOMES: Final = {
     DetectionState.MATCHED: "matched",
     DetectionState.FALSE_ALARM: "a false alarm",
     DetectionState.ABSORBED: "on ignored truth",
     DetectionState.BELOW: "of a class that does not count",
 }
-"""Words for the outcome of a box that counts in a comparison."""
+"""Text for the outcome of a box that counts in a comparison."""
 MapOf: TypeAlias = Literal["trees", "confidence"]
 MAP_TITLES: Final[dict[MapOf, str]] = {
     "trees": "Trees that each window came through",
     "confidence": "Confidence of the windows that came through",
 }
 OPACITY: Final = 0.9
-"""Opacity of the highest value of a map. The lowest is clear and shows the picture."""
+"""Opacity of the highest value of a map. The lowest value is transparent."""
 BAR_PX: Final = 40
 TREES_PX: Final = 340
 DASHES: Final = ("dot", "dash", "longdash")
-"""Dashes of the rounds of a training before the last one."""
+"""Line dashes for the training rounds before the last one."""
 QUESTIONS: Final = {"root": (4.0, 3.0), "left": (2.0, 1.65), "right": (6.0, 1.65)}
 LEAVES: Final = ((1.0, 0.3), (3.0, 0.3), (5.0, 0.3), (7.0, 0.3))
-"""Middle of each question and of each leaf of a tree, in units of the plot."""
+"""Centre of each question and of each leaf of a tree, in plot units."""
 HIGHEST: Final = 0.9
-"""Longer side of a window that is drawn beside a question, in units of the plot's height."""
+"""Longer side of the window drawn beside a question, in units of the plot's height."""
 SHAPE: Final = 0.75
-"""Horizontal units as long as one vertical unit, on a page of usual width."""
+"""Horizontal units per vertical unit of equal length, on a page of usual width."""
 GAP: Final = 0.06
 """Gap between a window and its question."""
 
@@ -89,7 +89,7 @@ def boxes_plot(
 ) -> go.Figure:
     """Draw the boxes of one picture before and after suppression, beside the truth.
 
-    `customdata` of a mark in the middle of a box is its row in `boxes`.
+    The `customdata` of a box's centre mark is the row of the box in `boxes`.
 
     Parameters
     ----------
@@ -98,34 +98,36 @@ def boxes_plot(
     boxes
         Candidates in pixels of the picture (`nvcore.detectors.candidates`).
     is_counting
-        Whether each of them counts, shape (n,).
+        Boxes that count at the current settings, shape (n,).
     theme
         Theme whose Y is the detector.
     threshold
-        Boxes with a lower score are not drawn.
+        Minimum score of drawn boxes.
     truth
-        Left, top, width and height of truth boxes, px of the recording, (n, 4); None: not known.
+        Left, top, width and height of truth boxes, px of the recording, (n, 4). None: unknown.
     ignored
-        Same for ignored truth, which is neither missed nor makes a false alarm; None: no boxes.
+        Same for ignored truth, which causes neither misses nor false alarms. None: no boxes.
     states
-        Outcome of each box that counts in a comparison (`nvcore.schema.DetectionState`; BELOW: not
-        of a class that counts), int8, (n,); None: not known.
+        Outcome of each box that counts in a comparison (`nvcore.schema.DetectionState`; BELOW if
+        its class does not count), int8, (n,). None: unknown.
     size
-        Width and height of the recording, px; None: those of the picture.
+        Width and height of the recording, px. None: those of the picture.
     chosen
-        Row of the box that is marked.
+        Row of the highlighted box.
     """
     own_size = size or (float(picture.shape[1]), float(picture.shape[0]))
     sides = sides_in(boxes, picture, own_size)
     is_above = boxes.score >= threshold
     is_gone = is_above & ~is_counting
-    look = LOOK[scheme_of(theme)._replace(shade="dark")]  # on a picture, whatever the page's ground
+    look = LOOK[
+        scheme_of(theme)._replace(shade="dark")
+    ]  # pictures are dark, whatever the page's background
     faint = _outlines(sides[is_gone], "suppressed boxes", color=faded(look.y, SUPPRESSED), width=1)
     traces = [faint.update(showlegend=False)]
-    if chosen is not None:  # filled, to be known even without the colour
+    if chosen is not None:  # filled, so that it is recognisable without colour
         outline = _outlines(sides[[chosen]], "chosen", color=CHOSEN, width=6)
         traces.append(outline.update(fill="toself", fillcolor=faded(CHOSEN, 0.25)))
-    # for the legend, as the line itself is too faint for it
+    # legend entry; the line itself is too faint
     swatch = {"color": faded(look.y, 0.7), "width": 1.5, "showlegend": bool(is_gone.any())}
     traces.append(still_line([None], [None], "suppressed", **swatch))
     if truth is not None:
@@ -144,7 +146,9 @@ def boxes_plot(
         x, y = middle[row].T
         return {"x": x, "y": y, "texts": texts, "name": name, "customdata": row}
 
-    across_px = sides[is_counting, 2:].min(axis=1) * BOXES_PX / own_size[1]  # on the screen, about
+    across_px = (
+        sides[is_counting, 2:].min(axis=1) * BOXES_PX / own_size[1]
+    )  # approximate size on the screen
     marker = {"size": np.clip(across_px / 2, *MARK_PX), "color": look.y}
     marker["line"] = {"width": 1, "color": look.surface}
     traces.append(click_markers(**in_the_middle("gone", is_gone)))
@@ -159,12 +163,12 @@ def boxes_plot(
         legend={"bgcolor": look.surface, "font": {"size": 12, "color": look.ink}},
         **_below(picture, *own_size, can_zoom=True),
         dragmode="zoom",
-        uirevision=f"{title} {own_size}",  # keep the zoom while thresholds move
+        uirevision=f"{title} {own_size}",  # keep the zoom while thresholds change
     )
 
 
 def sides_in(boxes: Detections, picture: Picture, size: tuple[float, float]) -> NDArray[np.float64]:
-    """Return left, top, width, height of boxes of a picture in pixels of the recording, (n, 4).
+    """Return boxes of a picture as left, top, width, height in pixels of the recording, (n, 4).
 
     Parameters
     ----------
@@ -301,9 +305,9 @@ def pictures_plot(
     Parameters
     ----------
     pictures
-        Of one shape, 8 bit.
+        8-bit pictures of equal shape.
     stretched
-        Whether the contrast of each is stretched: most gradients are faint.
+        Stretch the contrast of each picture, as most gradients are faint.
     """
     look = LOOK[theme]
     height, width = next(iter(pictures.values())).shape[:2]
@@ -333,7 +337,7 @@ def pictures_plot(
 
 
 def _below(picture: Picture, width: float, height: float, **more: bool) -> dict[str, Any]:
-    """Return settings of a layout with a picture, stretched as in the viewer, below the marks."""
+    """Return layout settings that draw a picture below the marks, stretched as in the viewer."""
     layer = _layer(stretch(picture, *STRETCH), WIDEST_PX, width, height)
     return {"images": [layer], **_picture_axes(width, height, **more)}
 
@@ -341,7 +345,7 @@ def _below(picture: Picture, width: float, height: float, **more: bool) -> dict[
 def _layer(
     picture: Picture, widest: int, width: float, height: float, **place: float
 ) -> dict[str, Any]:
-    """Return an 8-bit picture for a layout's ``images``, as large as that in units of the axes."""
+    """Return an 8-bit picture for a layout's ``images``, with the given size in axis units."""
     rows, columns = picture.shape[:2]
     shown = np.ascontiguousarray(picture)
     if columns > widest:
@@ -353,7 +357,7 @@ def _layer(
 
 
 def _picture_axes(width: float, height: float, *, can_zoom: bool = False) -> dict[str, Any]:
-    """Return axes on which a picture has its shape, rows downwards, on the left."""
+    """Return axes that preserve the aspect ratio of a picture, with rows pointing downwards."""
     common = {**HIDDEN_AXIS, "fixedrange": not can_zoom, "constrain": "domain"}
     return {
         "xaxis": {**common, "range": [0, width], "constraintoward": "left"},
@@ -364,8 +368,8 @@ def _picture_axes(width: float, height: float, *, can_zoom: bool = False) -> dic
 def confidence_plot(path: WindowPath, *, theme: Theme) -> go.Figure:
     """Draw the running confidence of a window against the rejection trace.
 
-    The line goes on, dotted, where the window was rejected before. A hard cascade compares the sum
-    of each stage by itself: its floors are drawn where a stage ends.
+    The line continues dotted after a rejection. A hard cascade compares the sum of each stage
+    separately, so its floors are drawn at the end of each stage.
     """
     look, n_trees = LOOK[theme], len(path.confidence)
     trees, all_trees = np.arange(1, n_trees + 1), count_text(n_trees, "tree")
@@ -449,15 +453,15 @@ def traces_plot(
 
 
 def training_plot(error: np.ndarray, round_ends: np.ndarray, *, theme: Theme) -> go.Figure:
-    """Draw the training error over the trees of each round, lower is better.
+    """Draw the training error over the trees of each round. Lower is better.
 
     Parameters
     ----------
     error
-        Share of the training's windows on the wrong side of 0 after each tree, all rounds one
+        Share of the training windows on the wrong side of 0 after each tree, for all rounds one
         after another (`IcfModel.error`).
     round_ends
-        Where each round ends in it.
+        Index in `error` at which each round ends.
     """
     look, rounds = LOOK[theme], np.split(error, round_ends[:-1])
     earlier = [{"dash": dash, "width": 1.6, "color": look.muted} for dash in DASHES]
@@ -492,7 +496,7 @@ def _over_trees(
 
 
 def _rejected(windows: Sequence[WindowPath], name: str, *, size: float, color: str) -> go.Scatter:
-    """Return a cross at the tree that rejected each window, for those that were rejected."""
+    """Return crosses at the trees that rejected the windows."""
     ends = [(end, path.confidence[end - 1]) for path in windows if (end := path.rejected_after)]
     x, y = zip(*ends, strict=True) if ends else ((), ())
     texts = [f"rejected after {count_text(end, 'tree')}" for end in x]
@@ -511,7 +515,7 @@ def tree_plot(
     number
         Number of the tree, from 1.
     leaf
-        Leaf that the chosen window reaches, 0..3 from left to right; None: no window is chosen.
+        Leaf that the selected window reaches, 0..3 from left to right. None: no selection.
     """
     look = LOOK[theme]
     taken = () if leaf is None else (("root", leaf // 2), (("left", "right")[leaf // 2], leaf % 2))
@@ -555,7 +559,7 @@ def tree_plot(
 
 
 def _question(node: Node) -> str:
-    """Return a node's question about the mean of a channel, which ranges over 0..1."""
+    """Return a node's question about the mean of a channel in the range 0..1."""
     size = f"{node.right - node.left} × {node.bottom - node.top} px"
     if node.minus is None:
         return f"mean of {plain(node.channel)}<br>over {size}<br>{node.threshold:.3f}?"
@@ -566,7 +570,7 @@ def _question(node: Node) -> str:
 def _window(
     node: Node, place: tuple[float, float], window: tuple[int, int], look: ChartLook
 ) -> list[dict[str, Any]]:
-    """Return the shapes of the window and of the rectangles in it."""
+    """Return the shapes of the window and of its rectangles."""
     (width, height) = window
     down = HIGHEST / max(height, width)
     across = SHAPE * down

@@ -1,4 +1,4 @@
-"""Systems that were trained on what they are scored on, as their records of provenance say."""
+"""Findings about systems that were trained on frames they are scored on, from their provenance."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ _OF_FRAMES: Final[Mapping[str, tuple[Severity, str, str, tuple[Step, ...]]]] = {
 
 
 def audit_provenance(dataset: Dataset) -> list[Finding]:
-    """What the records of systems contradict: scored on their training, not run, other files."""
+    """Find contradictions to provenance records: training frames, frames not run, changed files."""
     findings: list[Finding] = []
     frames = dataset.frame_columns
     for name in dataset.systems:
@@ -91,12 +91,12 @@ def audit_provenance(dataset: Dataset) -> list[Finding]:
 
 
 def trained_findings(dataset: Dataset, name: str, trained_on: Sequence[TrainedOn]) -> list[Finding]:
-    """Evaluated frames that are among those of the training, and recordings that are in part.
+    """Return findings about evaluated frames in the training data and about partly used recordings.
 
     Parameters
     ----------
     name
-        Of the system or detector.
+        Name of the system or detector.
     """
     overlap = training_overlap(dataset, trained_on)
     others = {
@@ -112,7 +112,7 @@ def trained_findings(dataset: Dataset, name: str, trained_on: Sequence[TrainedOn
 def _of_frames(
     dataset: Dataset, name: str, masks: Mapping[str, NDArray[np.bool_]], **words: str
 ) -> list[Finding]:
-    """Findings about the frames in the mask of each code; none where the mask is empty."""
+    """Return one finding for each code whose mask selects any frame."""
     frames, findings = dataset.frame_columns, []
     for code, is_concerned in masks.items():
         severity, message, advice, steps = _OF_FRAMES[code]
@@ -137,7 +137,7 @@ def _of_frames(
 
 
 def _other_files(dataset: Dataset, name: str, record: Provenance) -> list[Finding]:
-    """Detections that are not those which the record is about."""
+    """Return a finding if the detections differ from the files in the provenance record."""
     own = dataset.inputs[dataset.inputs["subject"] == name]
     others = (
         own["file"][~own["sha256"].isin(record.files.values())] if record.files else own["file"][:0]

@@ -1,6 +1,6 @@
-"""OpenCV's people detectors: histograms of oriented gradients and a linear classifier.
+"""OpenCV's people detectors: histograms of oriented gradients with a linear classifier.
 
-Windows are kept with their scores: OpenCV's own grouping drops them.
+Windows keep their scores, which OpenCV's own grouping would drop.
 
 References
 ----------
@@ -40,13 +40,13 @@ _WEIGHTS: Final[dict[str, Callable[[], Any]]] = {
 }
 _BLOCK_PX: Final = 8
 BODY_SHARE: Final = 0.75
-"""Height of the person in a window, of both classifiers: 96 of 128 and 72 of 96 px."""
+"""Share of a window's height that the person takes, for both classifiers: 96/128 and 72/96 px."""
 BODY_ASPECT: Final = 0.41
-"""Width over height of a pedestrian's box, as the benchmarks have it."""
+"""Width over height of a pedestrian's box, as in the benchmarks."""
 _MOST_LEVELS: Final = 64
-"""As many as OpenCV takes."""
+"""Maximum number of pyramid levels that OpenCV accepts."""
 MOST_PIXELS: Final = 1 << 26
-"""Of a picture, enlarged."""
+"""Maximum number of pixels of an enlarged picture."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class HogSettings:
 
 
 class Hog:
-    """One of OpenCV's people detectors; see `nvcore.detectors.base.Detector`."""
+    """Detector around one of OpenCV's people detectors. See `nvcore.detectors.base.Detector`."""
 
     def __init__(self, settings: HogSettings):
         self.settings = settings
@@ -98,7 +98,7 @@ class Hog:
             settings=values,
             fingerprint=digest.hexdigest(),
         )
-        # made as OpenCV's own example does: INRIA's with gamma correction, Daimler's without
+        # as in OpenCV's own example: INRIA's with gamma correction, Daimler's without
         is_plain = name == "inria"
         sizes = () if is_plain else (self._size, (16, 16), (8, 8), (8, 8), 9)
         self._descriptor = cv2.HOGDescriptor(*sizes)
@@ -122,23 +122,23 @@ class Hog:
         if enlarged[0] + margin < window_width or enlarged[1] + margin < window_height:
             return sorted_detections(np.empty((0, 4)), np.empty(0))
         boxes, score = self._windows(prepared)
-        if settings.person_box:  # the person stands in the middle of the window
+        if settings.person_box:  # the person is in the middle of the window
             x, y, w, h = boxes.T
             high = BODY_SHARE * h
             wide = BODY_ASPECT * high
             boxes = np.column_stack([x + 0.5 * (w - wide), y + 0.5 * (h - high), wide, high])
-        # a window's margin may lie outside the picture
+        # the margin of a window may lie outside the picture
         ends = np.clip(np.hstack([boxes[:, :2], boxes[:, :2] + boxes[:, 2:]]), 0, enlarged * 2)
         boxes = np.hstack([ends[:, :2], ends[:, 2:] - ends[:, :2]])
         boxes = boxes * np.tile([width / enlarged[0], height / enlarged[1]], 2)
         return suppress(sorted_detections(boxes, score), settings.overlap)
 
     def _windows(self, picture: Picture) -> tuple[np.ndarray, np.ndarray]:
-        """Windows of all sizes, px of the picture, (n, 4), and their scores, (n,).
+        """Return windows of all sizes, px of the picture, (n, 4), and their scores, (n,).
 
-        The picture is shrunk as long as it holds a window. Windows are those of OpenCV's
-        `detectMultiScale`, which gives some windows the scores of others where its threads end at
-        the same time.
+        The picture is shrunk as long as a window fits. The windows are those of OpenCV's
+        `detectMultiScale`, which however mixes up the scores of windows when two of its threads end
+        at the same time.
         """
         height, width = picture.shape[:2]
         first, *others = (self.settings.scale_step**level for level in range(_MOST_LEVELS))
@@ -153,7 +153,7 @@ class Hog:
         return np.concatenate(boxes), np.concatenate(scores)
 
     def _level(self, picture: Picture, scale: float) -> tuple[np.ndarray, np.ndarray]:
-        """Windows and scores of the picture shrunk by a factor; px as given."""
+        """Return windows, px of the given picture, and scores at one scale."""
         settings, (height, width) = self.settings, picture.shape[:2]
         size = round(width / scale), round(height / scale)
         if size != (width, height):
@@ -171,12 +171,12 @@ class Hog:
 
 
 def open_hog(variant: str, given: Mapping[str, Setting]) -> Hog:
-    """The detector ``hog`` or ``hog:daimler``.
+    """Open the detector ``hog`` or ``hog:daimler``.
 
     Parameters
     ----------
     variant
-        What stands behind the colon; empty: the setting, or its default.
+        Text after the colon. Empty: the setting `classifier`, or its default.
 
     Raises
     ------

@@ -1,9 +1,9 @@
-"""The kinds of detectors, and how one is opened by its name or its file.
+"""Registry of detector kinds. Opens detectors by name or model file.
 
     open_detector("hog:daimler", {"upscale": 2})
     open_detector("models/yolo.onnx", {"threshold": 0.3})
 
-What a kind needs is imported when one of it is opened.
+The packages that a kind needs are imported when a detector of that kind is opened.
 """
 
 from __future__ import annotations
@@ -30,26 +30,26 @@ _HEAD_BYTES: Final = 4096
 
 @dataclass(frozen=True)
 class DetectorKind:
-    """A kind of detector.
+    """Kind of detector.
 
     Attributes
     ----------
     key
-        Its name in records and commands.
+        Name in records and commands.
     title
-        What it is, for people.
+        Description for people.
     built_in
-        Names of those that need no file, with what they are.
+        Names and descriptions of built-in detectors, which need no file.
     open
-        (name or path as given, settings) -> the detector; raises DetectorError.
+        Maps a name or path and settings to the detector; raises DetectorError.
     settings
-        Class of its settings, as module and name.
+        Settings class, as module and name.
     begins
-        Pattern of the first bytes of its model files; never matches if it has none.
+        Pattern of the first bytes of its model files. It never matches if there are none.
     threshold
         Name of the setting below which scores are dropped.
     loosest
-        Settings with which it drops and suppresses no box.
+        Settings that drop and suppress no box.
     """
 
     key: str
@@ -110,25 +110,26 @@ DETECTORS: Final[dict[str, DetectorKind]] = {
         ),
     )
 }
-"""The kinds of detectors by key."""
+"""Kinds of detectors by key."""
 _BUILT_IN: Final = {name: kind for kind in DETECTORS.values() for name in kind.built_in}
 
 
 def open_detector(text: str | Path, settings: Mapping[str, Any] | None = None) -> Detector:
-    """A detector, ready to run.
+    """Open a detector that is ready to run.
 
     Parameters
     ----------
     text
-        Name of a built-in one (``hog``, ``hog:daimler``), or the path of a model, which is
-        recognised by its content. A file is meant where both are there only with a path: ``./hog``.
+        Name of a built-in detector (``hog``, ``hog:daimler``), or path of a model, whose kind is
+        recognised by its content. A built-in name takes precedence over a file in the current
+        folder; write ``./hog`` for the file.
     settings
-        By name; see `nvcore.detectors.settings.typed_like`. None: the defaults.
+        Settings by name; see `nvcore.detectors.settings.typed_like`. None: the defaults.
 
     Raises
     ------
     DetectorError
-        If there is no such detector, its file is none or damaged, or a setting cannot be used.
+        If there is no such detector, its file is not a valid model, or a setting cannot be used.
     MissingExtraError
         If it needs packages that are not installed.
     """
@@ -136,17 +137,17 @@ def open_detector(text: str | Path, settings: Mapping[str, Any] | None = None) -
 
 
 def kind_named(text: str | Path) -> DetectorKind:
-    """The kind of the detector that `open_detector` opens by this name or path; errors as it."""
+    """Return the kind of detector that `open_detector` opens for this text. Errors as there."""
     return _BUILT_IN.get(str(text)) or kind_of_file(Path(text))
 
 
 def kind_of_file(path: Path) -> DetectorKind:
-    """The kind of detector that a model file holds.
+    """Return the kind of detector in a model file.
 
     Raises
     ------
     DetectorError
-        If it cannot be opened or is no model.
+        If the file cannot be opened or is not a model.
     """
     name = one_line(str(path))
     try:
@@ -158,7 +159,7 @@ def kind_of_file(path: Path) -> DetectorKind:
         if str(path) in DETECTORS:
             hint = f"{path} is a kind of them, and needs a model; {known}"
         raise DetectorError(f"there is no such detector or file; {hint}", file=name) from error
-    except (OSError, ValueError) as error:  # a folder; a NUL in the name
+    except (OSError, ValueError) as error:  # a folder, or NUL in the name
         reason = getattr(error, "strerror", None) or error
         raise DetectorError(f"cannot be opened ({reason})", file=name) from error
     for kind in DETECTORS.values():
@@ -173,12 +174,12 @@ def kind_of_file(path: Path) -> DetectorKind:
 
 
 def settings_of(kind: str) -> dict[str, SettingFacts]:
-    """All settings of a kind of detector, by name; of ``icf`` also those of its training."""
+    """Return all settings of a kind of detector by name. For ``icf`` they include the training."""
     return {spec.name: facts_of(spec) for spec in fields(_of_package(DETECTORS[kind].settings))}
 
 
 def run_settings(about: About) -> dict[str, SettingFacts]:
-    """The settings whose values a run of this detector may choose, by name."""
+    """Return the settings that a run of this detector may change, by name."""
     facts = settings_of(about.kind)
     if about.kind != "icf":
         return facts

@@ -1,4 +1,4 @@
-"""Run a detector over the evaluated frames of recordings, and estimate how long that takes."""
+"""Run a detector over the evaluated frames of recordings, and estimate the duration."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ class RecordingRun:
     Attributes
     ----------
     boxes
-        Columns frame, x, y, w, h (px of the recording), score, and class where the detector knows
-        several; by frame, the most confident first.
+        Columns frame, x, y, w, h (px of the recording), score, and class if the detector knows
+        several. Sorted by frame, then by descending confidence.
     frames
         Frames with a readable picture, int64, shape (n,).
     n_listed
@@ -179,7 +179,7 @@ def no_pictures(pictures: RecordingPictures, dataset: Dataset | None = None) -> 
 
 
 def _picture_run(n_pictures: int, progress: Progress, n_threads: int | None) -> PictureRun:
-    """Begin a run. Each picture takes one thread, or all cores if it is alone."""
+    """Start a run. Each picture uses one thread, or all cores if it is the only one."""
     run = PictureRun(n_pictures, progress, n_threads=n_threads)
     run.begin = one_for_a_picture if run.n_threads > 1 else None
     return run
@@ -196,7 +196,7 @@ def run_detector(
     """Run a detector on every evaluated frame that has a picture.
 
     The boxes do not depend on the number of threads. They are in pixels of the dataset's
-    recordings, whatever size the pictures have.
+    recordings, regardless of the size of the pictures.
 
     Parameters
     ----------
@@ -271,15 +271,15 @@ def expect(
     n_threads: int | None = None,
     progress: Progress = no_progress,
 ) -> Expectation:
-    """Time consecutive pictures at a few places that are spread over the run.
+    """Time consecutive pictures at a few places spread over the run.
 
-    The first picture of each thread at a place does not count: compiled loops are loaded, and a
-    video is decoded from a key frame on.
+    The first picture of each thread at a place does not count, because compiled loops are loaded
+    then, and a video is decoded from a key frame.
 
     Raises
     ------
     InputError
-        If no evaluated frame has a picture, or none of those that were tried can be read.
+        If no evaluated frame has a picture, or none of the tested ones can be read.
     CancelledError
         If `progress` raises it.
     """

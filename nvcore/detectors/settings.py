@@ -1,4 +1,4 @@
-"""A detector's settings: fields of a dataclass that know their meaning and range."""
+"""Detector settings: dataclass fields with a description and a range."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ _YES: Final = {"true": True, "yes": True, "1": True, "false": False, "no": False
 
 @dataclass(frozen=True)
 class SettingFacts:
-    """What is known of a setting beside its name, type and default.
+    """Description and valid values of a setting, in addition to its name, type and default.
 
     Attributes
     ----------
     meaning
-        In a sentence or two.
+        Description in a sentence or two.
     low, high
-        Range of a number, both included.
+        Range of a number, both ends included.
     choices
-        What a text may be, with what that means; empty: any text, or a number.
+        Possible texts with their meanings. Empty: any text, or a number.
     multiple_of
-        Which whole numbers between `low` and `high` are possible; None: all.
+        Valid numbers between `low` and `high` are multiples of this. None: all.
     """
 
     meaning: str
@@ -41,25 +41,25 @@ class SettingFacts:
 
 
 def setting(default: Any, meaning: str, **facts: Any) -> Any:
-    """A field of a settings class; see `SettingFacts`."""
+    """Return a dataclass field for a setting. See `SettingFacts`."""
     return field(default=default, metadata={"facts": SettingFacts(meaning, **facts)})
 
 
 def facts_of(spec: Field[Any]) -> SettingFacts:
-    """What is known of a field that `setting` made."""
+    """Return the facts of a field made by `setting`."""
     facts: SettingFacts = spec.metadata["facts"]
     return facts
 
 
 def settings_from(kind: type[AnySettings], given: Mapping[str, Setting]) -> AnySettings:
-    """Settings of this kind; what is not given has its default.
+    """Create settings of a class from the given values and defaults.
 
     Parameters
     ----------
     kind
         A dataclass with fields made by `setting`.
     given
-        Values by name; texts, as the command line has them, are read as the field's type.
+        Values by name. Texts, as from the command line, are parsed as the field's type.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def settings_from(kind: type[AnySettings], given: Mapping[str, Setting]) -> AnyS
 
 
 def check_names(given: Iterable[str], known: Collection[str]) -> None:
-    """Raise DetectorError if one of the names is not that of a setting."""
+    """Raise DetectorError if a name is not that of a setting."""
     for name in given:
         if name not in known:
             hint = did_you_mean(name, known, f"there are {listed([*known])}")
@@ -82,11 +82,10 @@ def check_names(given: Iterable[str], known: Collection[str]) -> None:
 def typed_like(
     settings: object, given: Mapping[str, Setting | Sequence[Setting]]
 ) -> dict[str, Any]:
-    """Texts read as the types that the settings of these names have; other values as they are.
+    """Parse texts as the types of the settings of these names. Other values stay the same.
 
-    Several values stand in one text, with commas or spaces between, or in a sequence; a single one
-    may stand by itself. What is no setting stays as it
-    is, for whoever checks the names.
+    Several values may be a sequence or one text, separated by commas or spaces. A single value may
+    stand by itself. Unknown names keep their values for the code that checks the names.
 
     Raises
     ------
@@ -111,7 +110,7 @@ def typed_like(
 
 
 def value_text(value: Any) -> str:
-    """A value in a message, as people write it: "1, 1.7, 0.1", "yes", "'luv'"."""
+    """Return a value as text for a message: "1, 1.7, 0.1", "yes", "'luv'"."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
@@ -124,7 +123,7 @@ def value_text(value: Any) -> str:
 
 
 def _typed(name: str, kind: type, value: Setting) -> Any:
-    """The value as a bool, int, float or str."""
+    """Parse the value as a bool, int, float or str."""
     try:
         number = _YES[value.lower()] if kind is bool and isinstance(value, str) else value
         typed = kind(number)

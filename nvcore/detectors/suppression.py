@@ -1,4 +1,4 @@
-"""Greedy suppression of boxes that overlap a more confident one; scores are kept."""
+"""Greedy non-maximum suppression. Scores are kept."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from nvcore.detectors.base import Detections
 from nvcore.metrics.kernels import compiled, intersection
 
 OverlapOf = Literal["union", "smaller"]
-"""What an overlap is a share of: both boxes together, or the smaller one."""
+"""Reference area of an overlap: the union of both boxes, or the smaller box."""
 
 
 def sorted_detections(
     box: NDArray[np.float64], score: NDArray[np.float64], label: NDArray[np.object_] | None = None
 ) -> Detections:
-    """Boxes as `Detections`, the most confident first; equal scores by place, so always alike.
+    """Return boxes as `Detections` in descending order of confidence. Ties are sorted by place.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def sorted_detections(
     score
         Shape (n,).
     label
-        Shape (n,); None: of one kind.
+        Shape (n,). None: one kind of object.
     """
     x, y, w, h = box.T
     order = np.lexsort((h, w, y, x, -score))
@@ -35,14 +35,14 @@ def sorted_detections(
 
 
 def suppress(detections: Detections, overlap: float, overlap_of: OverlapOf = "union") -> Detections:
-    """The detections without those that overlap a more confident one by more than `overlap`.
+    """Drop detections that overlap a more confident one by more than `overlap`.
 
     Boxes of different labels do not suppress each other.
 
     Parameters
     ----------
     overlap
-        0: no two boxes that share an area stay, 1: all stay.
+        0 keeps no two boxes that share an area, 1 keeps all.
     """
     return only(detections, staying(detections, overlap, overlap_of))
 
@@ -50,7 +50,7 @@ def suppress(detections: Detections, overlap: float, overlap_of: OverlapOf = "un
 def staying(
     detections: Detections, overlap: float, overlap_of: OverlapOf = "union"
 ) -> NDArray[np.bool_]:
-    """Which detections `suppress` leaves, bool, shape (n,)."""
+    """Return a mask of the detections that `suppress` keeps, bool, shape (n,)."""
     box = np.stack([detections.x, detections.y, detections.w, detections.h])
     if detections.label is None:
         return staying_boxes(box, overlap, overlap_of)
@@ -65,18 +65,18 @@ def staying_boxes(
     *,
     label: NDArray[np.int64] | None = None,
 ) -> NDArray[np.bool_]:
-    """Which boxes `suppress` leaves, bool, shape (n,).
+    """Return a mask of the boxes that `suppress` keeps, bool, shape (n,).
 
     Parameters
     ----------
     box
-        Left, top, width, height, the most confident first, shape (4, n).
+        Left, top, width, height, in descending order of confidence, shape (4, n).
     label
-        Only boxes of one label suppress each other, shape (n,); None: all have one.
+        Only boxes with the same label suppress each other, shape (n,). None: one label.
     """
     n = box.shape[1]
     stays = np.ones(n, dtype=np.bool_)
-    if overlap < 1 and n > 1:  # from 1 on a rounding error would decide about doubles
+    if overlap < 1 and n > 1:  # at 1, rounding errors would decide about duplicates
         label = np.zeros(n, dtype=np.int64) if label is None else label.astype(np.int64)
         x, y, w, h = np.ascontiguousarray(box, dtype=np.float64)
         _mark(x, y, w, h, label, float(overlap), overlap_of == "smaller", stays)
@@ -85,7 +85,7 @@ def staying_boxes(
 
 @compiled
 def _mark(x, y, w, h, label, overlap, of_smaller, stays):  # type: ignore[no-untyped-def]
-    """Mark the boxes that stay: each depends on those before it."""
+    """Mark the boxes that stay. Each result depends on the boxes before it."""
     for i in range(x.size):
         for j in range(i):
             if not stays[j] or label[j] != label[i]:
@@ -99,7 +99,7 @@ def _mark(x, y, w, h, label, overlap, of_smaller, stays):  # type: ignore[no-unt
 
 
 def only(detections: Detections, is_kept: NDArray[np.bool_]) -> Detections:
-    """The detections for which `is_kept` is true; bool, shape (n,)."""
+    """Return the detections selected by a mask, bool, shape (n,)."""
     label = None if detections.label is None else detections.label[is_kept]
     x, y, w, h = (
         side[is_kept] for side in (detections.x, detections.y, detections.w, detections.h)

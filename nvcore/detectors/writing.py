@@ -29,16 +29,16 @@ PROVENANCE_FILE: Final = "provenance.json"
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WrittenRun:
-    """Files of `write_detections`. ``print`` shows a summary of the run and their folder.
+    """Files written by `write_detections`. ``print`` shows a summary of the run and their folder.
 
     Attributes
     ----------
     session
         The session of the dataset with the new system.
     provenance
-        The record of how the boxes were made.
+        Provenance record of the boxes.
     files
-        The files with the boxes, one per recording.
+        Files with the boxes, one per recording.
     system
         The new system as the session names it, with absolute paths.
     """
@@ -70,7 +70,7 @@ def outputs(dataset: Dataset) -> list[str]:
 
 
 def _files_of(dataset: Dataset) -> dict[str, str]:
-    """Return the name of the file with boxes by the name of the recording."""
+    """Return the file name of the boxes of each recording."""
     names = [*dataset.recordings["name"]]
     return dict(zip(names, [f"{name}.csv" for name in safe_names(names)], strict=True))
 
@@ -78,13 +78,13 @@ def _files_of(dataset: Dataset) -> dict[str, str]:
 def check_target(
     dataset: Dataset, folder: Path, *, name: str | None = None, against: str | None = None
 ) -> None:
-    """Refuse what `write_detections` would refuse, before a long run.
+    """Check the arguments of `write_detections` before a long run.
 
     Raises
     ------
     InputError
-        If there is no system `against`, there is a system `name` already, or the folder cannot be
-        written to.
+        If there is no system `against`, a system `name` exists already, or the folder is not
+        writable.
     """
     if against is not None:
         dataset.system(against)
@@ -111,16 +111,16 @@ def write_detections(
     dataset
         Dataset of the run, with a `Session` as its settings.
     name
-        Name of the new system. None: that of the detector, with a number if it is taken.
+        Name of the new system. None: the detector's name, with a number if it is taken.
     threshold
         Score threshold of the new system. None: that of the detector.
     against
-        System to compare with, as X. None: the one that was X before.
+        System to compare with, as X. None: the previous X.
 
     Raises
     ------
     InputError
-        If the detector has seen no picture, or as `check_target`.
+        If the detector has processed no picture, or as for `check_target`.
     """
     session = dataset.settings
     assert isinstance(session, Session)
@@ -131,7 +131,7 @@ def write_detections(
     entries = session.entries([part.name for part in run.recordings])
     files_of, contents, frames = _files_of(dataset), dict[str, bytes](), {}
     for part in run.recordings:
-        if not len(part.frames):  # without pictures nothing is known of its frames
+        if not len(part.frames):  # without pictures nothing is known about its frames
             continue
         in_data = entries[part.name].name if part.name in entries else part.name
         table = part.boxes.copy()
@@ -172,7 +172,7 @@ def write_detections(
         key
         for key, digest in _recorded_before(folder).items()
         if (path := folder / key).suffix == ".csv" and path.is_file()
-        if hashlib.sha256(path.read_bytes()).hexdigest() == digest  # not edited since
+        if hashlib.sha256(path.read_bytes()).hexdigest() == digest  # not edited since the run
     ]
     write_run(folder, files, outdated)
     *of_boxes, provenance, session_file = paths.values()
@@ -182,7 +182,7 @@ def write_detections(
 def _classes(run: DetectorRun, dataset: Dataset) -> tuple[str, ...] | None:
     """Return the labels that occur if none is a name of the session's objects, else None.
 
-    A detector that reads limits calls its signs 30 or 100, which no reader takes for speed signs.
+    For example, labels 30 and 100 of a limit detector would not be read as speed signs.
     """
     used = {
         str(label)
@@ -196,10 +196,10 @@ def _classes(run: DetectorRun, dataset: Dataset) -> tuple[str, ...] | None:
 
 
 def _recorded_before(folder: Path) -> dict[str, str]:
-    """Return names and hashes of the files of an earlier run, by its record."""
+    """Return names and hashes of an earlier run's files from its provenance record."""
     path = folder / PROVENANCE_FILE
     try:
         files = read_provenance(path, PROVENANCE_FILE).files if path.is_file() else {}
-    except InputError:  # not our record, so nothing of it is touched
+    except InputError:  # not our record, so none of its files is removed
         return {}
     return {name: digest for name, digest in files.items() if Path(name).name == name}

@@ -36,22 +36,22 @@ __all__ = [
 
 
 def read_model(path: Path) -> IcfDetector:
-    """The detector of a model file.
+    """Open the detector of a model file.
 
     Raises
     ------
     DetectorError
-        If the file cannot be read, is damaged, or is no such model.
+        If the file cannot be read, is damaged, or is not a model of this kind.
     """
     return IcfDetector(from_bytes(FORMAT.read(path), path.name))
 
 
 def write_model(model: IcfModel, path: Path) -> None:
-    """Write a model to a file, which by custom ends in ``.npz``: it is whole, or as it was before.
+    """Write a model to a file atomically. Such files usually end in ``.npz``.
 
     Raises
     ------
     InputError
-        If it cannot be written.
+        If the file cannot be written.
     """
     write_whole(path, to_bytes(model))

@@ -1,4 +1,4 @@
-"""AdaBoost over trees of two levels."""
+"""AdaBoost over trees of depth 2."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from nvcore.metrics.kernels import over_ranges
 from nvcore.progress import Progress, no_progress
 
 _SAMPLED: Final = 4096
-"""Windows from which the edges of the bins are taken."""
+"""Number of windows sampled to compute bin edges."""
 _BLOCK: Final = 512
 
 
 @dataclass(frozen=True, eq=False)
 class Trees:
-    """Trees of three decisions and four leaves.
+    """Trees with three decisions and four leaves.
 
     Attributes
     ----------
     feature
         Feature of the root, the left and the right node; int32, (n, 3).
     threshold
-        A window goes right where the feature's value is at least this; int32, (n, 3).
+        A window goes right if the feature's value is at least this; int32, (n, 3).
     leaves
-        Confidence of each leaf, from left to right: alpha or -alpha; float64, (n, 4).
+        Confidence of each leaf from left to right, alpha or -alpha; float64, (n, 4).
     """
 
     feature: NDArray[np.int32]
@@ -40,12 +40,12 @@ class Trees:
         return len(self.leaves)
 
     def leaves_of(self, values: NDArray[np.int32]) -> NDArray[np.int64]:
-        """Leaf of each tree that windows come to, 0..3 from left to right; (n_windows, n_trees).
+        """Return each window's leaf in each tree, 0..3 from left to right, (n_windows, n_trees).
 
         Parameters
         ----------
         values
-            Of all features, (n_windows, n_features).
+            Values of all features, (n_windows, n_features).
         """
         root, left, right = (
             values[:, node] >= at for node, at in zip(self.feature.T, self.threshold.T, strict=True)
@@ -54,9 +54,11 @@ class Trees:
         return leaf
 
     def running_sums(self, values: NDArray[np.int32]) -> NDArray[np.float64]:
-        """Sum of the confidences after each tree; float64, (n_windows, n_trees)."""
+        """Return the sum of confidences after each tree, float64, (n_windows, n_trees)."""
         sums = np.empty((len(values), len(self)))
-        for first in range(0, len(values), _BLOCK):  # indices of all windows take too much memory
+        for first in range(
+            0, len(values), _BLOCK
+        ):  # in blocks, as indices of all windows take too much memory
             block = slice(first, first + _BLOCK)
             leaves = self.leaves_of(values[block])
             self.leaves[np.arange(len(self)), leaves].cumsum(axis=1, out=sums[block])
@@ -65,15 +67,14 @@ class Trees:
 
 @dataclass(frozen=True, eq=False)
 class BoostingRound:
-    """What a round of boosting gave.
+    """Result of one round of boosting.
 
     Attributes
     ----------
     trees
-        In the order in which they were learned.
+        Trees in the order in which they were learned.
     error
-        Share of the windows that the sum of all trees up to this one takes for the wrong kind;
-        float64, (n_trees,). 0 is best.
+        Share of windows that the trees up to this one misclassify; float64, (n_trees,). 0 is best.
     """
 
     trees: Trees
@@ -81,7 +82,7 @@ class BoostingRound:
 
 
 def bin_edges(values: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Edges that part each feature's values into 256 bins, about as many windows in each.
+    """Return edges that split each feature's values into 256 bins of about equal counts.
 
     Parameters
     ----------
@@ -90,7 +91,7 @@ def bin_edges(values: NDArray[np.int32]) -> NDArray[np.int32]:
 
     Returns
     -------
-    int32, (n_features, 255), ascending; where a feature has few values, some are equal.
+    int32, (n_features, 255), ascending. Edges repeat if a feature has few values.
     """
     step = max(1, len(values) // _SAMPLED)
     sample = np.sort(values[::step], axis=0)
@@ -108,18 +109,18 @@ def boost(
     seed: int = 0,
     progress: Progress = no_progress,
 ) -> BoostingRound:
-    """Discrete AdaBoost over trees of depth 2.
+    """Run discrete AdaBoost over trees of depth 2.
 
-    Each tree is grown node by node: the split whose sides differ most in signed weight. Then
-    ``eps`` is the weight of the windows that it takes for the wrong kind, its confidence
-    ``alpha = ln((1 - eps) / eps) / 2``, and weights are multiplied by ``exp(-alpha)`` where it is
-    right and ``exp(alpha)`` where it is wrong, and divided by their sum. At first objects and
-    background weigh one half each.
+    Each tree is grown node by node, by the split whose sides differ most in signed weight. ``eps``
+    is the weight of the misclassified windows, and ``alpha = ln((1 - eps) / eps) / 2`` the
+    confidence of the tree. Weights are then multiplied by ``exp(-alpha)`` if correctly classified,
+    by ``exp(alpha)`` otherwise, and normalised. Initially objects and background have a total
+    weight of one half each.
 
     Parameters
     ----------
     values
-        Of the features, int32, (n_windows, n_features).
+        Feature values, int32, (n_windows, n_features).
     is_object
         Bool, (n_windows,); at least one window of each kind.
     n_trees, feature_share, patience
@@ -128,8 +129,8 @@ def boost(
     Returns
     -------
     BoostingRound
-        Fewer trees where one makes no error and the next would be the same, or where none is
-        better than chance.
+        It has fewer trees if a tree makes no error and would be repeated, or no tree is better than
+        chance.
 
     References
     ----------
@@ -157,7 +158,7 @@ def boost(
         eps = float(weights[is_wrong].sum())
         if eps >= 0.5:
             break
-        # without an error its confidence would be infinite: half a window of mean weight is wrong
+        # an error of 0 would give infinite confidence: count half a window of mean weight as wrong
         share_wrong = eps if eps > 0 else 0.5 / len(weights)
         alpha = float(0.5 * np.log((1 - share_wrong) / share_wrong))
         weights = weights * np.exp(np.where(is_wrong, alpha, -alpha))
@@ -166,7 +167,9 @@ def boost(
         nodes.append(split)
         leaves.append(alpha * side)
         error.append(float(((total > 0) != is_object).mean()))
-        is_repeated = eps <= 0 and n_tried == len(bins)  # with equal weights, the same tree again
+        is_repeated = eps <= 0 and n_tried == len(
+            bins
+        )  # equal weights would give the same tree again
         if is_repeated or _is_at_end(error, patience):
             break
     splits = np.array(nodes, np.int64).reshape(-1, 3, 2)
@@ -176,7 +179,7 @@ def boost(
 
 
 def _is_at_end(error: Sequence[float], patience: int | None) -> bool:
-    """Whether the error has not fallen for that many trees."""
+    """Whether the error has not fallen during the last `patience` trees."""
     if patience is None or len(error) <= patience:
         return False
     return min(error[-patience:]) >= min(error[:-patience])
@@ -185,7 +188,7 @@ def _is_at_end(error: Sequence[float], patience: int | None) -> bool:
 def _grow(
     bins: NDArray[np.uint8], tried: NDArray[np.int64], signed: NDArray[np.float64]
 ) -> tuple[list[tuple[int, int]], NDArray[np.int64]]:
-    """Feature and cut of the three nodes, and the leaf (0..3) that each window comes to."""
+    """Return feature and cut of the three nodes, and the leaf (0..3) of each window."""
     node = np.zeros(len(signed), np.uint8)
     (root,) = _splits(bins, tried, node, signed, 1)
     node = (bins[root[0]] > root[1]).astype(np.uint8)
@@ -201,7 +204,7 @@ def _splits(
     signed: NDArray[np.float64],
     n_nodes: int,
 ) -> list[tuple[int, int]]:
-    """Best feature and cut of each node; of equal ones the first."""
+    """Return the best feature and cut of each node. Ties go to the first feature."""
     gain = np.empty((len(tried), 2))
     cut = np.empty((len(tried), 2), np.int64)
     over_ranges(best_stumps, len(tried), bins, tried, node, signed, gain, cut, least=1)

@@ -1,4 +1,4 @@
-"""What rejects a window before the last tree."""
+"""Cascade: early rejection of windows before the last tree."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from nvcore.detectors.icf.settings import IcfSettings
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """Confidences with which objects pass the trees: those trained on, and those held out.
+    """Running confidences that objects reach, both those trained on and those held out.
 
     Attributes
     ----------
     trace
-        Lowest sum of the confidences up to each tree; float64, (n_trees,).
+        Minimum sum of confidences after each tree; float64, (n_trees,).
     stage_ends
-        Number of trees up to the end of each stage; int32, (n_stages,), the last is n_trees.
+        Number of trees up to the end of each stage; int32, (n_stages,). The last is n_trees.
     stage_floors
-        Lowest sum of the confidences of a stage's own trees; float64, (n_stages,).
+        Minimum sum of the confidences of each stage's own trees; float64, (n_stages,).
     """
 
     trace: NDArray[np.float64]
@@ -30,20 +30,20 @@ class Calibration:
 
 
 def calibrate(sums: NDArray[np.float64], kept_share: float, slack: float = 0.0) -> Calibration:
-    """Direct backward pruning: no object that is confident at the end is rejected on the way.
+    """Calibrate a cascade by direct backward pruning, keeping all objects with a high final sum.
 
-    Of the objects, the share `kept_share` with the highest sum over all trees counts. The trace is
-    the least of their sums after each tree. The stages of a hard cascade, which end after 2, 4,
-    8, ... trees, are calibrated likewise.
+    The share `kept_share` of the objects with the highest sum over all trees is kept. The trace is
+    the minimum of their sums after each tree. The stages of a hard cascade, which end after 2, 4,
+    8, ... trees, are calibrated in the same way.
 
     Parameters
     ----------
     sums
-        Running sums of objects, (n_objects, n_trees); at least one of each.
+        Running sums of objects, (n_objects, n_trees), with at least one object and one tree.
     kept_share
-        Of the objects, rounded to whole ones.
+        Share of objects to keep, rounded to whole objects.
     slack
-        How far below the least sum the trace and the floors lie.
+        Distance of the trace and the floors below the minimum sums.
 
     References
     ----------
@@ -61,7 +61,7 @@ def calibrate(sums: NDArray[np.float64], kept_share: float, slack: float = 0.0) 
 
 
 def lower(first: Calibration, second: Calibration) -> Calibration:
-    """What lets pass all windows that either of two calibrations of the same trees lets pass."""
+    """Combine two calibrations of the same trees so that windows passed by either one pass."""
     return Calibration(
         np.minimum(first.trace, second.trace),
         first.stage_ends,
@@ -72,10 +72,10 @@ def lower(first: Calibration, second: Calibration) -> Calibration:
 def floors(
     settings: IcfSettings, calibration: Calibration
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Lowest sum after each tree with which a window stays, and where the sum begins anew.
+    """Return the minimum sum to pass each tree, and where the sum restarts.
 
-    A calibrated trace rejects no window whose sum is above 0, even where all objects had more:
-    so far the trees take it for an object.
+    A calibrated trace rejects no window with a sum above 0, even if all objects had more, because
+    the trees so far classify it as an object.
     """
     n_trees = len(calibration.trace)
     restarts = np.zeros(n_trees, np.bool_)
@@ -85,7 +85,7 @@ def floors(
         return np.full(n_trees, float(settings.rejection)), restarts
     lowest = np.full(n_trees, -np.inf)
     if settings.cascade == "hard":
-        # sums of a stage are differences at calibration, sums here: rounded differently
+        # sums of a stage are differences at calibration but sums here, with other rounding errors
         lowest[calibration.stage_ends - 1] = calibration.stage_floors - 1e-9
         restarts[calibration.stage_ends[:-1]] = True
     return lowest, restarts
@@ -94,16 +94,16 @@ def floors(
 def passes(
     settings: IcfSettings, calibration: Calibration, sums: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
-    """Whether each window stays after each tree by itself; one that fails anywhere is rejected.
+    """Return whether each window passes each tree. Failing one tree means rejection.
 
     Parameters
     ----------
     sums
-        Running sums of all trees, as if nothing rejected a window, (n_windows, n_trees).
+        Running sums over all trees without rejection, (n_windows, n_trees).
 
     Returns
     -------
-    Bool, (n_windows, n_trees). In a hard cascade the sum since the stage began counts.
+    Bool, (n_windows, n_trees). A hard cascade compares the sum since the start of the stage.
     """
     lowest, restarts = floors(settings, calibration)
     starts = np.maximum.accumulate(np.where(restarts, np.arange(len(lowest)), 0))

@@ -1,4 +1,4 @@
-"""Channels of a picture at all scales: planes of 8 bits, and their integral images."""
+"""Channels of a picture at all scales: 8-bit planes and their integral images."""
 
 from __future__ import annotations
 
@@ -21,31 +21,31 @@ Bytes = NDArray[np.uint8]
 
 _TO_COLOUR: Final = {
     "hsv": cv2.COLOR_RGB2HSV_FULL,
-    # of the picture's values as they are; COLOR_RGB2LUV takes them for sRGB and undoes its gamma
+    # uses linear values; COLOR_RGB2LUV assumes sRGB and undoes its gamma
     "luv": cv2.COLOR_LRGB2LUV,
 }
 MAX_BYTES: Final = 1 << 31
-"""Of the channels and integral images of a level."""
+"""Maximum memory for the channels and integral images of a level."""
 _BYTES_OF_PIXEL: Final = 5
-"""Of a channel: 1, and 4 of its integral image."""
+"""Memory per channel pixel: 1 byte, and 4 for its integral image."""
 _TINY: Final = 1e-6
 _RATIOS: Final = (1 / np.sqrt(2), 0.5)
 
 
 def check_picture(picture: Picture, is_colour: bool) -> Bytes:
-    """The picture as a model needs it: 8 bits, grey or RGB.
+    """Convert a picture to what a model needs: 8 bits, grey or RGB.
 
     Parameters
     ----------
     picture
         (h, w) or (h, w, 3), uint8 or uint16; 16 bits are stretched (`to_8_bits`).
     is_colour
-        Whether RGB is needed; else RGB becomes grey.
+        Whether the model needs RGB. Otherwise RGB becomes grey.
 
     Raises
     ------
     DetectorError
-        If it is no such picture, or grey where colour is needed.
+        If the array is not such a picture, or is grey although the model needs colour.
     """
     is_picture = picture.ndim == 2 or (picture.ndim == 3 and picture.shape[2] == 3)
     if not is_picture or picture.dtype not in (np.uint8, np.uint16) or not picture.size:
@@ -72,7 +72,7 @@ def has_colour(picture: Picture) -> bool:
 
 
 def plane_names(settings: IcfSettings, is_colour: bool) -> tuple[str, ...]:
-    """Name of each channel, in the order of `channel_planes`."""
+    """Return the name of each channel, in the order of `channel_planes`."""
     names: list[str] = []
     for channel in channel_sets(settings, is_colour):
         if channel in OF_COLOUR:
@@ -90,7 +90,7 @@ def plane_names(settings: IcfSettings, is_colour: bool) -> tuple[str, ...]:
 
 
 def channel_sets(settings: IcfSettings, is_colour: bool) -> tuple[ChannelSet, ...]:
-    """The sets of channels that there are; grey in place of all colours."""
+    """Return the available channel sets. Grey replaces all colour sets for grey pictures."""
     if is_colour:
         return settings.channels
     grey: ChannelSet = "grey"
@@ -99,16 +99,16 @@ def channel_sets(settings: IcfSettings, is_colour: bool) -> tuple[ChannelSet, ..
 
 
 def blurred(picture: Bytes, settings: IcfSettings) -> Bytes:
-    """The picture after the 3x3 Gaussian, if there is to be one."""
+    """Apply the 3x3 Gaussian if the settings ask for it."""
     if not settings.blur:
         return picture
     return np.asarray(cv2.GaussianBlur(picture, (3, 3), 0, borderType=cv2.BORDER_REPLICATE))
 
 
 def equalised(picture: Bytes, settings: IcfSettings) -> Bytes:
-    """The picture with its brightness (Y of YCrCb) equalised, if it is to be; hues stay.
+    """Equalise the brightness (Y of YCrCb) if the settings ask for it. Hues stay the same.
 
-    As many tiles as are nearest to the side that the settings give them, at least one.
+    The tile size is as close as possible to that in the settings, with at least one tile.
     """
     if not settings.clahe_clip:
         return picture
@@ -123,12 +123,12 @@ def equalised(picture: Bytes, settings: IcfSettings) -> Bytes:
 
 
 def channel_planes(picture: Bytes, settings: IcfSettings) -> Bytes:
-    """All channels of a picture that `check_picture` has passed.
+    """Compute all channels of a picture that has passed `check_picture`.
 
     Returns
     -------
-    uint8, (n_channels, h, w): 0..255 for the channel's 0..1. U and V are scaled from -134..220 and
-    -140..122, the magnitude from 0 to that of the largest gradient.
+    uint8, (n_channels, h, w): 0..255 for the channel's 0..1. U is scaled from -134..220, V from
+    -140..122, and the magnitude from 0 to that of the largest gradient.
     """
     picture = equalised(blurred(picture, settings), settings)
     shape, is_colour = picture.shape[:2], picture.ndim == 3
@@ -152,14 +152,14 @@ def channel_planes(picture: Bytes, settings: IcfSettings) -> Bytes:
 
 
 def integral_images(planes: Bytes, out: NDArray[np.int32] | None = None) -> NDArray[np.int32]:
-    """Sums of all pixels above and left of each corner, with a border of zeros.
+    """Return the sums of all pixels above and left of each corner, with a border of zeros.
 
     Parameters
     ----------
     planes
         (n, h, w).
     out
-        At least n (h + 1) (w + 1) numbers to be written to; None: new ones.
+        Buffer of at least n (h + 1) (w + 1) numbers for the result. None: allocate one.
 
     Returns
     -------
@@ -175,14 +175,14 @@ def integral_images(planes: Bytes, out: NDArray[np.int32] | None = None) -> NDAr
 
 
 def resized(picture: Bytes, width: int, height: int) -> Bytes:
-    """The picture at another size: halved while it is twice as large, then interpolated."""
+    """Resize a picture: halve it while it is at least twice as large, then interpolate."""
     return np.asarray(
         cv2.resize(halved(picture, width, height), (width, height), interpolation=cv2.INTER_LINEAR)
     )
 
 
 def halved(picture: Bytes, width: float, height: float) -> Bytes:
-    """The picture halved, by means of 2x2 pixels, while it is twice as large as that or more."""
+    """Halve a picture, averaging 2x2 pixels, while it is at least twice the given size."""
     while picture.shape[1] >= 2 * width and picture.shape[0] >= 2 * height:
         size = (picture.shape[1] // 2, picture.shape[0] // 2)
         picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA))
@@ -191,7 +191,7 @@ def halved(picture: Bytes, width: float, height: float) -> Bytes:
 
 @lru_cache(maxsize=32)
 def _gradient_table(magnitude: Magnitude, bins: int, full_circle: bool) -> NDArray[np.uint16]:
-    """Magnitude plus 256 times the bin of the orientation, of every possible gradient."""
+    """Return magnitude plus 256 times the orientation bin of every possible gradient."""
     levels = np.arange(GREY_LEVELS) - GREY_LEVELS // 2
     gx, gy = levels[None, :], levels[:, None]
     size: NDArray[Any] = np.hypot(gx, gy) if magnitude == "euclidean" else abs(gx) + abs(gy)
@@ -205,16 +205,16 @@ def _gradient_table(magnitude: Magnitude, bins: int, full_circle: bool) -> NDArr
 
 @dataclass(frozen=True, eq=False)
 class PyramidLevel:
-    """A picture at one scale.
+    """Picture at one scale.
 
     Attributes
     ----------
     scale
         Divisor of the picture's size.
     width, height
-        Of the level, px.
+        Size of the level, px.
     across, down
-        Pixels of the picture to one of the level.
+        Pixels of the picture per pixel of the level.
     """
 
     scale: float
@@ -224,7 +224,7 @@ class PyramidLevel:
     down: float
 
     def grid(self, settings: IcfSettings) -> tuple[int, int]:
-        """Rows and columns of windows that lie wholly in the level; 0, 0 if none does."""
+        """Return the number of rows and columns of whole windows in the level, or (0, 0)."""
         rows = (self.height - settings.window_height) // settings.stride + 1
         columns = (self.width - settings.window_width) // settings.stride + 1
         return (rows, columns) if rows > 0 and columns > 0 else (0, 0)
@@ -232,12 +232,12 @@ class PyramidLevel:
     def boxes(
         self, row: NDArray[np.int64], column: NDArray[np.int64], settings: IcfSettings
     ) -> NDArray[np.float64]:
-        """Box of the object in each of some windows, px of the picture.
+        """Return the object's box in each of the given windows, px of the picture.
 
         Parameters
         ----------
         row, column
-            Of the windows in the grid, (n,).
+            Position of the windows in the grid, (n,).
 
         Returns
         -------
@@ -251,9 +251,9 @@ class PyramidLevel:
 
 
 def levels(width: int, height: int, settings: IcfSettings) -> list[tuple[PyramidLevel, ...]]:
-    """Levels of a picture of a size that hold a window; those of a tuple share their channels.
+    """Return the levels of a picture that hold a window, in groups that share their channels.
 
-    The first of a tuple is computed, the others are approximated from it.
+    Channels are computed for the first level of each tuple and approximated for the others.
 
     Raises
     ------
@@ -268,7 +268,7 @@ def levels(width: int, height: int, settings: IcfSettings) -> list[tuple[Pyramid
             w, h = (math.floor(side / scale + _TINY) for side in (width, height))
             group.append(PyramidLevel(scale, w, h, width / max(w, 1), height / max(h, 1)))
         groups.append(tuple(level for level in group if level.grid(settings)[0]))
-    n_channels = len(plane_names(settings, is_colour=True))  # of a grey picture fewer
+    n_channels = len(plane_names(settings, is_colour=True))  # upper bound; grey pictures have fewer
     most = max((level.width * level.height for group in groups for level in group), default=0)
     if most * n_channels * _BYTES_OF_PIXEL > MAX_BYTES:
         raise DetectorError(
@@ -286,12 +286,12 @@ def planes_of(
     settings: IcfSettings,
     powers: NDArray[np.float64],
 ) -> Iterator[tuple[PyramidLevel, Bytes]]:
-    """Each level of a group with its channels, uint8, (n_channels, h, w).
+    """Yield each level of a group with its channels, uint8, (n_channels, h, w).
 
     Parameters
     ----------
     powers
-        Of each channel (`scaling_powers`), (n_channels,).
+        Scaling power of each channel (`scaling_powers`), (n_channels,).
     """
     first, *others = group
     planes = channel_planes(resized(picture, first.width, first.height), settings)
@@ -301,9 +301,9 @@ def planes_of(
 
 
 def rescaled(planes: Bytes, width: int, height: int, powers: NDArray[np.float64]) -> Bytes:
-    """Channels of the picture at another size, approximated from those at this one.
+    """Approximate the channels at another size from those at this one.
 
-    ``resized(channel) * r ** -power``, r the ratio of the new size to this one.
+    ``resized(channel) * r ** -power``, where r is the ratio of the new size to this one.
 
     References
     ----------
@@ -322,10 +322,10 @@ def rescaled(planes: Bytes, width: int, height: int, powers: NDArray[np.float64]
 def scaling_powers(
     pictures: Iterator[Bytes], settings: IcfSettings, is_colour: bool
 ) -> NDArray[np.float64]:
-    """By which power of the scale the mean of each channel changes, float64, (n_channels,).
+    """Return the power of the scale by which each channel's mean changes, float64, (n_channels,).
 
-    0 for colours. For channels of the gradient the mean over pictures, at half their size and at
-    71 % of it, of ``-log(mean there / mean here) / log(scale)``; 0 without pictures.
+    Colour channels have 0. Gradient channels have the mean of ``-log(mean there / mean here) /
+    log(scale)`` over pictures at half their size and at 71 % of it, or 0 without pictures.
     """
     names = plane_names(settings, is_colour)
     of_gradient = np.array([name.startswith("gradient") for name in names])

@@ -1,4 +1,4 @@
-"""The detector: a trained model, run over pictures."""
+"""ICF detector: runs a trained model over pictures."""
 
 from __future__ import annotations
 
@@ -36,17 +36,17 @@ KIND: Final = "icf"
 
 @dataclass(frozen=True, eq=False)
 class ScoreMap:
-    """Windows of a picture at one scale.
+    """Results for all windows of a picture at one scale.
 
     Attributes
     ----------
     level
-        The picture at that scale.
+        Picture at that scale.
     score
-        Confidence of each window, NaN where it was rejected or not looked at; float64,
-        (rows, columns); the window of row r and column c begins at pixel (c, r) * stride.
+        Confidence of each window, NaN if it was rejected or skipped; float64, (rows, columns). The
+        window in row r and column c starts at pixel (c, r) * stride.
     depth
-        Trees that each window came through, 0: not looked at; int32, (rows, columns).
+        Number of trees that each window passed, 0 if skipped; int32, (rows, columns).
     """
 
     level: PyramidLevel
@@ -55,12 +55,12 @@ class ScoreMap:
 
     @property
     def n_windows(self) -> int:
-        """Windows that were looked at."""
+        """Number of windows that were evaluated."""
         return int(np.count_nonzero(self.depth))
 
     @property
     def n_features(self) -> int:
-        """Features that were evaluated, two for each tree of each window."""
+        """Number of features that were evaluated, two for each tree of each window."""
         return 2 * int(self.depth.sum(dtype=np.int64))
 
 
@@ -68,19 +68,19 @@ Look = Callable[[ScoreMap, NDArray[np.int32]], None]
 
 
 class IcfDetector:
-    """Trained model that is ready to run. Any thread may use it.
+    """Trained model that is ready to run. It is safe to use from any thread.
 
     Attributes
     ----------
     model
-        With the settings of this run.
+        Model with the settings of this run.
     about
-        What it is, for others.
+        Description of the detector for records and displays.
     """
 
     def __init__(self, model: IcfModel) -> None:
         self.model = model
-        # of a model of grey pictures, grey levels in place of the colours of its settings
+        # settings may name colours even if the model is grey
         channels = channel_sets(model.settings, model.is_colour)
         self.about = About(
             kind=KIND,
@@ -93,14 +93,14 @@ class IcfDetector:
         self._buffers: SimpleQueue[NDArray[np.int32]] = SimpleQueue()
 
     def run_with(self, **changes: Any) -> IcfDetector:
-        """Return the same detector with other settings. Errors are those of `IcfModel.run_with`."""
+        """Return the same detector with other settings. Errors as for `IcfModel.run_with`."""
         return IcfDetector(self.model.run_with(**changes))
 
     def detect(self, picture: Picture) -> Detections:
-        """Boxes in one picture, at or above the threshold, after suppression.
+        """Return the boxes in one picture, at or above the threshold, after suppression.
 
-        A model with a classifier then says of which class each box is: classes do not suppress by
-        themselves.
+        Suppression ignores classes. If the model has a classifier, it then labels each remaining
+        box.
 
         Parameters
         ----------
@@ -110,7 +110,7 @@ class IcfDetector:
         Raises
         ------
         DetectorError
-            If it is no such picture, grey where the model needs colour, or too large.
+            If the array is not such a picture, is grey but the model needs colour, or is too large.
         """
         settings = self.model.settings
         boxes = self.candidates(self.score_maps(picture))
@@ -118,20 +118,20 @@ class IcfDetector:
         return self.classified(picture, boxes)
 
     def classified(self, picture: Picture, boxes: Detections) -> Detections:
-        """The boxes with their classes, if the model has a classifier."""
+        """Label the boxes with their classes if the model has a classifier."""
         classifier = self.model.classifier
         if classifier is None:
             return boxes
         return replace(boxes, label=classifier.labels(picture, boxes))
 
     def score_maps(self, picture: Picture, look: Look | None = None) -> list[ScoreMap]:
-        """Return the confidence of every window, one map per scale. Errors are those of `detect`.
+        """Return the confidence of every window, one map per scale. Errors as for `detect`.
 
         Parameters
         ----------
         look
-            Called with each map and the integral images that it was made from, which are
-            overwritten afterwards; in several threads.
+            Called with each map and its integral images, from several threads. The integral images
+            are overwritten afterwards.
         """
         picture = check_picture(picture, self.model.is_colour)
         groups = levels(picture.shape[1], picture.shape[0], self.model.settings)
@@ -141,7 +141,7 @@ class IcfDetector:
             return [score_map for of_group in maps for score_map in of_group]
 
     def candidates(self, maps: Sequence[ScoreMap]) -> Detections:
-        """Boxes of all windows at or above the threshold, before suppression."""
+        """Return the boxes of all windows at or above the threshold, before suppression."""
         settings = self.model.settings
         boxes, scores = [np.empty((4, 0))], [np.empty(0)]
         for score_map in maps:
@@ -181,7 +181,7 @@ class IcfDetector:
             yield score_map
 
     def _buffer(self, size: int) -> NDArray[np.int32]:
-        """Memory for integral images that was used before: new memory costs more than the sums."""
+        """Return reusable memory for integral images. Allocation costs more than the sums."""
         with contextlib.suppress(Empty):
             if len(buffer := self._buffers.get_nowait()) >= size:
                 return buffer

@@ -1,4 +1,4 @@
-"""What a model sees and how it decides, as arrays to be drawn."""
+"""Intermediate results of a model as arrays to draw: channels, window paths and trees."""
 
 from __future__ import annotations
 
@@ -31,25 +31,25 @@ from nvcore.pictures import Picture
 Number = TypeVar("Number", bound=np.generic)
 
 LEAST_IOU: Final = 0.5
-"""Of a window with the object that it stands for."""
+"""Minimum IoU of a window with the object that it represents."""
 MOST_CELLS: Final = 200
-"""Of a coarse map, along each side."""
+"""Maximum number of cells of a coarse map along each side."""
 
 
 @dataclass(frozen=True, eq=False)
 class CoarseMap:
-    """A score map with so few cells that it can be drawn; the highest of a cell stands for it.
+    """Score map reduced to few cells for drawing. Each cell shows its highest window.
 
     Attributes
     ----------
     level
-        The picture at that scale.
+        Picture at that scale.
     step
-        Windows to a cell, along each side.
+        Windows per cell along each side.
     score, depth
-        As of a `ScoreMap`, (n_cells_down, n_cells_across).
+        Same as in `ScoreMap`, (n_cells_down, n_cells_across).
     n_windows, n_through, n_features
-        Of all windows: looked at, came through, and features evaluated.
+        Total numbers of evaluated windows, accepted windows and evaluated features.
     """
 
     level: PyramidLevel
@@ -63,19 +63,19 @@ class CoarseMap:
 
 @dataclass(frozen=True, eq=False)
 class WindowPath:
-    """How a window fares over the trees.
+    """Running confidence of one window over the trees.
 
     Attributes
     ----------
     confidence
-        Running sum after each tree, as if nothing rejected it; float64, (n_trees,).
+        Running sum after each tree, ignoring rejection; float64, (n_trees,).
     floor
-        What rejects it where the sum is lower: of the same sum, or with a hard cascade of the sum
-        since the stage began; float64, (n_trees,); -inf: nothing.
+        Minimum of the same sum, or in a hard cascade of the sum since the start of the stage, below
+        which the window is rejected; float64, (n_trees,). -inf: no rejection.
     rejected_after
-        Number of trees after which it is rejected; None: it comes through.
+        Number of trees after which the window is rejected. None: it is accepted.
     leaf
-        Leaf of each tree that it comes to, 0..3 from left to right; int64, (n_trees,).
+        Leaf that the window reaches in each tree, 0..3 from left to right; int64, (n_trees,).
     """
 
     confidence: NDArray[np.float64]
@@ -86,17 +86,16 @@ class WindowPath:
 
 @dataclass(frozen=True)
 class Node:
-    """A decision of a tree: right where the mean of a channel over a rectangle is high enough.
+    """Decision of a tree: go right if the mean of a channel over a rectangle is high enough.
 
     Attributes
     ----------
     channel, left, top, right, bottom
-        What is summed: a channel, and a rectangle in the window, px.
+        Channel, and rectangle in the window, px.
     minus
-        The same of the rectangle that is subtracted; None: there is none.
+        Same for the subtracted rectangle. None if there is none.
     threshold
-        Least mean with which a window goes right, in units of the channel's 0..1; with a
-        difference, the least difference of means.
+        Minimum mean, or minimum difference of means, to go right, in units of the channel's 0..1.
     """
 
     channel: str
@@ -110,7 +109,7 @@ class Node:
 
 @dataclass(frozen=True)
 class Tree:
-    """A tree to be drawn: its decisions, and the confidence of each leaf from left to right."""
+    """Tree to draw: its decisions, and the confidence of each leaf from left to right."""
 
     root: Node
     left: Node
@@ -119,12 +118,12 @@ class Tree:
 
 
 def preparation(model: IcfModel, picture: Picture, scale: float) -> dict[str, Bytes]:
-    """The picture at one scale before and after blur and equalisation, those that there are.
+    """Return the picture at one scale and the results of its blur and equalisation, if enabled.
 
     Raises
     ------
     DetectorError
-        If the model cannot work on it.
+        If the model cannot process the picture.
     ParameterError
         If no window fits into the picture at that scale.
     """
@@ -139,31 +138,31 @@ def preparation(model: IcfModel, picture: Picture, scale: float) -> dict[str, By
 
 
 def channels_of(model: IcfModel, picture: Picture, scale: float) -> dict[str, Bytes]:
-    """Every channel by its name, at one scale, as a run has it: (h, w), 0..255.
+    """Return every channel by name at one scale as a run computes it: (h, w), 0..255.
 
-    Errors as `preparation`.
+    Errors as for `preparation`.
     """
     _, planes = _planes_at(model, picture, scale)
     return dict(zip(model.channels, planes, strict=True))
 
 
 def usable_scales(settings: IcfSettings, width: int, height: int) -> tuple[float, ...]:
-    """Scales at which a picture of this size, px, holds a window; errors as `levels`."""
+    """Return scales at which a picture of this size, px, holds a window. Errors as for `levels`."""
     return tuple(level.scale for group in levels(width, height, settings) for level in group)
 
 
 def computed_scale(model: IcfModel, picture: Picture, scale: float) -> float:
-    """Scale from whose channels a run makes those of another; errors as `preparation`."""
+    """Return the scale whose channels a run uses for this scale. Errors as for `preparation`."""
     return _group_of(model, picture, scale)[0][0].scale
 
 
 def map_at(model: IcfModel, picture: Picture, scale: float) -> CoarseMap:
-    """What becomes of the windows of one scale in a run; errors as `preparation`."""
+    """Return the results for the windows of one scale. Errors as for `preparation`."""
     return coarse_map(_windows_at(model, picture, scale))
 
 
 def coarse_map(score_map: ScoreMap, most: int = MOST_CELLS) -> CoarseMap:
-    """The map with at most so many cells along each side."""
+    """Reduce a map to at most `most` cells along each side."""
     step = max(1, -(-max(score_map.score.shape) // most))
     score = _highest(np.nan_to_num(score_map.score, nan=-np.inf), step, -np.inf)
     return CoarseMap(
@@ -180,12 +179,12 @@ def coarse_map(score_map: ScoreMap, most: int = MOST_CELLS) -> CoarseMap:
 def window_path(
     model: IcfModel, picture: Picture, scale: float, row: int, column: int
 ) -> WindowPath:
-    """How one window fares over the trees; errors as `preparation`.
+    """Return the path of one window over the trees. Errors as for `preparation`.
 
     Parameters
     ----------
     row, column
-        Of the window in the grid of that scale.
+        Position of the window in the grid of that scale.
     """
     level, planes = _planes_at(model, picture, scale)
     rows, columns = level.grid(model.settings)
@@ -203,12 +202,12 @@ def window_path(
 
 
 def truth_paths(model: IcfModel, picture: Picture, boxes: NDArray[np.float64]) -> list[WindowPath]:
-    """How the windows nearest to some objects fare; those that no window fits are left out.
+    """Return the paths of the windows nearest to objects, skipping objects that no window fits.
 
     Parameters
     ----------
     boxes
-        Left, top, width, height, px of the picture; (n, 4). Their height and centre count.
+        Left, top, width, height, px of the picture; (n, 4). Only height and centre matter.
 
     Raises
     ------
@@ -231,15 +230,15 @@ def truth_paths(model: IcfModel, picture: Picture, boxes: NDArray[np.float64]) -
 def rejected_paths(
     model: IcfModel, picture: Picture, boxes: NDArray[np.float64], scale: float
 ) -> list[WindowPath]:
-    """How six windows of background fare that are rejected, early and ever later.
+    """Return the paths of up to six rejected background windows, from early to late rejection.
 
-    Of the windows of a scale those that came nearest to a number of trees, the numbers being spread
-    evenly on a logarithmic scale.
+    The wanted rejection depths are spread evenly on a logarithmic scale. For each, the window with
+    the nearest depth is taken.
 
     Parameters
     ----------
     boxes
-        As of `truth_paths`: windows on them are left out.
+        Objects, as in `truth_paths`. Windows on them are skipped.
     """
     windows = _windows_at(model, picture, scale)
     row, column = np.nonzero((windows.depth > 0) & np.isnan(windows.score))
@@ -256,12 +255,12 @@ def rejected_paths(
 def window_of(
     model: IcfModel, width: int, height: int, box: tuple[float, float, float]
 ) -> tuple[float, int, int]:
-    """Scale, row and column of the window that gave a box.
+    """Return scale, row and column of the window that gave a box.
 
     Parameters
     ----------
     width, height
-        Of the picture, px.
+        Size of the picture, px.
     box
         Left, top and width, px of the picture.
 
@@ -285,7 +284,7 @@ def window_of(
 
 
 def tree(model: IcfModel, index: int) -> Tree:
-    """One tree of a model, to be drawn.
+    """Return one tree of a model for drawing.
 
     Raises
     ------
@@ -301,12 +300,12 @@ def tree(model: IcfModel, index: int) -> Tree:
 def _group_of(
     model: IcfModel, picture: Picture, scale: float, *, alone: bool = False
 ) -> tuple[tuple[PyramidLevel, ...], Bytes]:
-    """The level of a scale behind that from which a run makes its channels, and the picture.
+    """Return the picture, and a level preceded by the level whose channels a run uses for it.
 
     Parameters
     ----------
     alone
-        Whether its channels are computed at the scale itself in any case.
+        Compute the channels at the scale itself in any case.
     """
     picture = check_picture(picture, model.is_colour)
     size = picture.shape[1], picture.shape[0]
@@ -320,20 +319,20 @@ def _group_of(
 
 
 def _windows_at(model: IcfModel, picture: Picture, scale: float) -> ScoreMap:
-    """What becomes of every window of a scale in a run."""
+    """Return the results of a run for every window of a scale."""
     scales = tuple(level.scale for level in _group_of(model, picture, scale)[0])
     return IcfDetector(model.run_with(scales=scales)).score_maps(picture)[-1]
 
 
 def _planes_at(model: IcfModel, picture: Picture, scale: float) -> tuple[PyramidLevel, Bytes]:
-    """The level of a scale, and its channels as a run has them."""
+    """Return the level of a scale and its channels as a run computes them."""
     group, pixels = _group_of(model, picture, scale)
     *_, last = planes_of(pixels, group, model.settings, model.powers)
     return last
 
 
 def _highest(values: NDArray[Number], step: int, least: float) -> NDArray[Number]:
-    """The highest value of each square of `step` cells, those outside being `least`."""
+    """Return the highest value of each square of `step` cells, padding with `least`."""
     rows, columns = (-(-side // step) for side in values.shape)
     padded = np.full((rows * step, columns * step), least, values.dtype)
     padded[: values.shape[0], : values.shape[1]] = values

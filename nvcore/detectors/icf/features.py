@@ -1,4 +1,4 @@
-"""Features: sums of a channel over a rectangle of the window, or the difference of two."""
+"""Features: sums of a channel over a rectangle in the window, or differences of two sums."""
 
 from __future__ import annotations
 
@@ -14,18 +14,19 @@ from nvcore.metrics.kernels import over_ranges
 
 Features = NDArray[np.int32]
 """(n, 10): channel, left, top, right, bottom of a rectangle in the window, px, right and bottom
-not included; and the same of the rectangle that is subtracted, -1 where there is none."""
+excluded. Then the same for the subtracted rectangle, -1 if there is none.
+"""
 
 N_COLUMNS: Final = 10
 _MOST_OFFSETS: Final = 1 << 32
 
 
 def draw_features(settings: IcfSettings, n_channels: int, seed: int) -> Features:
-    """A pool of features with channel, place and size drawn at random.
+    """Draw a pool of features with random channel, position and size.
 
-    Two different columns and rows are drawn for the sides of a rectangle, all with equal
-    probability, again where the area is too small. The subtracted rectangle of a difference has
-    the same size, and place and channel of its own.
+    The sides of a rectangle are two different columns and two different rows, drawn uniformly and
+    redrawn if the area is too small. The subtracted rectangle of a difference has the same size but
+    its own position and channel.
     """
     rng = np.random.default_rng(seed)
     size = settings.window_width, settings.window_height
@@ -54,18 +55,18 @@ def draw_features(settings: IcfSettings, n_channels: int, seed: int) -> Features
 
 
 def corner_offsets(features: Features, width: int, height: int) -> NDArray[np.uint32]:
-    """Where the corners of each feature lie in the integral images of pictures of a size.
+    """Return the offsets of each feature's corners in integral images of pictures of a size.
 
     Returns
     -------
-    uint32, (n, 8): offsets from the window's first corner, in the flat array of
-    `nvcore.detectors.icf.channels.integral_images`: top left, top right, bottom left, bottom right
-    of both rectangles; 0 where there is no second one, so that its sum is 0.
+    uint32, (n, 8): offsets from the window's first corner in the flat array of
+    `nvcore.detectors.icf.channels.integral_images`, in the order top left, top right, bottom left,
+    bottom right of both rectangles. All are 0 if there is no second one, so that its sum is 0.
 
     Raises
     ------
     DetectorError
-        If the pictures are so large that an offset has more than 32 bits.
+        If the pictures are so large that an offset exceeds 32 bits.
     """
     across, plane = width + 1, (width + 1) * (height + 1)
     n_channels = 1 + int(features[:, [0, 5]].max(initial=-1))
@@ -91,18 +92,18 @@ def has_differences(features: Features) -> bool:
 def values_at(
     sums: NDArray[np.int32], base: NDArray[np.int64], features: Features
 ) -> NDArray[np.int32]:
-    """Values of all features at windows of one picture, or of many small ones.
+    """Return the values of all features at windows of one picture, or of many small ones.
 
     Parameters
     ----------
     sums
         Integral images, (n_channels, h + 1, w + 1) or (n_pictures, n_channels, h + 1, w + 1).
     base
-        Place of each window in the flat array, (n_windows,).
+        Offset of each window in the flat array, (n_windows,).
 
     Returns
     -------
-    int32, (n_windows, n_features): sums of 0..255 for a channel's 0..1.
+    int32, (n_windows, n_features): sums in units of 1/255 of a channel's range.
     """
     values = np.empty((len(base), len(features)), np.int32)
     corners = corner_offsets(features, sums.shape[-1] - 1, sums.shape[-2] - 1)

@@ -1,9 +1,9 @@
-"""The compiled loops of training and detection.
+"""Compiled loops for training and detection.
 
-As those of `nvcore.metrics.kernels` they take a range (``lo``, ``hi``), release the interpreter
-lock and write into arrays that the caller made, so that threads share the work. No result depends
-on where a range ends. Sums over rectangles are differences of four values of an integral image of
-32 bits, taken modulo 2^32: exact for a picture of any size.
+Like those of `nvcore.metrics.kernels`, they take a range (``lo``, ``hi``), release the interpreter
+lock and write into arrays of the caller, so that threads share the work. No result depends on where
+a range ends. Sums over rectangles are differences of four values of a 32-bit integral image modulo
+2^32, which is exact for pictures of any size.
 """
 
 from __future__ import annotations
@@ -13,18 +13,19 @@ import numpy as np
 from nvcore.metrics.kernels import compiled
 
 GREY_LEVELS = 511
-"""Possible differences of two grey levels, -255..255."""
+"""Number of possible differences of two grey levels, -255..255."""
 BINS = 256
-"""Bins of a feature's values."""
+"""Number of bins of a feature's values."""
 
 
 @compiled
 def gradients(grey, table, magnitude, orientations):
-    """Magnitude of the gradient of each pixel, and again in the plane of its orientation.
+    """Compute the gradient magnitude of each pixel, also in the plane of its orientation.
 
-    Differences are those of the two neighbours, at the edge that of the neighbour and the pixel.
-    ``table[(gy + 255) * 511 + gx + 255]`` is the magnitude plus 256 times the orientation's bin.
-    `orientations` (bins, h, w) holds zeros; it or `magnitude` (h, w) may be empty.
+    Differences are between the two neighbours of a pixel; at the edge, between the neighbour and
+    the pixel. ``table[(gy + 255) * 511 + gx + 255]`` is the magnitude plus 256 times the
+    orientation bin. `orientations` (bins, h, w) must hold zeros. It or `magnitude` (h, w) may be
+    empty.
     """
     height, width = grey.shape
     for y in range(height):
@@ -41,9 +42,9 @@ def gradients(grey, table, magnitude, orientations):
 
 @compiled
 def corner_sum(integral, base, corners, node, half):
-    """Sum over a rectangle at a window, from the places of its corners; all unsigned.
+    """Return the sum over a rectangle at a window from its corner offsets. All are unsigned.
 
-    So short that the compiler puts it into the loops, else they take seven times as long.
+    It is short so that the compiler inlines it. Otherwise the loops take seven times as long.
     """
     one, two, three = np.uint64(1), np.uint64(2), np.uint64(3)
     return (
@@ -59,34 +60,33 @@ def scan(
     lo, hi, integral, width, stride, corners, threshold, has_second, leaves, floors, restarts,
     is_open, score, depth,
 ):  # fmt: skip
-    """Confidence of the windows in rows lo..hi of the grid; NaN where a window is rejected.
+    """Compute the confidence of the windows in rows lo..hi of the grid, NaN if rejected.
 
-    The trees go over the windows of a row that are left, one tree after another: neighbours read
-    the same lines of the integral images. Indices are unsigned, and which way a window goes is
-    arithmetic, not a branch: together this is four times as fast.
+    The outer loop runs over trees, the inner one over the remaining windows of a row, as neighbours
+    read the same cache lines of the integral images. Indices are unsigned, and the path of a window
+    is computed without a branch. Together this is four times as fast.
 
     Parameters
     ----------
     integral
         Integral images of all planes one after another, int32, flat.
     width
-        Of an integral image.
+        Width of the pictures, as in `corner_offsets`.
     corners
         (n_trees * 3, 8) uint32: the corners of two rectangles (`corner_offsets`) of each tree's
         root, left and right node.
     threshold
         (n_trees * 3,) int32.
     has_second
-        Whether any feature is a difference.
+        Whether any feature is a difference of two rectangles.
     leaves
         (n_trees, 4): confidence of each leaf.
     floors, restarts
-        Lowest sum after each tree with which a window stays, and whether that sum begins anew
-        with the tree.
+        Minimum sum to pass each tree, and whether that sum restarts at the tree.
     is_open
-        (rows, columns) windows to be looked at.
+        (rows, columns) windows to evaluate.
     score, depth
-        Out: sum over all trees, and the number of trees that were evaluated.
+        Output: sum over all trees, and number of evaluated trees.
     """
     n_trees, n_columns = floors.size, is_open.shape[1]
     zero, one, two, four = np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(4)
@@ -139,16 +139,16 @@ def scan(
 
 @compiled
 def feature_values(lo, hi, integral, base, corners, has_second, values):
-    """Value of every feature at windows lo..hi: ``values[window, feature]``, int32.
+    """Compute the value of every feature at windows lo..hi: ``values[window, feature]``, int32.
 
     Parameters
     ----------
     integral
-        Flat, int32; of one picture, or of many windows one after another.
+        Flat, int32, for one picture or for many windows one after another.
     base
-        Where each window begins in it, int64.
+        Offset of each window in the array, int64.
     corners, has_second
-        (n_features, 8), as of the kernel `scan`.
+        (n_features, 8); see `scan`.
     """
     zero, one, four = np.uint64(0), np.uint64(1), np.uint64(4)
     n_features = np.uint64(corners.shape[0])
@@ -165,26 +165,28 @@ def feature_values(lo, hi, integral, base, corners, has_second, values):
 
 @compiled
 def best_stumps(lo, hi, bins, features, node, signed, gain, cut):
-    """Best split of each node by each of the features lo..hi.
+    """Find the best split of each node by each of the features lo..hi.
 
-    The gain of a split is how far apart both sides are, ``abs(right - left)`` of their sums of
-    signed weights: the weighted error of a stump is least where it is greatest. Of equal ones the
-    lowest cut counts.
+    The gain of a split is the difference of both sides, ``abs(right - left)`` of their sums of
+    signed weights. The weighted error of a stump is lowest where the gain is highest. Ties go to
+    the lowest cut.
 
     Parameters
     ----------
     bins
         (n_features, n_windows) uint8.
     features
-        Those that are tried, int64.
+        Candidate features, int64.
     node, signed
-        Node (0 or 1) that each window has come to, and its weight, negative for background.
+        Node (0 or 1) that each window has reached, and its weight, negative for background.
     gain, cut
-        Out, (n_tried, 2): of the best split; windows of bins above the cut go right.
+        Output, (n_tried, 2), for the best split. Windows in bins above the cut go right.
     """
     n, shift = node.size, np.uint64(8)  # a node's histogram has 2^8 bins
     n_whole = n - n % 4
-    sums = np.empty((4, 2 * BINS))  # four: else each sum would wait for the one before it
+    sums = np.empty(
+        (4, 2 * BINS)
+    )  # four independent sums, so that no addition waits for the previous one
     for tried in range(lo, hi):
         values = bins[features[tried]]
         sums[:] = 0.0

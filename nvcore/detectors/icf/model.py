@@ -1,4 +1,4 @@
-"""A trained model, and its file: arrays and JSON, checked before anything is computed."""
+"""Trained model and its file: arrays and JSON, validated when read."""
 
 from __future__ import annotations
 
@@ -27,42 +27,42 @@ _GREATEST: Final = 1 << 63
 _MOST_WEIGHT: Final = 1e6
 _FACTS: Final = ("name", "label", "is_colour", "n_objects", "n_background", "seed")
 _ARRAYS: Final = ("features", "powers", "error", "round_ends")
-"""Facts and arrays that are called in a file as in a model."""
+"""Facts and arrays with the same name in the file and in the model."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class IcfModel:
-    """A trained model.
+    """Trained ICF model.
 
     Attributes
     ----------
     name
-        For people.
+        Name for people.
     label
-        What its boxes are: ``pedestrian``.
+        Kind of object in its boxes, such as ``pedestrian``.
     settings
-        With which it was trained, and with which it runs unless told otherwise.
+        Settings of the training, also used for runs unless changed.
     is_colour
-        Whether it needs colour pictures; else it works on grey ones.
+        Whether the model needs colour pictures. Otherwise it uses grey levels.
     features
-        Those that its trees use.
+        Features that the trees use.
     trees, calibration
-        The classifier, and what objects reach in it, those trained on and those held out.
+        Classifier, and the confidences that objects trained on or held out reach in it.
     powers
-        By which power of the scale each channel changes; float64, (n_channels,).
+        Power of the scale by which each channel changes; float64, (n_channels,).
     band
-        Where the boxes of the training lay.
+        Location of the training boxes in the picture.
     error, round_ends
-        Training error after each tree, of all rounds one after another, float64, and where each
-        round ends in it, int32, (n_rounds,).
+        Training error after each tree, for all rounds one after another, float64, and the end of
+        each round in it, int32, (n_rounds,).
     n_objects, n_background
-        Windows of the last round.
+        Numbers of windows in the last round.
     seed
-        Of the training.
+        Random seed of the training.
     trained_on
-        The training's data.
+        Data of the training.
     classifier
-        Says of each box of which class it is; None: the model knows one kind of object.
+        Model that predicts the class of each box. None if there is one kind of object only.
     """
 
     name: str
@@ -84,12 +84,12 @@ class IcfModel:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """What its boxes are: the classes, or the one kind of object."""
+        """Classes of the boxes, or the one kind of object."""
         return (self.label,) if self.classifier is None else self.classifier.classes
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Name of each channel that the features count in."""
+        """Names of the channels that feature indices refer to."""
         return plane_names(self.settings, self.is_colour)
 
     def __repr__(self) -> str:
@@ -99,7 +99,7 @@ class IcfModel:
         )
 
     def windows_in_words(self) -> list[str]:
-        """Windows of the training, and its error at the end of each round; a line each."""
+        """Return lines on the numbers of training windows and the error after each round."""
         lines = [f"windows: {self.n_objects:,} of objects, {self.n_background:,} of background"]
         start = 0
         for number, end in enumerate(self.round_ends.tolist(), 1):
@@ -109,13 +109,13 @@ class IcfModel:
         return lines
 
     def run_with(self, **changes: Any) -> IcfModel:
-        """The same model with other settings of its runs.
+        """Return the same model with other run settings.
 
         Raises
         ------
         ParameterError
-            If one is not a setting of a run (`OF_A_RUN`), or its value is not possible: a model of
-            grey pictures has no red places.
+            If a setting is not one of a run (`OF_A_RUN`), or its value is not possible. For
+            example, models of grey pictures have no red regions.
         """
         known, odd = listed(sorted(OF_A_RUN)), sorted(set(changes) - OF_A_RUN)
         fixed = [name for name in odd if hasattr(self.settings, name)]
@@ -190,7 +190,7 @@ FORMAT: Final = ModelFormat(
 
 
 def to_bytes(model: IcfModel) -> bytes:
-    """Return the model as the content of a file. Equal models give equal bytes."""
+    """Serialize the model. Equal models give equal bytes."""
     return FORMAT.to_bytes(*_parts(model))
 
 
@@ -200,7 +200,7 @@ def fingerprint(model: IcfModel) -> str:
 
 
 def from_bytes(content: bytes, name: str) -> IcfModel:
-    """Return the model that `to_bytes` wrote.
+    """Parse and validate the content of a model file, as written by `to_bytes`.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ def from_bytes(content: bytes, name: str) -> IcfModel:
     Raises
     ------
     DetectorError
-        If it is damaged, or anything in it is not as it must be.
+        If the content is damaged or invalid.
     """
     return FORMAT.parse(content, name, _model)
 
@@ -258,7 +258,7 @@ def _model(about: _About, arrays: dict[str, NDArray[Any]]) -> IcfModel:
 
 
 def _check_indices(model: IcfModel) -> None:
-    """Refuse what would make a loop read outside its arrays."""
+    """Reject indices that would make a loop read outside its arrays."""
     n_channels = len(model.channels)
     settings = model.settings
     if len(model.powers) != n_channels:
@@ -286,7 +286,7 @@ def _check_indices(model: IcfModel) -> None:
 def _classifier(
     classes: tuple[str, ...] | None, weights: NDArray[np.float64] | None
 ) -> Classifier | None:
-    """Return the classifier, if there is one, whose classes and weights belong together."""
+    """Return the classifier, if any, after checking that its classes and weights match."""
     if classes is None and weights is None:
         return None
     if classes is None or weights is None or len(classes) != weights.shape[1]:

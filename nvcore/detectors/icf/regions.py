@@ -1,4 +1,4 @@
-"""Where in a picture windows are looked at: a polygon, a band by size, red places."""
+"""Regions of a picture in which windows are evaluated: a polygon, a band by size, red places."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from nvcore.detectors.icf.channels import Bytes, PyramidLevel, integral_images
 from nvcore.detectors.icf.settings import IcfSettings
 
 _SLACK: Final = 0.02
-"""By how much the band is wider than the training's boxes, as a share of the picture's height."""
+"""Margin added to the band of the training boxes, as a share of the picture's height."""
 _LEAST_BOXES: Final = 10
 _REDDER: Final = 1.2
-"""A pixel is red where red is so many times both green and blue."""
+"""Minimum ratio of red to green and of red to blue in a red pixel."""
 _LEAST_RED: Final = 40
 
 
 @dataclass(frozen=True)
 class Band:
-    """Where the centres of objects lie by their height, in shares of the picture's height.
+    """Band that holds the centres of objects of a given height, in shares of the picture's height.
 
     Attributes
     ----------
     at_zero, slope
         Row of the centre: ``at_zero + slope * height``.
     above, below
-        How far above and below that row a centre may be.
+        Maximum distance of a centre above and below that row.
     """
 
     at_zero: float
@@ -37,7 +37,7 @@ class Band:
     below: float
 
     def holds(self, row: NDArray[np.float64], height: float) -> NDArray[np.bool_]:
-        """Whether centres in these rows may be those of objects of this height."""
+        """Return which of these rows may hold the centre of an object of this height."""
         apart = row - (self.at_zero + self.slope * height)
         return (-self.above <= apart) & (apart <= self.below)
 
@@ -46,7 +46,7 @@ EVERYWHERE: Final = Band(0.0, 0.0, np.inf, np.inf)
 
 
 def learn_band(row: NDArray[np.float64], height: NDArray[np.float64]) -> Band:
-    """The narrowest band along the least-squares line that holds all boxes, and a little more.
+    """Fit the narrowest band along the least-squares line that holds all boxes, plus a margin.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def learn_band(row: NDArray[np.float64], height: NDArray[np.float64]) -> Band:
     Returns
     -------
     Band
-        The whole picture where there are fewer than 10 boxes, or all are of one height.
+        The whole picture if there are fewer than 10 boxes, or all have the same height.
     """
     if len(row) < _LEAST_BOXES or np.ptp(height) == 0:
         return EVERYWHERE
@@ -72,14 +72,14 @@ def open_windows(
     band: Band,
     red: NDArray[np.int32] | None,
 ) -> NDArray[np.bool_]:
-    """Which windows of a level are looked at; bool, (rows, columns).
+    """Return a mask of the windows of a level to evaluate, bool, (rows, columns).
 
     Parameters
     ----------
     size
         Width and height of the picture, px.
     red
-        Of `red_sums`.
+        Integral image from `red_sums`.
     """
     s, (width, height), (rows, columns) = settings, size, level.grid(settings)
     x = np.arange(0.0, columns) * s.stride * level.across
@@ -101,7 +101,7 @@ def open_windows(
 
 
 def red_sums(picture: Bytes, settings: IcfSettings) -> NDArray[np.int32] | None:
-    """Integral image of the red pixels, (h + 1, w + 1); None where all windows are looked at."""
+    """Return the integral image of red pixels, (h + 1, w + 1). None if proposals are off."""
     if settings.proposals == "none" or picture.ndim == 2:
         return None
     sums: NDArray[np.int32] = integral_images(is_red(picture).astype(np.uint8)[None])[0]
@@ -109,7 +109,7 @@ def red_sums(picture: Bytes, settings: IcfSettings) -> NDArray[np.int32] | None:
 
 
 def is_red(picture: Bytes) -> NDArray[np.bool_]:
-    """Pixels that are clearly more red than green and blue; bool, (h, w)."""
+    """Return a mask of the pixels that are clearly more red than green and blue, bool, (h, w)."""
     red = picture[..., 0]
     other = np.maximum(picture[..., 1], picture[..., 2])
     is_redder: NDArray[np.bool_] = (red >= _LEAST_RED) & (red > _REDDER * other)
@@ -119,12 +119,12 @@ def is_red(picture: Bytes) -> NDArray[np.bool_]:
 def in_polygon(
     x: NDArray[np.float64], y: NDArray[np.float64], corners: tuple[float, ...]
 ) -> NDArray[np.bool_]:
-    """Which points of a grid lie in a polygon (even-odd rule); bool, (len(y), len(x))."""
+    """Return which grid points lie in a polygon (even-odd rule), bool, (len(y), len(x))."""
     is_inside = np.zeros((len(y), len(x)), np.bool_)
     px, py = np.array(corners[::2]), np.array(corners[1::2])
     for x0, y0, x1, y1 in zip(px, py, np.roll(px, -1), np.roll(py, -1), strict=True):
         is_crossed = (y0 > y) != (y1 > y)
-        if is_crossed.any():  # not of an edge that lies flat
+        if is_crossed.any():  # false for horizontal edges
             at = x0 + (y[is_crossed] - y0) * (x1 - x0) / (y1 - y0)
             is_inside[is_crossed] ^= x[None, :] < at[:, None]
     return is_inside

@@ -1,4 +1,4 @@
-"""Every setting of the detector: of its features, its training, and of a run."""
+"""Settings of the ICF detector: features, training and runs."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Cascade = Literal["constant", "calibrated", "hard", "none"]
 Proposals = Literal["none", "red"]
 
 OF_COLOUR: Final[tuple[ChannelSet, ...]] = ("rgb", "hsv", "luv")
-"""Channels that a grey picture does not have: its grey levels take their place."""
+"""Colour channel sets. Grey pictures use their grey levels instead."""
 OF_A_RUN: Final = frozenset(
     (
         "scales",
@@ -37,7 +37,7 @@ OF_A_RUN: Final = frozenset(
         "scales_between",
     )
 )
-"""Settings that each run of a trained model may choose; the others made it what it is."""
+"""Settings that each run of a trained model may change. The others are fixed by its training."""
 MAX_WINDOW: Final = 256
 MAX_STRIDE: Final = 256
 MAX_SCALES: Final = 64
@@ -47,9 +47,9 @@ MAX_FEATURES: Final = 200_000
 
 @dataclass(frozen=True, kw_only=True)
 class IcfSettings:
-    """Settings of the detector. Lengths in px are those of the window.
+    """Settings of the detector. Lengths in px refer to the window.
 
-    Where a setting has several values, its range is that of each.
+    For a setting with several values, the range applies to each value.
 
     Raises
     ------
@@ -214,7 +214,7 @@ class IcfSettings:
         return self.object_width / self.object_height
 
     def as_json(self) -> dict[str, Any]:
-        """All settings by name, as JSON has them: tuples are lists."""
+        """Return all settings by name as JSON values. Tuples become lists."""
         return {
             name: list(value) if isinstance(value, tuple) else value
             for name, value in asdict(self).items()
@@ -222,12 +222,12 @@ class IcfSettings:
 
     @staticmethod
     def from_json(values: Mapping[str, Any]) -> IcfSettings:
-        """The settings that `as_json` wrote.
+        """Parse the settings that `as_json` wrote.
 
         Raises
         ------
         ParameterError
-            If one is missing, unknown or impossible.
+            If a setting is missing, unknown or impossible.
         """
         if odd := sorted(set(map(str, values)) ^ types_of(IcfSettings).keys()):
             raise ParameterError(f"settings: missing or unknown are {', '.join(odd)}")
@@ -235,7 +235,7 @@ class IcfSettings:
         return IcfSettings(**{**values, **lists})
 
     def in_words(self) -> dict[str, Setting]:
-        """All settings by name, several values as one text, to be written beside results."""
+        """Return all settings by name, with several values joined as text, for reports."""
         return {
             name: " ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in value)
             if isinstance(value, tuple)
@@ -245,7 +245,7 @@ class IcfSettings:
 
 
 def _check(spec: Field[Any], value: Any) -> None:
-    """Refuse a value that a setting cannot have by itself."""
+    """Reject a value that is impossible for a setting regardless of the others."""
     facts = facts_of(spec)
     try:
         convert(types_of(IcfSettings)[spec.name], value, spec.name)
@@ -299,7 +299,7 @@ AS_IN_REPORT: Final = IcfSettings(
     copies=0,
     cascade="constant",
 )
-"""The speed-sign detector of the Aalborg report (2015); what it does not say is a default."""
+"""Speed-sign detector of the Aalborg report (2015), with defaults for values it does not state."""
 
 SIGNS: Final = IcfSettings(
     window_width=32,
@@ -315,7 +315,7 @@ SIGNS: Final = IcfSettings(
     stride=4,
     overlap_of="smaller",
 )
-"""Round signs of 18 to 125 px."""
+"""Settings for round signs of 18 to 125 px."""
 
 PEDESTRIANS: Final = IcfSettings(
     window_width=32,
@@ -328,4 +328,4 @@ PEDESTRIANS: Final = IcfSettings(
     stride=4,
     overlap_of="smaller",
 )
-"""Upright people of some 26 px and more."""
+"""Settings for upright people of about 26 px and more."""

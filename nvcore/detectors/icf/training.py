@@ -1,4 +1,4 @@
-"""Training: windows of objects and background, rounds of boosting, hard background between them."""
+"""Training: rounds of boosting over object and background windows, with hard negative mining."""
 
 from __future__ import annotations
 
@@ -32,26 +32,26 @@ from nvcore.detectors.suppression import staying_boxes
 from nvcore.progress import Progress, no_progress, part_of
 
 HELD_OUT_SHARE: Final = 0.1
-"""Share of the objects' pictures on which rejection is calibrated, where none are given."""
+"""Default share of pictures with objects that are held out to calibrate the rejection."""
 _FOR_POWERS: Final = 20
 _READING: Final = 0.03
 _CUTTING: Final = 0.07
 _WINDOWS: Final = 0.12
-"""Shares of a training's time, about: pictures are read, objects cut out, background drawn."""
+"""Approximate shares of the training time after reading, cutting objects and drawing background."""
 _MINING: Final = 0.35
-"""Share of a round's time that mining takes, about."""
+"""Approximate share of a round's time that mining takes."""
 _PASSING: Final = 0.98
-"""Share of the training's objects that a round's own trace lets pass while it is mined with."""
+"""Share of the training objects that pass a round's own trace while it is used for mining."""
 _SURPLUS: Final = 1.5
-"""Windows that are found for each one that is wanted."""
+"""Number of windows to find per window needed."""
 _STEP: Final = 2
 _DIVERSE: Final = 0.6
-"""IoU from which two windows are one and the same background."""
+"""IoU from which two windows count as the same background."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Task:
-    """What all steps of one training share; `backgrounds` are the scenes with background."""
+    """Values that all steps of one training share. `backgrounds` are the scenes with background."""
 
     scenes: Sequence[Scene]
     backgrounds: Sequence[int]
@@ -61,7 +61,7 @@ class _Task:
     seed: int
 
     def model(self, boosting: BoostingRound, calibration: Calibration) -> IcfModel:
-        """A model of these trees and the features they use, to look for hard background."""
+        """Return a model of these trees and their features for mining hard background."""
         used, index = np.unique(boosting.trees.feature, return_inverse=True)
         feature = index.reshape(boosting.trees.feature.shape).astype(np.int32)
         return IcfModel(
@@ -100,22 +100,22 @@ def train(
     trained_on: Sequence[TrainedOn] = (),
     progress: Progress = no_progress,
 ) -> IcfModel:
-    """Train a model; the same scenes, settings and seed give the same model.
+    """Train a model. Equal scenes, settings and seeds give equal models.
 
-    Where the scenes to train on have labels of several classes, so does the model.
+    If the training scenes have labels of several classes, the model gets a classifier.
 
     Parameters
     ----------
     scenes
-        Crops of objects, scenes with objects, scenes without; each is asked for several times, so
-        that a sequence may read its pictures when it is asked.
+        Crops of objects, scenes with objects, scenes without. Each one is requested several times,
+        so a lazy sequence may read its pictures on request.
     name, label
-        Of the model, and what it detects.
+        Name of the model, and kind of object that it detects.
     held_out
-        Further objects, not trained on: `kept_share` of these, and of those trained on, come
-        through the calibrated cascade. None: every tenth of the scenes with objects is held out.
+        Further objects that are not trained on. The share `kept_share` of these, and of the objects
+        trained on, passes the calibrated cascade. None: hold out every tenth scene with objects.
     trained_on
-        What to note of the data; empty: their fingerprint.
+        Description of the data to record. Empty: their fingerprint.
     progress
         May raise `concurrent.futures.CancelledError`.
 
@@ -142,7 +142,7 @@ def train(
         )
     rounds, background = _rounds(task, objects, background, part_of(progress, _WINDOWS, 0.98))
     progress(0.98, "calibrating")
-    # boosting drives those trained on apart from the background: alone, they reject too early
+    # boosting separates training objects from background so well that they alone reject too early
     calibrations = (
         calibrate(rounds[-1].trees.running_sums(values), settings.kept_share, settings.slack)
         for values in (objects, unseen)
@@ -170,7 +170,7 @@ def train(
 def _split(
     scenes: Sequence[Scene], held_out: Sequence[Scene] | None
 ) -> tuple[Sequence[Scene], Sequence[Scene]]:
-    """Scenes to train on, and those to calibrate on."""
+    """Return the scenes to train on and the scenes to calibrate on."""
     if held_out is not None:
         return scenes, held_out
     holding = [i for i in range(len(scenes)) if len(scenes[i].boxes)]
@@ -192,12 +192,12 @@ def _with_objects(scenes: Sequence[Scene], progress: Progress = no_progress) -> 
 def _survey(
     scenes: Sequence[Scene], held_out: Sequence[Scene], progress: Progress
 ) -> tuple[bool, str, Band, list[int], int]:
-    """Read everything once.
+    """Read all scenes once.
 
     Returns
     -------
-    Whether all pictures are in colour, and any is not grey; sha256 over pictures and boxes; where
-    the boxes lie; places of the scenes with background; number of classes to train on.
+    Whether all pictures are in colour and any is not grey; sha256 over pictures and boxes; band of
+    the boxes; indices of the scenes with background; number of classes to train on.
     """
     digest = hashlib.sha256()
     is_colour, any_colour = True, False
@@ -226,7 +226,7 @@ def _survey(
 
 
 def _first_background(task: _Task, progress: Progress) -> NDArray[np.int32]:
-    """Windows of background drawn at random, about as many from each scene."""
+    """Draw background windows at random, about equally many from each scene."""
     n_scenes = len(task.backgrounds)
     each = -(-task.settings.negatives // max(n_scenes, 1))
     values = [np.empty((0, len(task.features)), np.int32)]
@@ -242,9 +242,9 @@ def _first_background(task: _Task, progress: Progress) -> NDArray[np.int32]:
 def _rounds(
     task: _Task, objects: NDArray[np.int32], background: NDArray[np.int32], progress: Progress
 ) -> tuple[list[BoostingRound], NDArray[np.int32]]:
-    """What each round gave, and the background of the last.
+    """Run all rounds of boosting and return their results and the background of the last one.
 
-    Without hard background all rounds learn from the same windows, and only the last one counts.
+    Without hard background all rounds would use the same windows, so only the last one runs.
     """
     settings = task.settings
     numbers = settings.trees_per_round if settings.negatives_per_round else ()
@@ -276,20 +276,20 @@ def _rounds(
 def _mine(
     task: _Task, boosting: BoostingRound, objects: NDArray[np.int32], progress: Progress
 ) -> NDArray[np.int32]:
-    """Background that the trees take for objects: the most confident windows that are found.
+    """Find hard background: the windows that the trees most confidently take for objects.
 
-    Scenes are visited in random order, until there are half as many more windows as are wanted:
-    a first round, with its few trees, is wrong about many. Every other window is looked at, both
-    ways: what is taken for an object is so in neighbouring windows, too.
+    Scenes are visited in random order until the surplus over the wanted number is reached. A first
+    round has few trees and is wrong about many windows. Only every other window is evaluated in
+    both directions, because neighbouring windows get similar confidences.
 
     Parameters
     ----------
     objects
-        Feature values of the training's objects; what few of them reach is not looked at.
+        Feature values of the training objects. Windows that fall below most of them are skipped.
 
     Returns
     -------
-    Feature values, int32, (n, n_features); n is at most `negatives_per_round`.
+    Feature values, int32, (n, n_features), with n at most `negatives_per_round`.
     """
     calibration = calibrate(boosting.trees.running_sums(objects), _PASSING)
     detector = IcfDetector(task.model(boosting, calibration))
@@ -312,7 +312,7 @@ def _mine(
 def _hardest(
     detector: IcfDetector, scene: Scene, task: _Task, most: int
 ) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Scores and values of the most confident windows of background that differ in place."""
+    """Return scores and values of the most confident background windows in different places."""
     nothing = np.empty((4, 0)), np.empty(0), np.empty((0, len(task.features)), np.int32)
     parts = {0.0: nothing}
     settings = detector.model.settings
@@ -338,6 +338,6 @@ def _hardest(
 def _differing(
     boxes: NDArray[np.float64], score: NDArray[np.float64], most: int
 ) -> NDArray[np.int64]:
-    """Indices of the most confident boxes that differ in place."""
+    """Return the indices of the most confident boxes in different places."""
     order = np.argsort(-score, kind="stable")[: 50 * most]
     return order[staying_boxes(boxes[:, order], _DIVERSE)][:most]

@@ -1,4 +1,4 @@
-"""Windows for a training: those of objects, cut out; those of background, from the pyramid."""
+"""Training windows: crops of objects, and background from the pyramid."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ from nvcore.pictures import Picture
 
 NO_BOXES: Final = np.empty((0, 4))
 _MOST_SHARED: Final = 0.2
-"""IoU with an object, or share within something ignored, up to which a window is background."""
+"""Maximum IoU with an object, or share inside an ignored region, of a background window."""
 _MARGIN: Final = 4
-"""Pixels around a window that its blur and gradients see."""
+"""Margin around a window that blur and gradients need, px."""
 _BLOCK: Final = 256
 _ON_A_SCALE: Final = 50
-"""Windows of a picture that are drawn on one scale: each scale takes time."""
+"""Number of windows of a picture drawn at one scale, as each scale takes time."""
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A picture of a training, and what is to be found in it.
+    """Training picture with its objects.
 
     Attributes
     ----------
@@ -45,11 +45,11 @@ class Scene:
     boxes
         Left, top, width, height of the objects, px; (n, 4).
     ignored
-        The same of what is neither object nor background; (n, 4).
+        Same for regions that are neither object nor background; (n, 4).
     has_background
-        Whether the rest of the picture is background to learn from; not so for a crop.
+        Whether the rest of the picture is background to learn from. False for crops.
     labels
-        Class of each box, "" where it is not known; empty: of none.
+        Class of each box, "" if unknown. Empty: no classes.
     """
 
     picture: Picture
@@ -60,14 +60,14 @@ class Scene:
 
 
 class LazyScenes(Sequence[Scene]):
-    """Scenes that are read whenever they are asked for.
+    """Scenes that are read on each request.
 
     Parameters
     ----------
     read
-        Number -> scene.
+        Maps a scene number to its scene.
     numbers
-        Of the scenes, in their order.
+        Numbers of the scenes, in order.
     """
 
     def __init__(self, read: Callable[[int], Scene], numbers: Sequence[int]) -> None:
@@ -83,7 +83,7 @@ class LazyScenes(Sequence[Scene]):
 def object_values(
     scenes: Iterator[Scene], settings: IcfSettings, features: Features, is_colour: bool, seed: int
 ) -> NDArray[np.int32]:
-    """Feature values of the objects and their copies; int32, (n_windows, n_features)."""
+    """Return the feature values of objects and their copies, int32, (n_windows, n_features)."""
     rng = np.random.default_rng(seed)
     values = [np.empty((0, len(features)), np.int32)]
     windows: list[Bytes] = []
@@ -102,9 +102,9 @@ def object_values(
 def object_windows(
     picture: Bytes, box: NDArray[np.float64], settings: IcfSettings, rng: np.random.Generator
 ) -> list[Bytes]:
-    """The window around an object, by its height and centre, and the copies of it.
+    """Cut out the window around an object, by its height and centre, and distorted copies.
 
-    Each has 4 px more on every side than the window.
+    Each result has a margin of 4 px on every side of the window.
     """
     x, y, w, h = (float(value) for value in box)
     scale = h / settings.object_height
@@ -127,7 +127,7 @@ def object_windows(
 def window_values(
     windows: list[Bytes], settings: IcfSettings, features: Features
 ) -> NDArray[np.int32]:
-    """Feature values of windows with a margin of 4 px; int32, (n, n_features)."""
+    """Return the feature values of windows with a margin of 4 px, int32, (n, n_features)."""
     inside = slice(_MARGIN, -_MARGIN)
     every = (channel_planes(np.ascontiguousarray(window), settings) for window in windows)
     sums = np.stack([integral_images(planes[:, inside, inside].copy()) for planes in every])
@@ -143,7 +143,7 @@ def random_background(
     n: int,
     rng: np.random.Generator,
 ) -> NDArray[np.int32]:
-    """Feature values of at most `n` windows of background, at scales drawn at random."""
+    """Return the feature values of at most `n` random background windows at random scales."""
     picture = check_picture(scene.picture, is_colour)
     height, width = picture.shape[:2]
     singly = [level for group in levels(width, height, settings) for level in group]
@@ -152,7 +152,7 @@ def random_background(
         return values[0]
     area = np.array([np.prod(level.grid(settings)) for level in singly], float)
     n_levels = min(-(-n // _ON_A_SCALE), len(singly))
-    # small objects have most of the windows: they are drawn more often, but not as often as that
+    # most windows show small objects, so small scales are drawn more often, though less than that
     drawn = rng.choice(len(singly), n_levels, replace=False, p=np.sqrt(area) / np.sqrt(area).sum())
     for i in np.sort(drawn):
         level = singly[i]
@@ -174,7 +174,7 @@ def level_values(
     settings: IcfSettings,
     features: Features,
 ) -> NDArray[np.int32]:
-    """Feature values of windows of one level; int32, (n, n_features)."""
+    """Return the feature values of windows of one level, int32, (n, n_features)."""
     if not len(row):
         return np.empty((0, len(features)), np.int32)
     ((_, planes),) = planes_of(picture, (level,), settings, np.empty(0))
@@ -185,14 +185,14 @@ def level_values(
 def is_background(
     boxes: NDArray[np.float64], scene: Scene, most_shared: float = _MOST_SHARED
 ) -> NDArray[np.bool_]:
-    """Boxes that overlap objects by an IoU of at most 0.2, and lie outside what is ignored.
+    """Return a mask of boxes that overlap no object (IoU of at most 0.2) and no ignored region.
 
     Parameters
     ----------
     boxes
         Left, top, width, height; (4, n).
     most_shared
-        Another such IoU.
+        Another maximum IoU.
     """
     is_free = np.ones(boxes.shape[1], np.bool_)
     area = boxes[2] * boxes[3]
@@ -205,7 +205,7 @@ def is_background(
 
 
 def _shared(boxes: NDArray[np.float64], box: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Area that each box has in common with one, px²."""
+    """Return the intersection area of each box with another box, px²."""
     corner, size = boxes[:2], boxes[2:]
     ends = np.minimum(corner + size, (box[:2] + box[2:])[:, None])
     sides = np.maximum(ends - np.maximum(corner, box[:2, None]), 0.0)
@@ -221,14 +221,14 @@ def _cut(
     settings: IcfSettings,
     shrunk: float = 0.0,
 ) -> Bytes:
-    """A window and its margin, `scale` px of the picture to one of the window, around x, y.
+    """Cut out a window with its margin, centred at x, y, with `scale` px of the picture per px.
 
-    What lies outside the picture repeats its edge.
+    Edge pixels are repeated outside the picture.
 
     Parameters
     ----------
     shrunk
-        If larger than `scale`, the picture is shrunk by this first, and loses detail.
+        If larger than `scale`, the picture is first shrunk by this factor and loses detail.
     """
     width = settings.window_width + 2 * _MARGIN
     height = settings.window_height + 2 * _MARGIN
@@ -240,14 +240,14 @@ def _cut(
 
 
 def _sampled(picture: Bytes, x: float, y: float, scale: float, width: int, height: int) -> Bytes:
-    """As many px as wanted around a point, `scale` px of the picture to one, interpolated.
+    """Interpolate width x height px around a point, with `scale` px of the picture per px.
 
-    Centres of pixels are at 0.5, and a picture is halved first as for the pyramid.
+    Pixel centres are at 0.5. Pictures are halved first, as for the pyramid.
     """
     left, top = int(np.floor(x - width * scale)), int(np.floor(y - height * scale))
     left, top = max(left, 0), max(top, 0)
     part = picture[top : int(y + height * scale) + 2, left : int(x + width * scale) + 2]
-    if not part.size:  # a box outside the picture
+    if not part.size:  # the box is outside the picture
         part, left, top = picture, 0, 0
     whole = part.shape[1]
     part = halved(np.ascontiguousarray(part), part.shape[1] / scale, part.shape[0] / scale)

@@ -1,4 +1,4 @@
-"""A network of one's own in ONNX, run by ONNX Runtime: layouts of the common families."""
+"""Custom ONNX networks, run by ONNX Runtime, with the output layouts of common families."""
 
 from nvcore.detectors.onnx.detector import open_onnx
 

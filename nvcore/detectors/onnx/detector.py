@@ -1,4 +1,4 @@
-"""A network in ONNX as a detector: opened with care, run by ONNX Runtime on the processor."""
+"""Detector for custom ONNX networks: validated on opening, run by ONNX Runtime on the CPU."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ from nvcore.extras import needs
 from nvcore.pictures import Picture
 from nvcore.wording import one_line, shortened
 
-# ONNX Runtime reads it once: its official builds report their use over the network otherwise, and
-# keep a number of the machine in the user's cache. Recordings are confidential.
+# Set before ONNX Runtime is imported, which reads it once. Otherwise official builds send telemetry
+# and keep a machine identifier in the user's cache. Recordings are confidential.
 os.environ["ORT_DISABLE_TELEMETRY"] = "1"
 with needs("onnx", "ONNX models need"):
     import onnxruntime
@@ -44,9 +44,9 @@ with needs("onnx", "ONNX models need"):
 USUAL_PX: Final = 640
 USUAL_OVERLAP: Final = 0.5
 MOST_CANDIDATES: Final = 10_000
-"""Boxes of a picture that are looked at, the most confident ones."""
+"""Maximum number of boxes per picture. The most confident ones are kept."""
 LARGEST_SHARE: Final = 1.5
-"""Coordinates above this are no shares of the picture."""
+"""Coordinates above this value are not relative to the picture size."""
 PEOPLE: Final = ("person", "pedestrian", "people")
 _DTYPES: Final = {
     "tensor(float)": np.float32,
@@ -63,28 +63,28 @@ _ERRORS: Final[tuple[type[Exception], ...]] = (
     ),
 )
 _NUMBERS: Final = "fiub"
-"""Kinds of arrays with numbers in them; not texts."""
+"""Kinds of numeric arrays, as opposed to text."""
 _MAX_NAMES: Final = 1 << 20
 _MOST_CLASSES: Final = 1 << 20
 _OF_FAMILY: Final = ("box", "fit", "values", "colour", "activation", "unit")
-"""Settings that the layout decides where they are ``auto``."""
+"""Settings that the output layout decides if they are ``auto``."""
 
 
 def open_onnx(path: Path, given: Mapping[str, Setting]) -> OnnxDetector:
-    """A network as a detector; it runs once on a blank picture, so that it is known to work.
+    """Open a network as a detector and test it once on a blank picture.
 
     Parameters
     ----------
     path
-        The model.
+        Model file.
     given
         Settings by name; see `OnnxSettings`.
 
     Raises
     ------
     DetectorError
-        If it is damaged, keeps weights outside its folder, or its input or output is of no known
-        kind; or a setting cannot be used.
+        If the file is damaged, stores weights outside its folder, or has an input or output of
+        unknown kind, or a setting cannot be used.
     """
     settings = settings_from(OnnxSettings, given)
     name = one_line(str(path))
@@ -99,10 +99,10 @@ def open_onnx(path: Path, given: Mapping[str, Setting]) -> OnnxDetector:
                 digest.update(hashlib.file_digest(stream, "sha256").digest())
     except OSError as error:
         raise DetectorError(f"cannot be opened ({error.strerror})", file=name) from error
-    onnxruntime.disable_telemetry_events()  # where another program has loaded it before
+    onnxruntime.disable_telemetry_events()  # in case another program imported ONNX Runtime before
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads, options.inter_op_num_threads = settings.threads, 1
-    options.log_severity_level = 4  # what goes wrong is raised
+    options.log_severity_level = 4  # errors are raised, so they need not be logged as well
     with _plain_errors(name):
         session = onnxruntime.InferenceSession(
             str(path) if files else content, options, providers=["CPUExecutionProvider"]
@@ -112,7 +112,7 @@ def open_onnx(path: Path, given: Mapping[str, Setting]) -> OnnxDetector:
 
 @contextmanager
 def _plain_errors(name: str) -> Iterator[None]:
-    """Within it, errors of ONNX Runtime are those of a detector."""
+    """Convert errors of ONNX Runtime raised in this context to DetectorError."""
     try:
         yield
     except _ERRORS as error:
@@ -121,23 +121,23 @@ def _plain_errors(name: str) -> Iterator[None]:
 
 
 class OnnxDetector:
-    """A network in ONNX; see `nvcore.detectors.base.Detector`."""
+    """Detector for an ONNX network. See `nvcore.detectors.base.Detector`."""
 
     def __init__(
         self, session: Any, settings: OnnxSettings, title: str, name: str, digest: str
     ) -> None:
-        """Find out what the network is.
+        """Determine the network's input form and output layout.
 
         Parameters
         ----------
         session
-            Of ONNX Runtime.
+            ONNX Runtime session.
         title
             Name of the model.
         name
-            Of its file, for errors.
+            File name for error messages.
         digest
-            sha256 of its files.
+            sha256 of the model files.
         """
         self._session, self._name = session, name
         inputs = session.get_inputs()
@@ -169,7 +169,7 @@ class OnnxDetector:
         )
         self._classes = _classes(settings, layout, _names(session, settings), name)
         values: dict[str, Setting] = asdict(settings)
-        # threads change the time, not the boxes
+        # the number of threads does not change the boxes
         of_boxes = {key: value for key, value in values.items() if key != "threads"}
         text = json.dumps([digest, of_boxes, list(self._classes.items())], sort_keys=True)
         self.about = About(
@@ -180,7 +180,7 @@ class OnnxDetector:
             fingerprint=hashlib.sha256(text.encode()).hexdigest(),
             threshold=max(layout.threshold, settings.threshold),
         )
-        self._read(outputs)  # a layout that does not fit is known now
+        self._read(outputs)  # reports an unsuitable layout at once
 
     def detect(self, picture: Picture) -> Detections:
         """See `Detector.detect`."""
@@ -232,7 +232,7 @@ class OnnxDetector:
     def _chosen(
         self, candidates: Candidates
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
-        """Corners, scores and classes of the boxes that count, as the network has them."""
+        """Return corners, scores and classes of the selected boxes in the network's coordinates."""
         every = np.array([*self._classes], dtype=np.int64)
         if candidates.label is None:
             known = every[every < candidates.score.shape[1]]
@@ -249,14 +249,14 @@ class OnnxDetector:
         else:
             number, score = candidates.label, candidates.score[:, 0]
             is_chosen = (score >= self.settings.threshold) & np.isin(number, every)
-        rows = np.flatnonzero(is_chosen)  # scores that are no numbers are not
+        rows = np.flatnonzero(is_chosen)  # also drops NaN scores
         if len(rows) > MOST_CANDIDATES:
             rows = rows[np.argsort(-score[rows], kind="stable")[:MOST_CANDIDATES]]
         return corners(candidates.box[rows], self.settings.box), score[rows], number[rows]
 
 
 def _form(part: Any, settings: OnnxSettings, name: str) -> PictureForm:
-    """What the network's input wants; DetectorError if it is no picture."""
+    """Return the form of the network's input. Raise DetectorError if it is not a picture."""
     shape = [side if isinstance(side, int) and side > 0 else None for side in part.shape]
     has_batch = len(shape) == 4
     sides = shape[1:] if has_batch else shape
@@ -288,7 +288,7 @@ def _form(part: Any, settings: OnnxSettings, name: str) -> PictureForm:
 
 
 def _side(what: str, own: int | None, given: int, name: str) -> int:
-    """A side of the input, px: its own, where it is fixed, else as given."""
+    """Return a side of the input, px: the network's own if it is fixed, else the given one."""
     if own is not None and given not in (0, own):
         raise DetectorError(f"{what}: its input is fixed to {own} px, found {given}", file=name)
     side = own or given or USUAL_PX
@@ -300,14 +300,14 @@ def _side(what: str, own: int | None, given: int, name: str) -> int:
 
 
 def _names(session: Any, settings: OnnxSettings) -> dict[int, str]:
-    """Names of the classes by number: as given, or as the model's metadata say."""
+    """Return class names by number, from the settings or else from the model's metadata."""
     if settings.names:
         return dict(enumerate(name.strip() for name in settings.names.split(",")))
     text = session.get_modelmeta().custom_metadata_map.get("names", "")
     if not 0 < len(text) <= _MAX_NAMES:
         return {}
     try:
-        value = ast.literal_eval(text)  # as Ultralytics writes it: {0: 'person', 1: ...}
+        value = ast.literal_eval(text)  # format of Ultralytics: {0: 'person', 1: ...}
         numbered = enumerate(value if isinstance(value, list | tuple) else ())
         entries = value if isinstance(value, dict) else dict(numbered)
         return {
@@ -316,13 +316,13 @@ def _names(session: Any, settings: OnnxSettings) -> dict[int, str]:
             if type(key) is int and 0 <= key < _MOST_CLASSES
         }
     except (ValueError, TypeError, SyntaxError, MemoryError, RecursionError):
-        return {}  # also a list as a key; a whole number of thousands of digits
+        return {}  # also for a list as a key, or an integer of thousands of digits
 
 
 def _classes(
     settings: OnnxSettings, layout: OutputLayout, names: Mapping[int, str], file: str
 ) -> dict[int, str]:
-    """The classes that count: number and name."""
+    """Return number and name of the classes that count."""
     texts = [text.strip() for text in settings.classes.split(",") if text.strip()]
     if not texts:
         people = {number: name for number, name in names.items() if name.lower() in PEOPLE}

@@ -1,7 +1,7 @@
-"""Weights that an ONNX model keeps in other files: found by the model's own messages.
+"""External weight files of an ONNX model, found by parsing its protobuf messages.
 
-ONNX Runtime refuses those outside the model's folder, too, when it loads them. They are looked for
-here to say so in plain words, and for the fingerprint: the model is all of its files.
+ONNX Runtime also rejects files outside the model's folder when it loads them. This module finds the
+files first for a plain error message, and for the fingerprint over all files of the model.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ with needs("onnx", "ONNX models need"):
     from google.protobuf import descriptor_pb2, descriptor_pool, message, message_factory
 
 MAX_BYTES: Final = (1 << 31) - 1
-"""Of a model file: protobuf has no larger messages."""
+"""Maximum size of a model file. Protobuf has no larger messages."""
 
 _MESSAGES: Final[dict[str, dict[int, str]]] = {
     "Model": {7: "Graph", 20: "Training", 25: "Function"},
@@ -31,25 +31,26 @@ _MESSAGES: Final[dict[str, dict[int, str]]] = {
     "Tensor": {13: "Entry"},
     "Entry": {1: "key", 2: "value"},
 }
-"""The parts of onnx.proto in which a tensor can be: message of each field, or its name if bytes."""
+"""Parts of onnx.proto that can hold a tensor: message of each field, or its name if bytes."""
 
 
 def external_files(content: bytes, path: Path, name: str) -> list[Path]:
-    """Files that hold weights of a model, each once, in the order of their names.
+    """Return the files that hold weights of a model, sorted by name and without duplicates.
 
     Parameters
     ----------
     content
-        Of the model file.
+        Content of the model file.
     path
-        Where it lies.
+        Path of the model file.
     name
-        What it is called in errors.
+        Name of the model for error messages.
 
     Raises
     ------
     DetectorError
-        If it is no ONNX model, or names a file outside its folder, links followed.
+        If the content is not an ONNX model, or a weight file is outside its folder (links
+        resolved).
     """
     model = _model_class()()
     try:
@@ -61,7 +62,7 @@ def external_files(content: bytes, path: Path, name: str) -> list[Path]:
     for location in sorted({*_locations(model)}):
         try:
             file = (folder / location).resolve()
-        except (OSError, ValueError):  # links in a circle; NUL
+        except (OSError, ValueError):  # circular links, or NUL in the name
             file = Path()  # relative, so in no folder
         if Path(location).is_absolute() or not file.is_relative_to(folder):
             raise DetectorError(
@@ -76,7 +77,7 @@ def external_files(content: bytes, path: Path, name: str) -> list[Path]:
 
 
 def _locations(part: Any) -> Iterator[str]:
-    """The places named by all tensors in a message, from the outside to the inside."""
+    """Yield the locations named by all tensors in a message, outer messages first."""
     todo = [part]
     while todo:
         part = todo.pop()
@@ -90,7 +91,7 @@ def _locations(part: Any) -> Iterator[str]:
 
 @cache
 def _model_class() -> Any:
-    """The class of messages that `_MESSAGES` describes; all other fields are passed over."""
+    """Return the protobuf class described by `_MESSAGES`, which ignores all other fields."""
     kinds = descriptor_pb2.FieldDescriptorProto
     file = descriptor_pb2.FileDescriptorProto(
         name="nvcore/onnx.proto", package="nvcore.onnx", syntax="proto2"
@@ -102,7 +103,7 @@ def _model_class() -> Any:
             entry.field.add(
                 name=f"part{number}" if is_message else kind,
                 number=number,
-                # a field that stands once may come twice: both count
+                # protobuf allows a singular field to occur twice, and both values count
                 label=kinds.LABEL_REPEATED if is_message else kinds.LABEL_OPTIONAL,
                 type=kinds.TYPE_MESSAGE if is_message else kinds.TYPE_BYTES,
                 type_name=f".nvcore.onnx.{kind}" if is_message else None,

@@ -1,4 +1,4 @@
-"""A picture as the array that a network is fed with, and the way back."""
+"""Conversion of a picture to a network's input array, and of boxes back to the picture."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from nvcore.pictures import Picture
 
 MEAN: Final = (0.485, 0.456, 0.406)
 SPREAD: Final = (0.229, 0.224, 0.225)
-"""Of ImageNet's colours, red first, as shares of white."""
+"""Standard deviation of ImageNet's colours, red first, as shares of white."""
 
 
 @dataclass(frozen=True)
 class PictureForm:
-    """The array that a network wants for a picture.
+    """Form of a network's input array.
 
     Attributes
     ----------
     size
         Width and height, px.
     n_channels
-        1: grey, 3: colours.
+        1 for grey, 3 for colour.
     is_last, has_batch
-        Whether the colours are the last axis; whether there is an axis for the pictures.
+        Whether the channels are the last axis, and whether there is a batch axis.
     dtype
-        Of the array.
+        Type of the array.
     """
 
     size: Size
@@ -44,7 +44,7 @@ class PictureForm:
 
 @dataclass(frozen=True)
 class Fitting:
-    """Where a picture lies in the input: pixel x of the picture at ``left + x * across``."""
+    """Position of a picture in the input: pixel x of the picture is at ``left + x * across``."""
 
     across: float
     down: float
@@ -52,7 +52,7 @@ class Fitting:
     top: int
 
     def to_picture(self, corners: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Left, top, right, bottom in pixels of the input as those of the picture; (n, 4)."""
+        """Convert left, top, right, bottom from input pixels to picture pixels, (n, 4)."""
         moved: NDArray[np.float64] = corners - np.tile([self.left, self.top], 2)
         sides: NDArray[np.float64] = moved / np.tile([self.across, self.down], 2)
         return sides
@@ -61,7 +61,7 @@ class Fitting:
 def network_input(
     picture: Picture, form: PictureForm, settings: OnnxSettings
 ) -> tuple[NDArray[Any], Fitting]:
-    """The array for a picture, and where the picture lies in it."""
+    """Return the input array for a picture, and the picture's position in it."""
     picture = to_8_bits(picture, always=settings.stretch_8_bit)
     n_own = 1 if picture.ndim == 2 else 3
     if n_own != form.n_channels:

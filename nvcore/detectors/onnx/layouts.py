@@ -1,7 +1,8 @@
-"""Outputs of the common families of networks as boxes, scores of classes.
+"""Conversion of the outputs of common network families to boxes and class scores.
 
-Every reader returns boxes as the network has them, shape (n, 4), and scores, shape (n, c); what is
-given by label alone (SSD) as scores of its own class. `OutputLayout` says what is usual beside.
+Every reader returns boxes in the network's own format, shape (n, 4), and scores, shape (n, c).
+Outputs with a label per box (SSD) give one score per box. `OutputLayout` holds the family's
+defaults.
 """
 
 from __future__ import annotations
@@ -16,29 +17,29 @@ from numpy.typing import NDArray
 from nvcore.detectors.base import DetectorError
 
 Outputs: TypeAlias = Mapping[str, NDArray[Any]]
-"""Outputs of a network by name, in its order."""
+"""Outputs of a network by name, in the network's order."""
 Size: TypeAlias = tuple[int, int]
 """Width and height, px."""
 
 CELLS_PX: Final = ((8, 16, 32), (8, 16, 32, 64))
-"""Sides of the cells of YOLO networks; the second for large inputs."""
+"""Cell sides of YOLO networks, px. The second set is for large inputs."""
 _ANCHORS: Final = 3
 _COCO_CLASSES: Final = 80
-"""Without the gaps in COCO's numbers, and without a class for nothing: a sigmoid for each."""
+"""Number of COCO classes without gaps and background class, as networks with sigmoids have them."""
 
 
 @dataclass(frozen=True)
 class Candidates:
-    """Boxes before any is chosen.
+    """Boxes before selection.
 
     Attributes
     ----------
     box
-        Four numbers of each, float64, shape (n, 4).
+        Four coordinates of each box, float64, shape (n, 4).
     score
-        Of each class, float64, shape (n, c); of labelled boxes shape (n, 1).
+        Score of each class, float64, shape (n, c); shape (n, 1) for labelled boxes.
     label
-        Number of the class of each box, int64, shape (n,); None: `score` has a column for each.
+        Class number of each box, int64, shape (n,). None if `score` has a column for each class.
     """
 
     box: NDArray[np.float64]
@@ -48,20 +49,20 @@ class Candidates:
 
 @dataclass(frozen=True)
 class OutputLayout:
-    """How a family lays out its outputs, and what is usual for it.
+    """Output format and defaults of a network family.
 
     Attributes
     ----------
     read
-        (outputs, size of the input) -> boxes and scores.
+        Maps outputs and input size to boxes and scores.
     box, fit, values, colour, activation, unit
-        As in `OnnxSettings`, none of them ``auto`` but the unit.
+        Same as in `OnnxSettings`. Only `unit` may be ``auto``.
     suppresses
-        Whether the network suppresses by itself.
+        Whether the network itself suppresses overlapping boxes.
     person
-        Number of the class "person" where it was trained on COCO.
+        Number of the class "person" for networks trained on COCO.
     threshold
-        Score from which on a box usually counts.
+        Usual score threshold.
     """
 
     read: Callable[[Outputs, Size], Candidates]
@@ -77,21 +78,21 @@ class OutputLayout:
 
 
 def recognise(outputs: Outputs, size: Size, name: str) -> str:
-    """The layout of these outputs, by their names and shapes.
+    """Recognise the layout of outputs by their names and shapes.
 
     Parameters
     ----------
     outputs
-        Of any picture.
+        Outputs for any picture.
     size
-        Of the input.
+        Size of the input.
     name
-        Of the model, for the error.
+        Name of the model for error messages.
 
     Raises
     ------
     DetectorError
-        If it is none of them, or may be several.
+        If no layout matches, or several may.
     """
     shapes = [array.shape for array in outputs.values()]
     logits = _named(outputs, "logits")
@@ -122,7 +123,7 @@ def recognise(outputs: Outputs, size: Size, name: str) -> str:
 
 
 def shape_text(array: NDArray[Any]) -> str:
-    """The shape of an output as models' documents write it: (1, 84, 8400)."""
+    """Return the shape of an output in the usual notation: (1, 84, 8400)."""
     return f"({', '.join(map(str, array.shape))})"
 
 
@@ -131,13 +132,13 @@ def _shapes(outputs: Outputs) -> str:
 
 
 def cell_count(size: Size, cells: Sequence[int]) -> int:
-    """Cells of these sides in an input of this size."""
+    """Return the number of cells with these sides in an input of this size."""
     width, height = size
     return sum((width // side) * (height // side) for side in cells)
 
 
 def _rows(outputs: Outputs, least: int) -> NDArray[np.float64]:
-    """The only output, or the first, as rows with at least so many columns."""
+    """Return the only or first output as rows with at least `least` columns."""
     array = next(iter(outputs.values()))
     if array.ndim != 3 or array.shape[0] != 1 or array.shape[2] < least:
         raise DetectorError(
@@ -169,12 +170,12 @@ def _yolox(outputs: Outputs, size: Size) -> Candidates:
             f"px, found {len(rows):,}; is it another layout?"
         )
     corners, sides = [], []
-    for side in cells:  # three or four
+    for side in cells:  # three or four sizes
         across, down = np.meshgrid(np.arange(size[0] // side), np.arange(size[1] // side))
         corners.append(side * np.column_stack([across.ravel(), down.ravel()]))
         sides.append(np.full(across.size, side))
     corner, cell = np.concatenate(corners), np.concatenate(sides)[:, np.newaxis]
-    with np.errstate(over="ignore"):  # what is not finite is dropped later
+    with np.errstate(over="ignore"):  # infinite values are dropped later
         box = np.hstack([rows[:, :2] * cell + corner, np.exp(rows[:, 2:4]) * cell])
     return Candidates(box, rows[:, 4:5] * rows[:, 5:])
 
@@ -185,7 +186,7 @@ def _end_to_end(outputs: Outputs, _size: Size) -> Candidates:
 
 
 def _labels(numbers: NDArray[Any]) -> NDArray[np.int64]:
-    """Numbers of classes as whole numbers; -1 where they are none."""
+    """Return class numbers as integers, -1 where they are not valid."""
     values = np.asarray(numbers, dtype=np.float64)
     is_class = (values >= 0) & (values < 1 << 20)
     return np.where(is_class, np.where(is_class, values, 0).astype(np.int64), -1)
@@ -211,7 +212,7 @@ def _ssd(outputs: Outputs, _size: Size) -> Candidates:
 
 
 def _by_shape(outputs: Outputs) -> list[NDArray[Any] | None] | None:
-    """Boxes, scores and labels by shape and type; None: they cannot be told apart."""
+    """Identify boxes, scores and labels by shape and type. None if they are ambiguous."""
     arrays = list(outputs.values())
     boxes = [a for a in arrays if a.shape[-1:] == (4,) and a.ndim > 1]
     labels = [a for a in arrays if a.dtype.kind in "iu" and a.shape[-1:] != (4,)]
@@ -232,12 +233,12 @@ def _detr(outputs: Outputs, _size: Size) -> Candidates:
 
 
 def _named(outputs: Outputs, word: str) -> NDArray[Any] | None:
-    """The first output with this word in its name."""
+    """Return the first output with this word in its name."""
     return next((array for name, array in outputs.items() if word in name.lower()), None)
 
 
 def activated(score: NDArray[np.float64], activation: str) -> NDArray[np.float64]:
-    """Scores as probabilities; by ``softmax`` without the last class, which is nothing."""
+    """Convert scores to probabilities. ``softmax`` drops the last class, which is background."""
     if activation == "none":
         return score
     with np.errstate(over="ignore"):
@@ -249,7 +250,7 @@ def activated(score: NDArray[np.float64], activation: str) -> NDArray[np.float64
 
 
 def corners(box: NDArray[np.float64], form: str) -> NDArray[np.float64]:
-    """Boxes of any form (`OnnxSettings.box`) as left, top, right, bottom; shape (n, 4)."""
+    """Convert boxes of any form (`OnnxSettings.box`) to left, top, right, bottom, shape (n, 4)."""
     a, b, c, d = box.T
     if form == "cxcywh":
         return np.column_stack([a - c / 2, b - d / 2, a + c / 2, b + d / 2])
@@ -274,4 +275,4 @@ PRESETS: Final[dict[str, OutputLayout]] = {
     ),
     "rtdetr": OutputLayout(_detr, activation="sigmoid", **_OF_TRANSFORMERS),
 }
-"""What is usual for each layout."""
+"""Defaults of each layout."""

@@ -1,4 +1,4 @@
-"""Settings of a network: what it is fed with, and how its output is read."""
+"""Settings of an ONNX network: preparation of its input and format of its output."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ COLOURS: Final[Mapping[str, str]] = {AUTO: "as usual for the layout", "rgb": "RG
 
 @dataclass(frozen=True)
 class OnnxSettings:
-    """Settings of a network of one's own; `auto`: see `nvcore.detectors.onnx.layouts`."""
+    """Settings of a custom network. For `auto` see `nvcore.detectors.onnx.layouts`."""
 
     layout: str = setting(AUTO, "How its output is laid out.", choices=LAYOUTS)
     width: int = setting(0, "Width of its input, px; 0: its own, else 640.", low=0, high=8192)

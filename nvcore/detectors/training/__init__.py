@@ -1,1 +1,1 @@
-"""Training on what users have: recordings with truth, folders of crops and of background."""
+"""Training on users' data: recordings with truth, folders of crops and of background."""

@@ -1,4 +1,4 @@
-"""Shots of folders: crops of objects, and pictures without any."""
+"""Training pictures from folders: crops of objects, and pictures without objects."""
 
 from __future__ import annotations
 
@@ -24,26 +24,26 @@ from nvcore.pictures.images import decode_image, file_bytes
 from nvcore.wording import count_text, one_line
 
 BOXES_FILE: Final = "boxes.csv"
-"""In a folder of crops: columns file, x, y, w, h (px), and class if there are several."""
+"""Table in a folder of crops: columns file, x, y, w, h (px), and class if there are several."""
 _COLUMNS: Final = ("file", "x", "y", "w", "h")
 _CLASS: Final = "class"
 _MOST_BYTES: Final = 1 << 28
 
 
 def folder_shots(settings: IcfSettings, arguments: TrainArguments) -> TrainingData:
-    """Collect the pictures of folders and of their subfolders, without hidden ones.
+    """Collect the pictures of folders and their subfolders, except hidden ones.
 
-    Each picture of the folder of crops shows an object in its middle, or those that ``boxes.csv``
-    lists. Crops with the same folder and the same name up to the last ``_`` show one physical
-    object, which is learned or held out as a whole.
+    Each picture in the folder of crops shows one object in its middle, or the objects listed in
+    ``boxes.csv``. Crops with the same folder and the same name up to the last ``_`` show one
+    physical object, which is learned or held out as a whole.
 
     Raises
     ------
     InputError
-        If a folder has no pictures, all crops are named as of one physical object, or
-        ``boxes.csv`` cannot be read.
+        If a folder has no pictures, all crops have names of one physical object, or ``boxes.csv``
+        cannot be read.
     ParameterError
-        If the share of the height that an object takes is not above 0 and at most 1.
+        If the object's share of the height is not above 0 and at most 1.
     """
     crop_share = arguments.crop_share
     if crop_share is None:
@@ -106,12 +106,12 @@ def _fingerprint(
     boxes: Sequence[NDArray[np.float64]],
     labels: Sequence[tuple[str, ...]],
 ) -> TrainedOn:
-    """sha256 over the files' contents, their boxes, and the classes of these if there are any."""
+    """Return the sha256 over the files' contents, their boxes, and the classes, if any."""
     digest = hashlib.sha256()
     for path in paths:
         try:
             digest.update(hashlib.sha256(file_bytes(path)).digest())
-        except MediaError as error:  # it is left out when it is read
+        except MediaError as error:  # skipped later, when it is read
             digest.update(error.message.encode())
     for own in boxes:
         digest.update(own.tobytes())
@@ -123,7 +123,7 @@ def _fingerprint(
 def _boxes(
     folder: Path, paths: Sequence[Path], share: float, aspect: float
 ) -> tuple[list[NDArray[np.float64]], list[tuple[str, ...]]]:
-    """Boxes of each crop, (n, 4), and their classes, "" where the table names none."""
+    """Return the boxes of each crop, (n, 4), and their classes, "" if the table names none."""
     table = folder / BOXES_FILE
     if not table.is_file():
         return [_in_the_middle(path, share, aspect) for path in paths], [()] * len(paths)
@@ -164,7 +164,7 @@ def _text(table: Path) -> str:
 def _in_the_middle(path: Path, share: float, aspect: float) -> NDArray[np.float64]:
     try:
         width, height = image_size(file_bytes(path), one_line(path.name))
-    except MediaError:  # it is left out when it is read
+    except MediaError:  # skipped later, when it is read
         return np.empty((0, 4))
     h = share * height
     w = h * aspect

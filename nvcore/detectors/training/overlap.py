@@ -1,4 +1,4 @@
-"""Frames of a dataset that are in a training, by name and by fingerprint of their truth."""
+"""Frames of a dataset that a training used, by name and by fingerprint of their truth."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import TrainedOn
 
 MOST_HASHED: Final = 50_000_000
-"""Boxes of which fingerprints are made for a training: some seconds of work, more than 1,000 whole
-recordings take against 1,000 others. A model's file may come from a stranger, and list more."""
+"""Maximum number of boxes to hash for a training. This takes some seconds and is more than
+comparing 1,000 whole recordings with 1,000 others needs. A stranger's model file may list more.
+"""
 _PER_PART, _PER_HASH = 1, 20
-"""What a part costs in a recording, and a fingerprint, in boxes."""
+"""Cost of a part in a recording, and of a fingerprint, in boxes."""
 _OPEN_END: Final = 2**60
-"""Beyond every frame number."""
+"""Frame number beyond all others."""
 _ELSEWHERE: Final = -1
 
 
@@ -29,12 +30,12 @@ class TrainingOverlap(NamedTuple):
     Attributes
     ----------
     is_trained, is_namesake
-        Frames of the training, and those of a recording of the same name with other ground truth;
+        Frames of the training, and frames of a recording of the same name with other ground truth;
         bool, shape (n_frames,).
     is_unchecked
-        Frames of which the ground truth was not compared, bool, shape (n_frames,).
+        Frames whose ground truth was not compared, bool, shape (n_frames,).
     has_part
-        Recordings of which some frames are in it, bool, shape (n_recordings,).
+        Recordings with some frames in the training, bool, shape (n_recordings,).
     """
 
     is_trained: NDArray[np.bool_]
@@ -46,9 +47,9 @@ class TrainingOverlap(NamedTuple):
 def training_overlap(dataset: Dataset, trained_on: Sequence[TrainedOn]) -> TrainingOverlap:
     """Find the overlap of a dataset with a training, by names of recordings and by ground truth.
 
-    A part whose recording is not here is looked for in all of them by its fingerprint; one whose
-    frames are all here under its name must have the same ground truth. Where that takes more than
-    `MOST_HASHED` allows, the ground truth is not compared.
+    If a part's recording is missing here, all recordings are searched for its fingerprint. If all
+    its frames are here under its name, the ground truth must be the same. Beyond the budget
+    `MOST_HASHED` the ground truth is not compared.
     """
     frames, names = dataset.frame_columns, dataset.recordings["name"].tolist()
     parts = _parts(trained_on, names)
@@ -78,7 +79,7 @@ def training_overlap(dataset: Dataset, trained_on: Sequence[TrainedOn]) -> Train
 
 
 def _parts(trained_on: Sequence[TrainedOn], names: Sequence[str]) -> pd.DataFrame:
-    """Parts that may be here: number of the recording, fingerprint, first and last frame."""
+    """Return the parts that may be here: recording number, fingerprint, first and last frame."""
     number_of = {name: number for number, name in enumerate(names)}
     parts = [
         (
@@ -109,9 +110,9 @@ def _fingerprints(
 ) -> tuple[NDArray[np.object_], float]:
     """Return the fingerprints of the truth in these rows of a recording, and the remaining budget.
 
-    A fingerprint is the sha256 of the boxes, whatever their order. Coordinates count in hundredths
-    of a pixel: the same truth in another format has the same fingerprint. It is empty where there
-    is no box. If they cost more than is `left`, all are empty and the budget is negative.
+    A fingerprint is the sha256 of the boxes in any order, or empty if there are none. Coordinates
+    are rounded to hundredths of a pixel, so that the same truth in another format has the same
+    fingerprint. If the cost exceeds `left`, all are empty and the budget is negative.
     """
     frames = dataset.frame_columns
     rows = frames.rows_of(number)

@@ -1,4 +1,4 @@
-"""Shots of a loaded session: evaluated frames with pictures, and the boxes of their truth."""
+"""Training pictures from a session: evaluated frames with pictures and their truth boxes."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ from nvcore.settings import as_names
 from nvcore.wording import MOST_NAMED, count_text, did_you_mean, listed, one_line
 
 MOST_OBJECTS: Final = 5000
-"""Boxes that are learned unless the caller asks for every frame: neighbours are much alike."""
+"""Maximum number of boxes to learn by default, because neighbouring frames are much alike."""
 _HEAVY: Final = 2
 _LEAST_RECORDINGS: Final = 4
-"""Minimum number of recordings to hold out whole ones where objects have no tracks."""
+"""Minimum number of recordings to hold out whole ones if objects have no tracks."""
 _IGNORED, _LEARNED, _HELD_OUT = range(3)
-"""Parts that a box of the truth can have in a training."""
+"""Roles of a truth box in a training."""
 
 
 def session_shots(
@@ -41,15 +41,15 @@ def session_shots(
 ) -> TrainingData:
     """Collect the frames of a session to learn from.
 
-    Boxes that the session's protocol leaves out, that are mostly hidden, cut off by the picture's
-    edge or lower than `TrainArguments.least_height` are neither object nor background, like those
-    that the truth flags as ignored.
+    Boxes are ignored, neither object nor background, if the truth flags them as ignored, the
+    session's protocol leaves them out, they are mostly hidden or truncated, or they are lower than
+    `TrainArguments.least_height`.
 
     Raises
     ------
     InputError
-        If no frame has a picture, a recording to be held out is not there, or none is left to
-        learn from.
+        If no frame has a picture, a recording to hold out does not exist, or none is left to learn
+        from.
     ParameterError
         If the split is not possible.
     """
@@ -166,9 +166,9 @@ def _counting(dataset: Dataset, least: float) -> NDArray[np.bool_]:
 
 
 class _Split(NamedTuple):
-    """Objects, bool, (n_objects,), and frames, bool, (n_frames,), that are held out.
+    """Held-out objects, bool, (n_objects,), and held-out frames, bool, (n_frames,).
 
-    Frames that are left out are on neither side. `words` says what was held out.
+    Skipped frames are on neither side. `words` describes what is held out.
     """
 
     is_object_out: NDArray[np.bool_]
@@ -183,7 +183,7 @@ def _split(
     objects: NDArray[np.int64],
     arguments: TrainArguments,
 ) -> _Split:
-    """Choose what is held out of these rows of the frames table and these boxes of the truth."""
+    """Choose what to hold out of these frame rows and truth boxes."""
     frames, share, seed = dataset.frame_columns, arguments.share, arguments.seed
     frame, numbers = frames.frame[rows], frames.recording[rows]
     recording = dataset.recordings["name"].to_numpy()[numbers].tolist()
@@ -227,7 +227,7 @@ def _split(
 def _recordings_named(
     arguments: TrainArguments, dataset: Dataset, known: Sequence[str]
 ) -> Sequence[str]:
-    """Return the recordings to be held out, which all have to be among those known."""
+    """Return the recordings to hold out, which all have to be among the known ones."""
     names = as_names(arguments.hold_out)
     for name in names:
         if name in known:

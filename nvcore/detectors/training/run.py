@@ -36,9 +36,9 @@ from nvcore.progress import Progress, no_progress, part_of, with_time_left
 from nvcore.wording import count_text, did_you_mean, duration_text, listed, one_line
 
 _READING: Final = 0.05
-"""Share of the time for reading pictures, about."""
+"""Approximate share of the time for reading pictures."""
 _BYTES_OF_VALUE: Final = 13
-"""Memory for each feature of each window: joined from parts, binned, in the search of splits."""
+"""Peak memory per feature value, bytes: joined from parts, binned, in the search of splits."""
 
 
 PRESETS: Final[Mapping[str, IcfSettings]] = {
@@ -46,26 +46,26 @@ PRESETS: Final[Mapping[str, IcfSettings]] = {
     "signs": SIGNS,
     "as-in-report": AS_IN_REPORT,
 }
-"""By the names of `nvcore.detectors.arguments.Preset`."""
+"""Settings by preset name (`nvcore.detectors.arguments.Preset`)."""
 
 
 def preset_for(objects: Objects | None) -> Preset:
-    """The preset for what a session is of, unless the user names one; None: there is no session."""
+    """Return the default preset for a session's objects. None: no session."""
     return "signs" if objects == SPEED_SIGN else "pedestrians"
 
 
 def preset_settings(preset: str, given: Mapping[str, Any]) -> IcfSettings:
-    """The settings of a preset, some of them changed.
+    """Return the settings of a preset with some of them changed.
 
     Parameters
     ----------
     given
-        By name; see `typed_like`.
+        Changed values by name; see `typed_like`.
 
     Raises
     ------
     DetectorError
-        If there is no such preset or setting, or a text is not of the setting's type.
+        If there is no such preset or setting, or a text cannot be parsed as the setting's type.
     ParameterError
         If a value is not possible.
     """
@@ -93,17 +93,17 @@ def gather(
     settings: IcfSettings,
     arguments: TrainArguments,
 ) -> TrainingData:
-    """Gather pictures and boxes of a training. No picture of a recording is read.
+    """Gather pictures and boxes of a training without reading pictures of recordings.
 
     Parameters
     ----------
     dataset, pictures
-        Of a session; None: there are folders alone.
+        Those of a session. None: use folders only.
 
     Raises
     ------
     InputError
-        If there is nothing to learn from, or all objects would be on one side.
+        If there is nothing to learn from, or all objects would be on one side of the split.
     ParameterError
         If the split is not possible.
     """
@@ -133,25 +133,24 @@ def gather(
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Training:
-    """Trained model, and how its training went. ``print`` shows it.
+    """Trained model with statistics of its training. ``print`` shows them.
 
     Attributes
     ----------
     model
         Ready to be written.
     training_data
-        What it was to learn from.
+        Data of the training.
     n_pictures
-        That it was trained on.
+        Number of pictures trained on.
     n_objects, n_held_out
-        Boxes that were learned, and those that were held out.
+        Numbers of boxes that were learned and held out.
     n_kept, n_found
-        Held-out boxes whose own window the cascade lets through, which are `kept_share` of them by
-        construction where it is calibrated, and those of them that reach the threshold.
-    faults
-        Why pictures could not be read.
+        Numbers of held-out boxes whose own window passes the cascade, and of those that also reach
+        the threshold. The share that passes a calibrated cascade is `kept_share` by construction.
+        Reasons why pictures could not be read.
     seconds
-        How long it took.
+        Duration of the training.
     """
 
     model: IcfModel
@@ -170,7 +169,10 @@ class Training:
     def __str__(self) -> str:
         held_out, settings = one_line(self.training_data.held_out), self.model.settings
         cascade = f"lets {self.n_kept:,} through"
-        if settings.cascade in ("calibrated", "hard"):  # it is made to keep its share
+        if settings.cascade in (
+            "calibrated",
+            "hard",
+        ):  # keeps its share by construction
             share = f"{100 * settings.kept_share:g} %"
             cascade = f"was calibrated to let {share} of the held-out ones through"
         lines = [
@@ -190,7 +192,7 @@ class Training:
 
     @property
     def _objects(self) -> str:
-        """Numbers of learned boxes and of their pictures, in words."""
+        """Describe the numbers of learned boxes and of their pictures."""
         pictures = count_text(self.n_pictures, "picture")
         if self.training_data.every > 1:
             pictures += f", one in {self.training_data.every} of the evaluated frames"
@@ -213,7 +215,7 @@ def train_on(
     training_data
         Pictures and boxes.
     name, label
-        Of the model, and what it detects.
+        Name of the model, and kind of object that it detects.
     progress
         Called with the share done, and the time left in words. It may raise `CancelledError`.
 
@@ -222,7 +224,7 @@ def train_on(
     InputError
         If no picture can be read, or there is no object or no background to learn from.
     ParameterError
-        If the name cannot be that of a model, or the classes of the boxes not its classes.
+        If the name is not valid for a model, or the classes of the boxes are not valid.
     """
     began = time.perf_counter()
     check_name("name", name)
@@ -244,7 +246,7 @@ def train_on(
         trained_on=training_data.trained_on,
         progress=part_of(progress, _READING, 1.0),
     )
-    plain = replace(model.settings, copies=0)  # nothing is drawn at random
+    plain = replace(model.settings, copies=0)  # no random copies
     values = object_values(iter(held_out), plain, model.features, model.is_colour, seed)
     sums = model.trees.running_sums(values)
     is_kept = passes(model.settings, model.calibration, sums).all(axis=1)
@@ -264,7 +266,7 @@ def train_on(
 
 
 def _check_possible(shots: Sequence[Shot], settings: IcfSettings) -> None:
-    """Refuse classes that a model cannot have, or too little memory, before hours of training."""
+    """Reject impossible classes or too little memory before hours of training."""
     classes = {label for shot in shots for label in shot.labels if label}
     odd = [name for name in classes if len(name) > LONGEST_NAME or not name.isprintable()]
     if odd:

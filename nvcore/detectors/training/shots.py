@@ -1,4 +1,4 @@
-"""Pictures of a training before they are read, and their scenes, read when they are asked for."""
+"""Training pictures before they are read, and their scenes, which are read on request."""
 
 from __future__ import annotations
 
@@ -19,29 +19,29 @@ from nvcore.wording import one_line
 
 Group = TypeVar("Group", bound=Hashable)
 MOST_BYTES: Final = 1 << 29
-"""Of pictures that stay in memory; any others are read again whenever they are asked for."""
+"""Maximum memory for cached pictures. All others are read again on each request."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """A picture of a training, and what is to be found in it. Boxes are (n, 4): x, y, w, h in px.
+    """Training picture with its objects. Boxes are (n, 4): x, y, w, h in px.
 
     Attributes
     ----------
     read
-        Gives the picture; raises `MediaError` if it cannot.
+        Reads the picture; raises `MediaError` if that fails.
     source
-        Its recording or folder: the pictures of one are all in colour or all grey.
+        Recording or folder. The pictures of one source are all used in colour or all in grey.
     learned
         Boxes of the objects to learn.
     held_out
-        Those on which the rejection is calibrated.
+        Boxes of the objects that calibrate the rejection.
     ignored
-        What is neither object nor background.
+        Regions that are neither object nor background.
     has_background
         Whether the rest of the picture is background to learn from.
     labels
-        Class of each box to learn, "" where it is not known; empty: of none.
+        Class of each box to learn, "" if unknown. Empty: no classes.
     """
 
     read: Callable[[], Picture]
@@ -55,20 +55,20 @@ class Shot:
 
 @dataclass(frozen=True, eq=False)
 class TrainingData:
-    """Pictures and boxes of a training, of a session, of folders, or of both.
+    """Pictures and boxes of a training, from a session, folders, or both.
 
     Attributes
     ----------
     shots
         Pictures in the order of recordings and frames, then of the paths of crops and background.
     trained_on
-        Recordings and frames, those held out included, and fingerprints of folders.
+        Recordings and frames, including those held out, and fingerprints of folders.
     every
-        One in so many evaluated frames is taken.
+        One in this many evaluated frames is used.
     held_out
-        Description of what is held out, empty if there is nothing to hold out.
+        Description of the held-out part, empty if nothing can be held out.
     notes
-        Recordings and frames that have no picture, and how many boxes are left out.
+        Recordings and frames without a picture, and the number of skipped boxes.
     """
 
     shots: Sequence[Shot] = ()
@@ -79,12 +79,12 @@ class TrainingData:
 
 
 class PictureStore:
-    """The shots whose pictures can be read, as scenes. Pictures that fit into memory are read once.
+    """Scenes of the shots with readable pictures. Pictures that fit into memory are read once.
 
     Attributes
     ----------
     faults
-        Why pictures cannot be read, by shot.
+        Reasons why pictures cannot be read, by shot.
     """
 
     def __init__(
@@ -97,7 +97,7 @@ class PictureStore:
         self.faults: dict[int, str] = {}
         self._in_memory: dict[int, Picture] = {}
         self._in_colour: set[str] = set()
-        for i, shot in enumerate(shots):  # in order: a video is quick that way
+        for i, shot in enumerate(shots):  # sequentially, which is fast for videos
             progress(i / len(shots), "reading pictures")
             try:
                 picture = _plain(shot.read())
@@ -111,7 +111,7 @@ class PictureStore:
                 self._in_memory[i] = picture
 
     def picture(self, index: int) -> Picture:
-        """The picture of a shot: grey, unless any of its source has colour."""
+        """Return the picture of a shot, in grey unless any picture of its source has colour."""
         picture = self._in_memory.get(index)
         if picture is None:
             picture = _plain(self.shots[index].read())
@@ -138,7 +138,7 @@ class PictureStore:
 
 
 def _plain(picture: Picture) -> Picture:
-    """The picture with one channel where all are equal."""
+    """Reduce a picture to one channel if all channels are equal."""
     if picture.ndim == 3 and not has_colour(picture):
         return np.ascontiguousarray(picture[..., 0])
     return picture
@@ -147,17 +147,17 @@ def _plain(picture: Picture) -> Picture:
 def hold_out_groups(
     groups: Sequence[Group], share: float, seed: int
 ) -> tuple[NDArray[np.bool_], list[Group]]:
-    """Hold out whole groups, so that none is on both sides.
+    """Hold out whole groups, so that no group is on both sides.
 
-    Groups are recordings, or physical objects, whose pictures are alike.
+    Groups are recordings, or physical objects, since pictures of one group are alike.
 
     Parameters
     ----------
     groups
         Group of each item, (n,).
     share
-        Share of the groups to hold out, rounded. Of two or more groups, at least one is held out
-        and one is not.
+        Share of the groups to hold out, rounded. With two or more groups, at least one is held out
+        and at least one is not.
 
     Returns
     -------
